@@ -1,0 +1,51 @@
+"""Strict task priorities: declare levels in order, get the x that honours that order exactly, with proof.
+
+>>> from hqp import Hierarchy, Level, solve
+>>> hierarchy = Hierarchy([
+...     Level.bounds([-1.0, -1.0], [1.0, 1.0], name="limits"),
+...     Level.equality([[1.0, 1.0]], [3.0], name="reach"),
+... ])
+>>> solution = solve(hierarchy)
+>>> solution.x.round(6).tolist(), solution.certify().ok
+([1.0, 1.0], True)
+"""
+
+from __future__ import annotations
+
+from .backends.registry import ACCURACY, BACKENDS, BackendInfo, available_backends, backend_info
+from .certificate import Certificate, LevelCertificate, certify
+from .errors import HqpError, InvalidInput, MissingPackage, UnknownBackend, Unsupported
+from .hierarchy import Hierarchy, Level
+from .rows import Side
+from .settings import Settings
+from .solution import Counts, LevelSolution, Solution, Status
+from .solve import DEFAULT_BACKEND, Solver, solve
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "ACCURACY",
+    "BACKENDS",
+    "DEFAULT_BACKEND",
+    "BackendInfo",
+    "Certificate",
+    "Counts",
+    "Hierarchy",
+    "HqpError",
+    "InvalidInput",
+    "Level",
+    "LevelCertificate",
+    "LevelSolution",
+    "MissingPackage",
+    "Settings",
+    "Side",
+    "Solution",
+    "Solver",
+    "Status",
+    "UnknownBackend",
+    "Unsupported",
+    "available_backends",
+    "backend_info",
+    "certify",
+    "solve",
+]

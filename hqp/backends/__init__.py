@@ -1,0 +1,1 @@
+"""How to solve a hierarchy: one file a backend, looked up by name, imported when used."""

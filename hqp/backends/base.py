@@ -1,0 +1,36 @@
+"""What every backend looks like from outside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from ..hierarchy import Array, Hierarchy
+from ..solution import Counts, Status
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What a backend returns: its x, what it claims of it, and what it did."""
+
+    x: Array
+    status: Status = Status.OPTIMAL
+    message: str = ""
+    level: int | None = None
+    counts: Counts = field(default_factory=Counts)
+
+
+class Backend(Protocol):
+    """A way to solve hierarchies. Made once a :class:`hqp.Solver`, so it may keep a workspace.
+
+    The hierarchy that arrives has valid numbers; a backend never raises on them and answers with a
+    status instead.
+    """
+
+    def solve(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
+        """Solve, from whatever the last call of the same structure left behind."""
+        ...
+
+    def reset(self) -> None:
+        """Forget what the last call left behind (called when the structure changes)."""
+        ...

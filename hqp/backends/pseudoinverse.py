@@ -1,0 +1,125 @@
+r"""The thesis's closed forms, as short as they can be said: slow, equalities only, obviously right.
+
+Eq. 3.17, for tasks :math:`J_1 \dot\theta = \dot r_1` before :math:`J_2 \dot\theta = \dot r_2`:
+
+.. math::
+
+    \dot\theta = J_1^\# \dot r_1 + \hat J_2^\# (\dot r_2 - J_2 J_1^\# \dot r_1)
+                 + (I - J_1^\# J_1)(I - \hat J_2^\# \hat J_2) z,
+    \qquad \hat J_2 = J_2 (I - J_1^\# J_1).
+
+It is the lexicographic optimum in every rank case, provided that the pseudoinverses are truncated
+relative to the *original* J: a task that lies inside the one above leaves :math:`\hat J_2 \approx 10^{-16}`,
+which relative to itself would have full rank.
+
+Eq. 4.8 (and 3.18), :math:`\ddot\theta = J_1^\# h_1 + (I - J_1^\# J_1) J_2^\# h_2`, projects the motion that
+the second task would make *alone*. It has no algorithmic singularities, and it is not the optimum of
+{J1} > {J2} but of {J1} > {theta'' = J2# h2}: see :func:`joint_form`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import Unsupported
+from ..hierarchy import Array, Hierarchy, Level
+from ..settings import Settings
+from ..solution import Status
+from .base import Answer
+
+INEQUALITIES_GO_TO = "cascade:proxsuite"
+
+
+def prioritized(tasks: list[tuple[Array, Array]], z: Array, cut: float) -> Array:
+    """Eq. 3.17 for any number of tasks (J, r), with z as the last level."""
+    x = np.zeros_like(z)
+    N = np.eye(len(z))
+    for J, r in tasks:
+        J_hat_pinv = pinv(J @ N, cut * norm(J))
+        x = x + J_hat_pinv @ (r - J @ x)
+        N = N - J_hat_pinv @ (J @ N)
+    return x + N @ z
+
+
+def joint_space(tasks: list[tuple[Array, Array]], z: Array, cut: float) -> Array:
+    """Eq. 4.8 for any number of tasks (J, h): each corrects the motion that all below it would make alone."""
+    x = z
+    for J, h in reversed(tasks):
+        J_pinv = pinv(J, cut * norm(J))
+        x = J_pinv @ h + (np.eye(len(z)) - J_pinv @ J) @ x
+    return x
+
+
+def pinv(J: Array, cut: float) -> Array:
+    """Pseudoinverse with singular values up to `cut` (absolute) taken for zero."""
+    U, s, Vt = np.linalg.svd(J, full_matrices=False)
+    kept = s > cut
+    return (Vt[kept].T / s[kept]) @ U[:, kept].T
+
+
+def norm(J: Array) -> float:
+    """Largest singular value of J, the scale of its rank decision."""
+    return float(np.linalg.norm(J, 2)) if J.size else 0.0
+
+
+def equality_tasks(hierarchy: Hierarchy) -> list[tuple[Array, Array]]:
+    """The levels as weighted tasks (J, r); free rows say nothing and are left out.
+
+    Raises
+    ------
+    Unsupported
+        At the first inequality row, with its level and row and a backend which takes it.
+    """
+    tasks = []
+    for k, level in enumerate(hierarchy.levels):
+        equal = level.lower == level.upper
+        free = np.isinf(level.lower) & np.isinf(level.upper)
+        if not np.all(equal | free):
+            row = int(np.argmin(equal | free))
+            raise Unsupported(
+                f"{hierarchy.label(k)}, row {row} is an inequality ({level.lower[row]:g} <= A x <= {level.upper[row]:g});"
+                f' the closed form takes equality rows only: use backend="{INEQUALITIES_GO_TO}"'
+            )
+        weights = level.weights[equal]
+        tasks.append((weights[:, None] * hierarchy.matrix(k)[equal], weights * level.lower[equal]))
+    return tasks
+
+
+def joint_form(hierarchy: Hierarchy, x_ref: Array | None = None, settings: Settings | None = None) -> Hierarchy:
+    """The hierarchy which Eq. 4.8 really solves: {J1 x = h1} > {x = what the lower tasks would do alone}."""
+    cut = (settings or Settings()).rank_tolerance
+    z = np.zeros(hierarchy.n) if x_ref is None else x_ref
+    first, *rest = equality_tasks(hierarchy)
+    alone = joint_space(rest, z, cut)
+    name = hierarchy.levels[0].name
+    return Hierarchy([Level.equality(*first, name=name), Level.bounds(alone, alone, name="joint motion")], n=hierarchy.n)
+
+
+class Pseudoinverse:
+    """Eq. 3.17 as a backend."""
+
+    formula = staticmethod(prioritized)
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+
+    def solve(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
+        try:
+            tasks = equality_tasks(hierarchy)
+        except Unsupported as refusal:
+            return Answer(x_ref.copy(), Status.UNSUPPORTED, str(refusal))
+        return Answer(self.formula(tasks, x_ref, self.settings.rank_tolerance))
+
+    def reset(self) -> None:
+        """Nothing is kept between calls."""
+
+
+class JointSpacePseudoinverse(Pseudoinverse):
+    """Eq. 4.8 as a backend. Its answer is optimal for :func:`joint_form` of the hierarchy, not for the hierarchy."""
+
+    formula = staticmethod(joint_space)
+
+
+def make(name: str, settings: Settings) -> Pseudoinverse:
+    """The backend of that name."""
+    return JointSpacePseudoinverse(settings) if name == "pseudoinverse:joint" else Pseudoinverse(settings)

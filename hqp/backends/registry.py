@@ -1,0 +1,156 @@
+"""Backends as data: names, what each can do, what it needs. Looked up without importing any of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
+
+from ..errors import UnknownBackend
+from ..settings import Settings
+from .base import Backend
+
+#: Relative accuracy in x that an accuracy class stands for.
+ACCURACY = {"exact": 1e-6, "first-order": 1e-3}
+
+
+@dataclass(frozen=True, kw_only=True)
+class BackendInfo:
+    """One backend, before anything of it is imported.
+
+    Attributes
+    ----------
+    name, summary : str
+    module : str
+        Where its ``make(name, settings)`` lives, relative to ``hqp.backends``.
+    accuracy : {"exact", "first-order"}
+        Class of its answers after polish: 1e-6 relative or better, or 1e-3 at worst.
+    inequalities
+        Whether it takes inequality rows.
+    lexicographic
+        Whether it aims at the optimum of the hierarchy as given (Eq. 4.8 aims at that of another one).
+    qp_solver : str
+        The flat QP solver that it drives, if any.
+    package : str
+        Import name of the package it needs, if any beyond the core.
+    install : str
+        What to install to get it.
+    """
+
+    name: str
+    summary: str
+    module: str
+    accuracy: str = "exact"
+    inequalities: bool = True
+    lexicographic: bool = True
+    qp_solver: str = ""
+    package: str = ""
+    install: str = ""
+
+    @property
+    def installed(self) -> bool:
+        """Whether the package it needs can be found (it is not imported)."""
+        return not self.package or _found(self.package)
+
+
+@cache
+def _found(package: str) -> bool:
+    return find_spec(package) is not None
+
+
+# Solvers known to qpsolvers: name -> (import name, what to install, accuracy class after polish).
+_QPSOLVERS = {
+    "proxqp": ("proxsuite", "proxsuite", "exact"),
+    "osqp": ("osqp", "osqp", "first-order"),
+    "daqp": ("daqp", "hqp[solvers]", "exact"),
+    "quadprog": ("quadprog", "hqp[solvers]", "exact"),
+    "clarabel": ("clarabel", "hqp[solvers]", "exact"),
+    "piqp": ("piqp", "hqp[solvers]", "exact"),
+    "cvxopt": ("cvxopt", "cvxopt", "first-order"),
+    "ecos": ("ecos", "ecos", "first-order"),
+    "highs": ("highspy", "highspy", "first-order"),
+    "jaxopt_osqp": ("jaxopt", "jaxopt", "first-order"),
+    "qpalm": ("qpalm", "qpalm", "first-order"),
+    "qpax": ("qpax", "qpax", "first-order"),
+    "scs": ("scs", "scs", "first-order"),
+}
+
+_BACKENDS = [
+    BackendInfo(
+        name="pseudoinverse",
+        summary="closed form, Eq. 3.17 for any number of levels: the reference",
+        module="pseudoinverse",
+        inequalities=False,
+    ),
+    BackendInfo(
+        name="pseudoinverse:joint",
+        summary="closed form, Eq. 4.8 (3.18 in joint space): exact for its own hierarchy {J1} > {x = J2# h2}",
+        module="pseudoinverse",
+        inequalities=False,
+        lexicographic=False,
+    ),
+    BackendInfo(
+        name="cascade:proxsuite",
+        summary="one QP a level, ProxQP's dense interface driven directly: persistent and warm",
+        module="cascade",
+        qp_solver="proxsuite",
+        package="proxsuite",
+        install="proxsuite",
+    ),
+    BackendInfo(
+        name="cascade:osqp",
+        summary="one QP a level, OSQP driven directly: persistent and warm",
+        module="cascade",
+        accuracy="first-order",
+        qp_solver="osqp",
+        package="osqp",
+        install="osqp",
+    ),
+    *(
+        BackendInfo(
+            name=f"cascade:qpsolvers/{solver}",
+            summary=f"one QP a level, {solver} through qpsolvers: set up anew each time",
+            module="cascade",
+            accuracy=accuracy,
+            qp_solver=f"qpsolvers/{solver}",
+            package=package,
+            install=install,
+        )
+        for solver, (package, install, accuracy) in _QPSOLVERS.items()
+    ),
+]
+
+BACKENDS: dict[str, BackendInfo] = {info.name: info for info in _BACKENDS}
+
+
+def available_backends() -> tuple[str, ...]:
+    """Names of the backends that can run here, in the order of the registry."""
+    return tuple(name for name, info in BACKENDS.items() if info.installed)
+
+
+def backend_info(name: str) -> BackendInfo:
+    """Look a backend up by name.
+
+    Raises
+    ------
+    UnknownBackend
+        If there is none of that name, or its package is not installed; the message lists those
+        that can run here.
+    """
+    info = BACKENDS.get(name) if isinstance(name, str) else None
+    if info is None:
+        raise UnknownBackend(f"unknown backend {name!r}; installed here: {', '.join(available_backends())}")
+    if not info.installed:
+        raise UnknownBackend(
+            f"backend {name!r} needs the package {info.package!r} (pip install '{info.install}');"
+            f" installed here: {', '.join(available_backends())}"
+        )
+    return info
+
+
+def make_backend(name: str, settings: Settings) -> Backend:
+    """Import the backend's module, now, and make one."""
+    info = backend_info(name)
+    backend: Backend = import_module(f".{info.module}", __package__).make(info.name, settings)
+    return backend

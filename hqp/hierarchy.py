@@ -1,0 +1,373 @@
+r"""The problem: a lexicographic sequence of least squares, stated once.
+
+A :class:`Hierarchy` of levels :math:`k = 0, \dots, p-1` (0 is the highest) asks for
+
+.. math::
+
+    \operatorname{lex\,min}_{x \in \mathbb{R}^n} \; \bigl(\|D_0 w_0\|, \|D_1 w_1\|, \dots, \|D_{p-1} w_{p-1}\|\bigr)
+    \quad \text{subject to} \quad l_k \le A_k x - w_k \le u_k,
+
+with the weights :math:`D_k = \operatorname{diag}(\text{weights}_k)`, and, to make x unique, for one
+last implicit level :math:`\min \|x - x_\text{ref}\|`. A row with ``lower == upper`` is an equality;
+infinite bounds leave a side, or the whole row, free. The slack of any x is known in closed form:
+``w = A x - clip(A x, lower, upper)``. So a hierarchy always has an answer: a level that cannot be met
+is met as well as the levels above it permit.
+
+All numbers live in one buffer, so that a control loop refills them in place and a snapshot is one
+copy. A level of plain bounds on x keeps indices instead of rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import InvalidInput
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False, repr=False, init=False)
+class Level:
+    """One priority level: ``lower <= A x - w <= upper``, minimising ``||diag(weights) w||``.
+
+    Parameters
+    ----------
+    A : array, shape (m, n)
+        Rows of the level.
+    lower, upper : array, shape (m,)
+        Bounds on ``A x``, in the unit of the row; a scalar stands for every row. ``-inf`` and
+        ``inf`` leave that side free, ``lower == upper`` makes the row an equality.
+    weights : array, shape (m,), optional
+        Positive weights of the rows *inside* this level (default: ones). Priorities are never
+        weights: no weight makes a lower level touch this one.
+    name : str
+        Used in messages, tables and explanations.
+
+    Attributes
+    ----------
+    A : array, shape (m, n), or None
+        None where the level is made of plain bounds (see `indices`).
+    indices : array of int, shape (m,), or None
+        The variables which plain bounds act on; None where the level has rows.
+
+    Raises
+    ------
+    InvalidInput
+        If shapes do not fit, or a weight is not positive and finite. The numbers in A, lower and
+        upper are checked when the hierarchy is solved, because a control loop refills them.
+
+    Notes
+    -----
+    Once in a hierarchy, ``hierarchy.levels[k]`` holds *views*: write ``level.A[:] = ...`` or
+    ``level.lower[:] = ...`` and solve again.
+    """
+
+    A: Array | None
+    lower: Array
+    upper: Array
+    weights: Array
+    indices: Indices | None
+    name: str
+
+    def __init__(
+        self, A: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, weights: ArrayLike | None = None, name: str = ""
+    ) -> None:
+        rows = _array(A, f"{_label(name)}: A")
+        if rows.ndim != 2:
+            raise InvalidInput(f"{_label(name)}: A has shape {rows.shape}; it must have two axes, (rows, unknowns)")
+        m = len(rows)
+        self._set(rows, _column(lower, m, "lower", name), _column(upper, m, "upper", name), weights, None, name)
+
+    @classmethod
+    def equality(cls, A: ArrayLike, b: ArrayLike, *, weights: ArrayLike | None = None, name: str = "") -> Level:
+        """The level ``A x = b``: equality rows, met in the least-squares sense where they conflict."""
+        return cls(A, b, b, weights=weights, name=name)
+
+    @classmethod
+    def bounds(
+        cls,
+        lower: ArrayLike,
+        upper: ArrayLike,
+        *,
+        indices: ArrayLike | None = None,
+        weights: ArrayLike | None = None,
+        name: str = "",
+    ) -> Level:
+        """The level ``lower <= x[indices] <= upper``, without dense rows.
+
+        Without `indices` the bounds act on all of x, in order; a variable may be listed twice.
+        """
+        label = _label(name)
+        low, high = _array(lower, f"{label}: lower"), _array(upper, f"{label}: upper")
+        if indices is None:
+            m = max(low.size, high.size)
+            if low.ndim == high.ndim == 0:
+                raise InvalidInput(f"{label}: scalar bounds do not say how many unknowns there are; give indices or arrays")
+            columns = np.arange(m)
+        else:
+            raw = np.asarray(indices)
+            if raw.ndim != 1 or (raw.size and raw.dtype.kind not in "iu"):
+                raise InvalidInput(f"{label}: indices must be one axis of integers, not {raw.dtype} of shape {raw.shape}")
+            columns = raw.astype(np.intp)
+            if np.any(columns < 0):
+                row = int(np.argmax(columns < 0))
+                raise InvalidInput(f"{label}, row {row}: index {columns[row]} is negative; count unknowns from 0")
+        level = object.__new__(cls)
+        m = len(columns)
+        level._set(None, _column(low, m, "lower", name), _column(high, m, "upper", name), weights, columns, name)
+        return level
+
+    def _set(
+        self, A: Array | None, lower: Array, upper: Array, weights: ArrayLike | None, indices: Indices | None, name: str
+    ) -> None:
+        m = len(lower)
+        scale = np.ones(m) if weights is None else _column(weights, m, "weights", name)
+        wrong = ~((scale > 0) & np.isfinite(scale))
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            raise InvalidInput(f"{_label(name)}, row {row}: weight {scale[row]} must be positive and finite")
+        self._hold(A, lower, upper, scale, indices, name)
+
+    def _hold(self, *values: Array | Indices | str | None) -> Level:
+        """Take these arrays as they are, unchecked and uncopied, in the order of the fields."""
+        for field, value in zip(self.__dataclass_fields__, values, strict=True):
+            object.__setattr__(self, field, value)
+        return self
+
+    def __len__(self) -> int:
+        return len(self.lower)
+
+    def __repr__(self) -> str:
+        equal = self.lower == self.upper
+        free = np.isinf(self.lower) & np.isinf(self.upper) & ~equal
+        two_sided = np.isfinite(self.lower) & np.isfinite(self.upper) & ~equal
+        counts = {
+            "equality": int(equal.sum()),
+            "two-sided": int(two_sided.sum()),
+            "one-sided": int((~equal & ~free & ~two_sided).sum()),
+            "free": int(free.sum()),
+        }
+        rows = ", ".join(f"{count} {kind}" for kind, count in counts.items() if count) or "no rows"
+        where = f"bounds on x{_short(self.indices)}" if self.indices is not None else "rows"
+        return f"Level({self.name!r}, {where}: {rows})"
+
+
+class Hierarchy:
+    """Levels in order of priority, and all their numbers in one place.
+
+    Parameters
+    ----------
+    levels : sequence of Level
+        The highest priority first. Their numbers are copied; change them afterwards through
+        ``hierarchy.levels[k]``.
+    n : int, optional
+        Number of unknowns. Needed only where no level tells (none at all, or only bounds on
+        listed indices).
+
+    Attributes
+    ----------
+    n, m : int
+        Unknowns, and rows of all levels together.
+    levels : tuple of Level
+        Views into the arrays below.
+    A : array, shape (dense rows, n)
+        Rows of all levels that have rows, in order.
+    lower, upper, weights : array, shape (m,)
+        Of all rows, in order; level k owns ``pointers[k]:pointers[k + 1]``.
+    columns : array of int, shape (m,)
+        The variable that a plain bound acts on; -1 for a row of A.
+
+    Raises
+    ------
+    InvalidInput
+        If the levels disagree on the number of unknowns, or an index is out of range.
+    """
+
+    n: int
+    m: int
+    levels: tuple[Level, ...]
+    A: Array
+    lower: Array
+    upper: Array
+    weights: Array
+    columns: Indices
+    pointers: tuple[int, ...]
+
+    def __init__(self, levels: Iterable[Level], *, n: int | None = None) -> None:
+        given = _levels(levels)
+        self.n = _unknowns(given, n)
+        sizes = [len(level) for level in given]
+        self.pointers = (0, *np.cumsum(sizes, dtype=int).tolist())
+        self.m = self.pointers[-1]
+        self.columns = np.concatenate(
+            [level.indices if level.indices is not None else np.full(len(level), -1) for level in given]
+            or [np.zeros(0, dtype=np.intp)]
+        ).astype(np.intp)
+        self._names = tuple(level.name for level in given)
+        self._has_rows = tuple(level.A is not None for level in given)
+        self._lay(np.empty(len(self._dense) * self.n + 3 * self.m))
+        for mine, level in zip(self.levels, given, strict=True):
+            mine.lower[:], mine.upper[:], mine.weights[:] = level.lower, level.upper, level.weights
+            if mine.A is not None and level.A is not None:
+                mine.A[:] = level.A
+
+    def _lay(self, buffer: Array) -> None:
+        """Cut one buffer into A, lower, upper, weights, and these into the levels' views."""
+        n, m = self.n, self.m
+        dense = len(self._dense)
+        self._buffer = buffer
+        self.A = buffer[: dense * n].reshape(dense, n)
+        self.lower, self.upper, self.weights = buffer[dense * n :].reshape(3, m)
+        levels, row = [], 0
+        for k, name in enumerate(self._names):
+            own = slice(self.pointers[k], self.pointers[k + 1])
+            A, indices = None, None
+            if self._has_rows[k]:
+                A = self.A[row : row + own.stop - own.start]
+                row += len(A)
+            else:
+                indices = self.columns[own]
+            view = object.__new__(Level)
+            levels.append(view._hold(A, self.lower[own], self.upper[own], self.weights[own], indices, name))
+        self.levels = tuple(levels)
+
+    def copy(self) -> Hierarchy:
+        """A snapshot with numbers of its own: one buffer copied, the structure shared."""
+        twin = object.__new__(Hierarchy)
+        twin.__dict__.update(self.__dict__)
+        twin._lay(self._buffer.copy())
+        return twin
+
+    def matrix(self, k: int) -> Array:
+        """Dense rows of level k, shape (m_k, n): a view for rows, a fresh 0/1 matrix for plain bounds."""
+        level = self.levels[k]
+        return level.A if level.A is not None else np.eye(self.n)[level.indices]
+
+    def product(self, x: Array) -> Array:
+        """``A x`` over the rows of all levels, shape (m,); plain bounds just pick their variable."""
+        if self._all_dense:
+            return self.A @ x
+        out = x[self.columns]
+        out[self._dense] = self.A @ x
+        return out
+
+    def row_norms(self) -> Array:
+        """Euclidean norm of every row, shape (m,); 1 for a plain bound."""
+        norms = np.ones(self.m)
+        norms[self._dense] = np.sqrt(np.einsum("ij,ij->i", self.A, self.A))
+        return norms
+
+    @cached_property
+    def _dense(self) -> Indices:
+        return np.flatnonzero(self.columns < 0)
+
+    @cached_property
+    def _all_dense(self) -> bool:
+        return bool(np.all(self.columns < 0))
+
+    @property
+    def structure(self) -> tuple[Any, ...]:
+        """What must stay the same for a warm start: sizes and, for plain bounds, their variables."""
+        return (self.n, self.pointers, self._has_rows, self.columns.tobytes())
+
+    def label(self, k: int) -> str:
+        """How messages call level k: ``level 2 ('hand')``."""
+        return f"level {k} ({self._names[k]!r})" if self._names[k] else f"level {k}"
+
+    def locate(self, row: int) -> tuple[int, int]:
+        """Level, and row inside it, of row number `row` of the whole hierarchy."""
+        level = int(np.searchsorted(self.pointers, row, side="right")) - 1
+        return level, row - self.pointers[level]
+
+    def find_fault(self) -> str | None:
+        """The first number that cannot mean anything, as a sentence naming level and row, or None."""
+        if not np.isfinite(self.A).all():
+            row, column = np.argwhere(~np.isfinite(self.A))[0]
+            where = self._where(int(self._dense[row]))
+            return f"{where}: A[{column}] = {self.A[row, column]} must be finite"
+        low, high = self.lower, self.upper
+        wrong = ~(low <= high) | (low == np.inf) | (high == -np.inf)
+        if wrong.any():
+            i = int(np.argmax(wrong))
+            where = self._where(i)
+            if np.isnan(low[i]) or np.isnan(high[i]):
+                return f"{where}: lower = {low[i]}, upper = {high[i]}; a bound must be a number or infinite"
+            if low[i] > high[i]:
+                return f"{where}: lower = {low[i]} > upper = {high[i]}; lower must not exceed upper"
+            return f"{where}: lower = {low[i]}, upper = {high[i]}; lower must be below +inf and upper above -inf"
+        wrong = ~((self.weights > 0) & (self.weights < np.inf))
+        if wrong.any():
+            i = int(np.argmax(wrong))
+            return f"{self._where(i)}: weight {self.weights[i]} must be positive and finite"
+        return None
+
+    def _where(self, row: int) -> str:
+        level, inside = self.locate(row)
+        return f"{self.label(level)}, row {inside}"
+
+    def __repr__(self) -> str:
+        lines = [f"Hierarchy of {len(self.levels)} levels, {self.m} rows, {self.n} unknowns"]
+        return "\n  ".join(lines + [f"{k}: {level!r}" for k, level in enumerate(self.levels)])
+
+
+def _levels(levels: Iterable[Level]) -> list[Level]:
+    if isinstance(levels, Level):
+        raise InvalidInput("a hierarchy takes a sequence of levels, highest first; put the one level into a list")
+    given = list(levels)
+    for k, level in enumerate(given):
+        if not isinstance(level, Level):
+            raise InvalidInput(f"level {k} is a {type(level).__name__}; it must be a hqp.Level")
+    return given
+
+
+def _unknowns(levels: Sequence[Level], n: int | None) -> int:
+    """Number of unknowns on which all levels agree."""
+    if n is None:
+        rows = [level.A.shape[1] for level in levels if level.A is not None]
+        highest = [int(level.indices.max()) + 1 for level in levels if level.indices is not None and len(level)]
+        if not rows and not highest:
+            raise InvalidInput("the levels do not tell how many unknowns there are; give n")
+        n = rows[0] if rows else max(highest)
+    elif not (isinstance(n, int | np.integer) and n >= 0):
+        raise InvalidInput(f"n = {n!r} must be a non-negative integer")
+    for k, level in enumerate(levels):
+        label = f"level {k} ({level.name!r})" if level.name else f"level {k}"
+        if level.A is not None and level.A.shape[1] != n:
+            raise InvalidInput(f"{label}: A has shape {level.A.shape}, but the hierarchy has {n} unknowns")
+        if level.indices is not None and np.any(level.indices >= n):
+            row = int(np.argmax(level.indices >= n))
+            raise InvalidInput(f"{label}, row {row}: index {level.indices[row]}, but the hierarchy has {n} unknowns")
+    return int(n)
+
+
+def _array(value: ArrayLike, what: str) -> Array:
+    try:
+        return np.array(value, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InvalidInput(f"{what} is not an array of real numbers ({error})") from None
+
+
+def _column(value: ArrayLike, m: int, what: str, name: str) -> Array:
+    array = _array(value, f"{_label(name)}: {what}")
+    if array.ndim == 0:
+        return np.full(m, float(array))
+    if array.shape != (m,):
+        raise InvalidInput(f"{_label(name)}: {what} has shape {array.shape}; it must be ({m},), one number a row")
+    return array
+
+
+def _label(name: str) -> str:
+    return f"level {name!r}" if name else "level"
+
+
+def _short(indices: Indices) -> str:
+    if np.array_equal(indices, np.arange(len(indices))):
+        return f"[:{len(indices)}]"
+    return "[" + ", ".join(map(str, indices[:6])) + (", ..." if len(indices) > 6 else "") + "]"

@@ -1,0 +1,70 @@
+"""Where the rows of a hierarchy stand at a point x: slacks, sides, and how much round-off is forgiven."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .hierarchy import Array, Hierarchy
+
+#: Round-off of A x, in units of the largest length that takes part in it.
+ROUND_OFF = 4 * np.finfo(np.float64).eps
+
+
+class Side(IntEnum):
+    """On which of its bounds a row sits, or which it violates."""
+
+    LOWER = -1
+    INACTIVE = 0
+    UPPER = 1
+    EQUALITY = 2
+
+
+@dataclass(frozen=True, eq=False)
+class RowStates:
+    """All rows of a hierarchy at x, arrays of shape (m,).
+
+    Attributes
+    ----------
+    slack
+        Raw ``w = A x - clip(A x, lower, upper)``.
+    tolerance
+        How far a row may be from a bound and still count as being on it.
+    sides
+        A :class:`Side` a row. Rows whose two bounds are closer than the tolerance are equalities.
+    violated
+        ``|slack| > tolerance``.
+    norms
+        Euclidean norms of the rows.
+    """
+
+    slack: Array
+    tolerance: Array
+    sides: NDArray[np.int8]
+    violated: NDArray[np.bool_]
+    norms: Array
+
+
+def row_states(hierarchy: Hierarchy, x: Array, tolerance: float) -> RowStates:
+    """Classify every row at x; `tolerance` is relative, see :class:`hqp.Settings`."""
+    lower, upper = hierarchy.lower, hierarchy.upper
+    value = hierarchy.product(x)
+    target = np.clip(value, lower, upper)
+    slack = value - target
+    norms = hierarchy.row_norms()
+    length = np.sqrt(x @ x)
+    allowed = tolerance * (np.abs(value) + np.abs(target) + norms * length)
+    # Where x is itself the small difference of large targets, ||x|| says nothing of the round-off in it.
+    reach = np.divide(np.abs(slack), norms, out=np.zeros_like(norms), where=norms > 0).max(initial=0.0)
+    allowed += ROUND_OFF * norms * max(length, reach)
+
+    at_upper = value >= upper - allowed
+    at_lower = value <= lower + allowed
+    sides = np.zeros(hierarchy.m, dtype=np.int8)
+    sides[at_upper] = Side.UPPER
+    sides[at_lower] = Side.LOWER
+    sides[(at_upper & at_lower) | (lower == upper)] = Side.EQUALITY
+    return RowStates(slack, allowed, sides, np.abs(slack) > allowed, norms)

@@ -1,0 +1,54 @@
+"""How exactly to solve: tolerances and iteration limits, in one frozen place."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+from .errors import InvalidInput
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """Tolerances and limits, all relative to the data and therefore without units.
+
+    Parameters
+    ----------
+    tolerance
+        A row counts as satisfied within ``tolerance * (|A_i x| + |bound_i| + ||A_i|| ||x||)``.
+    rank_tolerance
+        A row direction counts as dependent on the levels above when what is left of it, after
+        projection, is at most ``rank_tolerance`` times the norm of the *original* row.
+    proximal_weight
+        The rho of the cascade: each level minimises ``1/2 ||A x - b||^2 + rho/2 ||y - y_prev||^2``,
+        with the rows of the level scaled so that the largest has norm one.
+    proximal_steps
+        The most times a level is solved again, warm, from its own last answer.
+    polish
+        Whether each level of the cascade ends with an equality least squares on its active rows.
+    qp_tolerance
+        What is asked of the flat QP solvers, for rows of unit norm and targets of order one.
+    qp_iterations
+        The most iterations that a flat QP solver may spend on one QP.
+
+    Raises
+    ------
+    InvalidInput
+        If a tolerance is not a positive finite number or a limit is not a positive integer.
+    """
+
+    tolerance: float = 1e-10
+    rank_tolerance: float = 1e-9
+    proximal_weight: float = 1e-7
+    proximal_steps: int = 5
+    polish: bool = True
+    qp_tolerance: float = 1e-9
+    qp_iterations: int = 4000
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.type == "float" and not (0 < value < math.inf):
+                raise InvalidInput(f"settings: {field.name} = {value!r} must be a positive finite number")
+            if field.type == "int" and not (isinstance(value, int) and value >= 1):
+                raise InvalidInput(f"settings: {field.name} = {value!r} must be an integer of at least 1")

@@ -1,0 +1,178 @@
+"""What came out of a solve: x, a status, and everything that can be said of every level."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .hierarchy import Array, Hierarchy
+from .rows import RowStates, Side, row_states
+from .subspace import split
+
+if TYPE_CHECKING:
+    from .certificate import Certificate
+
+
+class Status(Enum):
+    """How an answer was reached. Every hierarchy of valid numbers has an answer."""
+
+    OPTIMAL = "optimal"
+    SUBOPTIMAL = "suboptimal"
+    STALLED = "stalled"
+    FAILED = "failed"
+    UNSUPPORTED = "unsupported"
+    INVALID = "invalid"
+
+    def __str__(self) -> str:
+        return self.value
+
+
+@dataclass(frozen=True, kw_only=True)
+class Counts:
+    """What the solve was made of.
+
+    Attributes
+    ----------
+    qp_solves
+        QPs handed to the named solver, proximal steps included.
+    proximal_steps
+        Those of them that solved a level again from its own last answer.
+    polishes
+        Equality least squares on active rows, kept or not.
+    levels_solved
+        Levels, the implicit last one included, that the named solver solved.
+    levels_met
+        Levels that needed no solver: already met, without slack, by what the levels above
+        left them, or no unknown left to move.
+    levels_polished
+        Levels whose polish was kept.
+    """
+
+    qp_solves: int = 0
+    proximal_steps: int = 0
+    polishes: int = 0
+    levels_solved: int = 0
+    levels_met: int = 0
+    levels_polished: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class LevelSolution:
+    """One level at the solution.
+
+    Attributes
+    ----------
+    name : str
+    slack : array, shape (m_k,)
+        Raw slack ``w = A x - clip(A x, lower, upper)``, in the unit of the row.
+    residual_norm : float
+        Weighted: ``||D_k w_k||``.
+    rank : int
+        Directions of x which this level fixes among those that the levels above left open: the
+        rank of its equality and violated rows in the null space of theirs.
+    active : array of int8, shape (m_k,)
+        :class:`hqp.Side` of each row: -1 at (or below) its lower bound, 0 inside, 1 at (or
+        above) its upper bound, 2 equality.
+    multipliers : array
+        What holds this level back: one number for every row of levels 0..k-1, positive at an
+        upper bound. Their unit is that of ``D_k^2 w_k A_k`` divided by that of the row's A.
+    """
+
+    name: str
+    slack: Array
+    rank: int
+    active: NDArray[np.int8]
+    residual_norm: float
+    multipliers: Array
+
+    def __repr__(self) -> str:
+        active = int(np.count_nonzero((self.active == Side.LOWER) | (self.active == Side.UPPER)))
+        return (
+            f"LevelSolution({self.name!r}: residual_norm={self.residual_norm:.6g}, rank={self.rank},"
+            f" {active} of {len(self.slack)} rows at a bound)"
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Solution:
+    """The answer of one backend to one hierarchy. Nothing but x is computed until it is asked for.
+
+    Attributes
+    ----------
+    x : array, shape (n,)
+        Always finite. Where a level failed: the last good x, optimal for the levels above it.
+    status : Status
+    message : str
+        Why, where the status is not OPTIMAL.
+    level : int or None
+        The level at which a status other than OPTIMAL arose.
+    backend : str
+    counts : Counts
+    hierarchy : Hierarchy
+        Snapshot of the numbers that were solved.
+    x_ref : array, shape (n,)
+    """
+
+    x: Array
+    status: Status
+    backend: str
+    hierarchy: Hierarchy
+    x_ref: Array
+    message: str = ""
+    level: int | None = None
+    counts: Counts = field(default_factory=Counts)
+    tolerance: float = 1e-10
+
+    @property
+    def ok(self) -> bool:
+        """The backend's own claim. The proof is ``solution.certify().ok``."""
+        return self.status is Status.OPTIMAL
+
+    @cached_property
+    def levels(self) -> tuple[LevelSolution, ...]:
+        """Slack, residual, rank, active rows and multipliers of every level."""
+        if self.status is Status.INVALID:
+            return ()
+        h, rows, judged = self.hierarchy, self._rows, self.certify(unique=False).levels
+        ranks = self._ranks(rows)
+        return tuple(
+            LevelSolution(
+                name=level.name,
+                slack=rows.slack[a:b],
+                rank=ranks[k],
+                active=rows.sides[a:b],
+                residual_norm=judged[k].residual_norm,
+                multipliers=judged[k].multipliers,
+            )
+            for k, (level, a, b) in enumerate(zip(h.levels, h.pointers[:-1], h.pointers[1:], strict=True))
+        )
+
+    @cached_property
+    def _rows(self) -> RowStates:
+        return row_states(self.hierarchy, self.x, self.tolerance)
+
+    def _ranks(self, rows: RowStates) -> list[int]:
+        h, ranks, Z = self.hierarchy, [], np.eye(self.hierarchy.n)
+        for k in range(len(h.levels)):
+            own = slice(h.pointers[k], h.pointers[k + 1])
+            frozen = (rows.sides[own] == Side.EQUALITY) | rows.violated[own]
+            range_, null = split(h.matrix(k)[frozen] @ Z, rows.norms[own][frozen], 1e-9)
+            ranks.append(range_.shape[1])
+            Z = Z @ null
+        return ranks
+
+    def certify(self, *, unique: bool = True, tolerance: float = 1e-9) -> Certificate:
+        """The proof of this answer, or by how much it falls short; see :func:`hqp.certify`."""
+        from .certificate import certify
+
+        return certify(self.hierarchy, self.x, self.x_ref, unique=unique, tolerance=tolerance)
+
+    def __repr__(self) -> str:
+        head = f"Solution({self.status} by {self.backend}, x = {np.array2string(self.x, precision=6, threshold=8)})"
+        lines = [head] + ([f"  {self.message}"] if self.message else [])
+        return "\n".join(lines + [f"  {k}: {level!r}" for k, level in enumerate(self.levels)])
