@@ -1,0 +1,152 @@
+"""Polish: from a QP solver's 1e-9 to round-off, by one equality least squares on the rows found active.
+
+A level of the cascade is the small problem, in coordinates y of the null space left by the levels
+above,
+
+    min 1/2 sum_i dist(v_i + B_i y, [lower_i, upper_i])^2   subject to   low <= p + N y <= high.
+
+Where its active rows are known, it is an equality-constrained least squares. The QP solver's answer
+tells them nearly always; where round-off blurred one, the optimality conditions say which, the guess
+is mended and the least squares solved again, a few times.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from ..hierarchy import Array
+from ..subspace import split
+
+Signs = NDArray[np.int8]
+
+#: Rounds of mending: all faults at once, and after these one at a time.
+BLOCK_ROUNDS, ROUNDS = 6, 30
+#: A multiplier counts beyond this share of the forces in the level.
+SIGNIFICANT = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class LevelProblem:
+    """The problem above. Rows B belong to the level, rows N to the satisfied inequalities of the levels before.
+
+    `value` is ``A x`` and `place` is ``N_x x`` at y = 0; `norms` are those of the rows before
+    projection (the hard rows had norm one); `slack` and `margin` are the tolerances on both.
+    """
+
+    B: Array
+    value: Array
+    lower: Array
+    upper: Array
+    norms: Array
+    slack: Array
+    N: Array
+    place: Array
+    low: Array
+    high: Array
+    margin: Array
+
+    def excess(self, y: Array) -> Array:
+        """``B y + value`` minus its nearest admissible value."""
+        value = self.value + self.B @ y
+        return value - np.clip(value, self.lower, self.upper)
+
+    def objective(self, y: Array) -> float:
+        """``1/2 ||w||^2``."""
+        w = self.excess(y)
+        return 0.5 * float(w @ w)
+
+    def infeasibility(self, y: Array) -> float:
+        """How far the worst hard row is outside, beyond its tolerance; 0 if none is."""
+        place = self.place + self.N @ y
+        return float(np.maximum(np.maximum(place - self.high, self.low - place) - self.margin, 0.0).max(initial=0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Polished:
+    """The point, whether it meets the optimality conditions to round-off, and which hard rows press (-1, 0, 1)."""
+
+    y: Array
+    verified: bool
+    pressing: Signs
+    rounds: int
+
+
+def polish(problem: LevelProblem, y: Array, pressing: Signs, rank_tolerance: float) -> Polished:
+    """Least squares on the active rows at y, mended until the optimality conditions hold or patience ends."""
+    active = pressing.copy()
+    excess = problem.excess(y)
+    equality = problem.lower == problem.upper
+    pulled: Signs = np.where(np.abs(excess) > 1e-7 * problem.norms, np.sign(excess), 0).astype(np.int8)
+    for turn in range(1, ROUNDS + 1):
+        y = _least_squares(problem, y, active, pulled, equality, rank_tolerance)
+        faults, forces = _faults(problem, y, active, pulled, equality)
+        if not faults:
+            return Polished(y, True, np.where(forces, active, 0).astype(np.int8), turn)
+        for kind, row, sign in faults if turn <= BLOCK_ROUNDS else faults[:1]:
+            (active if kind == "hard" else pulled)[row] = sign
+    return Polished(y, False, active, ROUNDS)
+
+
+def _least_squares(
+    problem: LevelProblem, y: Array, active: Signs, pulled: Signs, equality: NDArray[np.bool_], rank_tolerance: float
+) -> Array:
+    """Smallest step from y to the least squares of the pulled rows on the active hard rows."""
+    hard = np.flatnonzero(active)
+    rows = problem.N[hard]
+    goal = np.where(active[hard] > 0, problem.high[hard], problem.low[hard]) - problem.place[hard]
+    fixed, Z = split(rows, np.ones(len(hard)), rank_tolerance)
+    if len(hard):
+        y = y + fixed @ np.linalg.lstsq(rows @ fixed, goal - rows @ y, rcond=None)[0]
+    chosen = equality | (pulled != 0)
+    target = np.where(pulled > 0, problem.upper, problem.lower)[chosen]
+    rows = problem.B[chosen] @ Z
+    span, _ = split(rows, problem.norms[chosen], rank_tolerance)
+    if span.shape[1]:
+        gap = target - problem.value[chosen] - problem.B[chosen] @ y
+        y = y + Z @ (span @ np.linalg.lstsq(rows @ span, gap, rcond=None)[0])
+    return y
+
+
+def _faults(
+    problem: LevelProblem, y: Array, active: Signs, pulled: Signs, equality: NDArray[np.bool_]
+) -> tuple[list[tuple[str, int, int]], NDArray[np.bool_]]:
+    """What contradicts optimality at y: (kind, row, new sign), the worst first; and which hard rows carry force."""
+    faults: list[tuple[float, str, int, int]] = []
+    place = problem.place + problem.N @ y
+    for outside, sign in ((place - problem.high, 1), (problem.low - place, -1)):
+        for row in np.flatnonzero((outside > problem.margin) & (active != sign)):
+            faults.append((float(outside[row]), "hard", int(row), sign))
+
+    value = problem.value + problem.B @ y
+    for outside, scale, sign in ((value - problem.upper, problem.slack, 1), (problem.lower - value, problem.slack, -1)):
+        for row in np.flatnonzero((outside > scale) & (pulled != sign) & ~equality):
+            faults.append((float(outside[row] / problem.norms[row]), "level", int(row), sign))
+        for row in np.flatnonzero((outside < -scale) & (pulled == sign) & ~equality):
+            faults.append((float(-outside[row] / problem.norms[row]), "level", int(row), 0))
+
+    excess = problem.excess(y)
+    excess[np.abs(excess) <= problem.slack] = 0.0
+    forces = np.zeros(len(active), dtype=bool)
+    scale = float(problem.norms @ np.abs(excess))
+    hard = np.flatnonzero(active)
+    if len(hard) and scale > 0.0:
+        gradient = problem.B.T @ excess / scale
+        outward = problem.N[hard] * active[hard, None]
+        multipliers = np.linalg.lstsq(outward.T, -gradient, rcond=1e-12)[0]
+        if multipliers.min() < -SIGNIFICANT:
+            try:  # dependent rows leave a choice of multipliers: is there one without a wrong sign?
+                chosen, left = nnls(outward.T, -gradient)
+            except RuntimeError:
+                chosen, left = np.maximum(multipliers, 0.0), np.inf
+            if left <= SIGNIFICANT:
+                multipliers = chosen
+            else:
+                for i in np.flatnonzero(multipliers < -SIGNIFICANT):
+                    faults.append((float(-multipliers[i]), "hard", int(hard[i]), 0))
+        forces[hard] = multipliers > 1e2 * SIGNIFICANT
+    faults.sort(reverse=True)
+    return [fault[1:] for fault in faults], forces

@@ -1,0 +1,100 @@
+"""Every solver that qpsolvers finds installed. Set up anew each time: qpsolvers keeps no problem between calls."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import qpsolvers
+
+from ..errors import MissingPackage
+from ..hierarchy import Array
+from ..settings import Settings
+from .problem import FlatQP, FlatResult, Sizes
+
+#: For a QP without constraints, qpsolvers answers by LSQR *instead of* these solvers' own method unless told
+#: otherwise; the row 0 y <= 1 tells it otherwise. The solvers not listed here get that row.
+_SOLVE_UNCONSTRAINED = {"daqp", "osqp", "piqp", "proxqp", "quadprog"}
+
+#: Those of them that use a starting point.
+_WARM = {"osqp", "proxqp"}
+
+
+def options(solver: str, settings: Settings) -> dict[str, Any]:
+    """The settings in the solver's own words."""
+    eps, iterations = settings.qp_tolerance, settings.qp_iterations
+    known: dict[str, dict[str, Any]] = {
+        "proxqp": {"eps_abs": eps, "eps_rel": 0.0, "max_iter": iterations},
+        "osqp": {"eps_abs": max(eps, 1e-8), "eps_rel": 0.0, "max_iter": iterations},
+        "daqp": {"primal_tol": eps, "dual_tol": eps, "iter_limit": iterations},
+        "clarabel": {"tol_gap_abs": eps, "tol_gap_rel": eps, "tol_feas": eps},
+        "piqp": {"eps_abs": eps, "eps_rel": eps},
+        "scs": {"eps_abs": eps, "eps_rel": 0.0, "max_iters": 10 * iterations},
+    }
+    return known.get(solver, {})
+
+
+class QPSolvers:
+    """One solver of qpsolvers under the protocol of this package."""
+
+    def __init__(self, solver: str, settings: Settings) -> None:
+        if solver not in qpsolvers.available_solvers:
+            raise MissingPackage(f"qpsolvers finds {', '.join(qpsolvers.available_solvers)} here, but not {solver!r}")
+        self.solver = solver
+        self.options = options(solver, settings)
+        self.qp: FlatQP | None = None
+        self.guess: Array | None = None
+
+    def solve(self, qp: FlatQP) -> FlatResult:
+        self.qp = qp
+        boxed = qp.box_lower is not None and qp.box_upper is not None
+        C, lower, upper = qp.C, qp.lower, qp.upper
+        as_rows = boxed and not (np.isfinite(qp.box_lower).all() and np.isfinite(qp.box_upper).all())
+        if as_rows and qp.box_lower is not None and qp.box_upper is not None:
+            C = np.concatenate([C, np.eye(len(qp.g))])
+            lower, upper = np.concatenate([lower, qp.box_lower]), np.concatenate([upper, qp.box_upper])
+        above, below = np.flatnonzero(upper < np.inf), np.flatnonzero(lower > -np.inf)
+        G = np.concatenate([C[above], -C[below]])
+        h = np.concatenate([upper[above], -lower[below]])
+        lb, ub = (qp.box_lower, qp.box_upper) if boxed and not as_rows else (None, None)
+        if not len(h) and lb is None and self.solver not in _SOLVE_UNCONSTRAINED:
+            G, h = np.zeros((1, len(qp.g))), np.ones(1)
+        problem = qpsolvers.Problem(qp.H, qp.g, G if len(h) else None, h if len(h) else None, lb=lb, ub=ub)
+        found, message = self._run(problem)
+
+        rows = np.zeros(len(lower))
+        if found is not None and found.z is not None and len(found.z) >= len(above) + len(below):
+            z = np.asarray(found.z, dtype=np.float64)
+            np.add.at(rows, above, z[: len(above)])
+            np.add.at(rows, below, -z[len(above) : len(above) + len(below)])
+        box = np.zeros(len(qp.g))
+        if as_rows:
+            rows, box = rows[: len(qp.lower)], rows[len(qp.lower) :]
+        elif found is not None and found.z_box is not None and len(found.z_box) == len(box):
+            box = np.asarray(found.z_box, dtype=np.float64)
+        y = np.full(len(qp.g), np.nan) if found is None or found.x is None else np.asarray(found.x, dtype=np.float64)
+        solved = found is not None and bool(found.found)
+        self.guess = y if solved and self.solver in _WARM and np.isfinite(y).all() else None
+        return FlatResult(y, solved, message, rows, box)
+
+    def _run(self, problem: qpsolvers.Problem) -> tuple[qpsolvers.Solution | None, str]:
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            try:
+                found = qpsolvers.solve_problem(problem, self.solver, initvals=self.guess, **self.options)
+            except (qpsolvers.exceptions.QPError, ValueError, ArithmeticError) as error:
+                return None, f"{type(error).__name__}: {error}"
+        message = "; ".join(str(warning.message) for warning in said)
+        return found, message or ("solved" if found.found else "not solved")
+
+    def move(self, g: Array) -> FlatResult:
+        if self.qp is None:
+            raise RuntimeError("move before solve")
+        return self.solve(replace(self.qp, g=g))
+
+
+def make(solver: str, sizes: Sizes, settings: Settings) -> QPSolvers:
+    """The named solver of qpsolvers."""
+    return QPSolvers(solver, settings)
