@@ -1,0 +1,54 @@
+"""Robotics on top of :mod:`hqp`: declare tasks in order of priority, get the motion that honours it.
+
+>>> from tasks import Controller, OrientationTask, PlanarArm, PositionTask
+>>> arm = PlanarArm([0.5, 0.5, 0.5])
+>>> stack = PositionTask([1.0, 0.2], gain=2.0) >> OrientationTask(0.0, gain=2.0)
+>>> controller = Controller(arm, stack, order="velocity", backend="pseudoinverse")
+>>> step = controller([1.1, -1.3, -0.7], [0.0, 0.0, 0.0])
+>>> step.v.shape, step.ok
+((3,), True)
+"""
+
+from __future__ import annotations
+
+from .joint_motion import JointMotion
+from .limits.acceleration import JointAccelerationLimit
+from .limits.velocity import JointVelocityLimit
+from .motion.controller import Controller, Step
+from .motion.simulation import Record, simulate
+from .motion.trajectories import Fixed, Line, Trajectory, cubic
+from .orientation import OrientationTask
+from .part import Order, Part, Tick
+from .position import PositionTask
+from .posture import PostureTask
+from .robots.planar import PlanarArm, PlanarState
+from .robots.robot import Robot, RobotState
+from .stack import Stack
+from .task import TargetTask, Task
+
+__all__ = [
+    "Controller",
+    "Fixed",
+    "JointAccelerationLimit",
+    "JointMotion",
+    "JointVelocityLimit",
+    "Line",
+    "Order",
+    "OrientationTask",
+    "Part",
+    "PlanarArm",
+    "PlanarState",
+    "PositionTask",
+    "PostureTask",
+    "Record",
+    "Robot",
+    "RobotState",
+    "Stack",
+    "Step",
+    "TargetTask",
+    "Task",
+    "Tick",
+    "Trajectory",
+    "cubic",
+    "simulate",
+]

@@ -1,0 +1,72 @@
+r"""The motion that a task would make alone, as a task in joint space.
+
+The thesis's law, Eq. 4.8,
+
+.. math:: \ddot\theta = J_1^\# h_1 + (I - J_1^\# J_1) J_2^\# h_2,
+
+projects the motion :math:`J_2^\# h_2` that the second task would make on its own. It is the answer of
+the hierarchy {J1 a = h1} > {a = J2# h2}, hence ``PositionTask(...) >> JointMotion(OrientationTask(...))``.
+It has no algorithmic singularities, and pays with accuracy: the strict stack
+``PositionTask(...) >> OrientationTask(...)`` meets the second task better wherever both can be met.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from hqp import InvalidInput
+
+from ._checks import Array, numbers
+from .part import Order, Part, Tick
+from .robots.robot import Robot, RobotState
+from .task import Task
+
+#: Singular values up to this share of the largest count as zero.
+RANK_TOLERANCE = 1e-9
+
+
+class JointMotion(Part):
+    """Follow, joint by joint, what `task` would do alone: rows ``x = J# h``.
+
+    Parameters
+    ----------
+    task : Task
+        Its J and h (Eq. 4.7, or the velocity law) give the motion of least norm that it asks for.
+    """
+
+    plain: ClassVar[bool] = True
+    rows = None
+
+    def __init__(self, task: Task) -> None:
+        if not isinstance(task, Task):
+            raise InvalidInput(f"JointMotion takes a Task, not a {type(task).__name__}")
+        self.task = task
+        self.name = f"joint motion of {task.name}"
+        self.weight = numbers(1.0, "weight")
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        self.task.check(robot, order, dt)
+
+    def error(self, state: RobotState, t: float) -> Array:
+        """The error of the task itself, shape (rows of the task,)."""
+        return self.task.error(state, t)
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        J, h = self.task.control(tick)
+        lower[:] = alone(J, h)
+        upper[:] = lower
+
+    def __repr__(self) -> str:
+        return f"JointMotion({self.task!r})"
+
+
+def alone(J: Array, h: Array) -> Array:
+    """``J# h`` by a truncated pseudoinverse; NaN where J or h is not finite, for the solver to report."""
+    if len(h) == 1:  # one row: J# = J^T / ||J||^2
+        square = float(J[0] @ J[0])
+        return J[0] * (h[0] / square) if square != 0.0 else np.zeros(J.shape[1])
+    if not np.isfinite(J).all():
+        return np.full(J.shape[1], np.nan)
+    return np.asarray(np.linalg.pinv(J, rcond=RANK_TOLERANCE) @ h)

@@ -1,0 +1,1 @@
+"""What the joints can do, as levels of plain bounds: one kind of limit a file."""

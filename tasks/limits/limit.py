@@ -1,0 +1,63 @@
+"""What joint limits share: a bound on x itself, in every joint."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from .._checks import Array, numbers, per_row, positive
+from ..part import Order, Part
+from ..robots.robot import Robot
+
+
+class JointLimit(Part):
+    """Base of the limits that are one number a joint.
+
+    Parameters
+    ----------
+    limit : float or array, shape (nv,), optional
+        Positive; None for the robot's own.
+    name : str, optional
+
+    Raises
+    ------
+    InvalidInput
+        If a limit is not positive and finite.
+    """
+
+    plain: ClassVar[bool] = True
+    quantity: ClassVar[str]
+    unit: ClassVar[str]
+    rows = None
+
+    def __init__(self, limit: ArrayLike | None = None, *, name: str | None = None) -> None:
+        self.name = self.quantity if name is None else name
+        self.limit = None if limit is None else positive(limit, f"{self.label()}: limit", unit=self.unit)
+        self.weight = numbers(1.0, "weight")
+
+    def largest(self, robot: Robot) -> Array:
+        """The limit of each joint of this robot, shape (nv,), in the unit of the class.
+
+        Raises
+        ------
+        InvalidInput
+            If neither this limit nor the robot has a number, or there is not one a joint.
+        """
+        limit = self.limit if self.limit is not None else getattr(robot, f"{self.quantity}_limit", None)
+        if limit is None:
+            raise InvalidInput(
+                f"{self.label()}: the robot has no {self.quantity} limit of its own;"
+                f" give one in {self.unit}: {type(self).__name__}(3.0)"
+            )
+        return per_row(limit, robot.nv, f"{self.label()}: limit", "joint")
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        self.largest(robot)
+        if dt is None and order != self.quantity:
+            raise InvalidInput(f"{self.label()}: at {order} order it needs the tick; give the controller dt in s")
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({'' if self.limit is None else self.limit.tolist()})"

@@ -1,0 +1,36 @@
+"""How fast the joints may turn."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from .._checks import Array
+from ..part import Tick
+from .limit import JointLimit
+
+
+class JointVelocityLimit(JointLimit):
+    r"""No joint turns faster than its limit [rad/s].
+
+    Velocity order: :math:`-v_{max} \le x \le v_{max}`. Acceleration order:
+    :math:`(-v_{max} - v)/dt \le a \le (v_{max} - v)/dt`, so that the *next* velocity ``v + a dt``
+    keeps the limit.
+
+    Parameters
+    ----------
+    limit : float or array, shape (nv,), optional
+        [rad/s]; None for the robot's own.
+    name : str, optional
+    """
+
+    quantity: ClassVar[str] = "velocity"
+    unit: ClassVar[str] = "rad/s"
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        limit = self.largest(tick.robot)
+        if tick.order == "velocity":
+            lower[:], upper[:] = -limit, limit
+        else:
+            assert tick.dt is not None  # checked before the first tick
+            lower[:] = (-limit - tick.state.v) / tick.dt
+            upper[:] = (limit - tick.state.v) / tick.dt

@@ -1,0 +1,133 @@
+"""One call a tick: robot state in, motion out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import hqp
+from hqp import InvalidInput, Settings, Solution
+
+from .._checks import Array, numbers, positive_scalar
+from ..part import Order, Part
+from ..robots.robot import Robot, RobotState
+from ..stack import Stack
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Step:
+    """What the controller says for one tick.
+
+    Attributes
+    ----------
+    order : {"velocity", "acceleration"}
+    state : RobotState
+        Where the robot was.
+    solution : hqp.Solution
+        How well every level is met; ``.certify().ok`` is the proof.
+    v : array, shape (nv,), or None
+        Joint velocities [rad/s], at velocity order.
+    a : array, shape (nv,), or None
+        Joint accelerations [rad/s^2], at acceleration order.
+    """
+
+    order: Order
+    state: RobotState
+    solution: Solution
+    v: Array | None = None
+    a: Array | None = None
+
+    @property
+    def ok(self) -> bool:
+        """Whether the solver claims the optimum; look at ``solution`` otherwise."""
+        return self.solution.ok
+
+
+class Controller:
+    """Turns a stack of tasks into motion, tick by tick, warm from the last.
+
+    Parameters
+    ----------
+    robot : Robot
+    stack : Stack, or a single task
+        What is wanted, in order of priority.
+    order : {"velocity", "acceleration"}
+        What the robot is commanded with.
+    dt : float, optional
+        Time between two calls [s]; limits need it, and the simulation.
+    backend : str
+        A name from ``hqp.available_backends()``.
+    settings : hqp.Settings, optional
+
+    Raises
+    ------
+    InvalidInput
+        At once, if the order is neither, dt is not positive, the backend is unknown, or a task does
+        not fit the robot.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        stack: Stack | Part,
+        *,
+        order: Order = "velocity",
+        dt: float | None = None,
+        backend: str = hqp.DEFAULT_BACKEND,
+        settings: Settings | None = None,
+    ) -> None:
+        if order not in get_args(Order):
+            raise InvalidInput(f"order = {order!r}; it must be one of {', '.join(map(repr, get_args(Order)))}")
+        self.robot = robot
+        self.stack = stack if isinstance(stack, Stack) else Stack(stack)
+        self.order: Order = order
+        self.dt = None if dt is None else positive_scalar(dt, "dt", unit="s")
+        self._rows = self.stack.build(robot, order, self.dt)
+        self._solver = hqp.Solver(backend, settings)
+
+    @property
+    def backend(self) -> str:
+        """Name of the backend."""
+        return self._solver.backend
+
+    @property
+    def hierarchy(self) -> hqp.Hierarchy:
+        """The rows of the last tick (views: the next call refills them)."""
+        return self._rows.hierarchy
+
+    def __call__(self, q: ArrayLike, v: ArrayLike, t: float = 0.0) -> Step:
+        """The motion for this tick.
+
+        Parameters
+        ----------
+        q : array, shape (nq,)
+            Joint positions [rad].
+        v : array, shape (nv,)
+            Joint velocities [rad/s].
+        t : float
+            Time [s], for targets that move.
+
+        Raises
+        ------
+        InvalidInput
+            If q or v has the wrong shape. Numbers never raise: where they are not finite the
+            status of the solution is INVALID.
+        """
+        position, velocity = numbers(q, "q"), numbers(v, "v")
+        for what, value, size in ("q", position, self.robot.nq), ("v", velocity, self.robot.nv):
+            if value.shape != (size,):
+                raise InvalidInput(f"{what} has shape {value.shape}; the robot takes ({size},), one number a joint")
+        with np.errstate(all="ignore"):
+            state = self.robot.at(position, velocity)
+            hierarchy = self._rows.fill(state, t)
+        solution = self._solver.solve(hierarchy)
+        if self.order == "velocity":
+            return Step("velocity", state, solution, v=solution.x)
+        return Step("acceleration", state, solution, a=solution.x)
+
+    def __repr__(self) -> str:
+        tick = "" if self.dt is None else f", dt={self.dt:g}"
+        return f"Controller({self.robot!r}, {self.stack!r}, order={self.order!r}{tick}, backend={self.backend!r})"

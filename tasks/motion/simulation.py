@@ -1,0 +1,259 @@
+r"""The loop closed: controller and robot, tick after tick, and the record of it.
+
+The command holds over the tick and the robot follows it exactly:
+
+.. math::
+
+    \text{acceleration order:}\quad & q \leftarrow q + v\,dt + \tfrac12 a\,dt^2, \quad v \leftarrow v + a\,dt \\
+    \text{velocity order:}\quad & q \leftarrow q + v\,dt
+
+which is the exact motion under such a command: what a run shows is the controller, not the integrator.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput, Solution, Status
+
+from .._checks import Array, finite, positive_scalar
+from ..robots.robot import RobotState
+from ..stack import Stack
+from .controller import Controller
+
+#: Joint speed [rad/s] beyond which a run counts as diverged: 16 turns a second.
+SPEED_CAP = 100.0
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Why a run ended before its time.
+
+    Attributes
+    ----------
+    t : float
+        When [s].
+    reason : str
+    diverged : bool
+        Whether the motion left all bounds; otherwise the solver had no answer.
+    """
+
+    t: float
+    reason: str
+    diverged: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """What happened, read-only arrays: N ticks and the N + 1 states around them.
+
+    Attributes
+    ----------
+    t : array, shape (N + 1,)
+        Time [s].
+    q, v : array, shape (N + 1, n)
+        Joint positions [rad] and velocities [rad/s]; at velocity order v[k + 1] is the command of tick k.
+    a : array, shape (N, n)
+        Joint accelerations [rad/s^2] over each tick; at velocity order (v[k + 1] - v[k]) / dt.
+    pose : array, shape (N + 1, ...)
+        Of the tip, in the coordinates of the robot.
+    errors : dict of arrays, shape (N + 1, rows)
+        Of every task, by its name, desired - actual.
+    status : tuple of hqp.Status, length N
+    checked, certified : int
+        How many ticks were put to the certificate, and how many passed.
+    stopped : Stop or None
+        None for a run that went to its end.
+    """
+
+    t: Array
+    q: Array
+    v: Array
+    a: Array
+    pose: Array
+    errors: dict[str, Array]
+    status: tuple[Status, ...]
+    checked: int
+    certified: int
+    stopped: Stop | None
+
+    @property
+    def certified_share(self) -> float:
+        """Share of the checked ticks which the certificate accepts; NaN if none was checked."""
+        return self.certified / self.checked if self.checked else float("nan")
+
+    @property
+    def diverged_at(self) -> float | None:
+        """When the motion left all bounds [s], or None."""
+        return self.stopped.t if self.stopped and self.stopped.diverged else None
+
+    def __len__(self) -> int:
+        """Number of ticks N."""
+        return len(self.a)
+
+    def __repr__(self) -> str:
+        end = f", stopped: {self.stopped.reason}" if self.stopped else ""
+        proof = f", {self.certified} of {self.checked} checked ticks certified" if self.checked else ""
+        return f"Record({len(self)} ticks, t = {self.t[0]:g} .. {self.t[-1]:g} s{proof}{end})"
+
+
+def simulate(
+    controller: Controller,
+    q0: ArrayLike,
+    v0: ArrayLike | None = None,
+    *,
+    duration: float,
+    start: float = 0.0,
+    speed_cap: float = SPEED_CAP,
+    certify: int = 50,
+    proof: Callable[[Solution], bool] | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Record:
+    """Run a controller on the robot it was made for.
+
+    Parameters
+    ----------
+    controller : Controller
+        With its dt [s]: one solve a tick.
+    q0 : array, shape (nq,)
+        Joint positions at the start [rad].
+    v0 : array, shape (nv,), optional
+        Joint velocities at the start [rad/s] (default: at rest).
+    duration : float
+        [s], rounded to whole ticks.
+    start : float
+        Time of the first tick [s].
+    speed_cap : float
+        A run in which a joint turns faster than this [rad/s] has diverged and stops.
+    certify : int
+        Put every so many-th tick to the certificate; 0 for none.
+    proof : callable, optional
+        The judge of those ticks (default: ``solution.certify().ok``).
+    progress : callable, optional
+        Told the share of the run that is done, about a hundred times.
+
+    Returns
+    -------
+    Record
+        Up to the tick before, if the run diverges or the solver has no answer: see ``stopped``.
+
+    Raises
+    ------
+    InvalidInput
+        If the controller has no dt, the start is not finite or has the wrong shape, or a number
+        is out of range.
+    """
+    dt = controller.dt
+    if dt is None:
+        raise InvalidInput("simulate needs the tick; give the controller dt in s")
+    ticks = round(positive_scalar(duration, "duration", unit="s") / dt)
+    if ticks < 1:
+        raise InvalidInput(f"duration = {duration} s is shorter than one tick, dt = {dt} s")
+    cap = positive_scalar(speed_cap, "speed cap", unit="rad/s")
+    if not (isinstance(certify, int) and certify >= 0):
+        raise InvalidInput(f"certify = {certify!r} must be a whole number: every so many-th tick, 0 for none")
+    robot = controller.robot
+    q = finite(q0, "q0")
+    v = np.zeros(robot.nv) if v0 is None else finite(v0, "v0")
+    judge = proof if proof is not None else _certified
+    report_every = max(ticks // 100, 1)
+
+    log = _Log(controller.stack, ticks, robot.at(q, v))
+    checked = certified = 0
+    stopped = None
+    for k in range(ticks):
+        t = start + k * dt
+        step = controller(q, v, t)
+        log.state(k, t, step.state)
+        if not step.ok:
+            where = f" ({step.solution.message})" if step.solution.message else ""
+            stopped = Stop(t, f"{step.solution.status} at t = {t:g} s{where}", diverged=False)
+            break
+        if certify and k % certify == 0:
+            checked += 1
+            certified += judge(step.solution)
+
+        if step.a is not None:
+            a = step.a
+            q = q + dt * v + (0.5 * dt * dt) * a
+            v = v + dt * a
+        else:
+            assert step.v is not None
+            a = (step.v - v) / dt
+            v = step.v
+            q = q + dt * v
+        speed = float(np.abs(v).max(initial=0.0))
+        if not speed <= cap:  # NaN too
+            stopped = Stop(t + dt, f"diverged at t = {t + dt:g} s: a joint turns at {speed:.3g} rad/s", diverged=True)
+            break
+        log.tick(k, a, step.solution.status)
+        if progress is not None and (k + 1) % report_every == 0:
+            progress((k + 1) / ticks)
+    else:
+        log.state(ticks, start + ticks * dt, robot.at(q, v))
+    return log.record(checked, certified, stopped)
+
+
+def _certified(solution: Solution) -> bool:
+    return solution.certify().ok
+
+
+class _Log:
+    """Preallocated arrays, filled tick by tick and cut to what happened."""
+
+    def __init__(self, stack: Stack, ticks: int, first: RobotState) -> None:
+        nq, nv = len(first.q), len(first.v)
+        self.t = np.empty(ticks + 1)
+        self.q, self.v = np.empty((ticks + 1, nq)), np.empty((ticks + 1, nv))
+        self.a = np.empty((ticks, nv))
+        self.pose = np.empty((ticks + 1, len(first.pose)))
+        self.status: list[Status] = []
+        self.states = 0
+        self.tasks = [
+            (name, error, np.empty((ticks + 1, len(error(first, 0.0))))) for name, error in _named_errors(stack)
+        ]
+
+    def state(self, k: int, t: float, state: RobotState) -> None:
+        self.t[k], self.q[k], self.v[k], self.pose[k] = t, state.q, state.v, state.pose
+        for _, error, values in self.tasks:
+            values[k] = error(state, t)
+        self.states = k + 1
+
+    def tick(self, k: int, a: Array, status: Status) -> None:
+        self.a[k] = a
+        self.status.append(status)
+
+    def record(self, checked: int, certified: int, stopped: Stop | None) -> Record:
+        n = self.states
+        return Record(
+            t=_frozen(self.t[:n]),
+            q=_frozen(self.q[:n]),
+            v=_frozen(self.v[:n]),
+            a=_frozen(self.a[: n - 1]),
+            pose=_frozen(self.pose[:n]),
+            errors={name: _frozen(values[:n]) for name, _, values in self.tasks},
+            status=tuple(self.status[: n - 1]),
+            checked=checked,
+            certified=certified,
+            stopped=stopped,
+        )
+
+
+def _named_errors(stack: Stack) -> Iterator[tuple[str, Callable[[RobotState, float], Array]]]:
+    """The error of every part that has one, under its name; a second of the same name is numbered."""
+    taken: dict[str, int] = {}
+    for part in stack:
+        error = getattr(part, "error", None)
+        if error is not None:
+            taken[part.name] = taken.get(part.name, 0) + 1
+            yield part.name if taken[part.name] == 1 else f"{part.name} {taken[part.name]}", error
+
+
+def _frozen(array: Array) -> Array:
+    own = array.copy()
+    own.flags.writeable = False
+    return own

@@ -1,0 +1,77 @@
+"""What can stand in a stack: tasks and limits, and how they are put in order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+from ._checks import Array
+from .robots.robot import Robot, RobotState
+
+if TYPE_CHECKING:
+    from .stack import Stack
+
+#: What the unknown x of the hierarchy is: joint velocities [rad/s], or joint accelerations [rad/s^2].
+Order = Literal["velocity", "acceleration"]
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """One call of the controller: robot, its state, the time t [s], the order of control, the tick dt [s]."""
+
+    robot: Robot
+    state: RobotState
+    t: float
+    order: Order
+    dt: float | None
+
+
+class Part:
+    """A task or a limit: it owns some rows of one level and writes them anew every tick.
+
+    Parts are ordered by ``a >> b`` (b below a) and joined on one level by ``a + b``; Python's
+    precedence reads ``a >> b + c`` as ``a >> (b + c)``.
+
+    Attributes
+    ----------
+    rows : int or None
+        Number of rows; None for one row a joint velocity.
+    plain : bool
+        Whether the rows are those of the identity: bounds on x itself, kept without a matrix.
+    name : str
+    weight : array, shape () or (rows,)
+        Weight of the rows inside their level.
+    """
+
+    rows: int | None
+    plain: ClassVar[bool] = False
+    name: str
+    weight: Array
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        """Refuse, once and before the first tick, what cannot work with this robot.
+
+        Raises
+        ------
+        InvalidInput
+        """
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        """Write this tick's rows in place: A (rows, nv), None where the level is plain, and the bounds (rows,)."""
+        raise NotImplementedError
+
+    def __rshift__(self, lower: Part | Stack) -> Stack:
+        """``self >> lower``: `lower` may only use what this part leaves free."""
+        from .stack import Stack
+
+        return Stack(self) >> lower
+
+    def __add__(self, other: Part | Stack) -> Stack:
+        """``self + other``: both on the same level."""
+        from .stack import Stack
+
+        return Stack(self) + other
+
+    def label(self) -> str:
+        """How messages call this part: ``PositionTask 'hand'``."""
+        return f"{type(self).__name__} {self.name!r}"

@@ -1,0 +1,173 @@
+r"""An arm of any number of revolute links in the plane (Fig. 4.1 of the thesis).
+
+With the angle of link i against the x axis :math:`\alpha_i = q_1 + \dots + q_i`,
+
+.. math::
+
+    x = \sum_i l_i \cos\alpha_i, \qquad y = \sum_i l_i \sin\alpha_i, \qquad \varphi = \alpha_n,
+
+where :math:`\varphi` is the plain, *unwrapped* sum of the joint angles (Eq. 4.3): a full turn is 2 pi,
+not 0. Positive angles turn counter-clockwise; the base frame has its origin in the first joint.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from .._checks import Array, numbers, per_row, positive
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PlanarState:
+    """A planar arm at one instant; see :class:`tasks.robots.robot.RobotState`.
+
+    Attributes
+    ----------
+    q, v : array, shape (n,)
+        Joint angles [rad] and velocities [rad/s].
+    points : array, shape (n + 1, 2)
+        Base, joints and tip [m].
+    pose : array, shape (3,)
+        (x [m], y [m], phi [rad]).
+    jacobian : array, shape (3, n)
+        Rows x, y [m/rad] and phi [1].
+    twist, drift : array, shape (3,)
+        ``J v`` [m/s, m/s, rad/s] and ``Jdot v`` [m/s^2, m/s^2, rad/s^2].
+    """
+
+    q: Array
+    v: Array
+    points: Array
+    pose: Array
+    jacobian: Array
+    twist: Array
+    drift: Array
+
+
+class PlanarArm:
+    """A chain of links in the plane, each turning about the end of the one before.
+
+    Parameters
+    ----------
+    lengths : array, shape (n,)
+        Link lengths [m], at least one.
+    velocity_limit : float or array, shape (n,), optional
+        Largest joint speed [rad/s], used by limits which name none.
+    acceleration_limit : float or array, shape (n,), optional
+        Largest joint acceleration [rad/s^2].
+    name : str
+
+    Raises
+    ------
+    InvalidInput
+        If there is no link, or a length or limit is not positive and finite.
+    """
+
+    lengths: Array
+    nq: int
+    nv: int
+    velocity_limit: Array | None
+    acceleration_limit: Array | None
+
+    def __init__(
+        self,
+        lengths: ArrayLike,
+        *,
+        velocity_limit: ArrayLike | None = None,
+        acceleration_limit: ArrayLike | None = None,
+        name: str = "",
+    ) -> None:
+        given = numbers(lengths, "link lengths")
+        if given.ndim != 1 or not given.size:
+            raise InvalidInput(
+                f"link lengths have shape {given.shape}; give one positive length [m] a link, at least one"
+            )
+        for link, length in enumerate(given):
+            if not 0 < length < np.inf:
+                raise InvalidInput(f"link {link}: length {length} m must be positive and finite")
+        self.lengths = given
+        self.nq = self.nv = len(given)
+        self.name = name
+        self.velocity_limit = self._limit(velocity_limit, "velocity limit", "rad/s")
+        self.acceleration_limit = self._limit(acceleration_limit, "acceleration limit", "rad/s^2")
+
+    def _limit(self, value: ArrayLike | None, what: str, unit: str) -> Array | None:
+        if value is None:
+            return None
+        return per_row(positive(value, f"{self!r}: {what}", unit=unit), self.nv, f"{self!r}: {what}", "joint")
+
+    def points(self, q: ArrayLike) -> Array:
+        """Base, joints and tip [m], shape (n + 1, 2)."""
+        return self._points(self._joints(q, "q"))[1]
+
+    def pose(self, q: ArrayLike) -> Array:
+        """Tip position and orientation (x [m], y [m], phi [rad]), shape (3,); phi is unwrapped."""
+        angles, points = self._points(self._joints(q, "q"))
+        return np.array([*points[-1], angles[-1]])
+
+    def jacobian(self, q: ArrayLike) -> Array:
+        """Rows x, y, phi of ``d pose / dq``, shape (3, n)."""
+        J = np.ones((3, self.nv))
+        J[:2] = _turn(self._points(self._joints(q, "q"))[1])
+        return J
+
+    def jacobian_dot(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """Time derivative of the Jacobian while the joints turn at v [rad/s], shape (3, n)."""
+        angles, _ = self._points(self._joints(q, "q"))
+        rates = self.lengths * np.cumsum(self._joints(v, "v"))
+        velocities = _chain(-rates * np.sin(angles), rates * np.cos(angles))
+        Jdot = np.zeros((3, self.nv))
+        Jdot[:2] = _turn(velocities)
+        return Jdot
+
+    def at(self, q: ArrayLike, v: ArrayLike) -> PlanarState:
+        """Everything that tasks ask for at (q, v), each quantity computed once.
+
+        Raises
+        ------
+        InvalidInput
+            If q [rad] or v [rad/s] has not one number a joint. NaN passes: the solver reports it.
+        """
+        q, v = self._joints(q, "q"), self._joints(v, "v")
+        angles, points = self._points(q)
+        pose = np.array([points[-1, 0], points[-1, 1], angles[-1]])
+        J = np.ones((3, self.nv))
+        J[:2] = _turn(points)
+        # Jdot v: every link pulls its end towards its beginning at length * rate^2.
+        drift = np.zeros(3)
+        drift[:2] = -(np.cumsum(v) ** 2) @ np.diff(points, axis=0)
+        return PlanarState(q, v, points, pose, J, J @ v, drift)
+
+    def _points(self, q: Array) -> tuple[Array, Array]:
+        """Angles of the links against the x axis, shape (n,), and the points between them."""
+        angles = np.cumsum(q)
+        return angles, _chain(self.lengths * np.cos(angles), self.lengths * np.sin(angles))
+
+    def _joints(self, value: ArrayLike, what: str) -> Array:
+        joints = np.asarray(value, dtype=np.float64)
+        if joints.shape != (self.nv,):
+            raise InvalidInput(f"{what} has shape {joints.shape}; {self!r} takes ({self.nv},), one number a joint")
+        return joints
+
+    def __repr__(self) -> str:
+        label = f", name={self.name!r}" if self.name else ""
+        return f"PlanarArm({self.lengths.tolist()}{label})"
+
+
+def _chain(dx: Array, dy: Array) -> Array:
+    """Sums of the links from the base on, shape (n + 1, 2)."""
+    points = np.zeros((len(dx) + 1, 2))
+    np.cumsum(dx, out=points[1:, 0])
+    np.cumsum(dy, out=points[1:, 1])
+    return points
+
+
+def _turn(points: Array) -> Array:
+    """Columns ``z x (tip - joint)``: how the tip moves when one joint turns, shape (2, n)."""
+    arms = points[-1] - points[:-1]
+    return np.array([-arms[:, 1], arms[:, 0]])

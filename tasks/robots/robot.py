@@ -1,0 +1,67 @@
+"""What tasks and controllers ask of a robot. Any object that answers is a robot."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from .._checks import Array
+
+
+class RobotState(Protocol):
+    """One robot at one instant: everything that tasks of the same tick share, computed once.
+
+    Attributes
+    ----------
+    q : array, shape (nq,)
+        Joint positions [rad].
+    v : array, shape (nv,)
+        Joint velocities [rad/s].
+    pose : array
+        What the tip is doing, in the coordinates of the robot: (x [m], y [m], phi [rad]) if planar.
+    jacobian : array, shape (len(pose), nv)
+        Rows of ``d pose / dt = J v``.
+    twist : array, shape (len(pose),)
+        ``J v``.
+    drift : array, shape (len(pose),)
+        ``Jdot v``, the acceleration of the tip while the joints do not accelerate (Eq. 4.4).
+    """
+
+    @property
+    def q(self) -> Array: ...
+    @property
+    def v(self) -> Array: ...
+    @property
+    def pose(self) -> Array: ...
+    @property
+    def jacobian(self) -> Array: ...
+    @property
+    def twist(self) -> Array: ...
+    @property
+    def drift(self) -> Array: ...
+
+
+class Robot(Protocol):
+    """A robot: sizes, its own limits if it has any, and its state at (q, v).
+
+    Attributes
+    ----------
+    nq, nv : int
+        Number of joint positions and of joint velocities.
+    velocity_limit : array, shape (nv,), or None
+        Largest joint speed [rad/s].
+    acceleration_limit : array, shape (nv,), or None
+        Largest joint acceleration [rad/s^2].
+    """
+
+    @property
+    def nq(self) -> int: ...
+    @property
+    def nv(self) -> int: ...
+    @property
+    def velocity_limit(self) -> Array | None: ...
+    @property
+    def acceleration_limit(self) -> Array | None: ...
+
+    def at(self, q: Array, v: Array) -> RobotState:
+        """The state at joint positions q [rad] and velocities v [rad/s]."""
+        ...

@@ -1,0 +1,157 @@
+"""Tasks and limits in order of priority, and the hierarchy that they write."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from hqp import Hierarchy, InvalidInput, Level
+
+from ._checks import Array, per_row
+from .part import Order, Part, Tick
+from .robots.robot import Robot, RobotState
+
+ALLOWED = "a stack takes tasks, limits and stacks: a >> b puts b below a, a + b puts both on one level"
+
+
+class Stack:
+    """Levels of tasks and limits, the highest first.
+
+    ``limits >> position + orientation >> posture`` declares three levels; ``+`` binds tighter than
+    ``>>``. ``Stack(a, b, c)`` is ``a >> b >> c``. A stack is a declaration: it holds no numbers of
+    any robot or tick and may serve several controllers.
+
+    Parameters
+    ----------
+    *parts : task, limit or Stack
+        The highest priority first.
+
+    Attributes
+    ----------
+    levels : tuple of tuples of Part
+
+    Raises
+    ------
+    InvalidInput
+        If there is nothing in it, something is neither a task nor a limit, or one of them comes twice.
+    """
+
+    levels: tuple[tuple[Part, ...], ...]
+
+    def __init__(self, *parts: Part | Stack) -> None:
+        if not parts:
+            raise InvalidInput(f"an empty stack asks for nothing; {ALLOWED}")
+        self.levels = tuple(level for part in parts for level in _levels_of(part))
+        seen: set[int] = set()
+        for part in self:
+            if id(part) in seen:
+                raise InvalidInput(f"{part.label()} is in the stack twice; make a second one if both are meant")
+            seen.add(id(part))
+
+    def __rshift__(self, lower: Part | Stack) -> Stack:
+        return Stack(self, lower)
+
+    def __add__(self, other: Part | Stack) -> Stack:
+        mine, theirs = self.levels, _levels_of(other)
+        if len(mine) != 1 or len(theirs) != 1:
+            raise InvalidInput(
+                f"+ joins parts of one level, but got {self!r} + {other!r};"
+                " say which level is meant with brackets: a >> (b + c)"
+            )
+        joined = object.__new__(Stack)
+        joined.levels = (mine[0] + theirs[0],)
+        return Stack(joined)
+
+    def __iter__(self) -> Iterator[Part]:
+        """All parts, from the highest level down."""
+        return (part for level in self.levels for part in level)
+
+    def __len__(self) -> int:
+        """Number of levels."""
+        return len(self.levels)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Stack) and self.levels == other.levels
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return " >> ".join(" + ".join(map(repr, level)) for level in self.levels)
+
+    def build(self, robot: Robot, order: Order, dt: float | None = None) -> Rows:
+        """The hierarchy of this stack for one robot, ready to be filled.
+
+        Parameters
+        ----------
+        robot : Robot
+        order : {"velocity", "acceleration"}
+            Whether x is the joint velocities [rad/s] or accelerations [rad/s^2].
+        dt : float, optional
+            Tick [s]; needed by limits of the other order.
+
+        Returns
+        -------
+        Rows
+            Its ``.hierarchy`` holds the numbers, its ``.fill(state, t)`` writes them.
+
+        Raises
+        ------
+        InvalidInput
+            If a part does not fit the robot; names the part.
+        """
+        return Rows(self, robot, order, dt)
+
+
+class Rows:
+    """A stack at work on one robot: a hierarchy, and which part writes where.
+
+    Attributes
+    ----------
+    hierarchy : hqp.Hierarchy
+        Refilled in place: nothing is stacked or copied per tick.
+    """
+
+    def __init__(self, stack: Stack, robot: Robot, order: Order, dt: float | None) -> None:
+        self._robot, self._order, self._dt = robot, order, dt
+        for part in stack:
+            part.check(robot, order, dt)
+        self.hierarchy = Hierarchy([_empty_level(level, robot.nv) for level in stack.levels], n=robot.nv)
+        self._views: list[tuple[Part, Array | None, Array, Array]] = []
+        for view, parts in zip(self.hierarchy.levels, stack.levels, strict=True):
+            row = 0
+            for part in parts:
+                own = slice(row, row + count(part, robot.nv))
+                row = own.stop
+                self._views.append((part, None if view.A is None else view.A[own], view.lower[own], view.upper[own]))
+
+    def fill(self, state: RobotState, t: float) -> Hierarchy:
+        """Let every part write its rows for this state and time t [s]; the hierarchy, for convenience."""
+        tick = Tick(self._robot, state, t, self._order, self._dt)
+        for part, A, lower, upper in self._views:
+            part.write(tick, A, lower, upper)
+        return self.hierarchy
+
+
+def count(part: Part, nv: int) -> int:
+    """Rows of a part on a robot with nv joint velocities."""
+    return nv if part.rows is None else part.rows
+
+
+def _empty_level(parts: tuple[Part, ...], nv: int) -> Level:
+    """One level without numbers yet: plain bounds if all its parts are plain, rows otherwise."""
+    name = " + ".join(part.name for part in parts)
+    weights = np.concatenate([per_row(p.weight, count(p, nv), f"{p.label()}: weight") for p in parts])
+    zeros = np.zeros(len(weights))
+    if all(part.plain for part in parts):
+        return Level.bounds(zeros, zeros, indices=np.tile(np.arange(nv), len(parts)), weights=weights, name=name)
+    A = np.concatenate([np.eye(nv) if part.plain else np.zeros((count(part, nv), nv)) for part in parts])
+    return Level(A, zeros, zeros, weights=weights, name=name)
+
+
+def _levels_of(part: Part | Stack) -> tuple[tuple[Part, ...], ...]:
+    if isinstance(part, Stack):
+        return part.levels
+    if isinstance(part, Part):
+        return ((part,),)
+    raise InvalidInput(f"{part!r} is a {type(part).__name__}; {ALLOWED}")

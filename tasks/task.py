@@ -1,0 +1,176 @@
+r"""A task: an error to be brought to zero, and one control law for both orders.
+
+With the error :math:`e = r^d - r` (Eq. 4.6), :math:`\dot r = J \dot q` and one gain K [1/s]:
+
+.. math::
+
+    \text{velocity order:}\quad & J \dot q = \dot r^d + K e \\
+    \text{acceleration order:}\quad & J \ddot q = \ddot r^d - \dot J \dot q + c_1 \dot e + c_2 e,
+    \qquad c_1 = 2 \zeta K, \; c_2 = K^2 \quad \text{(Eq. 4.7)}
+
+so that :math:`\dot e = -K e`, or :math:`\ddot e + c_1 \dot e + c_2 e = 0` (Eq. 4.5). The thesis's
+coefficients are exactly those of :math:`\zeta = 1`, critical damping: 20 /min and 100 /min^2 are
+K = 10 /min, 100 /min and 2500 /min^2 are K = 50 /min.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from ._checks import Array, per_row, positive, positive_scalar
+from .motion.trajectories import Trajectory, as_trajectory
+from .part import Part, Tick
+from .robots.robot import Robot, RobotState
+
+
+class Task(Part):
+    """Base of all tasks. A task of your own needs `rows`, `error` and `jacobian`:
+
+    >>> class HeightTask(Task):
+    ...     rows = 1
+    ...     def error(self, state, t):
+    ...         return 0.5 - state.pose[1:2]
+    ...     def jacobian(self, state):
+    ...         return state.jacobian[1:2]
+    >>> HeightTask(gain=2.0)
+    HeightTask(gain=2)
+
+    Parameters
+    ----------
+    gain : float or array, shape (rows,)
+        K [1/s]: the rate at which the error decays.
+    damping_ratio : float
+        The zeta of acceleration order; 1 is critical damping.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    name : str, optional
+        Used in messages, tables and records (default: the name of the class).
+
+    Raises
+    ------
+    InvalidInput
+        If a gain, a weight or the damping ratio is not positive and finite; names task and row.
+    """
+
+    rows: int | None = None
+
+    def __init__(
+        self, *, gain: ArrayLike, damping_ratio: float = 1.0, weight: ArrayLike = 1.0, name: str | None = None
+    ) -> None:
+        self.name = type(self).__name__.removesuffix("Task").lower() if name is None else name
+        self.gain = positive(gain, f"{self.label()}: gain", unit="1/s")
+        self.weight = positive(weight, f"{self.label()}: weight")
+        self.damping_ratio = positive_scalar(damping_ratio, f"{self.label()}: damping ratio")
+        if self.rows is not None:
+            per_row(self.gain, self.rows, f"{self.label()}: gain")
+            per_row(self.weight, self.rows, f"{self.label()}: weight")
+        self._c1 = 2.0 * self.damping_ratio * self.gain
+        self._c2 = self.gain**2
+
+    def error(self, state: RobotState, t: float) -> Array:
+        """``e = desired - actual`` (Eq. 4.6) at time t [s], shape (rows,), in [m] or [rad]."""
+        raise NotImplementedError(f"{type(self).__name__} must define error(state, t)")
+
+    def jacobian(self, state: RobotState) -> Array:
+        """How the actual value follows the joints, shape (rows, nv)."""
+        raise NotImplementedError(f"{type(self).__name__} must define jacobian(state)")
+
+    def drift(self, state: RobotState) -> Array | float:
+        """``Jdot v``, shape (rows,); needed at acceleration order where the Jacobian changes."""
+        return 0.0
+
+    def feedforward(self, t: float) -> tuple[Array | float, Array | float]:
+        """Velocity and acceleration of the desired value at time t [s]; zero for one that stands still."""
+        return 0.0, 0.0
+
+    def control(self, tick: Tick) -> tuple[Array, Array]:
+        """The rows J x = h of this tick, shapes (rows, nv) and (rows,), by the law of the module's docstring."""
+        J = self.jacobian(tick.state)
+        e = self.error(tick.state, tick.t)
+        rd_dot, rd_ddot = self.feedforward(tick.t)
+        if tick.order == "velocity":
+            return J, rd_dot + self.gain * e
+        e_dot = rd_dot - J @ tick.state.v
+        return J, rd_ddot - self.drift(tick.state) + self._c1 * e_dot + self._c2 * e
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        J, h = self.control(tick)
+        if A is not None:
+            A[:] = J
+        lower[:] = h
+        upper[:] = h
+
+    def check(self, robot: Robot, order: str, dt: float | None) -> None:
+        """Try the task once at q = 0: a shape that does not fit is refused here, not in the loop."""
+        rows = robot.nv if self.rows is None else self.rows
+        per_row(self.gain, rows, f"{self.label()}: gain")
+        state = robot.at(np.zeros(robot.nq), np.zeros(robot.nv))
+        for what, value, shape in [
+            ("error", self.error(state, 0.0), (rows,)),
+            ("jacobian", self.jacobian(state), (rows, robot.nv)),
+        ]:
+            if np.shape(value) != shape:
+                raise InvalidInput(
+                    f"{self.label()}: {what} has shape {np.shape(value)}; with this robot it must be {shape}"
+                )
+
+    def __repr__(self) -> str:
+        parts = [f"gain={_short(self.gain)}"]
+        if self.damping_ratio != 1.0:
+            parts.append(f"damping_ratio={self.damping_ratio:g}")
+        if np.any(self.weight != 1.0):
+            parts.append(f"weight={_short(self.weight)}")
+        if self.name != type(self).__name__.removesuffix("Task").lower():
+            parts.append(f"name={self.name!r}")
+        return f"{type(self).__name__}({', '.join(self._shown() + parts)})"
+
+    def _shown(self) -> list[str]:
+        """What the repr tells before the gain."""
+        return []
+
+
+class TargetTask(Task):
+    """A task whose desired value is given: an array that stands still, or a trajectory.
+
+    Subclasses define `measure` and `jacobian`.
+
+    Parameters
+    ----------
+    target : array, shape (rows,), or Trajectory
+        Desired value in [m] or [rad]; a trajectory brings its own feed-forward.
+    gain, damping_ratio, weight, name
+        See :class:`Task`.
+    """
+
+    def __init__(
+        self,
+        target: ArrayLike | Trajectory,
+        *,
+        gain: ArrayLike,
+        damping_ratio: float = 1.0,
+        weight: ArrayLike = 1.0,
+        name: str | None = None,
+    ) -> None:
+        super().__init__(gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+        self.target = as_trajectory(target, self.rows, self.label())
+
+    def measure(self, state: RobotState) -> Array:
+        """The actual value r, shape (rows,)."""
+        raise NotImplementedError(f"{type(self).__name__} must define measure(state)")
+
+    def error(self, state: RobotState, t: float) -> Array:
+        return self.target(t)[0] - self.measure(state)
+
+    def feedforward(self, t: float) -> tuple[Array, Array]:
+        _, velocity, acceleration = self.target(t)
+        return velocity, acceleration
+
+    def _shown(self) -> list[str]:
+        return [repr(self.target)]
+
+
+def _short(value: Array) -> str:
+    return f"{float(value):.4g}" if value.ndim == 0 else str([float(f"{x:.4g}") for x in value])
