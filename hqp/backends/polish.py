@@ -118,8 +118,8 @@ def _faults(
     faults: list[tuple[float, str, int, int]] = []
     place = problem.place + problem.N @ y
     for outside, sign in ((place - problem.high, 1), (problem.low - place, -1)):
-        for row in np.flatnonzero((outside > problem.margin) & (active != sign)):
-            faults.append((float(outside[row]), "hard", int(row), sign))
+        for row in np.flatnonzero(outside > problem.margin):  # active and yet outside: the active rows contradict
+            faults.append((float(outside[row]), "hard", int(row), sign if active[row] != sign else 0))
 
     value = problem.value + problem.B @ y
     for outside, scale, sign in ((value - problem.upper, problem.slack, 1), (problem.lower - value, problem.slack, -1)):

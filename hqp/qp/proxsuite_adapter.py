@@ -21,6 +21,12 @@ class ProxQP:
         self.qp.settings.eps_abs = settings.qp_tolerance
         self.qp.settings.eps_rel = 0.0
         self.qp.settings.max_iter = settings.qp_iterations
+        # Without the gap, a point strictly inside a row that carries a dual counts as solved.
+        self.qp.settings.check_duality_gap = True
+        self.qp.settings.eps_duality_gap_abs = settings.qp_tolerance
+        self.qp.settings.eps_duality_gap_rel = 0.0
+        # Every level has a feasible point, so a verdict of infeasibility would be round-off.
+        self.qp.settings.eps_primal_inf = self.qp.settings.eps_dual_inf = 1e-30
         self.qp.settings.initial_guess = proxqp.InitialGuess.NO_INITIAL_GUESS
         self.fresh = True
 
