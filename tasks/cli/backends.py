@@ -1,0 +1,7 @@
+"""``hqp backends``."""
+
+from __future__ import annotations
+
+
+def backends() -> None:
+    """Not written yet."""

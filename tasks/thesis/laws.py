@@ -1,0 +1,119 @@
+r"""Three laws for position prior to orientation, each a stack.
+
+``thesis``
+    Eq. 4.8, :math:`\ddot\theta = J_1^\# h_1 + (I - J_1^\# J_1) J_2^\# h_2`, as its own hierarchy
+    {J1 a = h1} > {a = J2# h2}: the law by which the text draws its figures.
+``strict``
+    {J1 a = h1} > {J2 a = h2}: Eq. 3.17 applied to Eq. 4.7. Exact wherever both can be met, and it
+    diverges where the orientation goes out of reach (an algorithmic singularity).
+``limits``
+    The strict stack with joint velocity and acceleration limits above it, one solve a tick: exact
+    wherever exact is possible, bounded everywhere. No closed form: it needs inequalities.
+
+Without task priority (even figures) the second level is left out, and the first two laws are the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import hqp
+from hqp import BackendInfo, Solution
+from hqp.backends.pseudoinverse import joint_form
+
+from ..joint_motion import JointMotion
+from ..limits.acceleration import JointAccelerationLimit
+from ..limits.velocity import JointVelocityLimit
+from ..orientation import OrientationTask
+from ..position import PositionTask
+from ..stack import Stack
+from .scenarios import Scenario
+
+
+@dataclass(frozen=True)
+class Law:
+    """A way to choose the joint accelerations.
+
+    Attributes
+    ----------
+    key, title : str
+    stack : callable
+        Scenario -> Stack, to be solved by any backend that can.
+    inequalities : bool
+        Whether the backend must take inequality rows.
+    closed_form : str
+        The backend that is this law as a formula, or "" if there is none.
+    closed_stack : callable, optional
+        What the formula takes, where it is not `stack`.
+    closed_proof : callable, optional
+        The judge of the formula's answers, where it is not their own certificate.
+    """
+
+    key: str
+    title: str
+    stack: Callable[[Scenario], Stack]
+    inequalities: bool = False
+    closed_form: str = ""
+    closed_stack: Callable[[Scenario], Stack] | None = None
+    closed_proof: Callable[[Solution], bool] | None = None
+
+    def refusal(self, backend: BackendInfo) -> str | None:
+        """Why this backend cannot show this law, or None if it can."""
+        if self.inequalities and not backend.inequalities:
+            return f"{self.title}: left out, {backend.name} takes no inequalities"
+        if not backend.lexicographic and self.key != "thesis":
+            return f"{self.title}: left out, {backend.name} answers another hierarchy, Eq. 4.8's"
+        return None
+
+
+def position(scenario: Scenario) -> PositionTask:
+    """The first task: the tip on its path."""
+    return PositionTask(scenario.path, gain=scenario.position_gain)
+
+
+def orientation(scenario: Scenario) -> OrientationTask:
+    """The second task: the last link at phi."""
+    return OrientationTask(scenario.phi if scenario.phi is not None else 0.0, gain=scenario.orientation_gain)
+
+
+def strict(scenario: Scenario) -> Stack:
+    """position >> orientation."""
+    first = Stack(position(scenario))
+    return first if scenario.phi is None else first >> orientation(scenario)
+
+
+def projected(scenario: Scenario) -> Stack:
+    """position >> what the orientation task would do alone."""
+    first = Stack(position(scenario))
+    return first if scenario.phi is None else first >> JointMotion(orientation(scenario))
+
+
+def limited(scenario: Scenario) -> Stack:
+    """Joint limits >> position >> orientation."""
+    limits = JointVelocityLimit(scenario.velocity_limit) + JointAccelerationLimit(scenario.acceleration_limit)
+    return limits >> strict(scenario)
+
+
+def _optimal_in_joint_form(solution: Solution) -> bool:
+    """Eq. 4.8 is the optimum of its own hierarchy, not of {J1} > {J2}: judge it by that."""
+    return hqp.certify(joint_form(solution.hierarchy), solution.x).ok
+
+
+THESIS = Law(
+    "thesis",
+    "Eq. 4.8",
+    projected,
+    closed_form="pseudoinverse:joint",
+    closed_stack=strict,
+    closed_proof=_optimal_in_joint_form,
+)
+STRICT = Law("strict", "strict stack", strict, closed_form="pseudoinverse")
+LIMITS = Law("limits", "strict stack, joint limits", limited, inequalities=True)
+
+LAWS: tuple[Law, ...] = (THESIS, STRICT, LIMITS)
+
+
+def laws_of(scenario: Scenario) -> tuple[Law, ...]:
+    """The laws that differ in this scenario: without priority, Eq. 4.8 is the strict stack of one level."""
+    return LAWS if scenario.phi is not None else (STRICT, LIMITS)
