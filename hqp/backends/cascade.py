@@ -84,7 +84,7 @@ class Cascade:
     def _level(self, k: int, level: Level, A: Array, state: State, counts: Counts) -> tuple[State, Counts]:
         """Solve one level from where the levels above left x, then freeze it."""
         rows = LevelRows.of(level, A, state.x, self.settings.tolerance)
-        problem = rows.problem(state, self.settings.tolerance)
+        problem = rows.problem(state, self.settings)
         y, pressing = np.zeros(state.Z.shape[1]), np.zeros(len(state.N), dtype=np.int8)
         if self._nothing_to_do(problem):
             counts = replace(counts, levels_met=counts.levels_met + 1)
@@ -94,7 +94,7 @@ class Cascade:
 
     def _nothing_to_do(self, problem: LevelProblem) -> bool:
         """Whether y = 0 is optimal without asking anybody: no slack, no unknown, or no slope where nothing is hard."""
-        if not problem.B.shape[1]:
+        if not problem.B.size:
             return True
         excess = problem.excess(np.zeros(problem.B.shape[1]))
         excess[np.abs(excess) <= problem.slack] = 0.0
@@ -130,15 +130,18 @@ class Cascade:
             and problem.infeasibility(y) <= CREDIBLE * scale
             and problem.objective(y) <= problem.objective(np.zeros(nz)) + CREDIBLE * (scale * problem.norms.max()) ** 2
         )
-        done = polish(problem, y, pressing, settings.rank_tolerance) if usable and settings.polish else None
+        if not credible:
+            raise LevelFailed(result.message if not result.solved else "its answer breaks the levels above")
+        done = polish(problem, y, pressing, settings.rank_tolerance) if settings.polish else None
         if done is not None:
             counts = replace(counts, polishes=counts.polishes + done.rounds)
-            if done.verified or (credible and _no_worse(problem, done, y)):
+            if done.verified or _no_worse(problem, done, y):
                 counts = replace(counts, levels_polished=counts.levels_polished + 1)
                 y, pressing = done.y, done.pressing
-        if not (result.solved and credible) and not (done is not None and done.verified):
-            raise LevelFailed(result.message if not result.solved else "its answer breaks the levels above")
-        if done is None or not done.verified:
+        verified = done is not None and done.verified
+        if not (result.solved or verified):
+            raise LevelFailed(result.message)
+        if not verified:
             pressing = np.zeros_like(pressing)  # too uncertain to freeze a row for good
         return y, pressing, replace(counts, levels_solved=counts.levels_solved + 1)
 
@@ -159,7 +162,7 @@ class Cascade:
 
 @dataclass(frozen=True, eq=False)
 class LevelRows:
-    """The rows of a level that say anything, weighted and scaled so that the largest has norm one."""
+    """The rows of a level that say anything, weighted; zero rows and free rows do not."""
 
     A: Array
     value: Array
@@ -172,22 +175,23 @@ class LevelRows:
     def of(cls, level: Level, A: Array, x: Array, tolerance: float) -> LevelRows:
         norms = level.weights * np.sqrt(np.einsum("ij,ij->i", A, A))
         says = (norms > 0) & ((level.lower > -np.inf) | (level.upper < np.inf))
-        norms = norms[says]
-        factor = level.weights[says] / norms.max(initial=0.0) if len(norms) else norms
-        rows = factor[:, None] * A[says]
-        lower, upper = factor * level.lower[says], factor * level.upper[says]
-        norms = norms / norms.max(initial=1e-300)
+        norms, weights = norms[says], level.weights[says]
+        rows = weights[:, None] * A[says]
+        lower, upper = weights * level.lower[says], weights * level.upper[says]
         value = rows @ x
         return cls(rows, value, lower, upper, norms, _allowed(value, lower, upper, norms, x, tolerance))
 
-    def problem(self, state: State, tolerance: float) -> LevelProblem:
+    def problem(self, state: State, settings: Settings) -> LevelProblem:
+        """The level in y: rows that y cannot move are left out, and the rest scaled by what y can move."""
+        moved = self.A @ state.Z
+        reach = np.sqrt(np.einsum("ij,ij->i", moved, moved))
+        kept = reach > settings.rank_tolerance * self.norms
+        unit = 1.0 / reach[kept].max(initial=1e-300)
         place = state.N @ state.x
         low, high = np.minimum(state.low, place), np.maximum(state.high, place)
-        margin = _allowed(place, low, high, np.ones(len(place)), state.x, tolerance)
-        return LevelProblem(
-            self.A @ state.Z, self.value, self.lower, self.upper, self.norms, self.tolerance,
-            state.N @ state.Z, place, low, high, margin,
-        )  # fmt: skip
+        margin = _allowed(place, low, high, np.ones(len(place)), state.x, settings.tolerance)
+        own = (unit * part[kept] for part in (moved, self.value, self.lower, self.upper, self.norms, self.tolerance))
+        return LevelProblem(*own, state.N @ state.Z, place, low, high, margin)
 
     def freeze(self, state: State, y: Array, pressing: Signs, settings: Settings) -> State:
         """Equalities, violated rows and pressing hard rows shrink Z; satisfied inequalities become hard rows."""

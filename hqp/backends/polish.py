@@ -27,6 +27,8 @@ Signs = NDArray[np.int8]
 BLOCK_ROUNDS, ROUNDS = 6, 30
 #: A multiplier counts beyond this share of the forces in the level.
 SIGNIFICANT = 1e-9
+#: What may remain of the forces in the level after the active hard rows have balanced them.
+SLOPE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +89,8 @@ def polish(problem: LevelProblem, y: Array, pressing: Signs, rank_tolerance: flo
         if not faults:
             return Polished(y, True, np.where(forces, active, 0).astype(np.int8), turn)
         for kind, row, sign in faults if turn <= BLOCK_ROUNDS else faults[:1]:
-            (active if kind == "hard" else pulled)[row] = sign
+            if kind != "slope":
+                (active if kind == "hard" else pulled)[row] = sign
     return Polished(y, False, active, ROUNDS)
 
 
@@ -133,11 +136,14 @@ def _faults(
     forces = np.zeros(len(active), dtype=bool)
     scale = float(problem.norms @ np.abs(excess))
     hard = np.flatnonzero(active)
-    if len(hard) and scale > 0.0:
+    if scale > 0.0:
         gradient = problem.B.T @ excess / scale
         outward = problem.N[hard] * active[hard, None]
         multipliers = np.linalg.lstsq(outward.T, -gradient, rcond=1e-12)[0]
-        if multipliers.min() < -SIGNIFICANT:
+        slope = float(np.linalg.norm(outward.T @ multipliers + gradient))
+        if slope > SLOPE + float(problem.norms @ problem.slack) / scale:
+            faults.append((slope, "slope", 0, 0))  # a least squares from far away: once more from here
+        if multipliers.min(initial=0.0) < -SIGNIFICANT:
             try:  # dependent rows leave a choice of multipliers: is there one without a wrong sign?
                 chosen, left = nnls(outward.T, -gradient)
             except RuntimeError:

@@ -25,6 +25,9 @@ class OSQP:
             "eps_abs": max(settings.qp_tolerance, 1e-8),
             "eps_rel": 0.0,
             "max_iter": settings.qp_iterations,
+            # Every level has a point that is feasible and bounded below: such a verdict would be round-off.
+            "eps_prim_inf": 1e-30,
+            "eps_dual_inf": 1e-30,
             "polishing": False,
             "verbose": False,
         }
@@ -65,7 +68,7 @@ class OSQP:
 def _full_csc(rows: Array) -> Any:
     """CSC with every entry stored, zeros too, so that later numbers always fit the pattern."""
     m, n = rows.shape
-    return sparse.csc_matrix((rows.ravel(order="F"), np.tile(np.arange(m), n), np.arange(0, m * n + 1, m)), shape=(m, n))
+    return sparse.csc_matrix((rows.ravel(order="F"), np.tile(np.arange(m), n), m * np.arange(n + 1)), shape=(m, n))
 
 
 def make(solver: str, sizes: Sizes, settings: Settings) -> OSQP:

@@ -26,8 +26,11 @@ def options(solver: str, settings: Settings) -> dict[str, Any]:
     """The settings in the solver's own words."""
     eps, iterations = settings.qp_tolerance, settings.qp_iterations
     known: dict[str, dict[str, Any]] = {
-        "proxqp": {"eps_abs": eps, "eps_rel": 0.0, "max_iter": iterations},
-        "osqp": {"eps_abs": max(eps, 1e-8), "eps_rel": 0.0, "max_iter": iterations},
+        "proxqp": {"eps_abs": eps, "eps_rel": 0.0, "max_iter": iterations}
+        | {"check_duality_gap": True, "eps_duality_gap_abs": eps, "eps_duality_gap_rel": 0.0},
+        "osqp": {"eps_abs": max(eps, 1e-8), "eps_rel": 0.0, "max_iter": iterations, "raise_error": False}
+        # Every level has a point that is feasible and bounded below: a verdict to the contrary would be round-off.
+        | {"eps_prim_inf": 1e-30, "eps_dual_inf": 1e-30},
         "daqp": {"primal_tol": eps, "dual_tol": eps, "iter_limit": iterations},
         "clarabel": {"tol_gap_abs": eps, "tol_gap_rel": eps, "tol_feas": eps},
         "piqp": {"eps_abs": eps, "eps_rel": eps},
@@ -86,7 +89,7 @@ class QPSolvers:
                 found = qpsolvers.solve_problem(problem, self.solver, initvals=self.guess, **self.options)
             except (qpsolvers.exceptions.QPError, ValueError, ArithmeticError) as error:
                 return None, f"{type(error).__name__}: {error}"
-        message = "; ".join(str(warning.message) for warning in said)
+        message = "; ".join(str(warning.message) for warning in said if "csc_matrix" not in str(warning.message))
         return found, message or ("solved" if found.found else "not solved")
 
     def move(self, g: Array) -> FlatResult:

@@ -58,7 +58,7 @@ def draw(scenario: Scenario, runs: Mapping[Job, Record]) -> Figure:
             _time(axis, scenario, record)
         column[2].set_xlabel("time [min]")
     _common_view(axes[0], scenario, runs)
-    _labels(axes, scenario)
+    _labels(axes, scenario, runs)
     backends = ", ".join(dict.fromkeys(job.backend for job in runs))
     figure.suptitle(scenario.title, fontsize=14, fontweight="bold")
     figure.supxlabel(f"The text: {scenario.claim}.   Solved by {backends}.", fontsize=9, color=MUTED)
@@ -131,13 +131,13 @@ def _common_view(axes: Array, scenario: Scenario, runs: Mapping[Job, Record]) ->
         axis.set_ylim(low[1] - margin, high[1] + margin)
 
 
-def _labels(axes: Array, scenario: Scenario) -> None:
+def _labels(axes: Array, scenario: Scenario, runs: Mapping[Job, Record]) -> None:
     """What stands at the left edge, and one legend a row."""
     axes[0, 0].set_ylabel("y [m]")
     axes[1, 0].set_ylabel("φ [deg]" if scenario.phi is None else "φ desired - actual [deg]")
     axes[2, 0].set_ylabel("joint speed [rad/min]")
-    peak = max(np.abs(line.get_ydata()).max(initial=0.0) for axis in axes[2] for line in axis.lines)
-    top = 1.15 * min(peak, 2.2 * scenario.velocity_limit * MINUTE)
+    peak = MINUTE * max(np.abs(record.v).max() for record in runs.values())
+    top = 1.15 * min(peak, 2.2 * scenario.velocity_limit * MINUTE)  # a run that diverges may leave the panel
     axes[2, 0].set_ylim(-top, top)
     axes[0, 0].legend(loc="upper left", fontsize=8, framealpha=0.9)
     axes[2, 0].legend(loc="upper right", fontsize=8, ncols=len(scenario.lengths), framealpha=0.9)

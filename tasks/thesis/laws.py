@@ -10,7 +10,8 @@ r"""Three laws for position prior to orientation, each a stack.
     The strict stack with joint velocity and acceleration limits above it, one solve a tick: exact
     wherever exact is possible, bounded everywhere. No closed form: it needs inequalities.
 
-Without task priority (even figures) the second level is left out, and the first two laws are the same.
+Without task priority (even figures) the second level is left out. Eq. 4.8 and the strict stack are then
+the same, :math:`\ddot\theta = J_1^\# h_1`: the laws ``tip`` and ``tip-limits``.
 """
 
 from __future__ import annotations
@@ -62,7 +63,7 @@ class Law:
         """Why this backend cannot show this law, or None if it can."""
         if self.inequalities and not backend.inequalities:
             return f"{self.title}: left out, {backend.name} takes no inequalities"
-        if not backend.lexicographic and self.key != "thesis":
+        if not backend.lexicographic and self.key == "strict":
             return f"{self.title}: left out, {backend.name} answers another hierarchy, Eq. 4.8's"
         return None
 
@@ -111,9 +112,10 @@ THESIS = Law(
 STRICT = Law("strict", "strict stack", strict, closed_form="pseudoinverse")
 LIMITS = Law("limits", "strict stack, joint limits", limited, inequalities=True)
 
-LAWS: tuple[Law, ...] = (THESIS, STRICT, LIMITS)
+TIP = Law("tip", "tip alone", strict, closed_form="pseudoinverse")
+TIP_LIMITS = Law("tip-limits", "tip alone, joint limits", limited, inequalities=True)
 
 
 def laws_of(scenario: Scenario) -> tuple[Law, ...]:
-    """The laws that differ in this scenario: without priority, Eq. 4.8 is the strict stack of one level."""
-    return LAWS if scenario.phi is not None else (STRICT, LIMITS)
+    """The laws that differ in this scenario: three with task priority, two without."""
+    return (TIP, TIP_LIMITS) if scenario.phi is None else (THESIS, STRICT, LIMITS)
