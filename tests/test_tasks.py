@@ -1,0 +1,191 @@
+"""Tasks: their rows obey the control laws of Eq. 4.5 and 4.7, at both orders."""
+
+from __future__ import annotations
+
+import hypothesis.strategies as st
+import numpy as np
+import pytest
+from hypothesis import given, settings
+
+import hqp
+from hqp import InvalidInput
+from tasks import (
+    Controller,
+    JointMotion,
+    Line,
+    OrientationTask,
+    PlanarArm,
+    PositionTask,
+    PostureTask,
+    Task,
+    Tick,
+    simulate,
+)
+
+ARM = PlanarArm([0.5, 0.4, 0.3, 0.2])
+RNG = np.random.default_rng(7)
+TASKS = [
+    PositionTask([0.6, 0.2], gain=[2.0, 3.0]),
+    PositionTask(Line([0.2, 0.1], [0.8, 0.3], 2.0), gain=1.5, damping_ratio=0.7),
+    OrientationTask(0.4, gain=3.0),
+    PostureTask([0.1, -0.2, 0.3, 0.4], gain=1.0),
+]
+tasks = pytest.mark.parametrize("task", TASKS, ids=repr)
+
+
+class ElbowHeight(Task):
+    """A user's own task, as small as it gets: the height of the first joint's end."""
+
+    rows = 1
+
+    def error(self, state, t):
+        return 0.2 - state.points[1, 1:]
+
+    def jacobian(self, state):
+        return np.array([[state.points[1, 0], 0.0, 0.0, 0.0]])
+
+    def drift(self, state):
+        return -state.points[1, 1:] * state.v[0] ** 2
+
+
+@tasks
+def test_jacobian_and_drift_are_derivatives_of_the_error(task):
+    h = 1e-5
+    for _ in range(20):
+        q, v, a = RNG.uniform(-2, 2, (3, 4))
+        states = [ARM.at(q + s * v + s * s / 2 * a, v + s * a) for s in (-h, 0.0, h)]
+        # With the target held still, e_dot = -J v and e_ddot = -J a - Jdot v.
+        before, now, after = (task.error(state, 1.0) for state in states)
+        state = states[1]
+        np.testing.assert_allclose((after - before) / (2 * h), -task.jacobian(state) @ v, atol=1e-7)
+        second = (after - 2 * now + before) / h**2
+        np.testing.assert_allclose(second, -task.jacobian(state) @ a - task.drift(state), atol=1e-4)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 10**6), st.floats(0.1, 50.0), st.floats(0.2, 2.0))
+def test_rows_are_the_two_control_laws(seed, gain, zeta):
+    rng = np.random.default_rng(seed)
+    path = Line([0.2, 0.1], [0.8, 0.3], 2.0)
+    task = PositionTask(path, gain=gain, damping_ratio=zeta)
+    q, v = rng.uniform(-2, 2, (2, 4))
+    t = rng.uniform(0, 2)
+    state = ARM.at(q, v)
+    (xd, xd_dot, xd_ddot), J = path(t), ARM.jacobian(q)[:2]
+    e, e_dot = xd - ARM.pose(q)[:2], xd_dot - J @ v
+
+    rows, h = task.control(Tick(ARM, state, t, "velocity", None))
+    np.testing.assert_allclose(rows, J, atol=1e-14)
+    np.testing.assert_allclose(h, xd_dot + gain * e, rtol=1e-10, atol=1e-12)
+    _, h = task.control(Tick(ARM, state, t, "acceleration", None))
+    expected = xd_ddot - ARM.jacobian_dot(q, v)[:2] @ v + 2 * zeta * gain * e_dot + gain**2 * e
+    np.testing.assert_allclose(h, expected, rtol=1e-9, atol=1e-9)
+
+
+def test_the_gains_of_the_thesis():
+    """20 and 100 per minute, 100 and 2500: c1 = 2 K and c2 = K^2 with K = 10 and 50 per minute."""
+    arm, v = PlanarArm([1.0, 1.0]), np.array([0.3, 0.1])
+    for K, c1, c2 in ((10.0, 20.0, 100.0), (50.0, 100.0, 2500.0)):
+        state = arm.at(np.array([0.2, 0.3]), v)
+        _, h = OrientationTask(0.7, gain=K).control(Tick(arm, state, 0.0, "acceleration", None))
+        np.testing.assert_allclose(h, -c1 * 0.4 + c2 * (0.7 - 0.5))
+
+
+@pytest.mark.parametrize("gain", [0.5, 2.0])
+def test_velocity_order_reduces_the_error_at_rate_K(gain):
+    stack = PositionTask([0.7, 0.3], gain=gain) >> OrientationTask(0.5, gain=2 * gain)
+    controller = Controller(ARM, stack, dt=1e-3, backend="pseudoinverse")
+    record = simulate(controller, [0.4, 0.5, -0.3, 0.2], duration=1.0, certify=0)
+    for name, rate in (("position", gain), ("orientation", 2 * gain)):
+        error = record.errors[name]
+        expected = error[0] * np.exp(-rate * record.t)[:, None]
+        np.testing.assert_allclose(error, expected, atol=3e-3 * np.abs(error[0]).max())
+
+
+@pytest.mark.parametrize("zeta", [0.5, 1.0, 1.5])
+def test_acceleration_order_follows_eq_4_5(zeta):
+    K = 3.0
+    stack = PositionTask([0.7, 0.3], gain=K, damping_ratio=zeta) >> OrientationTask(0.5, gain=K, damping_ratio=zeta)
+    controller = Controller(ARM, stack, order="acceleration", dt=1e-3, backend="pseudoinverse")
+    record = simulate(controller, [0.4, 0.5, -0.3, 0.2], duration=1.0, certify=0)
+    roots = np.roots([1.0, 2 * zeta * K, K**2]).astype(complex)
+    if zeta == 1.0:
+        shape = (1 + K * record.t) * np.exp(-K * record.t)
+    else:  # e(0) = 1, e_dot(0) = 0
+        weights = np.array([-roots[1], roots[0]]) / (roots[0] - roots[1])
+        shape = np.real(np.exp(np.outer(record.t, roots)) @ weights)
+    for error in record.errors.values():
+        np.testing.assert_allclose(error, shape[:, None] * error[0], atol=4e-3 * np.abs(error[0]).max())
+
+
+def test_a_task_of_ones_own():
+    controller = Controller(ARM, ElbowHeight(gain=2.0), order="acceleration", dt=1e-3, backend="pseudoinverse")
+    record = simulate(controller, [0.9, 0.5, -0.3, 0.2], duration=5.0, certify=0)
+    assert abs(ARM.points(record.q[-1])[1, 1] - 0.2) < 1e-3
+    assert record.errors["elbowheight"].shape == (5001, 1)
+
+
+def test_eq_4_8_is_the_hierarchy_with_joint_motion():
+    tip, phi = PositionTask([0.6, 0.2], gain=2.0), OrientationTask(1.0, gain=3.0)
+    formula = Controller(ARM, tip >> phi, order="acceleration", backend="pseudoinverse:joint")
+    stack = Controller(ARM, tip >> JointMotion(phi), order="acceleration", backend="pseudoinverse")
+    qp = Controller(ARM, tip >> JointMotion(phi), order="acceleration")
+    for _ in range(20):
+        q, v = RNG.uniform(-2, 2, (2, 4))
+        J1, J2 = ARM.jacobian(q)[:2], ARM.jacobian(q)[2:]
+        h1, h2 = (task.control(Tick(ARM, ARM.at(q, v), 0.0, "acceleration", None))[1] for task in (tip, phi))
+        eq_4_8 = np.linalg.pinv(J1) @ h1 + (np.eye(4) - np.linalg.pinv(J1) @ J1) @ np.linalg.pinv(J2) @ h2
+        for controller in (formula, stack, qp):
+            np.testing.assert_allclose(controller(q, v).a, eq_4_8, rtol=1e-9, atol=1e-9)
+        assert stack(q, v).solution.certify().ok
+
+
+@pytest.mark.parametrize("task", [PositionTask([0.6, 0.2], gain=2.0), OrientationTask(1.0, gain=3.0)], ids=repr)
+def test_joint_motion_is_what_the_task_does_alone(task):
+    for order in ("velocity", "acceleration"):
+        q, v = RNG.uniform(-2, 2, (2, 4))
+        alone = Controller(ARM, task, order=order, backend="pseudoinverse")(q, v).solution.x
+        motion = Controller(ARM, JointMotion(task), order=order, backend="pseudoinverse")(q, v).solution.x
+        np.testing.assert_allclose(motion, alone, rtol=1e-10, atol=1e-12)
+
+
+def test_joint_motion_of_a_singular_task_stays_bounded():
+    straight = PlanarArm([1.0, 1.0])
+    controller = Controller(straight, JointMotion(PositionTask([3.0, 0.0], gain=1.0)), backend="pseudoinverse")
+    assert np.abs(controller([0.0, 0.0], [0.0, 0.0]).v).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("make", "named"),
+    [
+        (lambda: PositionTask([1, 0], gain=0.0), r"PositionTask 'position': gain = 0.0 1/s must be positive"),
+        (lambda: PositionTask([1, 0], gain=[1.0, -2.0]), r"gain\[1\] = -2.0 1/s"),
+        (lambda: PositionTask([1, 0], gain=np.nan, name="hand"), "PositionTask 'hand': gain = nan"),
+        (lambda: PositionTask([1, 0], gain=[1.0, 1.0, 1.0]), r"gain has shape \(3,\)"),
+        (lambda: OrientationTask(0.0, gain=1.0, weight=0.0), "weight = 0.0 must be positive"),
+        (lambda: OrientationTask(0.0, gain=1.0, weight=[1.0, 1.0]), r"weight has shape \(2,\)"),
+        (lambda: OrientationTask(0.0, gain=1.0, damping_ratio=-1.0), "damping ratio = -1.0"),
+        (lambda: OrientationTask(0.0, gain=1.0, damping_ratio=[1.0]), "damping ratio has shape"),
+        (lambda: OrientationTask([0.0, 1.0], gain=1.0), r"target has shape \(2,\); it must be \(1,\)"),
+        (lambda: JointMotion("no"), "JointMotion takes a Task, not a str"),
+    ],
+)
+def test_refuses_numbers_that_mean_nothing(make, named):
+    with pytest.raises(InvalidInput, match=named):
+        make()
+
+
+def test_refuses_what_does_not_fit_the_robot():
+    with pytest.raises(InvalidInput, match=r"PostureTask 'posture': target has shape \(3,\); the robot takes \(4,\)"):
+        Controller(ARM, PostureTask([0, 0, 0], gain=1.0), backend="pseudoinverse")
+    with pytest.raises(InvalidInput, match=r"ElbowHeight 'elbowheight': jacobian has shape \(1, 4\).*\(1, 2\)"):
+        Controller(PlanarArm([1, 1]), ElbowHeight(gain=1.0), backend="pseudoinverse")
+    with pytest.raises(NotImplementedError, match="Task must define error"):
+        Controller(ARM, Task(gain=1.0), backend="pseudoinverse")
+
+
+def test_weights_decide_inside_a_level_only():
+    high, low = ElbowHeight(gain=1.0, weight=10.0, name="a"), OrientationTask(1.0, gain=1.0, weight=0.5)
+    hierarchy = Controller(ARM, high + low, backend="pseudoinverse").hierarchy
+    assert isinstance(hierarchy, hqp.Hierarchy)
+    np.testing.assert_array_equal(hierarchy.levels[0].weights, [10.0, 0.5])
