@@ -9,7 +9,7 @@ import numpy as np
 
 from .._checks import Array
 from ..motion.simulation import Record
-from .claims import measure
+from .claims import TIP_FROM, measure
 from .runs import Job, phi_error
 from .scenarios import MINUTE, Scenario
 
@@ -151,10 +151,10 @@ def _snapshots(scenario: Scenario, record: Record) -> Array:
 
 
 def _summary(job: Job, record: Record) -> str:
-    claim = measure(job, record)
-    parts = [] if np.isnan(claim.phi_share) else [f"|φ error| < 1° for {claim.phi_share:.0%} of the time"]
+    claim, scenario = measure(job, record), job.scenario
+    parts = [] if np.isnan(claim.phi_share) else [f"φ within 1° for {claim.phi_share:.0%} of the move"]
     if not np.isnan(claim.tip_error_mm):
-        parts.append(f"tip within {claim.tip_error_mm:.2g} mm")
+        parts.append(f"tip within {claim.tip_error_mm:.2g} mm after {TIP_FROM * scenario.duration / MINUTE:.1f} min")
     return ", ".join(parts)
 
 

@@ -1,0 +1,97 @@
+"""The command: its help, its refusals in one line, and ``hqp thesis`` end to end."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from dataclasses import replace
+
+import pytest
+
+import hqp
+from tasks import cli
+from tasks.thesis import scenarios
+
+
+@pytest.fixture
+def short_figures(monkeypatch):
+    """Every figure in a hundred ticks."""
+    coarse = {figure: replace(item, tick=0.6) for figure, item in scenarios.SCENARIOS.items()}
+    monkeypatch.setattr(scenarios, "SCENARIOS", coarse)
+
+
+def test_thesis_end_to_end(short_figures, tmp_path, capsys):
+    out = tmp_path / "new" / "folder"
+    assert cli.run(["thesis", "--figure", "4.7", "-f", "4.6", "-f", "4.8", "--out", str(out)]) == 0
+    assert sorted(path.name for path in out.iterdir()) == [
+        "claims.csv",
+        "claims.md",
+        "figure-4.6.png",
+        "figure-4.7.png",
+        "figure-4.8.png",
+    ]
+    rows = (out / "claims.csv").read_text().splitlines()
+    assert len(rows) == 1 + 5 + 3 + 3
+    printed = capsys.readouterr().out
+    assert all(backend in printed for backend in ("pseudoinverse:joint", hqp.DEFAULT_BACKEND))
+    assert str(out) in printed
+
+
+def test_laws_that_a_backend_cannot_show_are_left_out_aloud(short_figures, tmp_path, capsys):
+    assert cli.run(["thesis", "-f", "4.7", "--backend", "pseudoinverse", "--out", str(tmp_path)]) == 0
+    reason = "joint limits: left out, pseudoinverse takes no inequalities"
+    assert reason in capsys.readouterr().out
+    assert reason in (tmp_path / "claims.md").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (["thesis", "--figure", "4.99"], "figure '4.99' is unknown; available: 4.2"),
+        (["thesis", "--figure", "4.10"], "not available yet"),
+        (["thesis", "--backend", "magic"], "unknown backend 'magic'; installed here: pseudoinverse"),
+        (["thesis", "--out", "/dev/null/here"], "cannot write to the folder '/dev/null/here'"),
+        (["thesis", "--colour", "red"], "No such option"),
+        (["thesis", "extra"], "unexpected extra argument"),
+        (["nothing"], "No such command 'nothing'"),
+    ],
+)
+def test_wrong_input_is_one_line_and_exit_code_2(arguments, named, capsys):
+    assert cli.run(arguments) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err.startswith("hqp: ")
+    assert told.err.count("\n") == 1
+    assert named in told.err
+
+
+def test_an_interruption_is_exit_code_130(monkeypatch, tmp_path, capsys):
+    from tasks.thesis import report
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(report, "report", interrupted)
+    assert cli.run(["thesis", "--out", str(tmp_path)]) == 130
+    assert "interrupted" in capsys.readouterr().err
+
+
+def test_help_version_and_nothing(capsys):
+    assert cli.run(["--help"]) == 0
+    printed = capsys.readouterr().out
+    assert all(name in printed for name in ("thesis", "validate", "backends"))
+    assert cli.run(["--version"]) == 0
+    assert capsys.readouterr().out == f"hqp {hqp.__version__}\n"
+    assert cli.run([]) == 0
+    assert "Usage" in capsys.readouterr().out
+    assert cli.run(["thesis", "--help"]) == 0
+    assert "--figure" in capsys.readouterr().out
+
+
+def test_the_command_imports_little():
+    code = "import sys, tasks.cli; print([m for m in ('numba', 'matplotlib', 'scipy', 'rich') if m in sys.modules])"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "[]"
+    out = subprocess.run([sys.executable, "-c", "from tasks.cli import main; main(['nothing'])"], capture_output=True)
+    assert out.returncode == 2
+    assert b"Traceback" not in out.stderr

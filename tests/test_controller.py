@@ -1,0 +1,110 @@
+"""The controller: one call a tick, refusals at once, numbers never raise."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import hqp
+from hqp import InvalidInput, Status
+from tasks import Controller, JointMotion, JointVelocityLimit, OrientationTask, PlanarArm, PositionTask
+
+ARM = PlanarArm([0.5, 0.4, 0.3])
+Q, V = [0.3, 0.5, -0.4], [0.2, -0.9, 1.0]
+
+
+def stack():
+    return PositionTask([0.6, 0.2], gain=2.0) >> OrientationTask(1.0, gain=3.0)
+
+
+def test_a_step_says_what_was_asked_for():
+    step = Controller(ARM, stack(), backend="pseudoinverse")(Q, V)
+    assert (step.order, step.a) == ("velocity", None)
+    np.testing.assert_array_equal(step.v, step.solution.x)
+    step = Controller(ARM, stack(), order="acceleration", backend="pseudoinverse")(Q, V)
+    assert (step.order, step.v) == ("acceleration", None)
+    np.testing.assert_array_equal(step.a, step.solution.x)
+    assert step.ok
+    with pytest.raises(AttributeError):
+        step.a = None
+
+
+def test_the_answer_is_certified_and_meets_both_tasks():
+    step = Controller(ARM, stack())(Q, V)
+    assert step.solution.certify().ok
+    np.testing.assert_allclose(ARM.jacobian(Q)[:2] @ step.v, 2.0 * ([0.6, 0.2] - ARM.pose(Q)[:2]), atol=1e-8)
+    np.testing.assert_allclose(step.v.sum(), 3.0 * (1.0 - sum(Q)), atol=1e-8)
+
+
+def test_a_single_task_is_a_stack():
+    assert len(Controller(ARM, PositionTask([0.6, 0.2], gain=2.0), backend="pseudoinverse").stack) == 1
+
+
+def test_steps_keep_their_numbers_when_the_hierarchy_is_refilled():
+    controller = Controller(ARM, stack(), backend="pseudoinverse")
+    first = controller(Q, V)
+    numbers = first.solution.hierarchy.A.copy()
+    second = controller([1.0, 1.0, 1.0], V)
+    np.testing.assert_array_equal(first.solution.hierarchy.A, numbers)
+    assert not np.array_equal(second.solution.hierarchy.A, numbers)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, 1e300])
+@pytest.mark.parametrize("where", ["q", "v"])
+@pytest.mark.parametrize("order", ["velocity", "acceleration"])
+def test_numbers_never_raise(bad, where, order):
+    tasks = PositionTask([0.6, 0.2], gain=2.0) >> JointMotion(PositionTask([0.1, 0.2], gain=1.0))
+    controller = Controller(ARM, tasks, order=order, backend="pseudoinverse")
+    q, v = list(Q), list(V)
+    (q if where == "q" else v)[1] = bad
+    step = controller(q, v)
+    if where == "v" and order == "velocity":
+        assert step.ok  # the velocity is not asked for
+    elif not np.isfinite(bad):
+        assert step.solution.status is Status.INVALID
+        assert "level 0 ('position'), row 0" in step.solution.message
+    assert controller(Q, V).ok  # and the next tick is as good as ever
+
+
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        ({"order": "torque"}, "order = 'torque'; it must be one of 'velocity', 'acceleration'"),
+        ({"dt": 0.0}, "dt = 0.0 s must be positive"),
+        ({"dt": np.nan}, "dt = nan"),
+        ({"backend": "magic"}, "unknown backend 'magic'; installed here: .*pseudoinverse"),
+    ],
+)
+def test_refuses_bad_options(options, named):
+    with pytest.raises(InvalidInput, match=named):
+        Controller(ARM, stack(), **options)
+
+
+def test_refuses_states_of_the_wrong_length():
+    controller = Controller(ARM, stack(), backend="pseudoinverse")
+    with pytest.raises(InvalidInput, match=r"q has shape \(2,\); the robot takes \(3,\)"):
+        controller(Q[:2], V)
+    with pytest.raises(InvalidInput, match=r"v has shape \(4,\)"):
+        controller(Q, [*V, 0.0])
+    with pytest.raises(InvalidInput, match="q is not an array of real numbers"):
+        controller(["a", 0, 0], V)
+
+
+def test_an_inequality_for_a_closed_form_is_a_status():
+    step = Controller(ARM, JointVelocityLimit(1.0) >> stack(), backend="pseudoinverse")(Q, V)
+    assert step.solution.status is Status.UNSUPPORTED
+    assert "level 0 ('velocity'), row 0 is an inequality" in step.solution.message
+
+
+def test_the_default_backend_is_the_librarys():
+    assert Controller(ARM, stack()).backend == hqp.DEFAULT_BACKEND
+
+
+def test_importing_tasks_is_light():
+    heavy = ("matplotlib", "scipy", "rich", "typer", "proxsuite")
+    code = f"import sys, tasks; print([name for name in {heavy} if name in sys.modules])"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "[]"

@@ -1,0 +1,144 @@
+"""The closed loop: its integrator, its record, and how it ends."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hqp import InvalidInput, Status
+from tasks import (
+    Controller,
+    JointVelocityLimit,
+    Line,
+    OrientationTask,
+    PlanarArm,
+    PositionTask,
+    PostureTask,
+    simulate,
+)
+
+ARM = PlanarArm([0.5, 0.4, 0.3])
+Q = np.array([0.3, 0.5, -0.4])
+
+
+def controller(*parts, order="acceleration", dt=0.01, backend="pseudoinverse"):
+    stack = parts[0]
+    for part in parts[1:]:
+        stack = stack >> part
+    return Controller(ARM, stack, order=order, dt=dt, backend=backend)
+
+
+def constant_acceleration(a):
+    """A posture that is asked to accelerate by a: q_d with error 0 at all times."""
+    a = np.asarray(a, dtype=float)
+    return PostureTask(lambda t: (Q + 0.5 * a * t * t, a * t, a), gain=1.0)
+
+
+def test_the_integrator_is_exact_for_constant_acceleration():
+    a = np.array([0.5, -0.2, 0.1])
+    record = simulate(controller(constant_acceleration(a), dt=0.1), Q, duration=2.0)
+    t = record.t[:, None]
+    np.testing.assert_allclose(record.q, Q + 0.5 * a * t**2, atol=1e-13)
+    np.testing.assert_allclose(record.v, a * t, atol=1e-13)
+    np.testing.assert_allclose(record.a, np.tile(a, (20, 1)), atol=1e-12)
+
+
+def test_velocity_order_integrates_its_commands():
+    record = simulate(controller(PositionTask([0.6, 0.2], gain=2.0), order="velocity"), Q, duration=0.5)
+    np.testing.assert_allclose(np.diff(record.q, axis=0), 0.01 * record.v[1:], atol=1e-15)
+    np.testing.assert_allclose(np.diff(record.v, axis=0), 0.01 * record.a, atol=1e-13)
+
+
+def test_the_record():
+    path = Line([0.8, 0.3], [0.5, 0.4], 1.0)
+    record = simulate(
+        controller(PositionTask(path, gain=5.0), OrientationTask(1.0, gain=5.0), OrientationTask(0.0, gain=1.0)),
+        Q,
+        duration=1.0,
+        certify=10,
+    )
+    assert len(record) == 100
+    assert record.t.shape == (101,)
+    assert record.t[-1] == pytest.approx(1.0)
+    assert record.q.shape == record.v.shape == (101, 3)
+    assert record.a.shape == (100, 3)
+    assert list(record.errors) == ["position", "orientation", "orientation 2"]
+    np.testing.assert_allclose(record.pose, [ARM.pose(q) for q in record.q], atol=1e-14)
+    desired = np.array([path(t)[0] for t in record.t])
+    np.testing.assert_allclose(record.errors["position"], desired - record.pose[:, :2], atol=1e-14)
+    assert set(record.status) == {Status.OPTIMAL}
+    assert (record.checked, record.certified, record.certified_share) == (10, 10, 1.0)
+    assert record.stopped is None
+    assert record.diverged_at is None
+    with pytest.raises(ValueError, match="read-only"):
+        record.q[0, 0] = 1.0
+
+
+def test_certification_can_be_switched_off_or_judged_elsewhere():
+    tick = controller(PositionTask([0.6, 0.2], gain=2.0))
+    assert np.isnan(simulate(tick, Q, duration=0.1, certify=0).certified_share)
+    assert simulate(tick, Q, duration=0.1, certify=1, proof=lambda solution: False).certified_share == 0.0
+
+
+def test_a_run_that_diverges_stops_and_keeps_what_it_had():
+    record = simulate(controller(constant_acceleration([50.0, 0.0, 0.0]), dt=0.01), Q, duration=1.0, speed_cap=10.0)
+    assert record.stopped is not None
+    assert record.diverged_at == pytest.approx(0.2, abs=0.011)
+    assert "diverged" in record.stopped.reason
+    assert len(record.t) == len(record.q) == len(record.a) + 1 == len(record.status) + 1
+    assert np.isfinite(record.q).all()
+    assert np.abs(record.v).max() <= 10.0
+    assert record.t[-1] < record.diverged_at
+
+
+def test_a_solver_without_an_answer_stops_the_run():
+    tick = controller(JointVelocityLimit(1.0), PositionTask([0.6, 0.2], gain=2.0))
+    record = simulate(tick, Q, duration=1.0)
+    assert record.stopped is not None
+    assert not record.stopped.diverged
+    assert "unsupported" in record.stopped.reason
+    assert "inequality" in record.stopped.reason
+    assert len(record) == 0
+    np.testing.assert_array_equal(record.q, [Q])
+
+
+def test_a_target_that_breaks_stops_the_run():
+    def broken(t):
+        return np.full(2, 0.5 if t < 0.05 else np.nan), np.zeros(2), np.zeros(2)
+
+    record = simulate(controller(PositionTask(broken, gain=1.0)), Q, duration=0.2)
+    assert record.stopped is not None
+    assert "invalid" in record.stopped.reason
+    assert "level 0 ('position'), row 0" in record.stopped.reason
+    assert len(record) == 5
+
+
+def test_progress_is_told():
+    told = []
+    simulate(controller(PositionTask([0.6, 0.2], gain=2.0)), Q, duration=2.0, progress=told.append)
+    assert told == sorted(told)
+    assert told[-1] == 1.0
+    assert 50 <= len(told) <= 200
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"duration": 0.0}, "duration = 0.0 s must be positive"),
+        ({"duration": 0.001}, "shorter than one tick"),
+        ({"speed_cap": -1.0}, "speed cap = -1.0"),
+        ({"certify": -1}, "certify = -1"),
+        ({"q0": [0.0, np.nan, 0.0]}, r"q0\[1\] = nan must be finite"),
+        ({"q0": [0.0]}, r"q has shape \(1,\)"),
+        ({"v0": [0.0]}, r"v has shape \(1,\)"),
+    ],
+)
+def test_refuses_bad_options(change, named):
+    options = {"q0": Q, "duration": 1.0} | change
+    with pytest.raises(InvalidInput, match=named):
+        simulate(controller(PositionTask([0.6, 0.2], gain=2.0)), options.pop("q0"), **options)
+
+
+def test_refuses_a_controller_without_a_tick():
+    with pytest.raises(InvalidInput, match="give the controller dt"):
+        simulate(Controller(ARM, PositionTask([0.6, 0.2], gain=2.0), backend="pseudoinverse"), Q, duration=1.0)
