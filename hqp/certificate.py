@@ -170,7 +170,11 @@ def certify(
         push = np.where(rows.violated[own], force * rows.slack[own], 0.0)
         noise = float(force @ rows.tolerance[own])
         residual = float(np.linalg.norm(level.weights * rows.slack[own]))
-        levels.append(_judge(k, level.name, residual, units[own].T @ push, np.abs(push).sum(), noise, units, rows, own.start, radius))
+        levels.append(
+            _judge(
+                k, level.name, residual, units[own].T @ push, np.abs(push).sum(), noise, units, rows, own.start, radius
+            )
+        )
     if unique:
         away = point - reference
         allowed = tolerance * (np.abs(point) + np.abs(reference) + np.linalg.norm(point))
@@ -205,7 +209,9 @@ def _judge(
         return LevelCertificate(level, name, True, residual, 0.0, 0.0, 0.0, multipliers)
 
     free = np.flatnonzero((rows.sides[:above] == Side.EQUALITY) | rows.violated[:above])
-    signed = np.flatnonzero((rows.sides[:above] != Side.EQUALITY) & (rows.sides[:above] != Side.INACTIVE) & ~rows.violated[:above])
+    signed = np.flatnonzero(
+        (rows.sides[:above] != Side.EQUALITY) & (rows.sides[:above] != Side.INACTIVE) & ~rows.violated[:above]
+    )
     free, signed = free[rows.norms[free] > 0], signed[rows.norms[signed] > 0]
     basis, _ = split(units[free], np.ones(len(free)), FREE_RANK)
 

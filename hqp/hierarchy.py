@@ -109,12 +109,16 @@ class Level:
         if indices is None:
             m = max(low.size, high.size)
             if low.ndim == high.ndim == 0:
-                raise InvalidInput(f"{label}: scalar bounds do not say how many unknowns there are; give indices or arrays")
+                raise InvalidInput(
+                    f"{label}: scalar bounds do not say how many unknowns there are; give indices or arrays"
+                )
             columns = np.arange(m)
         else:
             raw = np.asarray(indices)
             if raw.ndim != 1 or (raw.size and raw.dtype.kind not in "iu"):
-                raise InvalidInput(f"{label}: indices must be one axis of integers, not {raw.dtype} of shape {raw.shape}")
+                raise InvalidInput(
+                    f"{label}: indices must be one axis of integers, not {raw.dtype} of shape {raw.shape}"
+                )
             columns = raw.astype(np.intp)
             if np.any(columns < 0):
                 row = int(np.argmax(columns < 0))

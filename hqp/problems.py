@@ -74,7 +74,9 @@ class Case:
     def hierarchy(self, rng: np.random.Generator) -> Hierarchy:
         """A random stack of equality levels of this family; targets are standard normal."""
         tasks = CASES[self.rank](rng, self.n, self.rows)
-        return Hierarchy([Level.equality(J, rng.standard_normal(len(J)), name=f"task {k}") for k, J in enumerate(tasks)])
+        return Hierarchy(
+            [Level.equality(J, rng.standard_normal(len(J)), name=f"task {k}") for k, J in enumerate(tasks)]
+        )
 
 
 def equality_cases() -> Iterator[Case]:

@@ -48,18 +48,26 @@ class RowStates:
     norms: Array
 
 
+def excess(value: Array, lower: Array, upper: Array) -> Array:
+    """``value`` minus the nearest admissible value: the slack w of rows whose A x is `value`."""
+    return value - np.minimum(np.maximum(value, lower), upper)
+
+
+def allowance(value: Array, slack: Array, norms: Array, length: float, tolerance: float) -> Array:
+    """How far each row may be from its bound and still count as on it; `length` is ``||x||``."""
+    allowed = tolerance * (np.abs(value) + np.abs(value - slack) + norms * length)
+    # Where x is itself the small difference of large targets, ||x|| says nothing of the round-off in it.
+    reach = np.divide(np.abs(slack), norms, out=np.zeros_like(norms), where=norms > 0).max(initial=0.0)
+    return allowed + ROUND_OFF * norms * max(length, float(reach))
+
+
 def row_states(hierarchy: Hierarchy, x: Array, tolerance: float) -> RowStates:
     """Classify every row at x; `tolerance` is relative, see :class:`hqp.Settings`."""
     lower, upper = hierarchy.lower, hierarchy.upper
     value = hierarchy.product(x)
-    target = np.clip(value, lower, upper)
-    slack = value - target
+    slack = excess(value, lower, upper)
     norms = hierarchy.row_norms()
-    length = np.sqrt(x @ x)
-    allowed = tolerance * (np.abs(value) + np.abs(target) + norms * length)
-    # Where x is itself the small difference of large targets, ||x|| says nothing of the round-off in it.
-    reach = np.divide(np.abs(slack), norms, out=np.zeros_like(norms), where=norms > 0).max(initial=0.0)
-    allowed += ROUND_OFF * norms * max(length, reach)
+    allowed = allowance(value, slack, norms, float(np.sqrt(x @ x)), tolerance)
 
     at_upper = value >= upper - allowed
     at_lower = value <= lower + allowed

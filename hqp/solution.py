@@ -22,8 +22,6 @@ class Status(Enum):
     """How an answer was reached. Every hierarchy of valid numbers has an answer."""
 
     OPTIMAL = "optimal"
-    SUBOPTIMAL = "suboptimal"
-    STALLED = "stalled"
     FAILED = "failed"
     UNSUPPORTED = "unsupported"
     INVALID = "invalid"

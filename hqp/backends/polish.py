@@ -1,13 +1,8 @@
 """Polish: from a QP solver's 1e-9 to round-off, by one equality least squares on the rows found active.
 
-A level of the cascade is the small problem, in coordinates y of the null space left by the levels
-above,
-
-    min 1/2 sum_i dist(v_i + B_i y, [lower_i, upper_i])^2   subject to   low <= p + N y <= high.
-
-Where its active rows are known, it is an equality-constrained least squares. The QP solver's answer
-tells them nearly always; where round-off blurred one, the optimality conditions say which, the guess
-is mended and the least squares solved again, a few times.
+Where the active rows of a :class:`.level.LevelProblem` are known, it is an equality-constrained least
+squares. The QP solver's answer tells them nearly always; where round-off blurred one, the optimality
+conditions say which, the guess is mended and the least squares solved again, a few times.
 """
 
 from __future__ import annotations
@@ -20,51 +15,16 @@ from scipy.optimize import nnls
 
 from ..hierarchy import Array
 from ..subspace import split
-
-Signs = NDArray[np.int8]
+from .level import LevelProblem, Signs
 
 #: Rounds of mending: all faults at once, and after these one at a time.
 BLOCK_ROUNDS, ROUNDS = 6, 30
+#: Slacks of the QP solver's point up to this share of the row's norm are taken for none.
+BLUR = 1e-7
 #: A multiplier counts beyond this share of the forces in the level.
 SIGNIFICANT = 1e-9
 #: What may remain of the forces in the level after the active hard rows have balanced them.
 SLOPE = 1e-9
-
-
-@dataclass(frozen=True, eq=False)
-class LevelProblem:
-    """The problem above. Rows B belong to the level, rows N to the satisfied inequalities of the levels before.
-
-    `value` is ``A x`` and `place` is ``N_x x`` at y = 0; `norms` are those of the rows before
-    projection (the hard rows had norm one); `slack` and `margin` are the tolerances on both.
-    """
-
-    B: Array
-    value: Array
-    lower: Array
-    upper: Array
-    norms: Array
-    slack: Array
-    N: Array
-    place: Array
-    low: Array
-    high: Array
-    margin: Array
-
-    def excess(self, y: Array) -> Array:
-        """``B y + value`` minus its nearest admissible value."""
-        value = self.value + self.B @ y
-        return value - np.clip(value, self.lower, self.upper)
-
-    def objective(self, y: Array) -> float:
-        """``1/2 ||w||^2``."""
-        w = self.excess(y)
-        return 0.5 * float(w @ w)
-
-    def infeasibility(self, y: Array) -> float:
-        """How far the worst hard row is outside, beyond its tolerance; 0 if none is."""
-        place = self.place + self.N @ y
-        return float(np.maximum(np.maximum(place - self.high, self.low - place) - self.margin, 0.0).max(initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,9 +40,9 @@ class Polished:
 def polish(problem: LevelProblem, y: Array, pressing: Signs, rank_tolerance: float) -> Polished:
     """Least squares on the active rows at y, mended until the optimality conditions hold or patience ends."""
     active = pressing.copy()
-    excess = problem.excess(y)
+    w = problem.slacks(y)
     equality = problem.lower == problem.upper
-    pulled: Signs = np.where(np.abs(excess) > 1e-7 * problem.norms, np.sign(excess), 0).astype(np.int8)
+    pulled: Signs = np.where(np.abs(w) > BLUR * problem.norms, np.sign(w), 0).astype(np.int8)
     for turn in range(1, ROUNDS + 1):
         y = _least_squares(problem, y, active, pulled, equality, rank_tolerance)
         faults, forces = _faults(problem, y, active, pulled, equality)
@@ -131,13 +91,13 @@ def _faults(
         for row in np.flatnonzero((outside < -scale) & (pulled == sign) & ~equality):
             faults.append((float(-outside[row] / problem.norms[row]), "level", int(row), 0))
 
-    excess = problem.excess(y)
-    excess[np.abs(excess) <= problem.slack] = 0.0
+    w = problem.slacks(y)
+    w[np.abs(w) <= problem.slack] = 0.0
     forces = np.zeros(len(active), dtype=bool)
-    scale = float(problem.norms @ np.abs(excess))
+    scale = float(problem.norms @ np.abs(w))
     hard = np.flatnonzero(active)
     if scale > 0.0:
-        gradient = problem.B.T @ excess / scale
+        gradient = problem.B.T @ w / scale
         outward = problem.N[hard] * active[hard, None]
         multipliers = np.linalg.lstsq(outward.T, -gradient, rcond=1e-12)[0]
         slope = float(np.linalg.norm(outward.T @ multipliers + gradient))

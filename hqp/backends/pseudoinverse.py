@@ -92,7 +92,9 @@ def joint_form(hierarchy: Hierarchy, x_ref: Array | None = None, settings: Setti
     first, *rest = equality_tasks(hierarchy)
     alone = joint_space(rest, z, cut)
     name = hierarchy.levels[0].name
-    return Hierarchy([Level.equality(*first, name=name), Level.bounds(alone, alone, name="joint motion")], n=hierarchy.n)
+    return Hierarchy(
+        [Level.equality(*first, name=name), Level.bounds(alone, alone, name="joint motion")], n=hierarchy.n
+    )
 
 
 class Pseudoinverse:

@@ -1,4 +1,5 @@
-"""Every solver that qpsolvers finds installed. Set up anew each time: qpsolvers keeps no problem between calls."""
+"""Every solver that qpsolvers finds installed. Set up anew and cold each time: qpsolvers keeps
+no problem between calls, and a primal guess without its duals makes some solvers miss their tolerance."""
 
 from __future__ import annotations
 
@@ -17,9 +18,6 @@ from .problem import FlatQP, FlatResult, Sizes
 #: For a QP without constraints, qpsolvers answers by LSQR *instead of* these solvers' own method unless told
 #: otherwise; the row 0 y <= 1 tells it otherwise. The solvers not listed here get that row.
 _SOLVE_UNCONSTRAINED = {"daqp", "osqp", "piqp", "proxqp", "quadprog"}
-
-#: Those of them that use a starting point.
-_WARM = {"osqp", "proxqp"}
 
 
 def options(solver: str, settings: Settings) -> dict[str, Any]:
@@ -48,7 +46,6 @@ class QPSolvers:
         self.solver = solver
         self.options = options(solver, settings)
         self.qp: FlatQP | None = None
-        self.guess: Array | None = None
 
     def solve(self, qp: FlatQP) -> FlatResult:
         self.qp = qp
@@ -79,14 +76,13 @@ class QPSolvers:
             box = np.asarray(found.z_box, dtype=np.float64)
         y = np.full(len(qp.g), np.nan) if found is None or found.x is None else np.asarray(found.x, dtype=np.float64)
         solved = found is not None and bool(found.found)
-        self.guess = y if solved and self.solver in _WARM and np.isfinite(y).all() else None
         return FlatResult(y, solved, message, rows, box)
 
     def _run(self, problem: qpsolvers.Problem) -> tuple[qpsolvers.Solution | None, str]:
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
             try:
-                found = qpsolvers.solve_problem(problem, self.solver, initvals=self.guess, **self.options)
+                found = qpsolvers.solve_problem(problem, self.solver, **self.options)
             except (qpsolvers.exceptions.QPError, ValueError, ArithmeticError) as error:
                 return None, f"{type(error).__name__}: {error}"
         message = "; ".join(str(warning.message) for warning in said if "csc_matrix" not in str(warning.message))
