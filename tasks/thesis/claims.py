@@ -18,6 +18,7 @@ from .scenarios import MINUTE
 
 if TYPE_CHECKING:
     from rich.table import Table
+    from rich.text import Text
 
 #: From when on the tip must be on its path, and phi settled: shares of the move. The position
 #: feedback is slow (10 /min): the error of the start is below 1 mm only after 0.5 to 0.67 min.
@@ -118,51 +119,44 @@ def to_csv(claims: Sequence[Claim]) -> str:
 
 
 def to_markdown(claims: Sequence[Claim], remarks: Sequence[str] = ()) -> str:
-    """The table to read, and remarks below it."""
+    """The table to read, and below it a list of remarks."""
     names = _shown(claims)
     lines = ["| " + " | ".join(HEADINGS[name] for name in names) + " |"]
     lines.append("|" + "|".join("---" if name in TEXT else "---:" for name in names) + "|")
     lines += ["| " + " | ".join(_text(claim, name).replace("|", "\\|") for name in names) + " |" for claim in claims]
-    return "\n".join([*lines, *(f"\n{remark}" for remark in remarks)]) + "\n"
+    return "\n".join([*lines, "", *(f"* {remark}" for remark in remarks)]) + "\n"
 
 
 def to_terminal(claims: Sequence[Claim]) -> Table:
-    """The table for a terminal."""
+    """The table for a terminal, under shorter headings; those of :data:`HEADINGS` say what they mean."""
     from rich import box
     from rich.table import Table
+    from rich.text import Text
 
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
     names = _shown(claims)
     for name in names:
-        table.add_column(SHORT[name], justify="left" if name in TEXT else "right", overflow="fold")
+        table.add_column(Text(SHORT[name]), justify="left" if name in TEXT else "right", overflow="fold")
     for before, claim in zip([None, *claims], claims, strict=False):
         if before is not None and before.figure != claim.figure:
             table.add_section()
-        cells = [_text(claim, name) for name in names]
-        table.add_row(*(cell and cell + UNITS.get(name, "") for name, cell in zip(names, cells, strict=True)))
+        table.add_row(*(_text(claim, name) for name in names))
     return table
 
 
-#: For a terminal, where a line must hold a row; the unit stands with the number.
+#: For a terminal, where a line should hold a row.
 SHORT = {
     "figure": "fig.",
     "law": "law",
     "backend": "backend",
-    "tip_error_mm": "tip error",
+    "tip_error_mm": "tip\n[mm]",
     "phi_share": "φ held",
-    "phi_peak_deg": "φ error",
-    "peak_speed": "peak speed",
-    "diverged_min": "diverged",
-    "certified": "certified",
-    "difference_rad": "to formula",
+    "phi_peak_deg": "φ error\n[deg]",
+    "peak_speed": "speed\n[rad/min]",
+    "diverged_min": "diverged\n[min]",
+    "certified": "proved",
+    "difference_rad": "formula\n[rad]",
     "note": "note",
-}
-UNITS = {
-    "tip_error_mm": " mm",
-    "phi_peak_deg": "°",
-    "peak_speed": " rad/min",
-    "diverged_min": " min",
-    "difference_rad": " rad",
 }
 
 TEXT = {"figure", "law", "backend", "note"}

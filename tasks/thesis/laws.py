@@ -110,10 +110,10 @@ THESIS = Law(
     closed_proof=_optimal_in_joint_form,
 )
 STRICT = Law("strict", "strict stack", strict, closed_form="pseudoinverse")
-LIMITS = Law("limits", "strict stack, joint limits", limited, inequalities=True)
+LIMITS = Law("limits", "strict, joint limits", limited, inequalities=True)
 
 TIP = Law("tip", "tip alone", strict, closed_form="pseudoinverse")
-TIP_LIMITS = Law("tip-limits", "tip alone, joint limits", limited, inequalities=True)
+TIP_LIMITS = Law("tip-limits", "tip, joint limits", limited, inequalities=True)
 
 
 def laws_of(scenario: Scenario) -> tuple[Law, ...]:

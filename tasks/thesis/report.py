@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from rich.progress import Progress
 
 DEFAULT_FIGURES = ("4.6", "4.7", "4.8", "4.9")
+ASSUMPTIONS = (
+    "Assumed: the arm starts at rest and follows each commanded acceleration exactly, one solve every 2e-4 min;"
+    " joint limits of 40 rad/min and 4000 rad/min^2; the inclined line runs from (1, 0.7) to (0.3, 0)"
+)
 
 
 def report(figures: Sequence[str], backend: str | None, out: Path) -> list[Claim]:
@@ -56,10 +60,8 @@ def report(figures: Sequence[str], backend: str | None, out: Path) -> list[Claim
 
     records: dict[Job, Record] = {}
     claims: list[Claim] = []
-    remarks = [
-        f"Closed forms beside {chosen}; lengths, times and gains as in `tasks/thesis/scenarios.py`.",
-        *dict.fromkeys(f"{why}." for item in scenarios for law in laws_of(item) if (why := law.refusal(info))),
-    ]
+    left_out = dict.fromkeys(why for item in scenarios for law in laws_of(item) if (why := law.refusal(info)))
+    remarks = [*left_out, *(f"Figure {item.figure}, the text: {item.claim}" for item in scenarios), ASSUMPTIONS]
     with _progress() as progress:
         jobs = dict.fromkeys(job for item in scenarios for job in jobs_of(item, chosen))
         whole = progress.add_task("thesis", total=len(jobs))
@@ -80,8 +82,8 @@ def report(figures: Sequence[str], backend: str | None, out: Path) -> list[Claim
     if not console.is_terminal:  # a file or a pipe has no width; give every row its line
         console.width = 140
     console.print(to_terminal(claims))
-    for remark in remarks[1:]:
-        console.print(remark)
+    for why in left_out:
+        console.print(why)
     console.print(f"{len(scenarios)} figures, claims.md and claims.csv in {out}", soft_wrap=True)
     return claims
 
