@@ -18,7 +18,6 @@ from .scenarios import MINUTE
 
 if TYPE_CHECKING:
     from rich.table import Table
-    from rich.text import Text
 
 #: From when on the tip must be on its path, and phi settled: shares of the move. The position
 #: feedback is slow (10 /min): the error of the start is below 1 mm only after 0.5 to 0.67 min.
