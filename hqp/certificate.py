@@ -250,7 +250,7 @@ def _nonnegative(rows: Array, target: Array) -> Array:
 def _unit_normals(hierarchy: Hierarchy, norms: Array) -> Array:
     """Every row divided by its norm, dense, shape (m, n)."""
     units = np.concatenate([hierarchy.matrix(k) for k in range(len(hierarchy.levels))] or [np.zeros((0, hierarchy.n))])
-    return np.divide(units, norms[:, None], out=np.zeros_like(units), where=norms[:, None] > 0)
+    return units / np.where(norms > 0, norms, 1.0)[:, None]
 
 
 def _title(level: LevelCertificate) -> str:

@@ -100,12 +100,14 @@ class LevelRows:
         reach = np.sqrt(np.einsum("ij,ij->i", moved, moved))
         kept = reach > settings.rank_tolerance * self.norms
         unit = 1.0 / reach[kept].max(initial=1e-300)
-        own = (unit * part[kept] for part in (moved, value, self.lower, self.upper, self.norms, slack))
+        B, value, lower, upper, norms, slack = (
+            unit * part[kept] for part in (moved, value, self.lower, self.upper, self.norms, slack)
+        )
 
         place = state.N @ state.x
         low, high = np.minimum(state.low, place), np.maximum(state.high, place)  # relaxed: y = 0 is feasible
         margin = allowance(place, np.zeros_like(place), np.ones_like(place), length, settings.tolerance)
-        return LevelProblem(*own, state.N @ state.Z, place, low, high, margin)
+        return LevelProblem(B, value, lower, upper, norms, slack, state.N @ state.Z, place, low, high, margin)
 
     def freeze(self, state: State, y: Array, pressing: Signs, settings: Settings) -> State:
         """Equalities, violated rows and pressing hard rows shrink Z; satisfied inequalities become hard rows."""

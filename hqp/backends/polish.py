@@ -8,6 +8,7 @@ conditions say which, the guess is mended and the least squares solved again, a 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +22,9 @@ from .level import LevelProblem, Signs
 BLOCK_ROUNDS, ROUNDS = 6, 30
 #: Slacks of the QP solver's point up to this share of the row's norm are taken for none.
 BLUR = 1e-7
-#: A multiplier counts beyond this share of the forces in the level.
-SIGNIFICANT = 1e-9
+#: A multiplier of the wrong sign counts beyond this share of the forces in the level, one of the right sign
+#: freezes its row for good beyond that share.
+PULL, PRESS = 1e-9, 1e-7
 #: What may remain of the forces in the level after the active hard rows have balanced them.
 SLOPE = 1e-9
 
@@ -37,6 +39,15 @@ class Polished:
     rounds: int
 
 
+class Fault(NamedTuple):
+    """One contradiction to optimality: how bad, in what ("hard" row, "level" row, "slope"), and the row's new sign."""
+
+    size: float
+    kind: str
+    row: int
+    sign: int
+
+
 def polish(problem: LevelProblem, y: Array, pressing: Signs, rank_tolerance: float) -> Polished:
     """Least squares on the active rows at y, mended until the optimality conditions hold or patience ends."""
     active = pressing.copy()
@@ -45,12 +56,12 @@ def polish(problem: LevelProblem, y: Array, pressing: Signs, rank_tolerance: flo
     pulled: Signs = np.where(np.abs(w) > BLUR * problem.norms, np.sign(w), 0).astype(np.int8)
     for turn in range(1, ROUNDS + 1):
         y = _least_squares(problem, y, active, pulled, equality, rank_tolerance)
-        faults, forces = _faults(problem, y, active, pulled, equality)
+        faults, presses = _faults(problem, y, active, pulled, equality)
         if not faults:
-            return Polished(y, True, np.where(forces, active, 0).astype(np.int8), turn)
-        for kind, row, sign in faults if turn <= BLOCK_ROUNDS else faults[:1]:
-            if kind != "slope":
-                (active if kind == "hard" else pulled)[row] = sign
+            return Polished(y, True, np.where(presses, active, 0).astype(np.int8), turn)
+        for fault in faults if turn <= BLOCK_ROUNDS else faults[:1]:
+            if fault.kind != "slope":
+                (active if fault.kind == "hard" else pulled)[fault.row] = fault.sign
     return Polished(y, False, active, ROUNDS)
 
 
@@ -76,43 +87,49 @@ def _least_squares(
 
 def _faults(
     problem: LevelProblem, y: Array, active: Signs, pulled: Signs, equality: NDArray[np.bool_]
-) -> tuple[list[tuple[str, int, int]], NDArray[np.bool_]]:
-    """What contradicts optimality at y: (kind, row, new sign), the worst first; and which hard rows carry force."""
-    faults: list[tuple[float, str, int, int]] = []
-    place = problem.place + problem.N @ y
-    for outside, sign in ((place - problem.high, 1), (problem.low - place, -1)):
-        for row in np.flatnonzero(outside > problem.margin):  # active and yet outside: the active rows contradict
-            faults.append((float(outside[row]), "hard", int(row), sign if active[row] != sign else 0))
-
-    value = problem.value + problem.B @ y
-    for outside, scale, sign in ((value - problem.upper, problem.slack, 1), (problem.lower - value, problem.slack, -1)):
-        for row in np.flatnonzero((outside > scale) & (pulled != sign) & ~equality):
-            faults.append((float(outside[row] / problem.norms[row]), "level", int(row), sign))
-        for row in np.flatnonzero((outside < -scale) & (pulled == sign) & ~equality):
-            faults.append((float(-outside[row] / problem.norms[row]), "level", int(row), 0))
+) -> tuple[list[Fault], NDArray[np.bool_]]:
+    """What contradicts optimality at y, the worst first, and which hard rows carry force."""
+    place, value = problem.place + problem.N @ y, problem.value + problem.B @ y
+    faults: list[Fault] = []
+    for sign, beyond in ((1, place - problem.high), (-1, problem.low - place)):
+        # A hard row that is active and yet outside: the active rows contradict each other.
+        faults += [
+            Fault(float(beyond[row]), "hard", int(row), sign if active[row] != sign else 0)
+            for row in np.flatnonzero(beyond > problem.margin)
+        ]
+    for sign, beyond in ((1, value - problem.upper), (-1, problem.lower - value)):
+        ignored = ~equality & (pulled != sign) & (beyond > problem.slack)
+        overshot = ~equality & (pulled == sign) & (beyond < -problem.slack)
+        faults += [
+            Fault(float(abs(beyond[row]) / problem.norms[row]), "level", int(row), sign if ignored[row] else 0)
+            for row in np.flatnonzero(ignored | overshot)
+        ]
 
     w = problem.slacks(y)
     w[np.abs(w) <= problem.slack] = 0.0
-    forces = np.zeros(len(active), dtype=bool)
-    scale = float(problem.norms @ np.abs(w))
-    hard = np.flatnonzero(active)
-    if scale > 0.0:
-        gradient = problem.B.T @ w / scale
+    pressing = np.zeros(len(active), dtype=np.bool_)
+    force = float(problem.norms @ np.abs(w))
+    if force > 0.0:
+        hard = np.flatnonzero(active)
+        gradient = problem.B.T @ w / force
         outward = problem.N[hard] * active[hard, None]
-        multipliers = np.linalg.lstsq(outward.T, -gradient, rcond=1e-12)[0]
-        slope = float(np.linalg.norm(outward.T @ multipliers + gradient))
-        if slope > SLOPE + float(problem.norms @ problem.slack) / scale:
-            faults.append((slope, "slope", 0, 0))  # a least squares from far away: once more from here
-        if multipliers.min(initial=0.0) < -SIGNIFICANT:
-            try:  # dependent rows leave a choice of multipliers: is there one without a wrong sign?
-                chosen, left = nnls(outward.T, -gradient)
-            except RuntimeError:
-                chosen, left = np.maximum(multipliers, 0.0), np.inf
-            if left <= SIGNIFICANT:
-                multipliers = chosen
-            else:
-                for i in np.flatnonzero(multipliers < -SIGNIFICANT):
-                    faults.append((float(-multipliers[i]), "hard", int(hard[i]), 0))
-        forces[hard] = multipliers > 1e2 * SIGNIFICANT
-    faults.sort(reverse=True)
-    return [fault[1:] for fault in faults], forces
+        multipliers, slope = _balance(outward, gradient)
+        if slope > SLOPE + float(problem.norms @ problem.slack) / force:
+            faults.append(Fault(slope, "slope", 0, 0))  # a least squares from far away: once more from here
+        faults += [Fault(float(-multipliers[i]), "hard", int(hard[i]), 0) for i in np.flatnonzero(multipliers < -PULL)]
+        pressing[hard] = multipliers > PRESS
+    return sorted(faults, reverse=True), pressing
+
+
+def _balance(outward: Array, gradient: Array) -> tuple[Array, float]:
+    """Multipliers with ``gradient + outward^T multipliers`` smallest, without a wrong sign if there is a choice."""
+    multipliers: Array = np.linalg.lstsq(outward.T, -gradient, rcond=1e-12)[0]
+    slope = float(np.linalg.norm(outward.T @ multipliers + gradient))
+    if multipliers.min(initial=0.0) < -PULL:
+        try:  # dependent rows leave a choice
+            chosen, left = nnls(outward.T, -gradient)
+        except RuntimeError:
+            return multipliers, slope
+        if left <= slope + PULL:
+            return chosen, float(left)
+    return multipliers, slope

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..errors import Unsupported
+from ..errors import InvalidInput, Unsupported
 from ..hierarchy import Array, Hierarchy, Level
 from ..settings import Settings
 from ..solution import Status
@@ -54,7 +54,8 @@ def pinv(J: Array, cut: float) -> Array:
     """Pseudoinverse with singular values up to `cut` (absolute) taken for zero."""
     U, s, Vt = np.linalg.svd(J, full_matrices=False)
     kept = s > cut
-    return (Vt[kept].T / s[kept]) @ U[:, kept].T
+    inverse: Array = (Vt[kept].T / s[kept]) @ U[:, kept].T
+    return inverse
 
 
 def norm(J: Array) -> float:
@@ -77,7 +78,8 @@ def equality_tasks(hierarchy: Hierarchy) -> list[tuple[Array, Array]]:
         if not np.all(equal | free):
             row = int(np.argmin(equal | free))
             raise Unsupported(
-                f"{hierarchy.label(k)}, row {row} is an inequality ({level.lower[row]:g} <= A x <= {level.upper[row]:g});"
+                f"{hierarchy.label(k)}, row {row} is an inequality"
+                f" ({level.lower[row]:g} <= A x <= {level.upper[row]:g});"
                 f' the closed form takes equality rows only: use backend="{INEQUALITIES_GO_TO}"'
             )
         weights = level.weights[equal]
@@ -89,6 +91,8 @@ def joint_form(hierarchy: Hierarchy, x_ref: Array | None = None, settings: Setti
     """The hierarchy which Eq. 4.8 really solves: {J1 x = h1} > {x = what the lower tasks would do alone}."""
     cut = (settings or Settings()).rank_tolerance
     z = np.zeros(hierarchy.n) if x_ref is None else x_ref
+    if not hierarchy.levels:
+        raise InvalidInput("a hierarchy without levels has no joint form")
     first, *rest = equality_tasks(hierarchy)
     alone = joint_space(rest, z, cut)
     name = hierarchy.levels[0].name

@@ -49,34 +49,32 @@ class QPSolvers:
 
     def solve(self, qp: FlatQP) -> FlatResult:
         self.qp = qp
-        boxed = qp.box_lower is not None and qp.box_upper is not None
-        C, lower, upper = qp.C, qp.lower, qp.upper
-        as_rows = boxed and not (np.isfinite(qp.box_lower).all() and np.isfinite(qp.box_upper).all())
-        if as_rows and qp.box_lower is not None and qp.box_upper is not None:
-            C = np.concatenate([C, np.eye(len(qp.g))])
-            lower, upper = np.concatenate([lower, qp.box_lower]), np.concatenate([upper, qp.box_upper])
+        n = len(qp.g)
+        C, lower, upper, lb, ub = qp.C, qp.lower, qp.upper, qp.box_lower, qp.box_upper
+        if lb is not None and ub is not None and not np.isfinite([lb, ub]).all():
+            # Not every solver knows infinite bounds; rows can leave a side out.
+            C, lower, upper = np.concatenate([C, np.eye(n)]), np.concatenate([lower, lb]), np.concatenate([upper, ub])
+            lb = ub = None
         above, below = np.flatnonzero(upper < np.inf), np.flatnonzero(lower > -np.inf)
         G = np.concatenate([C[above], -C[below]])
         h = np.concatenate([upper[above], -lower[below]])
-        lb, ub = (qp.box_lower, qp.box_upper) if boxed and not as_rows else (None, None)
         if not len(h) and lb is None and self.solver not in _SOLVE_UNCONSTRAINED:
-            G, h = np.zeros((1, len(qp.g))), np.ones(1)
-        problem = qpsolvers.Problem(qp.H, qp.g, G if len(h) else None, h if len(h) else None, lb=lb, ub=ub)
-        found, message = self._run(problem)
+            G, h = np.zeros((1, n)), np.ones(1)
+        found, message = self._run(
+            qpsolvers.Problem(qp.H, qp.g, G if len(h) else None, h if len(h) else None, lb=lb, ub=ub)
+        )
+        if found is None or found.x is None:
+            return FlatResult(np.full(n, np.nan), False, message, np.zeros(len(qp.lower)), np.zeros(n))
 
-        rows = np.zeros(len(lower))
-        if found is not None and found.z is not None and len(found.z) >= len(above) + len(below):
-            z = np.asarray(found.z, dtype=np.float64)
-            np.add.at(rows, above, z[: len(above)])
-            np.add.at(rows, below, -z[len(above) : len(above) + len(below)])
-        box = np.zeros(len(qp.g))
-        if as_rows:
-            rows, box = rows[: len(qp.lower)], rows[len(qp.lower) :]
-        elif found is not None and found.z_box is not None and len(found.z_box) == len(box):
-            box = np.asarray(found.z_box, dtype=np.float64)
-        y = np.full(len(qp.g), np.nan) if found is None or found.x is None else np.asarray(found.x, dtype=np.float64)
-        solved = found is not None and bool(found.found)
-        return FlatResult(y, solved, message, rows, box)
+        duals = np.zeros(len(lower))
+        if found.z is not None and len(found.z) >= len(above) + len(below):
+            np.add.at(duals, above, found.z[: len(above)])
+            np.subtract.at(duals, below, found.z[len(above) : len(above) + len(below)])
+        row_duals, box_duals = duals[: len(qp.lower)], duals[len(qp.lower) :]
+        if not len(box_duals):
+            given = found.z_box is not None and len(found.z_box) == n
+            box_duals = np.asarray(found.z_box, dtype=np.float64) if given else np.zeros(n)
+        return FlatResult(np.asarray(found.x, dtype=np.float64), bool(found.found), message, row_duals, box_duals)
 
     def _run(self, problem: qpsolvers.Problem) -> tuple[qpsolvers.Solution | None, str]:
         with warnings.catch_warnings(record=True) as said:

@@ -1,0 +1,1 @@
+"""Benchmarks: problem families x backends -> tables. From a checkout: ``python -m benchmarks``."""
