@@ -123,7 +123,7 @@ def _faults(
 
 def _balance(outward: Array, gradient: Array) -> tuple[Array, float]:
     """Multipliers with ``gradient + outward^T multipliers`` smallest, without a wrong sign if there is a choice."""
-    multipliers: Array = np.linalg.lstsq(outward.T, -gradient, rcond=1e-12)[0]
+    multipliers: Array = np.asarray(np.linalg.lstsq(outward.T, -gradient, rcond=1e-12)[0], dtype=np.float64)
     slope = float(np.linalg.norm(outward.T @ multipliers + gradient))
     if multipliers.min(initial=0.0) < -PULL:
         try:  # dependent rows leave a choice

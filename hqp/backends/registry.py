@@ -79,20 +79,20 @@ _QPSOLVERS = {
 _BACKENDS = [
     BackendInfo(
         name="pseudoinverse",
-        summary="closed form, Eq. 3.17 for any number of levels: the reference",
+        summary="closed form, Eq. 3.17: the reference",
         module="pseudoinverse",
         inequalities=False,
     ),
     BackendInfo(
         name="pseudoinverse:joint",
-        summary="closed form, Eq. 4.8 (3.18 in joint space): exact for its own hierarchy {J1} > {x = J2# h2}",
+        summary="closed form, Eq. 4.8: optimal for its own {J1} > {x = J2# h2}",
         module="pseudoinverse",
         inequalities=False,
         lexicographic=False,
     ),
     BackendInfo(
         name="cascade:proxsuite",
-        summary="one QP a level, ProxQP's dense interface driven directly: persistent and warm",
+        summary="QPs by ProxQP, persistent and warm",
         module="cascade",
         qp_solver="proxsuite",
         package="proxsuite",
@@ -100,7 +100,7 @@ _BACKENDS = [
     ),
     BackendInfo(
         name="cascade:osqp",
-        summary="one QP a level, OSQP driven directly: persistent and warm",
+        summary="QPs by OSQP, persistent and warm",
         module="cascade",
         accuracy="first-order",
         qp_solver="osqp",
@@ -110,7 +110,7 @@ _BACKENDS = [
     *(
         BackendInfo(
             name=f"cascade:qpsolvers/{solver}",
-            summary=f"one QP a level, {solver} through qpsolvers: set up anew each time",
+            summary=f"QPs by {solver}, set up anew each time",
             module="cascade",
             accuracy=accuracy,
             qp_solver=f"qpsolvers/{solver}",
