@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -42,7 +43,7 @@ def validate(
     work = [(name, case) for name in names for case in equality_cases()]
     parallel = Parallel(n_jobs=jobs, return_as="generator")
     done = parallel(delayed(validate_case)(name, case, count, seed) for name, case in work)
-    console = Console()
+    console = Console(width=None if not cases or sys.stdout.isatty() else 120)
     reports = [
         report
         for batch in track(done, "solving", total=len(work), console=Console(stderr=True), transient=True)
@@ -53,7 +54,7 @@ def validate(
         console.print(_table(f"{formula} ({closed_form})", rows if cases else merge(rows), cases))
     console.print(
         "x, residual: largest relative difference from the closed form\n"
-        "levels: solved by the named QP solver / in need of none"
+        "solved, met: levels a stack which the named QP solver solved, and which needed none"
     )
     wrong = sorted({report.backend for report in reports if not report.ok})
     if wrong:
@@ -66,13 +67,13 @@ def _table(title: str, reports: list[Report], cases: bool) -> Table:
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 
-    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=0, collapse_padding=True)
     table.add_column("backend", no_wrap=True)
     if cases:
         table.add_column("n; rows, rank", no_wrap=True)
-    for column in ("stacks", "x", "residual", "certified", "levels", "ms"):
+    for column in ("stacks", "x", "residual", "certified", "solved", "met", "ms"):
         table.add_column(column, justify="right", no_wrap=True)
-    table.add_column("", no_wrap=True)
+    table.add_column("", no_wrap=True, min_width=2)
     for report in reports:
         table.add_row(
             report.backend,
@@ -81,7 +82,8 @@ def _table(title: str, reports: list[Report], cases: bool) -> Table:
             f"{report.worst_x:.0e}",
             f"{report.worst_residual:.0e}",
             f"{report.certified / report.count:.1%}",
-            f"{report.levels_solved}/{report.levels_met}",
+            f"{report.levels_solved / report.count:.2f}",
+            f"{report.levels_met / report.count:.2f}",
             f"{1e3 * report.seconds / report.count:.2f}",
             "ok" if report.ok else f"[bold red]> {report.allowed:.0e}[/]",
         )
