@@ -199,6 +199,15 @@ def test_drawing(figure, tmp_path):
     drawing.savefig(tmp_path / "figure.png", dpi=40)
 
 
+def test_a_run_that_several_figures_show_is_simulated_once(tmp_path, monkeypatch):
+    monkeypatch.setattr(scenarios, "SCENARIOS", {figure: short(figure) for figure in ("4.6", "4.8")})
+    simulated = []
+    monkeypatch.setattr(report, "run", lambda job, progress: simulated.append(job) or runs.run(job, progress))
+    rows = report.report(["4.6", "4.8"], "pseudoinverse", tmp_path)
+    assert len(simulated) == 1
+    assert [row.figure for row in rows] == ["4.6", "4.8"]
+
+
 def test_what_is_finished_is_kept(tmp_path, monkeypatch):
     """An interruption in the second figure leaves the first one and its rows."""
     monkeypatch.setattr(scenarios, "SCENARIOS", {figure: short(figure) for figure in ("4.7", "4.9")})

@@ -140,7 +140,7 @@ def _labels(axes: Array, scenario: Scenario, runs: Mapping[Job, Record]) -> None
     top = 1.15 * min(peak, 2.2 * scenario.velocity_limit * MINUTE)  # a run that diverges may leave the panel
     axes[2, 0].set_ylim(-top, top)
     axes[0, 0].legend(loc="upper left", fontsize=8, framealpha=0.9)
-    axes[2, 0].legend(loc="upper right", fontsize=8, ncols=len(scenario.lengths), framealpha=0.9)
+    axes[2, 0].legend(loc="lower right", fontsize=8, ncols=len(scenario.lengths), framealpha=0.9)
 
 
 def _snapshots(scenario: Scenario, record: Record) -> Array:
