@@ -15,7 +15,8 @@ from .joint_motion import JointMotion
 from .limits.acceleration import JointAccelerationLimit
 from .limits.velocity import JointVelocityLimit
 from .motion.controller import Controller, Step
-from .motion.simulation import Record, simulate
+from .motion.record import Record, Stop
+from .motion.simulation import simulate
 from .motion.trajectories import Fixed, Line, Trajectory, cubic
 from .orientation import OrientationTask
 from .part import Order, Part, Tick
@@ -45,6 +46,7 @@ __all__ = [
     "RobotState",
     "Stack",
     "Step",
+    "Stop",
     "TargetTask",
     "Task",
     "Tick",

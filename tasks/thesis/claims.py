@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._checks import Array
-from ..motion.simulation import Record
+from ..motion.record import Record
 from .runs import Job, phi_error, tip_error
 from .scenarios import MINUTE
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .._checks import Array
-from ..motion.simulation import Record
+from ..motion.record import Record
 from .claims import TIP_FROM, measure
 from .runs import Job, phi_error
 from .scenarios import MINUTE, Scenario

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import hqp
 
-from ..motion.simulation import Record
+from ..motion.record import Record
 from .claims import Claim, measure, to_csv, to_markdown, to_terminal
 from .laws import laws_of
 from .runs import Job, jobs_of, run

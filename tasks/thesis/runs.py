@@ -11,7 +11,8 @@ import hqp
 
 from .._checks import Array
 from ..motion.controller import Controller
-from ..motion.simulation import Record, simulate
+from ..motion.record import Record
+from ..motion.simulation import simulate
 from .laws import Law, laws_of
 from .scenarios import MINUTE, Scenario
 
