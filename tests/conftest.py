@@ -1,0 +1,21 @@
+"""Shared by all tests: reproducible hypothesis runs, and one solver a backend."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import settings
+
+from hqp import available_backends, backend_info
+
+# The machines are shared: no deadline. Derandomised: a red run is red again.
+settings.register_profile("hqp", deadline=None, derandomize=True, max_examples=60)
+settings.load_profile("hqp")
+
+#: Backends which take any hierarchy and aim at its optimum.
+GENERAL = [name for name in available_backends() if backend_info(name).lexicographic and backend_info(name).inequalities]
+
+
+@pytest.fixture(params=GENERAL)
+def general_backend(request: pytest.FixtureRequest) -> str:
+    """Each backend that takes inequalities, in turn."""
+    return str(request.param)

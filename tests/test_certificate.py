@@ -1,0 +1,151 @@
+"""The certificate: accepts optima with the right multipliers, refuses everything else, and says where."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hqp import Hierarchy, InvalidInput, Level, certify, solve
+from hqp.problems import random_hierarchy
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def reach_behind_a_limit() -> Hierarchy:
+    """x <= 1 above x = 3: the optimum is x = 1, held back by the limit with multiplier 2."""
+    return Hierarchy([Level.bounds([-np.inf], [1.0], name="limit"), Level.equality([[1.0]], [3.0], name="reach")])
+
+
+def test_the_multiplier_balances_the_slack() -> None:
+    certificate = certify(reach_behind_a_limit(), [1.0])
+    assert certificate.ok
+    limit, reach, last = certificate.levels
+    assert limit.residual_norm == 0.0
+    assert reach.residual_norm == pytest.approx(2.0)
+    assert reach.multipliers == pytest.approx([2.0])  # w = -2 pulls up, an upper bound holds: positive
+    assert last.multipliers == pytest.approx([0.0, -1.0])
+
+
+def test_the_multiplier_of_a_lower_bound_is_negative() -> None:
+    h = Hierarchy([Level([[2.0]], [2.0], [np.inf]), Level.equality([[1.0]], [-3.0])])
+    certificate = certify(h, [1.0])
+    assert certificate.ok
+    assert certificate.levels[1].multipliers == pytest.approx([-2.0])
+
+
+def test_weights_enter_squared() -> None:
+    h = Hierarchy([Level.equality([[1.0], [1.0]], [0.0, 1.0], weights=[1.0, 2.0])])
+    assert certify(h, [0.8]).ok  # (0 + 4 * 1) / 5
+    assert not certify(h, [0.5]).ok
+    assert certify(h, [0.8]).levels[0].residual_norm == pytest.approx(np.hypot(0.8, 2 * 0.2))
+
+
+@pytest.mark.parametrize(
+    ("x", "level", "why"),
+    [
+        (0.5, 1, "the reach could go on"),
+        (1.5, 0, "the limit is broken"),
+        (3.0, 0, "the limit is broken, however well the reach is met"),
+    ],
+)
+def test_it_names_the_highest_level_that_falls_short(x: float, level: int, why: str) -> None:
+    certificate = certify(reach_behind_a_limit(), [x])
+    assert not certificate.ok, why
+    assert not certificate
+    assert certificate.failed is not None
+    assert certificate.failed.level == level
+    assert f"level {level}" in str(certificate).splitlines()[0]
+
+
+def test_the_gap_bounds_what_is_missing() -> None:
+    h = Hierarchy([Level.equality(np.eye(2), [1.0, 2.0], name="goal")])
+    for x in ([0.0, 0.0], [1.0, 1.9], [5.0, 2.0]):
+        level = certify(h, x).levels[0]
+        missing = np.linalg.norm(np.subtract(x, [1.0, 2.0]))  # the optimum has no residual
+        assert missing * (1 - 1e-9) <= level.shortfall <= level.residual_norm * (1 + 1e-9)
+        assert level.gap >= missing**2 / 2 * (1 - 1e-9)
+
+
+def test_unique_includes_the_implicit_last_level() -> None:
+    h = Hierarchy([Level.equality([[1.0, 1.0]], [2.0])])
+    assert certify(h, [1.0, 1.0]).ok
+    assert not certify(h, [2.0, 0.0]).ok
+    assert certify(h, [2.0, 0.0], unique=False).ok
+    assert certify(h, [2.0, 0.0], x_ref=[2.0, 0.0]).ok
+    assert certify(h, [2.0, 0.0], x_ref=[1.0, -1.0]).ok
+
+
+def test_a_free_row_and_a_zero_row_hold_nothing() -> None:
+    h = Hierarchy(
+        [
+            Level([[1.0, 0.0], [0.0, 0.0]], [-np.inf, 1.0], [np.inf, 2.0], name="idle"),
+            Level.equality([[1.0, 0.0]], [3.0]),
+        ]
+    )
+    certificate = certify(h, [3.0, 0.0])
+    assert certificate.ok
+    assert certificate.levels[0].residual_norm == pytest.approx(1.0)  # 0 x >= 1 cannot be helped
+
+
+def test_conflicting_duplicates_share_the_blame() -> None:
+    h = Hierarchy([Level.equality([[1.0]], [0.0]), Level.equality([[1.0]], [1.0])])
+    assert certify(h, [0.0]).ok
+    assert not certify(h, [0.5]).ok
+    same = Hierarchy([Level.equality([[1.0], [1.0]], [0.0, 1.0])])
+    assert certify(same, [0.5]).ok
+
+
+@given(seeds, st.sampled_from([1e-3, 1e-1, 10.0]))
+def test_moved_answers_are_refused(seed: int, step: float) -> None:
+    rng = np.random.default_rng(seed)
+    h = random_hierarchy(rng)
+    x = solve(h).x
+    assert certify(h, x).ok
+    direction = rng.standard_normal(h.n)
+    moved = x + step * max(1.0, np.linalg.norm(x)) * direction / np.linalg.norm(direction)
+    assert not certify(h, moved).ok
+
+
+@given(seeds)
+def test_the_multipliers_are_a_proof_that_anybody_can_check(seed: int) -> None:
+    """Stationarity, signs and complementarity, recomputed here from the definition."""
+    h = random_hierarchy(np.random.default_rng(seed))
+    x = solve(h).x
+    rows = np.concatenate([h.matrix(k) for k in range(len(h.levels))] or [np.zeros((0, h.n))])
+    value = rows @ x
+    w = value - np.clip(value, h.lower, h.upper)
+    near = 1e-7 * (1 + np.abs(value) + np.linalg.norm(rows, axis=1) * np.linalg.norm(x))
+    for k, level in enumerate(certify(h, x, unique=False).levels):
+        own, above = slice(h.pointers[k], h.pointers[k + 1]), h.pointers[k]
+        force = rows[own].T @ (h.weights[own] ** 2 * np.where(np.abs(w[own]) > near[own], w[own], 0.0))
+        scale = np.abs(rows[own]).sum() * (1 + np.abs(w[own]).max(initial=0.0)) * h.weights[own].max(initial=1.0) ** 2
+        held = rows[:above].T @ level.multipliers
+        assert np.linalg.norm(force + held) <= 1e-6 * (1 + scale)
+        for i, multiplier in enumerate(level.multipliers):
+            if h.lower[i] == h.upper[i] or abs(w[i]) > near[i] or abs(multiplier) <= 1e-7 * (1 + scale):
+                continue
+            assert value[i] >= h.upper[i] - near[i] if multiplier > 0 else value[i] <= h.lower[i] + near[i]
+
+
+def test_wrong_input_is_refused() -> None:
+    h = reach_behind_a_limit()
+    with pytest.raises(InvalidInput, match=r"x has shape \(2,\); it must be \(1,\)"):
+        certify(h, [1.0, 2.0])
+    with pytest.raises(InvalidInput, match=r"x\[0\] = nan must be finite"):
+        certify(h, [np.nan])
+    with pytest.raises(InvalidInput, match="x_ref has shape"):
+        certify(h, [1.0], x_ref=[1.0, 1.0])
+    with pytest.raises(InvalidInput, match="tolerance"):
+        certify(h, [1.0], tolerance=0.0)
+    h.levels[0].upper[0] = np.nan
+    with pytest.raises(InvalidInput, match=r"level 0 \('limit'\), row 0"):
+        certify(h, [1.0])
+
+
+def test_it_prints_a_line_a_level() -> None:
+    text = str(certify(reach_behind_a_limit(), [1.0]))
+    assert text.startswith("certified: lexicographically optimal at all 3 levels")
+    for name in ("level 0 (limit)", "level 1 (reach)", "level 2 (min ||x - x_ref||)"):
+        assert name in text
