@@ -12,7 +12,9 @@ settings.register_profile("hqp", deadline=None, derandomize=True, max_examples=6
 settings.load_profile("hqp")
 
 #: Backends which take any hierarchy and aim at its optimum.
-GENERAL = [name for name in available_backends() if backend_info(name).lexicographic and backend_info(name).inequalities]
+GENERAL = [
+    name for name in available_backends() if backend_info(name).lexicographic and backend_info(name).inequalities
+]
 
 
 @pytest.fixture(params=GENERAL)

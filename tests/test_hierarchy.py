@@ -97,7 +97,10 @@ def test_nothing_to_do_gives_x_ref(levels: list[Level]) -> None:
 
 
 SHAPE_FAULTS = {
-    "lower": (lambda: Level([[1.0, 2.0]], [1.0, 2.0], [1.0], name="hand"), r"level 'hand': lower has shape \(2,\).*\(1,\)"),
+    "lower": (
+        lambda: Level([[1.0, 2.0]], [1.0, 2.0], [1.0], name="hand"),
+        r"level 'hand': lower has shape \(2,\).*\(1,\)",
+    ),
     "A axes": (lambda: Level([1.0, 2.0], [1.0], [1.0], name="hand"), r"level 'hand': A has shape \(2,\)"),
     "A words": (lambda: Level([["a"]], [1.0], [1.0], name="hand"), r"level 'hand': A is not an array of real numbers"),
     "ragged": (lambda: Level([[1.0], [1.0, 2.0]], 0.0, 1.0, name="hand"), r"level 'hand': A is not an array"),
@@ -113,7 +116,10 @@ SHAPE_FAULTS = {
         lambda: Hierarchy([Level.equality(np.eye(2), 0.0), Level.bounds(0.0, 1.0, indices=[1, 5], name="b")]),
         r"level 1 \('b'\), row 1: index 5, but the hierarchy has 2 unknowns",
     ),
-    "not a level": (lambda: Hierarchy([Level.equality(np.eye(2), 0.0), "b"]), r"level 1 is a str; it must be a hqp.Level"),
+    "not a level": (
+        lambda: Hierarchy([Level.equality(np.eye(2), 0.0), "b"]),
+        r"level 1 is a str; it must be a hqp.Level",
+    ),
     "one level": (lambda: Hierarchy(Level.equality(np.eye(2), 0.0)), r"takes a sequence of levels"),
     "no n": (lambda: Hierarchy([]), r"how many unknowns there are; give n"),
     "n": (lambda: Hierarchy([], n=-1), r"n = -1 must be a non-negative integer"),
@@ -171,5 +177,5 @@ def test_x_ref_is_checked() -> None:
     with pytest.raises(InvalidInput, match=r"x_ref\[1\] = nan must be finite"):
         solve(h, x_ref=[1.0, np.nan, 0.0])
     assert Solver().solve(h, [1.0, np.nan, 0.0]).status is Status.INVALID
-    with pytest.raises(InvalidInput, match="takes a hqp.Hierarchy, not a list"):
+    with pytest.raises(InvalidInput, match=r"takes a hqp\.Hierarchy, not a list"):
         solve([Level.equality(np.eye(2), 0.0)])  # type: ignore[arg-type]

@@ -1,0 +1,152 @@
+"""The cascade: what it counts, what it keeps, and what it says when its QP solver fails."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hqp import Hierarchy, Level, Settings, Solver, Status, solve
+from hqp.backends import cascade
+from hqp.problems import random_hierarchy
+from hqp.qp import FlatQP, FlatResult
+
+
+def stack() -> Hierarchy:
+    rng = np.random.default_rng(3)
+    return Hierarchy(
+        [
+            Level.bounds(-np.ones(6), np.ones(6), name="limits"),
+            Level.equality(rng.standard_normal((2, 6)), [3.0, -3.0], name="hand"),
+            Level(rng.standard_normal((2, 6)), [0.5, -np.inf], [np.inf, -0.5], name="elbow"),
+            Level.equality(rng.standard_normal((3, 6)), [1.0, 2.0, 3.0], name="gaze"),
+        ]
+    )
+
+
+def test_it_counts_what_it_did() -> None:
+    counts = solve(stack()).counts
+    assert counts.levels_solved + counts.levels_met == 5  # four levels and the implicit last one
+    assert counts.levels_met >= 1  # x = 0 meets the limits
+    assert counts.levels_solved >= 2
+    assert counts.qp_solves == counts.levels_solved + counts.proximal_steps
+    assert counts.levels_polished == counts.levels_solved <= counts.polishes
+
+
+class Spy:
+    """A flat solver between the cascade and the real one."""
+
+    calls: list[str]
+
+    def __init__(self, real, calls: list[str]) -> None:
+        self.real, self.calls = real, calls
+
+    def solve(self, qp: FlatQP) -> FlatResult:
+        self.calls.append("solve")
+        return self.real.solve(qp)
+
+    def move(self, g: np.ndarray) -> FlatResult:
+        self.calls.append("move")
+        return self.real.move(g)
+
+
+@pytest.fixture
+def spied(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    calls: list[str] = []
+    real = cascade.make_flat_solver
+
+    def make(*arguments):
+        calls.append("make")
+        return Spy(real(*arguments), calls)
+
+    monkeypatch.setattr(cascade, "make_flat_solver", make)
+    return calls
+
+
+def test_every_counted_solve_is_one_of_the_named_solver(spied: list[str]) -> None:
+    counts = solve(stack()).counts
+    assert spied.count("solve") + spied.count("move") == counts.qp_solves
+    assert spied.count("move") == counts.proximal_steps
+
+
+def test_problems_persist_between_calls_of_a_solver(spied: list[str]) -> None:
+    solver, h = Solver(), stack()
+    shifts = (0.0, 0.01, -0.01, 0.02)
+
+    def go_round() -> None:
+        for shift in shifts:
+            h.levels[1].lower[:] = h.levels[1].upper[:] = np.array([3.0, -3.0]) + shift
+            assert solver.solve(h).ok
+
+    go_round()
+    made = spied.count("make")  # the active set, and with it the sizes, may have changed on the way round
+    go_round()
+    assert spied.count("make") == made
+
+
+def _failing_from(monkeypatch: pytest.MonkeyPatch, level: int, how: str) -> None:
+    """Make the flat solver of one level fail: by its status, by nonsense, by NaN, or by an exception."""
+    real = cascade.Cascade._flat
+
+    class Broken:
+        def solve(self, qp: FlatQP) -> FlatResult:
+            if how == "raises":
+                raise RuntimeError("out of cheese")
+            y = np.full(len(qp.g), np.nan if how == "nan" else 1e3)
+            return FlatResult(y, how != "status", "gave up", np.zeros(len(qp.lower)), np.zeros(len(qp.g)))
+
+        def move(self, g: np.ndarray) -> FlatResult:
+            raise AssertionError("not reached")
+
+    broken = Broken()
+    broken.move = lambda g: FlatResult(np.full(len(g), 1e3), True, "gave up", np.zeros(99), np.zeros(len(g)))  # type: ignore[method-assign]
+    monkeypatch.setattr(cascade.Cascade, "_flat", lambda self, k, sizes: broken if k == level else real(self, k, sizes))
+
+
+@pytest.mark.parametrize("how", ["status", "nan", "nonsense", "raises"])
+def test_a_level_that_fails_is_a_status_with_the_last_good_x(monkeypatch: pytest.MonkeyPatch, how: str) -> None:
+    h = stack()
+    whole = solve(h)
+    _failing_from(monkeypatch, 3, how)
+    solution = Solver().solve(h)
+    assert solution.status is Status.FAILED
+    assert not solution.ok
+    assert solution.level == 3
+    assert "level 3 ('gaze'): proxsuite failed" in solution.message
+    if how == "raises":
+        assert "RuntimeError: out of cheese" in solution.message
+    assert np.isfinite(solution.x).all()
+    # What is above the failed level is as good as ever.
+    assert all(level.ok for level in solution.certify(unique=False).levels[:3])
+    for mine, theirs in zip(solution.levels[:3], whole.levels[:3], strict=True):
+        assert mine.residual_norm == pytest.approx(theirs.residual_norm, abs=1e-9)
+
+
+def test_without_polish_it_is_as_exact_as_its_solver() -> None:
+    rough = Settings(polish=False)
+    for seed in range(20):
+        h = random_hierarchy(np.random.default_rng(seed), n=5, levels=2)
+        solution, exact = solve(h, settings=rough), solve(h)
+        assert solution.counts.polishes == 0
+        for mine, theirs in zip(solution.levels, exact.levels, strict=True):
+            assert mine.residual_norm == pytest.approx(theirs.residual_norm, abs=1e-5 * (1 + np.linalg.norm(exact.x)))
+
+
+def test_the_number_of_kept_problems_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cascade, "MOST_SOLVERS", 3)
+    solver, h = Solver(), stack()
+    for _ in range(3):
+        assert solver.solve(h).certify().ok
+    assert len(solver._backend.flat) <= 3  # type: ignore[attr-defined]
+
+
+def test_a_proximal_step_makes_a_rank_deficient_level_exact_even_unpolished() -> None:
+    """Plain regularisation leaves an error of order rho; the proximal steps take it away."""
+    A = np.array([[1.0, 1.0, 0.0], [2.0, 2.0, 0.0]])
+    h = Hierarchy([Level.equality(A, [1.0, 2.0])])
+    slack = {
+        steps: np.linalg.norm(
+            solve(h, settings=Settings(polish=False, proximal_weight=1e-3, proximal_steps=steps)).levels[0].slack
+        )
+        for steps in (1, 10)
+    }
+    assert slack[10] < 1e-7 < slack[1]
