@@ -39,13 +39,14 @@ def test_bounds_at_both_orders(limit):
             np.testing.assert_allclose(mine, expected, rtol=1e-14)
 
 
+@pytest.mark.parametrize("gain", [10.0, 20.0])
 @pytest.mark.parametrize("order", ["velocity", "acceleration"])
-def test_no_motion_exceeds_its_limits(order):
+def test_no_motion_exceeds_its_limits(order, gain):
     """A target out of reach and gains too high: without limits the joints would run away."""
     v_max, a_max, dt = np.array([0.6, 1.0, 1.2]), np.array([8.0, 9.0, 10.0]), 0.01
-    tasks = PositionTask([1.5, 0.8], gain=10.0) >> OrientationTask(2.0, gain=15.0)
+    tasks = PositionTask([1.5, 0.8], gain=gain) >> OrientationTask(2.0, gain=1.5 * gain)
     limits = JointVelocityLimit(v_max) + JointAccelerationLimit(a_max)
-    record = simulate(Controller(ARM, limits >> tasks, order=order, dt=dt), Q, duration=1.5, certify=25)
+    record = simulate(Controller(ARM, limits >> tasks, order=order, dt=dt), Q, duration=1.5, certify=1)
     assert record.stopped is None
     assert np.all(np.abs(record.v) <= v_max + 1e-9)
     assert np.all(np.abs(record.a) <= a_max + 1e-9 / dt)

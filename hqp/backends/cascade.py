@@ -169,10 +169,10 @@ def _credible(problem: LevelProblem, y: Array) -> bool:
 
 
 def _no_worse(problem: LevelProblem, polished: Array, y: Array) -> bool:
-    """Whether an unverified polish still beats the QP solver's point at its own level and leaks no more upwards."""
-    return problem.infeasibility(polished) <= problem.infeasibility(y) and problem.objective(
-        polished
-    ) <= problem.objective(y)
+    """Whether an unverified polish is lexicographically no worse than y: the levels above first, then this one."""
+    problem = problem.reaching(y)
+    ranked = [(problem.infeasibility(point), problem.objective(point)) for point in (polished, y)]
+    return ranked[0] <= ranked[1] and _credible(problem, polished)
 
 
 def make(name: str, settings: Settings) -> Cascade:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,9 @@ from ..subspace import split
 
 Signs = NDArray[np.int8]
 
+#: Round-off of a row at the end of a step y, in units of ``||y||`` times the norm of the row.
+REACH = 64 * np.finfo(np.float64).eps
+
 
 @dataclass(frozen=True, eq=False)
 class LevelProblem:
@@ -23,7 +26,7 @@ class LevelProblem:
 
     Rows B belong to the level, rows N to the satisfied inequalities of the levels above.
     `value` is ``A x`` and `place` is ``N_x x`` at y = 0; `norms` are those of the rows before
-    projection (the hard rows had norm one); `slack` and `margin` are the tolerances on both.
+    projection (the hard rows had norm one); `slack` and `margin` are the tolerances on both at y = 0.
     """
 
     B: Array
@@ -37,6 +40,11 @@ class LevelProblem:
     low: Array
     high: Array
     margin: Array
+
+    def reaching(self, y: Array) -> LevelProblem:
+        """The same problem with the round-off of rows at y in its tolerances."""
+        more = REACH * float(np.linalg.norm(y))
+        return replace(self, slack=self.slack + more * self.norms, margin=self.margin + more)
 
     def slacks(self, y: Array) -> Array:
         """The slacks w of the level's rows at y."""
@@ -91,11 +99,17 @@ class LevelRows:
         weights = level.weights[says]
         return cls(weights[:, None] * A[says], weights * level.lower[says], weights * level.upper[says], norms[says])
 
+    def tolerances(self, x: Array, settings: Settings) -> Array:
+        """How far each row may be from its bound at x."""
+        value = self.A @ x
+        length = float(np.linalg.norm(x))
+        return allowance(value, excess(value, self.lower, self.upper), self.norms, length, settings.tolerance)
+
     def problem(self, state: State, settings: Settings) -> LevelProblem:
         """The level in y: rows that y cannot move are left out, and the rest scaled by what y can move."""
         length = float(np.linalg.norm(state.x))
         value = self.A @ state.x
-        slack = allowance(value, excess(value, self.lower, self.upper), self.norms, length, settings.tolerance)
+        slack = self.tolerances(state.x, settings)
         moved = self.A @ state.Z
         reach = np.sqrt(np.einsum("ij,ij->i", moved, moved))
         kept = reach > settings.rank_tolerance * self.norms
@@ -114,7 +128,9 @@ class LevelRows:
         x = state.x + state.Z @ y
         value = self.A @ x
         slack = excess(value, self.lower, self.upper)
-        allowed = allowance(value, slack, self.norms, float(np.linalg.norm(x)), settings.tolerance)
+        # What was close enough before the step, and what is now: the polish knows the former, certificates the latter.
+        allowed = np.maximum(self.tolerances(state.x, settings), self.tolerances(x, settings))
+        allowed += REACH * float(np.linalg.norm(y)) * self.norms
         if not settings.polish:  # a first-order point violates by what its solver leaves
             allowed = np.maximum(allowed, 1e2 * settings.qp_tolerance * self.norms * (1.0 + np.linalg.norm(x)))
         frozen = (self.lower == self.upper) | (np.abs(slack) > allowed)

@@ -50,6 +50,7 @@ class Fault(NamedTuple):
 
 def polish(problem: LevelProblem, y: Array, pressing: Signs, rank_tolerance: float) -> Polished:
     """Least squares on the active rows at y, mended until the optimality conditions hold or patience ends."""
+    problem = problem.reaching(y)
     active = pressing.copy()
     w = problem.slacks(y)
     equality = problem.lower == problem.upper
