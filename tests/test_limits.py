@@ -54,7 +54,7 @@ def test_no_motion_exceeds_its_limits(order, gain):
     assert record.certified_share == 1.0
 
     free = simulate(Controller(ARM, tasks, order=order, dt=dt, backend="pseudoinverse"), Q, duration=0.2, certify=0)
-    assert np.abs(free.v).max() > 2 * v_max.max()
+    assert free.diverged_at is not None or np.abs(free.v).max() > 2 * v_max.max()
 
 
 def test_a_limit_without_a_number_is_the_robots_own():
