@@ -14,7 +14,7 @@ strictly convex and cost no accuracy. Then one equality least squares on the act
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from collections import Counter
 
 import numpy as np
 
@@ -36,23 +36,12 @@ CREDIBLE = 1e-5
 RETREAT = (1.0, 1e3, 1e6)
 
 
+#: The running :class:`hqp.Counts` of one solve, by the names of its fields.
+Tally = Counter[str]
+
+
 class LevelFailed(HqpError):
     """The named solver gave no usable answer to a level (never leaves this module)."""
-
-
-@dataclass
-class Tally:
-    """The running :class:`hqp.Counts` of one solve."""
-
-    qp_solves: int = 0
-    proximal_steps: int = 0
-    polishes: int = 0
-    levels_solved: int = 0
-    levels_met: int = 0
-    levels_polished: int = 0
-
-    def counts(self) -> Counts:
-        return Counts(**asdict(self))
 
 
 class Cascade:
@@ -78,16 +67,16 @@ class Cascade:
             except LevelFailed as failure:
                 label = last.name if level is last else hierarchy.label(k)
                 message = f"{label}: {self.solver} failed ({failure}); x is optimal for the levels above"
-                return Answer(state.x, Status.FAILED, message, k, tally.counts())
+                return Answer(state.x, Status.FAILED, message, k, Counts(**tally))
             if level is last:
-                return Answer(state.x + state.Z @ y, counts=tally.counts())
+                return Answer(state.x + state.Z @ y, counts=Counts(**tally))
             state = rows.freeze(state, y, pressing, self.settings)
         raise AssertionError("the implicit last level always comes last")
 
     def _solve_level(self, k: int, problem: LevelProblem, tally: Tally) -> tuple[Array, Signs]:
         """The step y of one level, and the hard rows that press against it."""
         if _nothing_to_do(problem):
-            tally.levels_met += 1
+            tally["levels_met"] += 1
             return np.zeros(problem.N.shape[1]), np.zeros(len(problem.N), dtype=np.int8)
         said = ""
         for factor in RETREAT:
@@ -98,13 +87,13 @@ class Cascade:
             verified = False
             if self.settings.polish:
                 done = polish(problem, y, pressing, self.settings.rank_tolerance)
-                tally.polishes += done.rounds
+                tally["polishes"] += done.rounds
                 verified = done.verified
                 if verified or _no_worse(problem, done.y, y):
-                    tally.levels_polished += 1
+                    tally["levels_polished"] += 1
                     y, pressing = done.y, done.pressing
             if verified or (result.solved and factor == RETREAT[0]):
-                tally.levels_solved += 1
+                tally["levels_solved"] += 1
                 # Without the proof that they press, no rows are frozen for good.
                 return y, pressing if verified else np.zeros_like(pressing)
         raise LevelFailed(said)
@@ -125,7 +114,7 @@ class Cascade:
                 break
             g = qp.g.copy()
             g[:nz] -= rho * y
-            tally.proximal_steps += 1
+            tally["proximal_steps"] += 1
             again = self._ask(solver, g, tally)
             if not again.solved:
                 break
@@ -134,7 +123,7 @@ class Cascade:
         return result, y, sort.pressing(problem, y, result, scale)
 
     def _ask(self, solver: FlatSolver, load: FlatQP | Array, tally: Tally) -> FlatResult:
-        tally.qp_solves += 1
+        tally["qp_solves"] += 1
         try:
             return solver.solve(load) if isinstance(load, FlatQP) else solver.move(load)
         except Exception as error:  # a solver's own exception is an outcome of its level, whatever its type
