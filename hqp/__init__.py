@@ -15,7 +15,8 @@ from __future__ import annotations
 from .backends.registry import ACCURACY, BACKENDS, BackendInfo, available_backends, backend_info
 from .certificate import Certificate, LevelCertificate, certify
 from .errors import HqpError, InvalidInput, MissingPackage, UnknownBackend, Unsupported
-from .hierarchy import Hierarchy, Level
+from .hierarchy import Hierarchy
+from .level import Level
 from .rows import Side
 from .settings import Settings
 from .solution import Counts, LevelSolution, Solution, Status

@@ -24,8 +24,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .arrays import Array, finite_vector
 from .errors import InvalidInput
-from .hierarchy import Array, Hierarchy
+from .hierarchy import Hierarchy
 from .rows import RowStates, Side, row_states
 from .subspace import split
 
@@ -255,17 +256,3 @@ def _unit_normals(hierarchy: Hierarchy, norms: Array) -> Array:
 
 def _title(level: LevelCertificate) -> str:
     return f"level {level.level} ({level.name})" if level.name else f"level {level.level}"
-
-
-def finite_vector(value: ArrayLike, n: int, what: str) -> Array:
-    """`value` as a finite float vector of length n, or InvalidInput that says what is wrong."""
-    try:
-        vector = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InvalidInput(f"{what} is not a vector of real numbers ({error})") from None
-    if vector.shape != (n,):
-        raise InvalidInput(f"{what} has shape {vector.shape}; it must be ({n},)")
-    if not np.isfinite(vector).all():
-        index = int(np.argmin(np.isfinite(vector)))
-        raise InvalidInput(f"{what}[{index}] = {vector[index]} must be finite")
-    return vector

@@ -10,7 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .hierarchy import Array, Hierarchy, Level
+from .arrays import Array
+from .hierarchy import Hierarchy
+from .level import Level
 
 #: (unknowns, rows of each level) of the validation against the closed form.
 SHAPES: tuple[tuple[int, tuple[int, ...]], ...] = (

@@ -8,7 +8,8 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from .hierarchy import Array, Hierarchy
+from .arrays import Array
+from .hierarchy import Hierarchy
 
 #: Round-off of A x, in units of the largest length that takes part in it.
 ROUND_OFF = 4 * np.finfo(np.float64).eps

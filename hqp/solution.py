@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .hierarchy import Array, Hierarchy
+from .arrays import Array
+from .hierarchy import Hierarchy
 from .rows import RowStates, Side, row_states
 from .subspace import split
 

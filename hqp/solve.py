@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .arrays import finite_vector
 from .backends.base import Answer
 from .backends.registry import make_backend
-from .certificate import finite_vector
 from .errors import InvalidInput, Unsupported
 from .hierarchy import Hierarchy
 from .settings import Settings

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .hierarchy import Array
+from .arrays import Array
 
 
 def split(rows: Array, norms: Array, tolerance: float) -> tuple[Array, Array]:

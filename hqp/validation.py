@@ -13,9 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .arrays import Array
 from .backends.pseudoinverse import joint_form
 from .backends.registry import ACCURACY, backend_info
-from .hierarchy import Array, Hierarchy
+from .hierarchy import Hierarchy
 from .problems import Case
 from .solution import Solution
 from .solve import Solver

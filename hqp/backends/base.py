@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from ..hierarchy import Array, Hierarchy
+from ..arrays import Array
+from ..hierarchy import Hierarchy
 from ..solution import Counts, Status
 
 

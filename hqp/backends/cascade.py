@@ -18,15 +18,17 @@ from collections import Counter
 
 import numpy as np
 
+from ..arrays import Array
 from ..errors import HqpError
-from ..hierarchy import Array, Hierarchy, Level
+from ..hierarchy import Hierarchy
+from ..level import Level
 from ..qp import FlatQP, FlatResult, FlatSolver, Sizes, make_flat_solver
 from ..settings import Settings
 from ..solution import Counts, Status
 from .base import Answer
 from .flat import flat_qp, step_scale
-from .level import LevelProblem, LevelRows, Signs, State
 from .polish import polish
+from .subproblem import LevelProblem, LevelRows, Signs, State
 
 #: Flat solvers kept for warm starts: sizes change with the active set, and come back.
 MOST_SOLVERS = 64

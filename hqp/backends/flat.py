@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..hierarchy import Array
+from ..arrays import Array
 from ..qp import FlatQP, FlatResult
-from .level import LevelProblem, Signs
+from .subproblem import LevelProblem, Signs
 
 
 @dataclass(frozen=True, eq=False)

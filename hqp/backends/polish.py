@@ -1,6 +1,6 @@
 """Polish: from a QP solver's 1e-9 to round-off, by one equality least squares on the rows found active.
 
-Where the active rows of a :class:`.level.LevelProblem` are known, it is an equality-constrained least
+Where the active rows of a :class:`.subproblem.LevelProblem` are known, it is an equality-constrained least
 squares. The QP solver's answer tells them nearly always; where round-off blurred one, the optimality
 conditions say which, the guess is mended and the least squares solved again, a few times.
 """
@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from ..hierarchy import Array
+from ..arrays import Array
 from ..subspace import split
-from .level import LevelProblem, Signs
+from .subproblem import LevelProblem, Signs
 
 #: Rounds of mending: all faults at once, and after these one at a time.
 BLOCK_ROUNDS, ROUNDS = 6, 30

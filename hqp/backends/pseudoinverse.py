@@ -21,8 +21,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arrays import Array
 from ..errors import InvalidInput, Unsupported
-from ..hierarchy import Array, Hierarchy, Level
+from ..hierarchy import Hierarchy
+from ..level import Level
 from ..settings import Settings
 from ..solution import Status
 from .base import Answer

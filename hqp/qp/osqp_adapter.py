@@ -8,7 +8,7 @@ import numpy as np
 import osqp
 from scipy import sparse
 
-from ..hierarchy import Array
+from ..arrays import Array
 from ..settings import Settings
 from .problem import FlatQP, FlatResult, Sizes
 

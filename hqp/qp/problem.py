@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
-from ..hierarchy import Array
+from ..arrays import Array
 
 
 class Sizes(NamedTuple):

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from proxsuite import proxqp
 
-from ..hierarchy import Array
+from ..arrays import Array
 from ..settings import Settings
 from .problem import FlatQP, FlatResult, Sizes
 

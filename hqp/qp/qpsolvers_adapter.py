@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 import qpsolvers
 
+from ..arrays import Array
 from ..errors import MissingPackage
-from ..hierarchy import Array
 from ..settings import Settings
 from .problem import FlatQP, FlatResult, Sizes
 

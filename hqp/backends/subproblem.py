@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..hierarchy import Array, Level
+from ..arrays import Array
+from ..level import Level
 from ..rows import allowance, excess
 from ..settings import Settings
 from ..subspace import split
