@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from numbers import Real
+from reprlib import repr as brief
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -12,11 +16,37 @@ Indices = NDArray[np.intp]
 
 
 def real_array(value: ArrayLike, what: str) -> Array:
-    """A float array of its own from whatever holds real numbers, or InvalidInput that names `what`."""
+    """A float array of its own from whatever holds real numbers, or InvalidInput that names `what`.
+
+    Nothing is made a number that is none: no string, no date, None, masked entry or imaginary part.
+    """
+    refusal = f"{what} is not an array of real numbers"
+    given = _as_array(value, refusal)
+    strangers: list[Any] = [] if given.dtype.kind in "biuf" else [value]
+    if given.dtype.kind == "O":
+        strangers = [item for item in given.flat if not isinstance(item, Real)]
+    if strangers:
+        raise InvalidInput(f"{refusal} (it holds {brief(strangers[0])})")
+    return np.array(_as_array(given, refusal, np.float64))
+
+
+def _as_array(value: Any, refusal: str, dtype: type[np.float64] | None = None) -> NDArray[Any]:
+    """What numpy makes of `value`, or InvalidInput: no rectangle, a masked entry, an integer beyond all floats."""
+    if np.ma.is_masked(value):
+        raise InvalidInput(f"{refusal} (it has masked entries)")
     try:
-        return np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InvalidInput(f"{what} is not an array of real numbers ({error})") from None
+        with np.errstate(over="ignore"):
+            return np.asarray(value, dtype)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InvalidInput(f"{refusal} ({error})") from None
+
+
+def index_vector(value: ArrayLike, what: str) -> Indices:
+    """One axis of integers, or InvalidInput that names `what`."""
+    given = _as_array(value, f"{what} must be one axis of integers")
+    if given.ndim != 1 or (given.size and given.dtype.kind not in "iu"):
+        raise InvalidInput(f"{what} must be one axis of integers, not {given.dtype} of shape {given.shape}")
+    return given.astype(np.intp)
 
 
 def finite_vector(value: ArrayLike, n: int, what: str) -> Array:

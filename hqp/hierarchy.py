@@ -21,13 +21,22 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import cached_property
+from reprlib import repr as brief
 from typing import Any
 
 import numpy as np
 
 from .arrays import Array, Indices
+from .checks import whole_number
 from .errors import InvalidInput
 from .level import Level
+
+#: Most unknowns that indices alone may tell: beyond, a slip of the pen is likelier than so many.
+MOST_GUESSED = 10_000
+
+#: Numbers beyond this one are refused, and rows shorter than its inverse are zero rows: squares of what lies
+#: between neither overflow nor underflow, weighted or not.
+LARGEST = 1e30
 
 
 class Hierarchy:
@@ -130,9 +139,9 @@ class Hierarchy:
         return out
 
     def row_norms(self) -> Array:
-        """Euclidean norm of every row, shape (m,); 1 for a plain bound."""
+        """Euclidean norm of every row, shape (m,); 1 for a plain bound, 0 for a row shorter than 1e-30."""
         norms = np.ones(self.m)
-        norms[self._dense] = np.sqrt(np.einsum("ij,ij->i", self.A, self.A))
+        norms[self._dense] = lengths(self.A)
         return norms
 
     @cached_property
@@ -159,10 +168,10 @@ class Hierarchy:
 
     def find_fault(self) -> str | None:
         """The first number that cannot mean anything, as a sentence naming level and row, or None."""
-        if not np.isfinite(self.A).all():
-            row, column = np.argwhere(~np.isfinite(self.A))[0]
-            where = self._where(int(self._dense[row]))
-            return f"{where}: A[{column}] = {self.A[row, column]} must be finite"
+        if not (np.abs(self.A) <= LARGEST).all():
+            row, column = np.argwhere(~(np.abs(self.A) <= LARGEST))[0]
+            what, value = f"A[{column}]", self.A[row, column]
+            return f"{self._where(int(self._dense[row]))}: {what} = {value} must be {_allowed(value)}"
         low, high = self.lower, self.upper
         wrong = ~(low <= high) | (low == np.inf) | (high == -np.inf)
         if wrong.any():
@@ -173,10 +182,15 @@ class Hierarchy:
             if low[i] > high[i]:
                 return f"{where}: lower = {low[i]} > upper = {high[i]}; lower must not exceed upper"
             return f"{where}: lower = {low[i]}, upper = {high[i]}; lower must be below +inf and upper above -inf"
-        wrong = ~((self.weights > 0) & (self.weights < np.inf))
+        for what, value in ("lower", low), ("upper", high):
+            wrong = (np.abs(value) > LARGEST) & np.isfinite(value)
+            if wrong.any():
+                i = int(np.argmax(wrong))
+                return f"{self._where(i)}: {what} = {value[i]} must be infinite or {_allowed(value[i])}"
+        wrong = ~((self.weights >= 1.0 / LARGEST) & (self.weights <= LARGEST))
         if wrong.any():
             i = int(np.argmax(wrong))
-            return f"{self._where(i)}: weight {self.weights[i]} must be positive and finite"
+            return f"{self._where(i)}: weight {self.weights[i]} must be positive and finite, from 1e-30 to 1e30"
         return None
 
     def _where(self, row: int) -> str:
@@ -191,6 +205,8 @@ class Hierarchy:
 def _levels(levels: Iterable[Level]) -> list[Level]:
     if isinstance(levels, Level):
         raise InvalidInput("a hierarchy takes a sequence of levels, highest first; put the one level into a list")
+    if not isinstance(levels, Iterable):
+        raise InvalidInput(f"a hierarchy takes a sequence of levels, highest first, not {brief(levels)}")
     given = list(levels)
     for k, level in enumerate(given):
         if not isinstance(level, Level):
@@ -205,9 +221,10 @@ def _unknowns(levels: Sequence[Level], n: int | None) -> int:
         highest = [int(level.indices.max()) + 1 for level in levels if level.indices is not None and len(level)]
         if not rows and not highest:
             raise InvalidInput("the levels do not tell how many unknowns there are; give n")
+        if not rows and max(highest) > max(MOST_GUESSED, sum(map(len, levels))):
+            raise InvalidInput(f"index {max(highest) - 1} makes {max(highest)} unknowns; if so many are meant, give n")
         n = rows[0] if rows else max(highest)
-    elif not (isinstance(n, int | np.integer) and n >= 0):
-        raise InvalidInput(f"n = {n!r} must be a non-negative integer")
+    n = whole_number(n, "n")
     for k, level in enumerate(levels):
         label = f"level {k} ({level.name!r})" if level.name else f"level {k}"
         if level.A is not None and level.A.shape[1] != n:
@@ -215,4 +232,15 @@ def _unknowns(levels: Sequence[Level], n: int | None) -> int:
         if level.indices is not None and np.any(level.indices >= n):
             row = int(np.argmax(level.indices >= n))
             raise InvalidInput(f"{label}, row {row}: index {level.indices[row]}, but the hierarchy has {n} unknowns")
-    return int(n)
+    return n
+
+
+def lengths(rows: Array) -> Array:
+    """Euclidean norm of each row; one shorter than 1e-30 is a zero row."""
+    norms: Array = np.sqrt(np.einsum("ij,ij->i", rows, rows))
+    norms[norms < 1.0 / LARGEST] = 0.0
+    return norms
+
+
+def _allowed(value: float) -> str:
+    return f"at most {LARGEST:g} in size" if np.isfinite(value) else "finite"

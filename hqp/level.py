@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arrays import Array, Indices, real_array
+from .arrays import Array, Indices, index_vector, real_array
+from .checks import of_type
 from .errors import InvalidInput
 
 
@@ -92,12 +93,7 @@ class Level:
                 )
             columns = np.arange(m)
         else:
-            raw = np.asarray(indices)
-            if raw.ndim != 1 or (raw.size and raw.dtype.kind not in "iu"):
-                raise InvalidInput(
-                    f"{label}: indices must be one axis of integers, not {raw.dtype} of shape {raw.shape}"
-                )
-            columns = raw.astype(np.intp)
+            columns = index_vector(indices, f"{label}: indices")
             if np.any(columns < 0):
                 row = int(np.argmax(columns < 0))
                 raise InvalidInput(f"{label}, row {row}: index {columns[row]} is negative; count unknowns from 0")
@@ -115,7 +111,7 @@ class Level:
         if wrong.any():
             row = int(np.argmax(wrong))
             raise InvalidInput(f"{_label(name)}, row {row}: weight {scale[row]} must be positive and finite")
-        self._hold(A, lower, upper, scale, indices, name)
+        self._hold(A, lower, upper, scale, indices, of_type(name, str, "name of a level"))
 
     def _hold(self, *values: Array | Indices | str | None) -> Level:
         """Take these arrays as they are, unchecked and uncopied, in the order of the fields."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-from .errors import InvalidInput
+from .checks import positive_number, truth, whole_number
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +34,7 @@ class Settings:
     Raises
     ------
     InvalidInput
-        If a tolerance is not a positive finite number or a limit is not a positive integer.
+        If a number is not positive and finite, a tolerance not below 1, or a limit not a positive integer.
     """
 
     tolerance: float = 1e-10
@@ -47,8 +47,11 @@ class Settings:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            value = getattr(self, field.name)
-            if field.type == "float" and not (0 < value < math.inf):
-                raise InvalidInput(f"settings: {field.name} = {value!r} must be a positive finite number")
-            if field.type == "int" and not (isinstance(value, int) and value >= 1):
-                raise InvalidInput(f"settings: {field.name} = {value!r} must be an integer of at least 1")
+            value, what = getattr(self, field.name), f"settings: {field.name}"
+            if field.type == "bool":
+                value = truth(value, what)
+            elif field.type == "int":
+                value = whole_number(value, what, least=1)
+            else:
+                value = positive_number(value, what, below=1.0 if "tolerance" in field.name else math.inf)
+            object.__setattr__(self, field.name, value)

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arrays import finite_vector
+from .arrays import finite_vector, real_array
 from .backends.base import Answer
 from .backends.registry import make_backend
+from .checks import of_type
 from .errors import InvalidInput, Unsupported
-from .hierarchy import Hierarchy
+from .hierarchy import LARGEST, Hierarchy
 from .settings import Settings
 from .solution import Solution, Status
 
@@ -32,6 +33,8 @@ class Solver:
     ------
     UnknownBackend
         If no backend of that name can run here.
+    InvalidInput
+        If the settings are none.
 
     Notes
     -----
@@ -42,7 +45,7 @@ class Solver:
 
     def __init__(self, backend: str = DEFAULT_BACKEND, settings: Settings | None = None) -> None:
         self.backend = backend
-        self.settings = settings or Settings()
+        self.settings = Settings() if settings is None else of_type(settings, Settings, "settings")
         self._backend = make_backend(backend, self.settings)
         self._structure: tuple[Any, ...] | None = None
 
@@ -58,17 +61,17 @@ class Solver:
         Raises
         ------
         InvalidInput
-            If x_ref has the wrong shape.
+            If x_ref is no array of real numbers, or has the wrong shape.
         """
         if not isinstance(hierarchy, Hierarchy):
             raise InvalidInput(f"solve takes a hqp.Hierarchy, not a {type(hierarchy).__name__}")
-        reference = np.zeros(hierarchy.n) if x_ref is None else np.array(x_ref, dtype=np.float64)
+        reference = np.zeros(hierarchy.n) if x_ref is None else real_array(x_ref, "x_ref")
         if reference.shape != (hierarchy.n,):
             raise InvalidInput(f"x_ref has shape {reference.shape}; it must be ({hierarchy.n},)")
 
         fault = hierarchy.find_fault()
-        if fault is None and not np.isfinite(reference).all():
-            fault = f"x_ref = {reference} must be finite"
+        if fault is None and not (np.abs(reference) <= LARGEST).all():
+            fault = f"x_ref = {reference} must be finite, and at most {LARGEST:g} in size"
             reference = np.zeros(hierarchy.n)
         if fault is not None:
             answer = Answer(reference.copy(), Status.INVALID, fault)
@@ -76,7 +79,8 @@ class Solver:
             if hierarchy.structure != self._structure:
                 self._backend.reset()
                 self._structure = hierarchy.structure
-            answer = self._backend.solve(hierarchy, reference)
+            with np.errstate(all="ignore"):
+                answer = self._backend.solve(hierarchy, reference)
         return Solution(
             x=answer.x,
             status=answer.status,

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
+import scipy.sparse
 
-from hqp import Hierarchy, InvalidInput, Level, Solver, Status, solve
+from hqp import Hierarchy, InvalidInput, Level, Settings, Solver, Status, solve
+from hqp.arrays import real_array
 
 
 def small() -> Hierarchy:
@@ -122,7 +126,22 @@ SHAPE_FAULTS = {
     ),
     "one level": (lambda: Hierarchy(Level.equality(np.eye(2), 0.0)), r"takes a sequence of levels"),
     "no n": (lambda: Hierarchy([]), r"how many unknowns there are; give n"),
-    "n": (lambda: Hierarchy([], n=-1), r"n = -1 must be a non-negative integer"),
+    "n": (lambda: Hierarchy([], n=-1), r"n = -1 must be an integer of at least 0"),
+    "n true": (lambda: Hierarchy([], n=True), r"n = True must be an integer"),
+    "n fraction": (lambda: Hierarchy([], n=2.0), r"n = 2.0 must be an integer"),
+    "no levels": (lambda: Hierarchy(None), r"takes a sequence of levels, highest first, not None"),
+    "number of levels": (lambda: Hierarchy(3), r"takes a sequence of levels, highest first, not 3"),
+    "index slip": (
+        lambda: Hierarchy([Level.bounds(0.0, 1.0, indices=[2**40])]),
+        r"index 1099511627776 makes 1099511627777 unknowns; if so many are meant, give n",
+    ),
+    "index ragged": (lambda: Level.bounds(0.0, 1.0, indices=[[1], [2, 3]], name="a"), r"level 'a': indices must be"),
+    "index huge": (
+        lambda: Level.bounds(0.0, 1.0, indices=[2**70], name="a"),
+        r"level 'a': indices must be .* integers",
+    ),
+    "name": (lambda: Level([[1.0]], 0.0, 1.0, name=5), r"name of a level = 5 is a int; it must be a str"),
+    "name of bounds": (lambda: Level.bounds([0.0], [1.0], name=None), r"name of a level = None"),
 }
 
 
@@ -168,6 +187,54 @@ def test_bad_numbers_raise_in_solve_and_are_a_status_in_a_solver(fault: str) -> 
     with pytest.raises(InvalidInput, match=message):
         raise InvalidInput(solution.message)
     assert solver.solve(small()).ok  # and the loop goes on
+
+
+def test_many_unknowns_are_fine_where_they_are_meant() -> None:
+    assert Hierarchy([Level.bounds(np.zeros(20_000), 1.0)]).n == 20_000
+    assert Hierarchy([Level.bounds(0.0, 1.0, indices=[20_000])], n=30_000).n == 30_000
+
+
+STRANGERS = {
+    "huge integer": [[10**400, 1]],
+    "complex": [[1.0, 1j]],
+    "digits": [["1", "2"]],
+    "date": [[np.datetime64("2026-01-01"), np.datetime64("2026-01-02")]],
+    "record": np.zeros((1, 2), dtype=[("a", float)]),
+    "mixed": np.array([[1.0, "2"]], dtype=object),
+    "none": [[1.0, None]],
+    "masked": np.ma.masked_array([[1.0, 2.0]], mask=[[False, True]]),
+    "sparse": scipy.sparse.eye_array(2, format="csr"),
+    "dictionary": {1: 2},
+}
+
+
+@pytest.mark.parametrize("stranger", STRANGERS)
+def test_what_is_no_real_number_is_never_made_one(stranger: str) -> None:
+    value = STRANGERS[stranger]
+    with pytest.raises(InvalidInput, match="level 'hand': A is not an array of real numbers"):
+        Level(value, 0.0, 1.0, name="hand")  # type: ignore[arg-type]
+    with pytest.raises(InvalidInput, match="level 'hand': upper is not an array of real numbers"):
+        Level(np.eye(2), 0.0, value, name="hand")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("value", [[True, False], [1, 2], np.ma.masked_array([1.0, 2.0]), [Fraction(1, 2), 10**30]])
+def test_whatever_holds_real_numbers_is_taken(value: object) -> None:
+    assert real_array(value, "value").tolist() == [float(item) for item in value]  # type: ignore[arg-type, attr-defined]
+
+
+@pytest.mark.parametrize("x_ref", ["a", 1j, {}, [1j, 0, 0], scipy.sparse.eye_array(3), [[1], [2, 3]], "abc"])
+def test_an_x_ref_that_is_no_vector_raises_even_in_a_solver(x_ref: object) -> None:
+    for attempt in (lambda: Solver().solve(small(), x_ref), lambda: solve(small(), x_ref=x_ref)):  # type: ignore[arg-type]
+        with pytest.raises(InvalidInput, match="x_ref is not an array of real numbers"):
+            attempt()
+
+
+@pytest.mark.parametrize("settings", ["x", {}, 0, Settings])
+def test_settings_must_be_settings(settings: object) -> None:
+    with pytest.raises(InvalidInput, match=r"settings = .* is a \w+; it must be a Settings"):
+        Solver(settings=settings)  # type: ignore[arg-type]
+    with pytest.raises(InvalidInput, match=r"settings = .* is a \w+; it must be a Settings"):
+        solve(small(), settings=settings)  # type: ignore[arg-type]
 
 
 def test_x_ref_is_checked() -> None:

@@ -100,9 +100,41 @@ def test_a_solver_that_gave_up_starts_afresh() -> None:
 
 
 def test_settings_are_checked() -> None:
-    with pytest.raises(InvalidInput, match="tolerance = -1 must be a positive finite number"):
+    with pytest.raises(InvalidInput, match=r"tolerance = -1\.0 must be positive and below 1"):
         Settings(tolerance=-1)
     with pytest.raises(InvalidInput, match="proximal_steps = 0 must be an integer of at least 1"):
         Settings(proximal_steps=0)
-    with pytest.raises(InvalidInput, match="rank_tolerance = nan"):
-        Settings(rank_tolerance=float("nan"))
+    with pytest.raises(InvalidInput, match="proximal_weight = inf must be positive and finite"):
+        Settings(proximal_weight=float("inf"))
+
+
+@pytest.mark.parametrize("name", ["tolerance", "rank_tolerance", "qp_tolerance", "proximal_weight"])
+@pytest.mark.parametrize("value", ["a", None, [1], True, 1j, np.array([1e-9]), float("nan"), 0, 10**400])
+def test_settings_take_numbers_where_numbers_are_meant(name: str, value: object) -> None:
+    with pytest.raises(InvalidInput, match=f"settings: {name} = "):
+        Settings(**{name: value})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", ["tolerance", "rank_tolerance", "qp_tolerance"])
+def test_a_tolerance_is_below_one(name: str) -> None:
+    with pytest.raises(InvalidInput, match=f"{name} = 1.5 must be positive and below 1"):
+        Settings(**{name: 1.5})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("value", ["a", None, 2.0, True, 10**30])
+def test_settings_take_whole_numbers_where_counts_are_meant(value: object) -> None:
+    for name in "qp_iterations", "proximal_steps":
+        with pytest.raises(InvalidInput, match=f"settings: {name} = .* must be an integer"):
+            Settings(**{name: value})  # type: ignore[arg-type]
+    with pytest.raises(InvalidInput, match=r"settings: polish = 'a' must be True or False"):
+        Settings(polish="a")  # type: ignore[arg-type]
+
+
+def test_settings_take_numpy_numbers_and_hold_plain_ones() -> None:
+    settings = Settings(qp_iterations=np.int64(5), tolerance=np.float32(0.5), polish=np.bool_(False))  # type: ignore[arg-type]
+    assert settings == Settings(qp_iterations=5, tolerance=0.5, polish=False)
+    assert [type(value) for value in (settings.qp_iterations, settings.tolerance, settings.polish)] == [
+        int,
+        float,
+        bool,
+    ]

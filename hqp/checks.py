@@ -1,0 +1,60 @@
+"""Input that is no array: one number, a name, an object of ours. Each refusal says what, its value, what is allowed."""
+
+from __future__ import annotations
+
+import math
+from numbers import Integral, Real
+from reprlib import repr as brief
+from typing import TypeVar
+
+import numpy as np
+
+from .errors import InvalidInput
+
+T = TypeVar("T")
+
+#: What the counters of compiled solvers hold.
+LARGEST_COUNT = 2**31 - 1
+
+
+def whole_number(value: object, what: str, least: int = 0) -> int:
+    """`value` as an int of at least `least`, and in reach of a counter; True and 2.0 are none."""
+    if not isinstance(value, Integral) or isinstance(value, bool) or int(value) < least:
+        raise InvalidInput(f"{what} = {brief(value)} must be an integer of at least {least}")
+    if int(value) > LARGEST_COUNT:
+        raise InvalidInput(f"{what} = {brief(value)} must be an integer of at most {LARGEST_COUNT}")
+    return int(value)
+
+
+def real_number(value: object, what: str) -> float:
+    """`value` as a float, which may be infinite or NaN; True, a string and an array are none."""
+    if isinstance(value, Real) and not isinstance(value, bool):
+        try:
+            return float(value)
+        except OverflowError:  # an int of more than 308 digits
+            pass
+    raise InvalidInput(f"{what} = {brief(value)} must be a real number")
+
+
+def positive_number(value: object, what: str, below: float = math.inf) -> float:
+    """`value` as a float between 0 and `below`, neither included."""
+    number = real_number(value, what)
+    if 0.0 < number < below:
+        return number
+    raise InvalidInput(
+        f"{what} = {number} must be positive and {'finite' if below == math.inf else f'below {below:g}'}"
+    )
+
+
+def truth(value: object, what: str) -> bool:
+    """`value`, which must be True or False."""
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    raise InvalidInput(f"{what} = {brief(value)} must be True or False")
+
+
+def of_type(value: object, kind: type[T], what: str) -> T:
+    """`value`, which must be a `kind`."""
+    if isinstance(value, kind):
+        return value
+    raise InvalidInput(f"{what} = {brief(value)} is a {type(value).__name__}; it must be a {kind.__name__}")
