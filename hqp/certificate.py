@@ -14,7 +14,8 @@ has multipliers :math:`\lambda_{kj}` (j < k) with
 
 Each level is a convex QP with affine constraints, hence *iff*; and the multipliers of different
 levels are independent, hence one sign-constrained least squares a level: project out the free
-normals, then non-negative least squares over the signed ones. Nothing here knows a backend.
+normals, then non-negative least squares over the signed ones. What that leaves must be round-off, or must
+vanish when the slacks of the level shift within the tolerances of their rows. Nothing here knows a backend.
 """
 
 from __future__ import annotations
@@ -22,18 +23,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from .arrays import Array, finite_vector
 from .errors import InvalidInput
 from .hierarchy import Hierarchy
-from .rows import RowStates, Side, row_states
-from .subspace import split
+from .rows import ROUND_OFF, RowStates, Side, row_states
+from .subspace import row_space
 
 #: Rank decision among free normals: the weak choice, so that either answer to a near-singular one passes.
 FREE_RANK = 1e-12
-#: Stationarity asked of a level, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``.
-STATIONARITY = 1e-8
+#: The same, of what the rows of a level can still move: what a solver may have taken for zero, with a margin.
+OWN_RANK = 4e-9
+#: Beyond this x, squares of residuals overflow.
+FURTHEST = 1e60
+#: Stationarity asked of a level, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``, where the slacks of
+#: its rows may shift within their tolerances.
+STATIONARITY = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,86 +159,100 @@ def certify(
     """
     point = finite_vector(x, hierarchy.n, "x")
     reference = np.zeros(hierarchy.n) if x_ref is None else finite_vector(x_ref, hierarchy.n, "x_ref")
+    if np.abs(point).max(initial=0.0) > FURTHEST:
+        raise InvalidInput(f"x reaches {np.abs(point).max():g}; nothing beyond {FURTHEST:g} can be judged")
     if not tolerance > 0:
         raise InvalidInput(f"tolerance = {tolerance} must be positive")
     fault = hierarchy.find_fault()
     if fault:
         raise InvalidInput(fault)
 
-    rows = row_states(hierarchy, point, tolerance)
-    units = _unit_normals(hierarchy, rows.norms)
-    reach = np.divide(np.abs(rows.slack), rows.norms, out=np.zeros(hierarchy.m), where=rows.norms > 0)
-    radius = float(np.linalg.norm(point) + np.linalg.norm(reference) + reach.max(initial=0.0))
-
-    levels = []
-    for k, level in enumerate(hierarchy.levels):
-        own = slice(hierarchy.pointers[k], hierarchy.pointers[k + 1])
-        force = rows.norms[own] * level.weights**2
-        push = np.where(rows.violated[own], force * rows.slack[own], 0.0)
-        noise = float(force @ rows.tolerance[own])
-        residual = float(np.linalg.norm(level.weights * rows.slack[own]))
-        levels.append(
-            _judge(
-                k, level.name, residual, units[own].T @ push, np.abs(push).sum(), noise, units, rows, own.start, radius
-            )
-        )
-    if unique:
-        away = point - reference
-        allowed = tolerance * (np.abs(point) + np.abs(reference) + np.linalg.norm(point))
-        push = np.where(np.abs(away) > allowed, away, 0.0)
-        levels.append(
-            _judge(
-                len(hierarchy.levels), "min ||x - x_ref||", float(np.linalg.norm(away)),
-                push, np.abs(push).sum(), float(allowed.sum()), units, rows, hierarchy.m, radius,
-            )
-        )  # fmt: skip
+    with np.errstate(all="ignore"):  # of what over- or underflows, the comparisons below make a refusal
+        rows = row_states(hierarchy, point, tolerance)
+        units = _unit_normals(hierarchy, rows.norms)
+        reach = np.divide(np.abs(rows.slack), rows.norms, out=np.zeros(hierarchy.m), where=rows.norms > 0)
+        radius = float(np.linalg.norm(point) + np.linalg.norm(reference) + reach.max(initial=0.0))
+        levels = []
+        for k, level in enumerate(hierarchy.levels):
+            own = slice(hierarchy.pointers[k], hierarchy.pointers[k + 1])
+            pull = _Pull(
+                k, level.name, units[own], rows.norms[own] * level.weights**2, rows.slack[own],
+                rows.tolerance[own], rows.sides[own], float(np.linalg.norm(level.weights * rows.slack[own])),
+            )  # fmt: skip
+            levels.append(_judge(pull, units[: own.start], rows, radius))
+        if unique:
+            away, n = point - reference, hierarchy.n
+            allowed = tolerance * (np.abs(point) + np.abs(reference)) + ROUND_OFF * radius
+            pull = _Pull(
+                len(hierarchy.levels), "min ||x - x_ref||", np.eye(n), np.ones(n), away,
+                allowed, np.full(n, Side.EQUALITY, dtype=np.int8), float(np.linalg.norm(away)),
+            )  # fmt: skip
+            levels.append(_judge(pull, units, rows, radius))
     return Certificate(point, tuple(levels), unique, radius)
 
 
-def _judge(
-    level: int,
-    name: str,
-    residual: float,
-    gradient: Array,
-    scale: float,
-    noise: float,
-    units: Array,
-    rows: RowStates,
-    above: int,
-    radius: float,
-) -> LevelCertificate:
-    """Balance the gradient of one level by the rows above it (the first `above` rows).
+@dataclass(frozen=True, eq=False)
+class _Pull:
+    """One level as forces on x: row i pulls with ``force_i * slack_i`` along its unit normal."""
 
-    scale is the sum of the forces in the gradient, noise what round-off in the slacks adds to it.
-    """
+    level: int
+    name: str
+    units: Array
+    force: Array
+    slack: Array
+    tolerance: Array
+    sides: NDArray[np.int8]
+    residual: float
+
+
+def _judge(pull: _Pull, units: Array, rows: RowStates, radius: float) -> LevelCertificate:
+    """Balance the forces of one level by the rows above it, whose unit normals are `units`."""
+    above = len(units)
     multipliers = np.zeros(above)
-    if scale == 0.0:  # met exactly: nothing to improve, no multipliers
-        return LevelCertificate(level, name, True, residual, 0.0, 0.0, 0.0, multipliers)
+    violated = np.abs(pull.slack) > pull.tolerance
+    push = np.where(violated, pull.force * pull.slack, 0.0)
+    scale = float(np.abs(push).sum())
+    if scale == 0.0:  # met: nothing to improve, no multipliers
+        return LevelCertificate(pull.level, pull.name, True, pull.residual, 0.0, 0.0, 0.0, multipliers)
 
-    free = np.flatnonzero((rows.sides[:above] == Side.EQUALITY) | rows.violated[:above])
-    signed = np.flatnonzero(
-        (rows.sides[:above] != Side.EQUALITY) & (rows.sides[:above] != Side.INACTIVE) & ~rows.violated[:above]
-    )
-    free, signed = free[rows.norms[free] > 0], signed[rows.norms[signed] > 0]
-    basis, _ = split(units[free], np.ones(len(free)), FREE_RANK)
+    sides, exceeded, movable = rows.sides[:above], rows.violated[:above], rows.norms[:above] > 0
+    free = np.flatnonzero(movable & ((sides == Side.EQUALITY) | exceeded))
+    signed = np.flatnonzero(movable & ((sides == Side.UPPER) | (sides == Side.LOWER)) & ~exceeded)
+    basis, _, smallest = row_space(units[free], FREE_RANK)
 
-    force = gradient / scale
-    outward = units[signed] * rows.sides[signed, None]
-    left = force - basis @ (basis.T @ force)
-    pull = _nonnegative(outward - (outward @ basis) @ basis.T, -left)
-    left = left + (outward - (outward @ basis) @ basis.T).T @ pull
+    def project(vectors: Array) -> Array:
+        """Each row less its part in the span of the free normals."""
+        return vectors - (vectors @ basis) @ basis.T
+
+    gradient = pull.units.T @ (push / scale)
+    outward = units[signed] * sides[signed, None]
+    held, normals = project(gradient[None])[0], project(outward)
+    mu = _nonnegative(normals, -held)
+    left = held + normals.T @ mu
     stationarity = float(np.linalg.norm(left))
+    # What the projection itself may leave: round-off, magnified where free normals are nearly dependent.
+    exact = float(np.clip(64 * ROUND_OFF / smallest, STATIONARITY, 1e-8))
+    ok = stationarity <= exact
+    if not ok:
+        carriers = np.flatnonzero(violated | (pull.sides != Side.INACTIVE))
+        own = project(pull.units[carriers])
+        # A direction in which the level hardly moves may count as none: a rank decision that could go either way.
+        moves, _, _ = row_space(own, OWN_RANK)
+        left = moves @ (moves.T @ held) + normals.T @ mu
+        carried = (pull.force * pull.tolerance / scale)[carriers, None] * own
+        side = np.where(violated, Side.EQUALITY, pull.sides)[carriers]
+        ok = _carried(left, normals, mu, carried, side) <= exact
 
-    along = force + outward.T @ pull
-    multipliers[signed] = scale * pull * rows.sides[signed] / rows.norms[signed]
-    multipliers[free] = scale * np.linalg.lstsq(units[free].T, -along, rcond=FREE_RANK)[0] / rows.norms[free]
-
+    force = gradient + outward.T @ mu
+    multipliers[signed] = scale * mu * sides[signed] / rows.norms[signed]
+    multipliers[free] = scale * np.linalg.lstsq(units[free].T, -force, rcond=FREE_RANK)[0] / rows.norms[free]
     distance = np.abs(rows.slack[:above]) + rows.tolerance[:above]
     gap = scale * stationarity * radius + float(np.abs(multipliers[signed]) @ distance[signed])
-    gap = min(gap, residual**2 / 2)
-    shortfall = residual - float(np.sqrt(max(residual**2 - 2 * gap, 0.0)))
-    ok = scale * stationarity <= STATIONARITY * scale + noise
-    return LevelCertificate(level, name, bool(ok), residual, stationarity, gap, shortfall, multipliers)
+    gap = min(gap, pull.residual**2 / 2)
+    shortfall = pull.residual - float(np.sqrt(max(pull.residual**2 - 2 * gap, 0.0)))
+    return LevelCertificate(
+        pull.level, pull.name, bool(ok), pull.residual, stationarity, gap, shortfall, multipliers
+    )  # fmt: skip
 
 
 def _nonnegative(rows: Array, target: Array) -> Array:
@@ -246,6 +266,25 @@ def _nonnegative(rows: Array, target: Array) -> Array:
     except RuntimeError:  # iteration limit: rows that are all but parallel
         solution = lsq_linear(rows.T, target, bounds=(0.0, np.inf), method="bvls", tol=1e-14).x
     return solution
+
+
+def _carried(left: Array, normals: Array, mu: Array, carried: Array, sides: NDArray[np.int8]) -> float:
+    """What remains of `left` when every row of the level may shift its slack within its tolerance.
+
+    A backward error: is the point exact for slacks that round-off cannot tell from its own? The shifts
+    are in units of the tolerance, -1 to 1, one-sided at a bound; the multipliers may follow.
+    """
+    from scipy.optimize import lsq_linear
+
+    unit = float(np.linalg.norm(left)) or 1.0
+    matrix = np.concatenate([carried / unit, normals]).T
+    low = np.concatenate([np.where(sides == Side.UPPER, 0.0, -1.0), -mu / unit])
+    high = np.concatenate([np.where(sides == Side.LOWER, 0.0, 1.0), np.full(len(mu), np.inf)])
+    try:
+        found = lsq_linear(matrix, -left / unit, bounds=(low, np.maximum(high, low + 1e-300)), method="bvls", tol=1e-13)
+    except (np.linalg.LinAlgError, ValueError):
+        return unit
+    return unit * float(np.linalg.norm(matrix @ found.x + left / unit))
 
 
 def _unit_normals(hierarchy: Hierarchy, norms: Array) -> Array:

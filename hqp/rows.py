@@ -14,6 +14,9 @@ from .hierarchy import Hierarchy
 #: Round-off of A x, in units of the largest length that takes part in it.
 ROUND_OFF = 4 * np.finfo(np.float64).eps
 
+#: What a long x may add to the tolerance of a row that it hardly moves.
+LENGTH = 1e-1
+
 
 class Side(IntEnum):
     """On which of its bounds a row sits, or which it violates."""
@@ -56,7 +59,7 @@ def excess(value: Array, lower: Array, upper: Array) -> Array:
 
 def allowance(value: Array, slack: Array, norms: Array, length: float, tolerance: float) -> Array:
     """How far each row may be from its bound and still count as on it; `length` is ``||x||``."""
-    allowed = tolerance * (np.abs(value) + np.abs(value - slack) + norms * length)
+    allowed = tolerance * (np.abs(value) + np.abs(value - slack) + LENGTH * norms * length)
     # Where x is itself the small difference of large targets, ||x|| says nothing of the round-off in it.
     reach = np.divide(np.abs(slack), norms, out=np.zeros_like(norms), where=norms > 0).max(initial=0.0)
     return allowed + ROUND_OFF * norms * max(length, float(reach))
@@ -65,7 +68,8 @@ def allowance(value: Array, slack: Array, norms: Array, length: float, tolerance
 def row_states(hierarchy: Hierarchy, x: Array, tolerance: float) -> RowStates:
     """Classify every row at x; `tolerance` is relative, see :class:`hqp.Settings`."""
     lower, upper = hierarchy.lower, hierarchy.upper
-    value = hierarchy.product(x)
+    with np.errstate(all="ignore"):  # an x out of all bounds is judged, not warned about
+        value = hierarchy.product(x)
     slack = excess(value, lower, upper)
     norms = hierarchy.row_norms()
     allowed = allowance(value, slack, norms, float(np.sqrt(x @ x)), tolerance)

@@ -125,7 +125,7 @@ class Solution:
     message: str = ""
     level: int | None = None
     counts: Counts = field(default_factory=Counts)
-    tolerance: float = 1e-10
+    tolerance: float = 1e-9
 
     @property
     def ok(self) -> bool:

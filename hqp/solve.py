@@ -90,7 +90,7 @@ class Solver:
             counts=answer.counts,
             hierarchy=hierarchy.copy(),
             x_ref=reference,
-            tolerance=self.settings.tolerance,
+            tolerance=10 * self.settings.tolerance,
         )
 
 

@@ -25,10 +25,16 @@ def split(rows: Array, norms: Array, tolerance: float) -> tuple[Array, Array]:
     row_space : array, shape (n, r)
     null_space : array, shape (n, n - r)
     """
-    n = rows.shape[1]
     kept = norms > 0
-    if not n or not kept.any():
-        return np.zeros((n, 0)), np.eye(n)
-    _, singular, vt = np.linalg.svd(rows[kept] / norms[kept, None])
+    range_, null, _ = row_space(rows[kept] / norms[kept, None], tolerance)
+    return range_, null
+
+
+def row_space(units: Array, tolerance: float) -> tuple[Array, Array, float]:
+    """The same for rows that are already in units of their norms; also the smallest singular value kept (1 if none)."""
+    n = units.shape[1]
+    if not n or not len(units):
+        return np.zeros((n, 0)), np.eye(n), 1.0
+    _, singular, vt = np.linalg.svd(units)
     rank = int(np.count_nonzero(singular > tolerance))
-    return vt[:rank].T, vt[rank:].T
+    return vt[:rank].T, vt[rank:].T, float(singular[rank - 1]) if rank else 1.0

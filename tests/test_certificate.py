@@ -129,12 +129,57 @@ def test_the_multipliers_are_a_proof_that_anybody_can_check(seed: int) -> None:
             assert value[i] >= h.upper[i] - near[i] if multiplier > 0 else value[i] <= h.lower[i] + near[i]
 
 
+def _light_rows() -> dict[str, tuple[Hierarchy, list[float], list[float]]]:
+    """Wrong points beside the right one, where something much larger tries to hide the error."""
+    fixed = Level.bounds([0.0], [0.0], indices=[0])
+    eye = np.eye(2)
+    return {
+        "hair over a bound, to reach below": (
+            Hierarchy([Level.bounds([-10.0] * 4, [1.0, 10, 10, 10]), Level.equality([[1.0, 0, 0, 0]], [0.0])]),
+            [1 + 6e-9, 0, 0, 0],
+            [0, 0, 0, 0],
+        ),
+        "a heavy satisfied neighbour": (
+            Hierarchy([Level(eye, -10, [1.0, 10.0], weights=[1, 1e3]), Level.equality([[1.0, 0.0]], [0.0])]),
+            [1.0005, 0],
+            [0, 0],
+        ),
+        "a heavy row out of reach": (
+            Hierarchy([fixed, Level.equality(eye, [1.0, 1.0], weights=[2e4, 1.0])], n=2),
+            [0, 0],
+            [0, 1],
+        ),
+        "a heavier row out of reach, a small error": (
+            Hierarchy([fixed, Level.equality(eye, [1.0, 1.0], weights=[1e3, 1.0])], n=2),
+            [0, 0.999],
+            [0, 1],
+        ),
+        "a far target out of reach": (Hierarchy([fixed, Level.equality(eye, [1e9, 1.0])], n=2), [0, 0], [0, 1]),
+    }
+
+
+@pytest.mark.parametrize("case", _light_rows())
+def test_nothing_large_hides_an_error_in_something_small(case: str) -> None:
+    hierarchy, wrong, right = _light_rows()[case]
+    assert certify(hierarchy, right).ok
+    assert not certify(hierarchy, wrong).ok
+
+
+def test_either_rank_decision_passes_where_nobody_can_tell() -> None:
+    """A row that depends on the one above up to 1e-10: followed 1e10 far, or taken for dependent."""
+    h = Hierarchy([Level.equality([[1.0, 0.0]], [1.0]), Level.equality([[1.0, 1e-10]], [2.0])])
+    assert certify(h, [1.0, 1e10]).ok
+    assert certify(h, [1.0, 0.0]).ok
+
+
 def test_wrong_input_is_refused() -> None:
     h = reach_behind_a_limit()
     with pytest.raises(InvalidInput, match=r"x has shape \(2,\); it must be \(1,\)"):
         certify(h, [1.0, 2.0])
     with pytest.raises(InvalidInput, match=r"x\[0\] = nan must be finite"):
         certify(h, [np.nan])
+    with pytest.raises(InvalidInput, match=r"x reaches 1e\+80; nothing beyond 1e\+60 can be judged"):
+        certify(h, [1e80])
     with pytest.raises(InvalidInput, match="x_ref has shape"):
         certify(h, [1.0], x_ref=[1.0, 1.0])
     with pytest.raises(InvalidInput, match="tolerance"):

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from hqp import ACCURACY, Hierarchy, Level, Solver, available_backends, backend_info, certify, solve
+from hqp import ACCURACY, Hierarchy, Level, Solver, Status, available_backends, backend_info, certify, solve
 from hqp.backends.pseudoinverse import joint_form
 from hqp.problems import equality_cases, random_hierarchy
 
@@ -76,6 +76,19 @@ PROBLEMS: dict[str, Callable[[], Hierarchy]] = {
             Level.equality(np.eye(3), [1.0, 1.0, 1.0]),
         ]
     ),
+    "a target far beyond a limit": lambda: Hierarchy(
+        [
+            Level.bounds([-1.0, -1.0], [1.0, 1.0]),
+            Level.equality([[1.0, 0.5]], [0.5]),
+            Level.equality([[1.0, -1.0], [0.3, 2.0]], [1e7, 2e7]),
+        ]
+    ),
+    "rows that are zero to all purposes": lambda: Hierarchy(
+        [Level.equality(1e-40 * np.eye(2), [1.0, 1.0]), Level.equality([[1.0, 1.0]], [1.0])]
+    ),
+    "numbers of 1e25 and 1e-25": lambda: Hierarchy(
+        [Level.equality(1e25 * np.eye(2)[:1], [1e29]), Level.equality(1e-25 * np.eye(2)[1:], [1e-29])]
+    ),
     "inequalities at every level": lambda: Hierarchy(
         [Level(_rows(3, 6, seed), [-np.inf, 0.5, -0.1], [-0.5, np.inf, 0.1]) for seed in range(4)]
     ),
@@ -142,6 +155,29 @@ def test_a_solver_goes_on_through_changing_numbers_and_structures(general_backen
             shift = 0.1 * rng.standard_normal(h.m)
             h.lower += shift
             h.upper += shift
+
+
+@pytest.mark.parametrize("size", [1e3, 1e5, 1e7])
+def test_a_limit_holds_however_far_the_target(general_backend: str, size: float) -> None:
+    for seed in range(15):
+        rng = np.random.default_rng(seed)
+        h = Hierarchy(
+            [
+                Level.bounds([-1.0, -1.0], [1.0, 1.0]),
+                Level.equality(rng.standard_normal((1, 2)), rng.standard_normal(1)),
+                Level.equality(rng.standard_normal((2, 2)), size * rng.standard_normal(2)),
+            ]
+        )
+        solution = solve(h, backend=general_backend)
+        assert np.abs(solution.x).max() <= 1 + 1e-9
+
+
+def test_numbers_beyond_all_sense_are_invalid(general_backend: str) -> None:
+    for A, b in (([[1e200, 1.0]], [1.0]), ([[1.0, 1.0]], [1e200])):
+        solution = Solver(general_backend).solve(Hierarchy([Level.equality(A, b)]))
+        assert solution.status is Status.INVALID
+        assert "level 0, row 0" in solution.message
+        assert "at most 1e+30" in solution.message
 
 
 @pytest.mark.sweep

@@ -26,7 +26,7 @@ from ..qp import FlatQP, FlatResult, FlatSolver, Sizes, make_flat_solver
 from ..settings import Settings
 from ..solution import Counts, Status
 from .base import Answer
-from .flat import flat_qp, step_scale
+from .flat import flat_qp, step_scales
 from .polish import polish
 from .subproblem import LevelProblem, LevelRows, Signs, State
 
@@ -34,8 +34,10 @@ from .subproblem import LevelProblem, LevelRows, Signs, State
 MOST_SOLVERS = 64
 #: What a QP solver's answer may miss, for rows of norm one and steps of order one, before it counts as wrong.
 CREDIBLE = 1e-5
+#: What an answer that polish could not verify may leak into the levels above, in units of the QP tolerance.
+LEAK = 1e2
 #: Where a solver gives up on a level, it is asked again with rho larger by these factors.
-RETREAT = (1.0, 1e3, 1e6)
+RETREAT = (1e3, 1e6)
 
 
 #: The running :class:`hqp.Counts` of one solve, by the names of its fields.
@@ -66,13 +68,13 @@ class Cascade:
             rows = LevelRows.of(level, A)
             try:
                 y, pressing = self._solve_level(k, rows.problem(state, self.settings), tally)
-            except LevelFailed as failure:
+                if level is last:
+                    return Answer(state.x + state.Z @ y, counts=Counts(**tally))
+                state = rows.freeze(state, y, pressing, self.settings)
+            except (LevelFailed, np.linalg.LinAlgError) as failure:
                 label = last.name if level is last else hierarchy.label(k)
                 message = f"{label}: {self.solver} failed ({failure}); x is optimal for the levels above"
                 return Answer(state.x, Status.FAILED, message, k, Counts(**tally))
-            if level is last:
-                return Answer(state.x + state.Z @ y, counts=Counts(**tally))
-            state = rows.freeze(state, y, pressing, self.settings)
         raise AssertionError("the implicit last level always comes last")
 
     def _solve_level(self, k: int, problem: LevelProblem, tally: Tally) -> tuple[Array, Signs]:
@@ -81,10 +83,11 @@ class Cascade:
             tally["levels_met"] += 1
             return np.zeros(problem.N.shape[1]), np.zeros(len(problem.N), dtype=np.int8)
         said = ""
-        for factor in RETREAT:
-            result, y, pressing = self._proximal_steps(k, problem, factor * self.settings.proximal_weight, tally)
-            said = result.message
-            if not _credible(problem, y):
+        scales = step_scales(problem)
+        for rho, scale in [(1.0, scale) for scale in scales] + [(rho, scales[0]) for rho in RETREAT]:
+            result, y, pressing = self._proximal_steps(k, problem, rho * self.settings.proximal_weight, scale, tally)
+            said = result.message if not result.solved else "its answer breaks the levels above"
+            if not _credible(problem, y, scale):
                 continue
             verified = False
             if self.settings.polish:
@@ -94,17 +97,17 @@ class Cascade:
                 if verified or _no_worse(problem, done.y, y):
                     tally["levels_polished"] += 1
                     y, pressing = done.y, done.pressing
-            if verified or (result.solved and factor == RETREAT[0]):
+            leak = LEAK * self.settings.qp_tolerance * scale
+            if verified or (result.solved and rho == 1.0 and problem.infeasibility(y) <= leak):
                 tally["levels_solved"] += 1
                 # Without the proof that they press, no rows are frozen for good.
                 return y, pressing if verified else np.zeros_like(pressing)
         raise LevelFailed(said)
 
     def _proximal_steps(
-        self, k: int, problem: LevelProblem, rho: float, tally: Tally
+        self, k: int, problem: LevelProblem, rho: float, scale: float, tally: Tally
     ) -> tuple[FlatResult, Array, Signs]:
         """The level by the named solver, repeated warm from its own last answer until y stops moving."""
-        scale = step_scale(problem)
         qp, sort = flat_qp(problem, scale, rho)
         nz = problem.B.shape[1]
         solver = self._flat(k, qp.sizes)
@@ -150,20 +153,22 @@ def _nothing_to_do(problem: LevelProblem) -> bool:
     return bool(slope <= 1e-13 * float(problem.norms @ (np.abs(w) + problem.slack)))
 
 
-def _credible(problem: LevelProblem, y: Array) -> bool:
+def _credible(problem: LevelProblem, y: Array, scale: float) -> bool:
     """Whether y is finite, keeps the levels above and is not worse than doing nothing, all roughly."""
     if not np.isfinite(y).all():
         return False
-    scale, still = step_scale(problem), np.zeros_like(y)
-    slop = CREDIBLE * (scale * float(problem.norms.max())) ** 2
-    return problem.infeasibility(y) <= CREDIBLE * scale and problem.objective(y) <= problem.objective(still) + slop
+    slop = CREDIBLE * scale * float(problem.norms.max())
+    still = problem.objective(np.zeros_like(y))
+    return (
+        problem.infeasibility(y) <= CREDIBLE * scale and problem.objective(y) <= still * (1.0 + CREDIBLE) + slop * slop
+    )
 
 
 def _no_worse(problem: LevelProblem, polished: Array, y: Array) -> bool:
     """Whether an unverified polish is lexicographically no worse than y: the levels above first, then this one."""
     problem = problem.reaching(y)
     ranked = [(problem.infeasibility(point), problem.objective(point)) for point in (polished, y)]
-    return ranked[0] <= ranked[1] and _credible(problem, polished)
+    return ranked[0] <= ranked[1] and ranked[0][1] <= problem.objective(np.zeros_like(y))
 
 
 def make(name: str, settings: Settings) -> Cascade:

@@ -43,10 +43,21 @@ class RowSorting:
         return signs
 
 
-def step_scale(problem: LevelProblem) -> float:
-    """The length of the step that the level asks for: the unit of y in the flat QP."""
-    excess = np.abs(problem.slacks(np.zeros(problem.B.shape[1]))) / problem.norms
-    return float(excess.max(initial=0.0)) or 1.0
+def step_scales(problem: LevelProblem) -> list[float]:
+    """Lengths that y may be measured in: what the hard rows leave room for, and what the level asks for.
+
+    A target far beyond a limit asks for a step that the limit does not allow; measured by that step,
+    a solver's tolerance would swallow the limit. The other length helps where hard rows leave y free.
+    """
+    wish = asked(problem) or 1.0
+    room = np.abs(np.concatenate([problem.high - problem.place, problem.low - problem.place]))
+    longest = float(room[np.isfinite(room)].max(initial=0.0))
+    return [longest, wish] if 0.0 < longest < wish else [wish]
+
+
+def asked(problem: LevelProblem) -> float:
+    """The longest step that a row of the level asks for on its own."""
+    return float((np.abs(problem.slacks(np.zeros(problem.B.shape[1]))) / problem.norms).max(initial=0.0))
 
 
 def flat_qp(problem: LevelProblem, scale: float, rho: float) -> tuple[FlatQP, RowSorting]:
@@ -56,10 +67,12 @@ def flat_qp(problem: LevelProblem, scale: float, rho: float) -> tuple[FlatQP, Ro
     pulls, holds = problem.B[equal], problem.B[~equal]
     slacks = len(holds)
     H = np.zeros((nz + slacks, nz + slacks))
-    H[:nz, :nz] = pulls.T @ pulls
-    H.flat[:: nz + slacks + 1] += np.concatenate([np.full(nz, rho), np.ones(slacks)])
+    # Where the level asks for far more than the step, its forces and not its curvature are of order one.
+    force = max(1.0, asked(problem) / scale)
+    H[:nz, :nz] = pulls.T @ pulls / force
+    H.flat[:: nz + slacks + 1] += np.concatenate([np.full(nz, rho), np.full(slacks, 1.0 / force)])
     g = np.zeros(nz + slacks)
-    g[:nz] = -pulls.T @ ((problem.lower - problem.value)[equal] / scale)
+    g[:nz] = -pulls.T @ ((problem.lower - problem.value)[equal] / (scale * force))
 
     sort, box_lower, box_upper = _sort(problem, nz, slacks, scale)
     general = sort.general

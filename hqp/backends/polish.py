@@ -60,9 +60,9 @@ def polish(problem: LevelProblem, y: Array, pressing: Signs, rank_tolerance: flo
         faults, presses = _faults(problem, y, active, pulled, equality)
         if not faults:
             return Polished(y, True, np.where(presses, active, 0).astype(np.int8), turn)
-        for fault in faults if turn <= BLOCK_ROUNDS else faults[:1]:
-            if fault.kind != "slope":
-                (active if fault.kind == "hard" else pulled)[fault.row] = fault.sign
+        rows = [fault for fault in faults if fault.kind != "slope"]
+        for fault in rows if turn <= BLOCK_ROUNDS else rows[:1]:
+            (active if fault.kind == "hard" else pulled)[fault.row] = fault.sign
     return Polished(y, False, active, ROUNDS)
 
 

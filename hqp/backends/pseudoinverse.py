@@ -23,7 +23,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InvalidInput, Unsupported
-from ..hierarchy import Hierarchy
+from ..hierarchy import Hierarchy, lengths
 from ..level import Level
 from ..settings import Settings
 from ..solution import Status
@@ -66,7 +66,7 @@ def norm(J: Array) -> float:
 
 
 def equality_tasks(hierarchy: Hierarchy) -> list[tuple[Array, Array]]:
-    """The levels as weighted tasks (J, r); free rows say nothing and are left out.
+    """The levels as weighted tasks (J, r); free rows and zero rows say nothing and are left out.
 
     Raises
     ------
@@ -84,8 +84,10 @@ def equality_tasks(hierarchy: Hierarchy) -> list[tuple[Array, Array]]:
                 f" ({level.lower[row]:g} <= A x <= {level.upper[row]:g});"
                 f' the closed form takes equality rows only: use backend="{INEQUALITIES_GO_TO}"'
             )
-        weights = level.weights[equal]
-        tasks.append((weights[:, None] * hierarchy.matrix(k)[equal], weights * level.lower[equal]))
+        A = hierarchy.matrix(k)
+        says = equal & (lengths(A) > 0)
+        weights = level.weights[says]
+        tasks.append((weights[:, None] * A[says], weights * level.lower[says]))
     return tasks
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
+from ..hierarchy import lengths
 from ..level import Level
 from ..rows import allowance, excess
 from ..settings import Settings
@@ -95,7 +96,7 @@ class LevelRows:
     @classmethod
     def of(cls, level: Level, A: Array) -> LevelRows:
         """Of a level whose dense rows are A."""
-        norms = level.weights * np.sqrt(np.einsum("ij,ij->i", A, A))
+        norms = level.weights * lengths(A)
         says = (norms > 0) & ((level.lower > -np.inf) | (level.upper < np.inf))
         weights = level.weights[says]
         return cls(weights[:, None] * A[says], weights * level.lower[says], weights * level.upper[says], norms[says])

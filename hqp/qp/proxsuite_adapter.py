@@ -11,6 +11,11 @@ from ..arrays import Array
 from ..settings import Settings
 from .problem import FlatQP, FlatResult, Sizes
 
+#: Relative tolerance: absolute ones cannot be met by numbers of 1e7.
+ROUND_OFF = 1e-13
+#: ProxQP's own limits are 10 000 and 1500.
+MOST_OUTER, MOST_INNER = 100, 100
+
 
 class ProxQP:
     """Keeps one ``proxqp.dense.QP`` of these sizes."""
@@ -19,12 +24,14 @@ class ProxQP:
         self.sizes = sizes
         self.qp: Any = proxqp.dense.QP(sizes.variables, 0, sizes.rows, sizes.box)
         self.qp.settings.eps_abs = settings.qp_tolerance
-        self.qp.settings.eps_rel = 0.0
-        self.qp.settings.max_iter = settings.qp_iterations
+        self.qp.settings.eps_rel = ROUND_OFF
+        # Outer times inner iterations: beyond a few dozen of either, ProxQP circles for seconds.
+        self.qp.settings.max_iter = min(settings.qp_iterations, MOST_OUTER)
+        self.qp.settings.max_iter_in = min(settings.qp_iterations, MOST_INNER)
         # Without the gap, a point strictly inside a row that carries a dual counts as solved.
         self.qp.settings.check_duality_gap = True
         self.qp.settings.eps_duality_gap_abs = settings.qp_tolerance
-        self.qp.settings.eps_duality_gap_rel = 0.0
+        self.qp.settings.eps_duality_gap_rel = ROUND_OFF
         # Every level has a feasible point, so a verdict of infeasibility would be round-off.
         self.qp.settings.eps_primal_inf = self.qp.settings.eps_dual_inf = 1e-30
         self.qp.settings.initial_guess = proxqp.InitialGuess.NO_INITIAL_GUESS
