@@ -27,6 +27,8 @@ BLUR = 1e-7
 PULL, PRESS = 1e-9, 1e-7
 #: What may remain of the forces in the level after the active hard rows have balanced them.
 SLOPE = 1e-9
+#: Round-off of a slack that a least squares has just computed, as a share of its tolerance.
+ROUNDED = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,22 +102,21 @@ def _faults(
         ]
     for sign, beyond in ((1, value - problem.upper), (-1, problem.lower - value)):
         ignored = ~equality & (pulled != sign) & (beyond > problem.slack)
-        overshot = ~equality & (pulled == sign) & (beyond < -problem.slack)
+        overshot = ~equality & (pulled == sign) & (beyond < -ROUNDED * problem.slack)
         faults += [
             Fault(float(abs(beyond[row]) / problem.norms[row]), "level", int(row), sign if ignored[row] else 0)
             for row in np.flatnonzero(ignored | overshot)
         ]
 
-    w = problem.slacks(y)
-    w[np.abs(w) <= problem.slack] = 0.0
+    w = np.where(equality | (pulled != 0), problem.slacks(y), 0.0)
     pressing = np.zeros(len(active), dtype=np.bool_)
-    force = float(problem.norms @ np.abs(w))
-    if force > 0.0:
+    if np.any(np.abs(w) > problem.slack):
+        force = float(problem.norms @ np.abs(w))
         hard = np.flatnonzero(active)
         gradient = problem.B.T @ w / force
         outward = problem.N[hard] * active[hard, None]
         multipliers, slope = _balance(outward, gradient)
-        if slope > SLOPE + float(problem.norms @ problem.slack) / force:
+        if slope > SLOPE + ROUNDED * float(problem.norms @ problem.slack) / force:
             faults.append(Fault(slope, "slope", 0, 0))  # a least squares from far away: once more from here
         faults += [Fault(float(-multipliers[i]), "hard", int(hard[i]), 0) for i in np.flatnonzero(multipliers < -PULL)]
         pressing[hard] = multipliers > PRESS
