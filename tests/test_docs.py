@@ -114,3 +114,12 @@ def test_links_lead_somewhere(page: Path):
             titles = re.findall(r"^#+ (.*)$", place.read_text(encoding="utf-8"), re.MULTILINE)
             anchors = {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
             assert heading in anchors, f"{page.name} links to {target}#{heading}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_formulas_survive_markdown(page: Path):
+    r"""Some readers of Markdown take the backslash from ``\{``, ``\,`` or ``\#``; others know no ``\operatorname``."""
+    text = re.sub(r"`[^`\n]*`", "", BLOCK.sub("", page.read_text(encoding="utf-8")))
+    formulas = re.findall(r"\$\$.*?\$\$|\$[^$\n]+\$", text, re.DOTALL)
+    assert not [formula for formula in formulas if re.search(r"\\[{},#!;:]|\\operatorname", formula)]
+    assert "$" not in re.sub(r"\$\$.*?\$\$|\$[^$\s]\$|\$[^$\s][^$\n]*[^$\s]\$", "", text, flags=re.DOTALL), "a stray $"
