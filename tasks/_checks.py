@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from pathlib import Path
+from reprlib import repr as brief
+from tempfile import TemporaryFile
+from typing import TypeVar
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hqp import InvalidInput
+from hqp.arrays import Array as Array
+from hqp.arrays import real_array
 
-Array = NDArray[np.float64]
+F = TypeVar("F")
+
+#: The largest gain, limit, length or time: no product or square of two of them leaves the floats.
+LARGEST = 1e15
 
 
 def numbers(value: ArrayLike, what: str) -> Array:
     """`value` as a float array of its own (read-only), or InvalidInput."""
-    try:
-        array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InvalidInput(f"{what} is not an array of real numbers ({error})") from None
+    array = real_array(value, what)
     array.flags.writeable = False
     return array
 
@@ -29,20 +37,39 @@ def finite(value: ArrayLike, what: str) -> Array:
 
 
 def positive(value: ArrayLike, what: str, *, unit: str = "") -> Array:
-    """`value` as an array of positive finite numbers."""
+    """`value` as an array of positive numbers of at most `LARGEST`."""
     array = numbers(value, what)
-    wrong = ~((array > 0) & np.isfinite(array))
+    wrong = ~((array > 0) & (array <= LARGEST))
     if wrong.any():
-        raise InvalidInput(f"{_first(what, array, wrong)}{unit and ' ' + unit} must be positive and finite")
+        raise InvalidInput(
+            f"{_first(what, array, wrong)}{unit and ' ' + unit} must be positive and at most {LARGEST:g}"
+        )
     return array
 
 
-def positive_scalar(value: float, what: str, *, unit: str = "") -> float:
-    """`value` as one positive finite number."""
-    array = positive(value, what, unit=unit)
+def scalar(value: ArrayLike, what: str) -> float:
+    """`value` as one number, which may be infinite or NaN."""
+    array = numbers(value, what)
     if array.ndim:
         raise InvalidInput(f"{what} has shape {array.shape}; it must be one number")
     return float(array)
+
+
+def finite_scalar(value: float, what: str) -> float:
+    """`value` as one finite number."""
+    return scalar(finite(value, what), what)
+
+
+def positive_scalar(value: float, what: str, *, unit: str = "") -> float:
+    """`value` as one positive number of at most `LARGEST`."""
+    return scalar(positive(value, what, unit=unit), what)
+
+
+def function(value: F, what: str) -> F:
+    """`value`, which must be something to call."""
+    if callable(value):
+        return value
+    raise InvalidInput(f"{what} = {brief(value)} is a {type(value).__name__}; it must be a function")
 
 
 def per_row(value: Array, rows: int, what: str, of: str = "row") -> Array:
@@ -52,6 +79,27 @@ def per_row(value: Array, rows: int, what: str, of: str = "row") -> Array:
     if value.shape != (rows,):
         raise InvalidInput(f"{what} has shape {value.shape}; it must be one number, or ({rows},): one a {of}")
     return value
+
+
+def writable(folder: Path, files: Iterable[str]) -> None:
+    """Make the folder, and refuse it, or one of the files in it, now rather than after the work.
+
+    Raises
+    ------
+    InvalidInput
+        If the folder cannot be made, nothing can be written into it, or a file that is there cannot be overwritten.
+    """
+    place = f"to the folder {str(folder)!r}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with TemporaryFile(dir=folder):
+            pass
+        for path in filter(Path.exists, (folder / name for name in files)):
+            place = repr(str(path))
+            with path.open("ab"):
+                pass
+    except OSError as error:
+        raise InvalidInput(f"cannot write {place}: {error.strerror or error}") from None
 
 
 def _first(what: str, array: Array, wrong: NDArray[np.bool_]) -> str:

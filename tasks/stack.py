@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from hqp import Hierarchy, InvalidInput, Level
+from hqp.checks import whole_number
 
 from ._checks import Array, per_row
 from .part import Order, Part, Tick
@@ -135,7 +136,7 @@ class Rows:
 
 def count(part: Part, nv: int) -> int:
     """Rows of a part on a robot with nv joint velocities."""
-    return nv if part.rows is None else part.rows
+    return nv if part.rows is None else whole_number(part.rows, f"{part.label()}: rows", least=1)
 
 
 def _empty_level(parts: tuple[Part, ...], nv: int) -> Level:

@@ -15,12 +15,16 @@ K = 10 /min, 100 /min and 2500 /min^2 are K = 50 /min.
 
 from __future__ import annotations
 
+from reprlib import repr as brief
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
+from hqp.checks import of_type, whole_number
 
-from ._checks import Array, per_row, positive, positive_scalar
+from ._checks import Array, numbers, per_row, positive, positive_scalar
 from .motion.trajectories import Trajectory, as_trajectory
 from .part import Part, Tick
 from .robots.robot import Robot, RobotState
@@ -52,7 +56,7 @@ class Task(Part):
     Raises
     ------
     InvalidInput
-        If a gain, a weight or the damping ratio is not positive and finite; names task and row.
+        If a gain, a weight or the damping ratio is not positive or larger than 1e15; names task and row.
     """
 
     rows: int | None = None
@@ -60,11 +64,13 @@ class Task(Part):
     def __init__(
         self, *, gain: ArrayLike, damping_ratio: float = 1.0, weight: ArrayLike = 1.0, name: str | None = None
     ) -> None:
-        self.name = type(self).__name__.removesuffix("Task").lower() if name is None else name
+        default = type(self).__name__.removesuffix("Task").lower()
+        self.name = default if name is None else of_type(name, str, f"name of a {type(self).__name__}")
         self.gain = positive(gain, f"{self.label()}: gain", unit="1/s")
         self.weight = positive(weight, f"{self.label()}: weight")
         self.damping_ratio = positive_scalar(damping_ratio, f"{self.label()}: damping ratio")
         if self.rows is not None:
+            whole_number(self.rows, f"{self.label()}: rows", least=1)
             per_row(self.gain, self.rows, f"{self.label()}: gain")
             per_row(self.weight, self.rows, f"{self.label()}: weight")
         self._c1 = 2.0 * self.damping_ratio * self.gain
@@ -88,13 +94,13 @@ class Task(Part):
 
     def control(self, tick: Tick) -> tuple[Array, Array]:
         """The rows J x = h of this tick, shapes (rows, nv) and (rows,), by the law of the module's docstring."""
-        J = self.jacobian(tick.state)
+        J = np.asarray(self.jacobian(tick.state))
         e = self.error(tick.state, tick.t)
         rd_dot, rd_ddot = self.feedforward(tick.t)
         if tick.order == "velocity":
             return J, rd_dot + self.gain * e
         e_dot = rd_dot - J @ tick.state.v
-        return J, rd_ddot - self.drift(tick.state) + self._c1 * e_dot + self._c2 * e
+        return J, self._c1 * e_dot + self._c2 * e - self.drift(tick.state) + rd_ddot
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         J, h = self.control(tick)
@@ -104,18 +110,27 @@ class Task(Part):
         upper[:] = h
 
     def check(self, robot: Robot, order: str, dt: float | None) -> None:
-        """Try the task once at q = 0: a shape that does not fit is refused here, not in the loop."""
+        """Try the task once at q = 0: what does not fit is refused here, not in the loop."""
         rows = robot.nv if self.rows is None else self.rows
         per_row(self.gain, rows, f"{self.label()}: gain")
         state = robot.at(np.zeros(robot.nq), np.zeros(robot.nv))
-        for what, value, shape in [
-            ("error", self.error(state, 0.0), (rows,)),
-            ("jacobian", self.jacobian(state), (rows, robot.nv)),
-        ]:
-            if np.shape(value) != shape:
-                raise InvalidInput(
-                    f"{self.label()}: {what} has shape {np.shape(value)}; with this robot it must be {shape}"
-                )
+        feedforward = self.feedforward(0.0)
+        if not (isinstance(feedforward, tuple) and len(feedforward) == 2):
+            raise InvalidInput(f"{self.label()}: feedforward = {brief(feedforward)} must be (velocity, acceleration)")
+        spread: list[tuple[int, ...]] = [(rows,), ()]  # one number a row, or one for all
+        parts: list[tuple[str, Any, list[tuple[int, ...]]]] = [
+            ("error", self.error(state, 0.0), [(rows,)]),
+            ("jacobian", self.jacobian(state), [(rows, robot.nv)]),
+            ("feedforward velocity", feedforward[0], spread),
+            ("feedforward acceleration", feedforward[1], spread),
+        ]
+        if order == "acceleration":
+            parts.append(("drift", self.drift(state), spread))
+        for what, value, allowed in parts:
+            shape = numbers(value, f"{self.label()}: {what}").shape
+            if shape not in allowed:
+                shapes = " or ".join(map(str, allowed))
+                raise InvalidInput(f"{self.label()}: {what} has shape {shape}; with this robot it must be {shapes}")
 
     def __repr__(self) -> str:
         parts = [f"gain={_short(self.gain)}"]

@@ -10,7 +10,7 @@ import pytest
 
 import hqp
 from hqp import InvalidInput, Status
-from tasks import Controller, JointMotion, JointVelocityLimit, OrientationTask, PlanarArm, PositionTask
+from tasks import Controller, JointMotion, JointVelocityLimit, Line, OrientationTask, PlanarArm, PositionTask
 
 ARM = PlanarArm([0.5, 0.4, 0.3])
 Q, V = [0.3, 0.5, -0.4], [0.2, -0.9, 1.0]
@@ -75,6 +75,8 @@ def test_numbers_never_raise(bad, where, order):
         ({"order": "torque"}, "order = 'torque'; it must be one of 'velocity', 'acceleration'"),
         ({"dt": 0.0}, "dt = 0.0 s must be positive"),
         ({"dt": np.nan}, "dt = nan"),
+        ({"dt": "a"}, "dt is not an array of real numbers"),
+        ({"settings": 3}, "settings = 3 is a int; it must be a Settings"),
         ({"backend": "magic"}, "unknown backend 'magic'; installed here: .*pseudoinverse"),
     ],
 )
@@ -91,6 +93,45 @@ def test_refuses_states_of_the_wrong_length():
         controller(Q, [*V, 0.0])
     with pytest.raises(InvalidInput, match="q is not an array of real numbers"):
         controller(["a", 0, 0], V)
+
+
+@pytest.mark.parametrize("t", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("order", ["velocity", "acceleration"])
+@pytest.mark.parametrize("target", [[0.6, 0.2], Line([0.6, 0.2], [0.2, 0.6], 1.0)], ids=["still", "moving"])
+def test_a_time_that_is_none_is_a_status(t, order, target):
+    controller = Controller(ARM, PositionTask(target, gain=2.0), order=order)
+    before = controller(Q, V, 0.3)
+    step = controller(Q, V, t)
+    assert step.solution.status is Status.INVALID
+    assert step.solution.message == f"t = {t} s must be finite"
+    np.testing.assert_array_equal(step.solution.x, 0.0)
+    np.testing.assert_allclose(controller(Q, V, 0.3).solution.x, before.solution.x, atol=1e-9)
+
+
+@pytest.mark.parametrize("t", ["a", None, [0.0, 1.0], 1j])
+def test_refuses_times_that_are_no_number(t):
+    with pytest.raises(InvalidInput, match=r"t (is not|has shape)"):
+        Controller(ARM, stack(), backend="pseudoinverse")(Q, V, t)
+
+
+@pytest.mark.parametrize("robot", [None, [1, 1], 3, PlanarArm])
+def test_refuses_what_is_no_robot(robot):
+    with pytest.raises(InvalidInput, match=r"robot = .* a robot has nq, nv and at\(q, v\)"):
+        Controller(robot, stack())
+
+
+def test_refuses_a_robot_without_joints():
+    class Rock:
+        nq, nv, at = 0, 0, None
+
+    with pytest.raises(InvalidInput, match="nq of the robot = 0 must be an integer of at least 1"):
+        Controller(Rock(), stack())
+
+
+@pytest.mark.parametrize("nothing", [None, 3, [PositionTask([0.6, 0.2], gain=2.0)]])
+def test_refuses_what_is_no_stack(nothing):
+    with pytest.raises(InvalidInput, match="a stack takes tasks, limits and stacks"):
+        Controller(ARM, nothing)
 
 
 def test_an_inequality_for_a_closed_form_is_a_status():

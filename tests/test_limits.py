@@ -80,7 +80,12 @@ def test_refuses_what_does_not_fit(part, order, dt, named):
         Controller(ARM, part, order=order, dt=dt)
 
 
-@pytest.mark.parametrize("limit", [0.0, -1.0, np.nan, np.inf, [1.0, -1.0, 1.0]])
+@pytest.mark.parametrize("limit", [0.0, -1.0, np.nan, np.inf, 1e200, [1.0, -1.0, 1.0]])
 def test_refuses_limits_that_are_none(limit):
     with pytest.raises(InvalidInput, match=r"JointVelocityLimit 'velocity': limit.* rad/s must be positive"):
         JointVelocityLimit(limit)
+
+
+def test_a_name_is_a_string():
+    with pytest.raises(InvalidInput, match="name of a JointVelocityLimit = 5 is a int; it must be a str"):
+        JointVelocityLimit(1.0, name=5)

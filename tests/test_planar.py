@@ -75,10 +75,11 @@ def test_phi_is_the_unwrapped_sum():
 @pytest.mark.parametrize(
     ("lengths", "named"),
     [
-        ([0.5, 0.0], "link 1: length 0.0 m must be positive"),
-        ([0.5, 0.5, -1.0], "link 2: length -1.0"),
-        ([np.nan], "link 0: length nan"),
-        ([np.inf, 1.0], "link 0: length inf"),
+        ([0.5, 0.0], "link 1: length = 0.0 m must be positive"),
+        ([0.5, 0.5, -1.0], "link 2: length = -1.0"),
+        ([np.nan], "link 0: length = nan"),
+        ([np.inf, 1.0], "link 0: length = inf"),
+        ([1.0, 1e200], r"link 1: length = 1e\+200 m must be positive and at most 1e\+15"),
         ([], "at least one"),
         (0.5, "at least one"),
         (["long"], "not an array of real numbers"),
@@ -101,3 +102,18 @@ def test_refuses_q_and_v_of_the_wrong_length():
         arm.pose([0, 0])
     with pytest.raises(InvalidInput, match=r"v has shape \(4,\)"):
         arm.at([0, 0, 0], [0, 0, 0, 0])
+
+
+@pytest.mark.parametrize("q", ["a", None, [1j, 0, 0], {}, [[0], [0, 0]]])
+def test_refuses_q_and_v_that_are_no_numbers(q):
+    arm = PlanarArm([1, 1, 1])
+    for ask in (arm.points, arm.pose, arm.jacobian, lambda q: arm.at(q, [0, 0, 0])):
+        with pytest.raises(InvalidInput, match="q is not an array of real numbers"):
+            ask(q)
+    with pytest.raises(InvalidInput, match="v is not an array of real numbers"):
+        arm.jacobian_dot([0, 0, 0], q)
+
+
+def test_a_name_is_a_string():
+    with pytest.raises(InvalidInput, match="name of an arm = 5 is a int; it must be a str"):
+        PlanarArm([1.0], name=5)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -127,18 +129,33 @@ def test_progress_is_told():
         ({"duration": 0.0}, "duration = 0.0 s must be positive"),
         ({"duration": 0.001}, "shorter than one tick"),
         ({"speed_cap": -1.0}, "speed cap = -1.0"),
-        ({"certify": -1}, "certify = -1"),
-        ({"q0": [0.0, np.nan, 0.0]}, r"q0\[1\] = nan must be finite"),
-        ({"q0": [0.0]}, r"q has shape \(1,\)"),
-        ({"v0": [0.0]}, r"v has shape \(1,\)"),
+        ({"duration": 1e300}, "duration = 1e+300 s must be positive and at most"),
+        ({"duration": 1e12}, "duration = 1e+12 s is more than 10000000 ticks of dt = 0.01 s"),
+        ({"duration": "a"}, "duration is not an array of real numbers"),
+        ({"start": "a"}, "start is not an array of real numbers"),
+        ({"start": np.nan}, "start = nan must be finite"),
+        ({"start": [0.0]}, "start has shape (1,); it must be one number"),
+        ({"proof": 3}, "proof = 3 is a int; it must be a function"),
+        ({"progress": 3}, "progress = 3 is a int; it must be a function"),
+        ({"certify": 1.5}, "certify = 1.5 must be an integer"),
+        ({"certify": -1}, "certify = -1 must be an integer of at least 0"),
+        ({"q0": [0.0, np.nan, 0.0]}, "q0[1] = nan must be finite"),
+        ({"q0": [0.0]}, "q has shape (1,)"),
+        ({"v0": [0.0]}, "v has shape (1,)"),
     ],
 )
 def test_refuses_bad_options(change, named):
     options = {"q0": Q, "duration": 1.0} | change
-    with pytest.raises(InvalidInput, match=named):
+    with pytest.raises(InvalidInput, match=re.escape(named)):
         simulate(controller(PositionTask([0.6, 0.2], gain=2.0)), options.pop("q0"), **options)
 
 
 def test_refuses_a_controller_without_a_tick():
     with pytest.raises(InvalidInput, match="give the controller dt"):
         simulate(Controller(ARM, PositionTask([0.6, 0.2], gain=2.0), backend="pseudoinverse"), Q, duration=1.0)
+
+
+@pytest.mark.parametrize("no_controller", [None, 3, ARM])
+def test_refuses_what_is_no_controller(no_controller):
+    with pytest.raises(InvalidInput, match=r"controller = .* it must be a Controller"):
+        simulate(no_controller, Q, duration=1.0)

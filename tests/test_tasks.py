@@ -168,6 +168,9 @@ def test_joint_motion_of_a_singular_task_stays_bounded():
         (lambda: OrientationTask(0.0, gain=1.0, damping_ratio=-1.0), "damping ratio = -1.0"),
         (lambda: OrientationTask(0.0, gain=1.0, damping_ratio=[1.0]), "damping ratio has shape"),
         (lambda: OrientationTask([0.0, 1.0], gain=1.0), r"target has shape \(2,\); it must be \(1,\)"),
+        (lambda: PositionTask([1, 0], gain=1e200), r"gain = 1e\+200 1/s must be positive and at most 1e\+15"),
+        (lambda: PositionTask([1, 0], gain=[1.0, 1e16]), r"gain\[1\] = 1e\+16 1/s must be positive and at most 1e\+15"),
+        (lambda: PositionTask([1, 0], gain=1.0, name=5), "name of a PositionTask = 5 is a int; it must be a str"),
         (lambda: JointMotion("no"), "JointMotion takes a Task, not a str"),
     ],
 )
@@ -183,6 +186,73 @@ def test_refuses_what_does_not_fit_the_robot():
         Controller(PlanarArm([1, 1]), ElbowHeight(gain=1.0), backend="pseudoinverse")
     with pytest.raises(NotImplementedError, match="Task must define error"):
         Controller(ARM, Task(gain=1.0), backend="pseudoinverse")
+
+
+@pytest.mark.parametrize("rows", [-1, 0, 2.0, True, "2"])
+def test_a_task_has_a_positive_number_of_rows(rows):
+    strange = type("StrangeTask", (ElbowHeight,), {"rows": rows})
+    with pytest.raises(InvalidInput, match=r"StrangeTask 'strange': rows = .* must be an integer of at least 1"):
+        strange(gain=1.0)
+
+
+ILL_SHAPED = {
+    "error": (lambda self, state, t: np.zeros(2), r"error has shape \(2,\); with this robot it must be \(1,\)"),
+    "jacobian": (lambda self, state: [["a"] * 4], "jacobian is not an array of real numbers"),
+    "drift": (lambda self, state: np.zeros(2), r"drift has shape \(2,\); with this robot it must be \(1,\) or \(\)"),
+    "feedforward": (lambda self, t: (np.zeros(3), 0.0), r"feedforward velocity has shape \(3,\).*\(1,\) or \(\)"),
+}
+
+
+@pytest.mark.parametrize("order", ["velocity", "acceleration"])
+@pytest.mark.parametrize("method", ILL_SHAPED)
+def test_what_a_task_of_ones_own_gives_is_tried_before_the_first_tick(method, order):
+    gives, named = ILL_SHAPED[method]
+    task = type("OwnTask", (ElbowHeight,), {method: gives})(gain=1.0)
+    if method == "drift" and order == "velocity":
+        assert Controller(ARM, task, order=order)([0.0] * 4, [0.0] * 4).ok  # the drift is not asked for
+        return
+    with pytest.raises(InvalidInput, match=f"OwnTask 'own': {named}"):
+        Controller(ARM, task, order=order)
+
+
+@pytest.mark.parametrize(
+    ("gives", "named"),
+    [
+        (lambda self, t: (0.0, np.zeros(3)), r"feedforward acceleration has shape \(3,\)"),
+        (lambda self, t: 3, r"feedforward = 3 must be \(velocity, acceleration\)"),
+        (lambda self, t: None, r"feedforward = None must be"),
+        (lambda self, t: ("a", 0.0), "feedforward velocity is not an array of real numbers"),
+    ],
+)
+def test_refuses_a_feedforward_that_is_none(gives, named):
+    task = type("OwnTask", (ElbowHeight,), {"feedforward": gives})(gain=1.0)
+    with pytest.raises(InvalidInput, match=f"OwnTask 'own': {named}"):
+        Controller(ARM, task)
+
+
+@pytest.mark.parametrize("order", ["velocity", "acceleration"])
+def test_lists_are_as_good_as_arrays(order):
+    class Lists(ElbowHeight):
+        def jacobian(self, state):
+            return super().jacobian(state).tolist()
+
+        def drift(self, state):
+            return super().drift(state).tolist()
+
+        def feedforward(self, t):
+            return [0.1], [0.2]
+
+    class Arrays(ElbowHeight):
+        def feedforward(self, t):
+            return np.array([0.1]), np.array([0.2])
+
+    answers = [
+        Controller(ARM, part, order=order, backend="pseudoinverse")([0.9, 0.5, -0.3, 0.2], [0.1, 0.2, 0.3, 0.4])
+        for kind in (Lists, Arrays)
+        for part in (kind(gain=1.0), JointMotion(kind(gain=1.0)))
+    ]
+    for step in answers[1:]:
+        np.testing.assert_allclose(step.solution.x, answers[0].solution.x, rtol=1e-12, atol=1e-14)
 
 
 def test_weights_decide_inside_a_level_only():

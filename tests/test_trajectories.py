@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hqp import InvalidInput
-from tasks import Fixed, Line, PositionTask, Trajectory, cubic
+from tasks import Fixed, Line, PositionTask, PostureTask, Trajectory, cubic
 
 
 def test_cubic_is_eq_3_26_from_rest_to_rest():
@@ -16,6 +16,12 @@ def test_cubic_is_eq_3_26_from_rest_to_rest():
     assert cubic(1.0) == cubic(7.0) == (1.0, 0.0, 0.0)
     assert cubic(0.0)[1] == 0.0
     assert cubic(1 - 1e-12)[1] == pytest.approx(0.0, abs=1e-10)
+
+
+def test_no_time_is_no_place():
+    """NaN must not pass for the end of the path."""
+    assert np.isnan(cubic(np.nan)).all()
+    assert all(np.isnan(part).all() for part in Line([0.0, 1.0], [2.0, 5.0], 3.0)(np.nan))
 
 
 def test_line_derivatives_are_those_of_its_position():
@@ -48,6 +54,13 @@ def test_a_scalar_target_is_one_row():
         (lambda: Line([0, 0], [1, 1], np.inf), "duration = inf"),
         (lambda: Line([0, 0], [1, 1, 1], 1.0), r"start has shape \(2,\), end \(3,\)"),
         (lambda: Line([0, np.nan], [1, 1], 1.0), r"start\[1\] = nan"),
+        (lambda: Line([0, 0], [1, 1], 1e300), r"duration = 1e\+300 s must be positive and at most 1e\+15"),
+        (lambda: Line([0, 0], [1, 1], 1.0, timing=3), "timing = 3 is a int; it must be a function"),
+        (
+            lambda: PositionTask(lambda t: (["a", "b"], [0, 0], [0, 0]), gain=1.0),
+            r"target\(0.0\) is not an array of real",
+        ),
+        (lambda: PostureTask(lambda t: (), gain=1.0), r"target\(0.0\) gives shapes \[\]"),
         (lambda: Fixed([[1.0]]), r"shape \(1, 1\)"),
         (lambda: PositionTask([1.0], gain=1.0), r"PositionTask 'position': target has shape \(1,\); it must be \(2,\)"),
         (lambda: PositionTask([1.0, np.inf], gain=1.0), r"target\[1\] = inf"),

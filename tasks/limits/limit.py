@@ -7,6 +7,7 @@ from typing import ClassVar
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
+from hqp.checks import of_type
 
 from .._checks import Array, numbers, per_row, positive
 from ..part import Order, Part
@@ -25,7 +26,7 @@ class JointLimit(Part):
     Raises
     ------
     InvalidInput
-        If a limit is not positive and finite.
+        If a limit is not positive, or larger than 1e15.
     """
 
     plain: ClassVar[bool] = True
@@ -34,7 +35,7 @@ class JointLimit(Part):
     rows = None
 
     def __init__(self, limit: ArrayLike | None = None, *, name: str | None = None) -> None:
-        self.name = self.quantity if name is None else name
+        self.name = self.quantity if name is None else of_type(name, str, f"name of a {type(self).__name__}")
         self.limit = None if limit is None else positive(limit, f"{self.label()}: limit", unit=self.unit)
         self.weight = numbers(1.0, "weight")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import get_args
 
 import numpy as np
@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 import hqp
 from hqp import InvalidInput, Settings, Solution
 
-from .._checks import Array, numbers, positive_scalar
+from .._checks import Array, numbers, positive_scalar, scalar
 from ..part import Order, Part
-from ..robots.robot import Robot, RobotState
+from ..robots.robot import Robot, RobotState, as_robot
 from ..stack import Stack
 
 
@@ -65,8 +65,8 @@ class Controller:
     Raises
     ------
     InvalidInput
-        At once, if the order is neither, dt is not positive, the backend is unknown, or a task does
-        not fit the robot.
+        At once, if the robot or the stack is none, the order is neither, dt is not positive, the
+        backend is unknown, or a task does not fit the robot.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class Controller:
     ) -> None:
         if order not in get_args(Order):
             raise InvalidInput(f"order = {order!r}; it must be one of {', '.join(map(repr, get_args(Order)))}")
-        self.robot = robot
+        self.robot = as_robot(robot)
         self.stack = stack if isinstance(stack, Stack) else Stack(stack)
         self.order: Order = order
         self.dt = None if dt is None else positive_scalar(dt, "dt", unit="s")
@@ -113,20 +113,27 @@ class Controller:
         Raises
         ------
         InvalidInput
-            If q or v has the wrong shape. Numbers never raise: where they are not finite the
+            If q, v or t has the wrong shape. Numbers never raise: where they are not finite the
             status of the solution is INVALID.
         """
-        position, velocity = numbers(q, "q"), numbers(v, "v")
+        position, velocity, time = numbers(q, "q"), numbers(v, "v"), scalar(t, "t")
         for what, value, size in ("q", position, self.robot.nq), ("v", velocity, self.robot.nv):
             if value.shape != (size,):
                 raise InvalidInput(f"{what} has shape {value.shape}; the robot takes ({size},), one number a joint")
         with np.errstate(all="ignore"):
             state = self.robot.at(position, velocity)
-            hierarchy = self._rows.fill(state, t)
-        solution = self._solver.solve(hierarchy)
+        solution = self._solve(state, time)
         if self.order == "velocity":
             return Step("velocity", state, solution, v=solution.x)
         return Step("acceleration", state, solution, a=solution.x)
+
+    def _solve(self, state: RobotState, time: float) -> Solution:
+        if not np.isfinite(time):  # no task is asked, and no bound left that could be met
+            self.hierarchy.lower.fill(np.nan)
+            return replace(self._solver.solve(self.hierarchy), message=f"t = {time} s must be finite")
+        with np.errstate(all="ignore"):
+            self._rows.fill(state, time)
+        return self._solver.solve(self.hierarchy)
 
     def __repr__(self) -> str:
         tick = "" if self.dt is None else f", dt={self.dt:g}"

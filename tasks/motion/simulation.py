@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput, Solution, Status
+from hqp.checks import of_type, whole_number
 
-from .._checks import Array, finite, positive_scalar
+from .._checks import Array, finite, finite_scalar, function, positive_scalar
 from ..robots.robot import RobotState
 from ..stack import Stack
 from .controller import Controller
@@ -27,6 +28,8 @@ from .record import Record, Stop
 
 #: Joint speed [rad/s] beyond which a run counts as diverged: 16 turns a second.
 SPEED_CAP = 100.0
+#: The longest run: a record of so many ticks fills a gigabyte or two.
+MOST_TICKS = 10_000_000
 
 
 def simulate(
@@ -72,22 +75,26 @@ def simulate(
     Raises
     ------
     InvalidInput
-        If the controller has no dt, the start is not finite or has the wrong shape, or a number
-        is out of range.
+        If the controller has no dt, the start is not finite or has the wrong shape, a number is
+        out of range, or the run would take more than `MOST_TICKS`.
     """
-    dt = controller.dt
+    dt = of_type(controller, Controller, "controller").dt
     if dt is None:
         raise InvalidInput("simulate needs the tick; give the controller dt in s")
-    ticks = round(positive_scalar(duration, "duration", unit="s") / dt)
+    share = positive_scalar(duration, "duration", unit="s") / dt
+    if share > MOST_TICKS:
+        raise InvalidInput(f"duration = {duration:g} s is more than {MOST_TICKS} ticks of dt = {dt:g} s")
+    ticks = round(share)
     if ticks < 1:
         raise InvalidInput(f"duration = {duration} s is shorter than one tick, dt = {dt} s")
+    start = finite_scalar(start, "start")
     cap = positive_scalar(speed_cap, "speed cap", unit="rad/s")
-    if not (isinstance(certify, int) and certify >= 0):
-        raise InvalidInput(f"certify = {certify!r} must be a whole number: every so many-th tick, 0 for none")
+    certify = whole_number(certify, "certify")
     robot = controller.robot
     q = finite(q0, "q0")
     v = np.zeros(robot.nv) if v0 is None else finite(v0, "v0")
-    judge = proof if proof is not None else _certified
+    judge = _certified if proof is None else function(proof, "proof")
+    progress = None if progress is None else function(progress, "progress")
     report_every = max(ticks // 100, 1)
 
     log = _Log(controller.stack, ticks, robot.at(q, v))

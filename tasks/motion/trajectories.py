@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
-from .._checks import Array, finite, positive_scalar
+from .._checks import Array, finite, function, numbers, positive_scalar
 
 #: u -> (s, ds/du, d2s/du2)
 Timing = Callable[[float], tuple[float, float, float]]
@@ -29,12 +29,12 @@ class Trajectory(Protocol):
 
 
 def cubic(u: float) -> tuple[float, float, float]:
-    """The cubic from rest to rest, ``s = 3u^2 - 2u^3``; at rest before 0 and from 1 on."""
+    """The cubic from rest to rest, ``s = 3u^2 - 2u^3``; at rest before 0 and from 1 on; NaN at NaN."""
     if u < 0.0:
         return 0.0, 0.0, 0.0
-    if u < 1.0:
-        return u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u), 6.0 - 12.0 * u
-    return 1.0, 0.0, 0.0
+    if u >= 1.0:
+        return 1.0, 0.0, 0.0
+    return u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u), 6.0 - 12.0 * u
 
 
 class Fixed:
@@ -82,7 +82,7 @@ class Line:
         if self.start.ndim != 1 or self.start.shape != self.end.shape:
             raise InvalidInput(f"line: start has shape {self.start.shape}, end {self.end.shape}; both must be (rows,)")
         self.duration = positive_scalar(duration, "line: duration", unit="s")
-        self.timing = timing
+        self.timing = function(timing, "line: timing")
         self._way = self.end - self.start
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
@@ -107,10 +107,11 @@ def as_trajectory(target: ArrayLike | Trajectory, rows: int | None, what: str) -
     else:
         trajectory = target
     try:
-        shapes = [np.shape(part) for part in trajectory(0.0)]
+        sample = tuple(trajectory(0.0))
     except Exception as error:
         raise InvalidInput(f"{what}: target(0.0) raised {type(error).__name__}: {error}") from error
-    size = rows if rows is not None else int(np.prod(shapes[0]))
+    shapes = [numbers(part, f"{what}: target(0.0)").shape for part in sample]
+    size = rows if rows is not None else int(np.prod(shapes[0])) if shapes else 1
     if shapes != [(size,)] * 3:
         if isinstance(trajectory, Fixed):
             raise InvalidInput(f"{what}: target has shape {shapes[0]}; it must be ({size},)")

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
+from hqp.checks import of_type
 
 from .._checks import Array, numbers, per_row, positive
 
@@ -65,7 +66,7 @@ class PlanarArm:
     Raises
     ------
     InvalidInput
-        If there is no link, or a length or limit is not positive and finite.
+        If there is no link, or a length or limit is not positive or larger than 1e15.
     """
 
     lengths: Array
@@ -88,11 +89,10 @@ class PlanarArm:
                 f"link lengths have shape {given.shape}; give one positive length [m] a link, at least one"
             )
         for link, length in enumerate(given):
-            if not 0 < length < np.inf:
-                raise InvalidInput(f"link {link}: length {length} m must be positive and finite")
+            positive(length, f"link {link}: length", unit="m")
         self.lengths = given
         self.nq = self.nv = len(given)
-        self.name = name
+        self.name = of_type(name, str, "name of an arm")
         self.velocity_limit = self._limit(velocity_limit, "velocity limit", "rad/s")
         self.acceleration_limit = self._limit(acceleration_limit, "acceleration limit", "rad/s^2")
 
@@ -149,7 +149,7 @@ class PlanarArm:
         return angles, _chain(self.lengths * np.cos(angles), self.lengths * np.sin(angles))
 
     def _joints(self, value: ArrayLike, what: str) -> Array:
-        joints = np.asarray(value, dtype=np.float64)
+        joints = numbers(value, what)
         if joints.shape != (self.nv,):
             raise InvalidInput(f"{what} has shape {joints.shape}; {self!r} takes ({self.nv},), one number a joint")
         return joints

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from reprlib import repr as brief
 from typing import Protocol
+
+from hqp import InvalidInput
+from hqp.checks import whole_number
 
 from .._checks import Array
 
@@ -65,3 +69,18 @@ class Robot(Protocol):
     def at(self, q: Array, v: Array) -> RobotState:
         """The state at joint positions q [rad] and velocities v [rad/s]."""
         ...
+
+
+def as_robot(value: Robot) -> Robot:
+    """`value`, which must have what every robot has.
+
+    Raises
+    ------
+    InvalidInput
+        If it has no nq, nv or at(q, v), or a size is no positive integer.
+    """
+    if not all(hasattr(value, name) for name in ("nq", "nv", "at")):
+        raise InvalidInput(f"robot = {brief(value)} is a {type(value).__name__}; a robot has nq, nv and at(q, v)")
+    for size in "nq", "nv":
+        whole_number(getattr(value, size), f"{size} of the robot", least=1)
+    return value
