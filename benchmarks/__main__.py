@@ -1,70 +1,11 @@
-"""``python -m benchmarks``: time, accuracy and certified share of every backend on every family."""
-
-from __future__ import annotations
+"""``python -m benchmarks``: Ctrl-C is heard from the first import on."""
 
 import sys
-from pathlib import Path
-from typing import Annotated
 
-import typer
-from rich.console import Console
-from rich.progress import Progress
+try:
+    from .command import main
 
-from hqp import HqpError, available_backends, backend_info
-from hqp.errors import InvalidInput
-
-from .families import FAMILIES
-from .measure import PERTURBATION, YARDSTICK, Measurement, measure
-from .tables import save, terminal
-
-
-def benchmark(
-    count: Annotated[int, typer.Option("--count", "-n", min=1, help="Problems per family.")] = 200,
-    backend: Annotated[
-        list[str] | None, typer.Option("--backend", "-b", help="Only this one; may be given several times.")
-    ] = None,
-    family: Annotated[
-        list[str] | None, typer.Option("--family", "-f", help="Only this one; may be given several times.")
-    ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0)] = 0,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.")] = None,
-) -> None:
-    """Measure every backend on every problem family, interleaved in one run."""
-    names = [backend_info(name).name for name in backend or available_backends()]
-    unknown = set(family or ()) - {f.name for f in FAMILIES}
-    if unknown:
-        raise InvalidInput(f"unknown family {sorted(unknown)[0]!r}; there are {', '.join(f.name for f in FAMILIES)}")
-    if out is not None:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        out.touch()
-    chosen = [f for f in FAMILIES if not family or f.name in family]
-    console = Console(width=None if sys.stdout.isatty() else 110)
-    measurements: list[Measurement] = []
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        for f in chosen:
-            bar = progress.add_task(f.name, total=count)
-            measured = measure(f, names, count, seed, lambda bar=bar: progress.advance(bar))
-            measurements += measured
-            console.print(terminal(f"{f.name}: {f.about} ({count} problems)", measured))
-            if out is not None:
-                save(out, measurements)
-    console.print(
-        f"cold: a fresh solver; warm: the same problem again; ratio: warm, to {YARDSTICK}, median of pairs\n"
-        f"error: largest relative distance from a certified answer; rejected: answers moved by {PERTURBATION:g}"
-        " that the certificate refuses"
-    )
-
-
-def main() -> None:
-    """Run; wrong input is one line on stderr and exit code 2."""
-    app = typer.Typer(rich_markup_mode=None, add_completion=False, pretty_exceptions_enable=False)
-    app.command()(benchmark)
-    try:
-        app(prog_name="python -m benchmarks")
-    except (HqpError, OSError) as error:
-        print(f"benchmarks: {error}", file=sys.stderr)
-        sys.exit(2)
-
-
-if __name__ == "__main__":
     main()
+except KeyboardInterrupt:
+    print("benchmarks: interrupted", file=sys.stderr)
+    sys.exit(130)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import cycle, islice
 
 import numpy as np
 
-from hqp import Hierarchy
+from hqp import BackendInfo, Hierarchy
 from hqp.problems import equality_cases, random_hierarchy
 
 
@@ -20,6 +20,19 @@ class Family:
     about: str
     inequalities: bool
     problems: Callable[[int, int], Iterator[Hierarchy]]
+
+    def refusal(self, info: BackendInfo) -> str | None:
+        """Why this backend has no part in the family, or None."""
+        if not info.lexicographic:
+            return f"{info.name} aims at the optimum of another hierarchy"
+        if self.inequalities and not info.inequalities:
+            return f"{info.name} takes no inequalities"
+        return None
+
+    def left_out(self, infos: Iterable[BackendInfo]) -> str | None:
+        """Why none of these backends has a part in the family, or None if one has."""
+        refusals = [self.refusal(info) for info in infos]
+        return None if None in refusals else f"{self.name}: left out, {', '.join(filter(None, refusals))}"
 
 
 def _equalities(count: int, seed: int) -> Iterator[Hierarchy]:

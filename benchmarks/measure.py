@@ -47,11 +47,9 @@ def measure(
     family: Family, backends: Sequence[str], count: int, seed: int, tick: Callable[[], None] = lambda: None
 ) -> list[Measurement]:
     """Measure `backends` on `count` problems; those that do not take the family are left out."""
-    able = [
-        name
-        for name in backends
-        if backend_info(name).lexicographic and (backend_info(name).inequalities or not family.inequalities)
-    ]
+    able = [name for name in backends if family.refusal(backend_info(name)) is None]
+    if not able:
+        return []
     rows = {name: Measurement(family.name, name) for name in able}
     rng = np.random.default_rng(seed)
     for number, hierarchy in enumerate(family.problems(count, seed)):

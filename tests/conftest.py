@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 import pytest
 from hypothesis import settings
 
@@ -10,6 +12,9 @@ from hqp import available_backends, backend_info
 # The machines are shared: no deadline. Derandomised: a red run is red again.
 settings.register_profile("hqp", deadline=None, derandomize=True, max_examples=60)
 settings.load_profile("hqp")
+
+# pytest-xdist tells its workers a width; the tests mean a pipe that has none.
+os.environ.pop("COLUMNS", None)
 
 #: Backends which take any hierarchy and aim at its optimum.
 GENERAL = [

@@ -10,6 +10,7 @@ import pytest
 
 import hqp
 from tasks import cli
+from tasks._terminal import console
 from tasks.thesis import scenarios
 
 
@@ -51,6 +52,7 @@ def test_laws_that_a_backend_cannot_show_are_left_out_aloud(short_figures, tmp_p
         (["thesis", "--figure", "4.10"], "not available yet"),
         (["thesis", "--backend", "magic"], "unknown backend 'magic'; installed here: pseudoinverse"),
         (["thesis", "--out", "/dev/null/here"], "cannot write to the folder '/dev/null/here'"),
+        (["thesis", "--out", ""], "'--out' / '-o': it is empty; the current folder is '.'"),
         (["thesis", "--colour", "red"], "No such option"),
         (["thesis", "extra"], "unexpected extra argument"),
         (["nothing"], "No such command 'nothing'"),
@@ -63,6 +65,57 @@ def test_wrong_input_is_one_line_and_exit_code_2(arguments, named, capsys):
     assert told.err.startswith("hqp: ")
     assert told.err.count("\n") == 1
     assert named in told.err
+
+
+@pytest.mark.parametrize("name", ["figure-4.7.png", "claims.md", "claims.csv"])
+def test_a_file_that_cannot_be_written_is_refused_before_anything_is_simulated(name, tmp_path, capsys, monkeypatch):
+    from tasks.thesis import report
+
+    monkeypatch.setattr(report, "run", None)
+    (tmp_path / name).mkdir()
+    assert cli.run(["thesis", "-f", "4.7", "--out", str(tmp_path)]) == 2
+    assert capsys.readouterr().err == f"hqp: cannot write {str(tmp_path / name)!r}: Is a directory\n"
+
+
+def test_a_file_that_is_there_is_overwritten(short_figures, tmp_path):
+    (tmp_path / "claims.csv").write_text("old")
+    assert cli.run(["thesis", "-f", "4.6", "--out", str(tmp_path)]) == 0
+    assert (tmp_path / "claims.csv").read_text().startswith("figure,")
+
+
+@pytest.mark.parametrize(("columns", "width"), [(None, 140), ("100", 100), ("0", 140), ("wide", 140)])
+def test_a_pipe_is_as_wide_as_columns_says(columns, width, monkeypatch):
+    monkeypatch.delenv("COLUMNS", raising=False)
+    if columns is not None:
+        monkeypatch.setenv("COLUMNS", columns)
+    assert console(140).width == width
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["backends"], ["thesis", "--help"]])
+def test_a_reader_who_leaves_is_no_error(arguments):
+    command = subprocess.Popen(
+        [sys.executable, "-m", "hqp_command", *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    command.stdout.close()
+    assert command.stderr.read() == b""
+    command.stderr.close()
+    assert command.wait() == 141
+
+
+@pytest.mark.parametrize("module", ["tasks", "numpy", "typer", "tasks.cli.thesis"])
+def test_an_interruption_while_it_is_imported_is_exit_code_130(module):
+    code = f"""
+import sys
+class Finder:
+    def find_spec(self, name, *_):
+        if name == {module!r}:
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Finder())
+from hqp_command import main
+main()
+"""
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (out.returncode, out.stdout, out.stderr) == (130, "", "hqp: interrupted\n")
 
 
 def test_an_interruption_is_exit_code_130(monkeypatch, tmp_path, capsys):

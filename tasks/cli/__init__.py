@@ -1,7 +1,7 @@
 """The ``hqp`` command: one small file a subcommand, its imports done when it is called.
 
 Whatever is wrong with the input is told in one line on stderr, with exit code 2. An interruption
-(Ctrl-C) ends with exit code 130 and keeps every finished file.
+(Ctrl-C) ends with exit code 130 and keeps every finished file. See :mod:`.command`.
 """
 
 from __future__ import annotations
@@ -12,11 +12,10 @@ from typing import Annotated
 
 import typer
 
+from . import command
 from .backends import backends
 from .thesis import thesis
 from .validate import validate
-
-WRONG_INPUT, INTERRUPTED = 2, 130
 
 app = typer.Typer(
     name="hqp",
@@ -44,10 +43,6 @@ def _root(
         print(context.get_help())
 
 
-# Newer typer carries a click of its own; BadParameter leads to the common base of either's errors.
-_CommandLineError: type[typer.BadParameter] = typer.BadParameter.__mro__[2]
-
-
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command and leave with its exit code.
 
@@ -61,24 +56,4 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command; its exit code."""
-    from hqp import HqpError
-
-    try:
-        code = app(args=None if arguments is None else list(arguments), prog_name="hqp", standalone_mode=False)
-    except (typer.Abort, KeyboardInterrupt):
-        code = INTERRUPTED
-    except _CommandLineError as error:
-        return _told(error.format_message(), WRONG_INPUT)
-    except OSError as error:
-        place = f"{error.filename}: " if error.filename else ""
-        return _told(f"{place}{error.strerror or error}", WRONG_INPUT)
-    except HqpError as error:
-        return _told(str(error), WRONG_INPUT)
-    if code == INTERRUPTED:
-        return _told("interrupted; what was finished is kept", INTERRUPTED)
-    return code if isinstance(code, int) else 0
-
-
-def _told(message: str, code: int) -> int:
-    print("hqp: " + " ".join(message.split()), file=sys.stderr)
-    return code
+    return command.run(app, "hqp", arguments)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from .._terminal import console
+
 
 def backends() -> None:
     """List the solver backends: installed or not, what each takes, how exact it is."""
     from rich.box import SIMPLE_HEAD
-    from rich.console import Console
     from rich.table import Table
 
     from hqp import ACCURACY, BACKENDS, DEFAULT_BACKEND
@@ -23,9 +24,9 @@ def backends() -> None:
             here.add_row(info.name, info.accuracy, "yes" if info.inequalities else "no", info.summary + default)
         else:
             missing.add_row(info.name, f"pip install '{info.install}'")
-    console = Console()
-    console.print(here)
+    out = console()
+    out.print(here)
     if missing.row_count:
-        console.print(missing)
+        out.print(missing)
     classes = ", ".join(f"{name} {bound:.0e}" for name, bound in ACCURACY.items())
-    console.print(f"accuracy: the largest relative error in x that the class allows, after polish: {classes}")
+    out.print(f"accuracy: the largest relative error in x that the class allows, after polish: {classes}")

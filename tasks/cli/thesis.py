@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from .command import path
+
 
 def thesis(
     figure: Annotated[
@@ -18,9 +20,9 @@ def thesis(
     backend: Annotated[
         str | None, typer.Option("--backend", "-b", help="The solver; see 'hqp backends'.", metavar="NAME")
     ] = None,
-    out: Annotated[Path, typer.Option("--out", "-o", help="Folder for figures and tables.", metavar="DIR")] = Path(
-        "out/thesis"
-    ),
+    out: Annotated[
+        Path, typer.Option("--out", "-o", help="Folder for figures and tables.", metavar="DIR", parser=path)
+    ] = Path("out/thesis"),
 ) -> None:
     """Simulate figures of the thesis, draw them, and check what its text says of them.
 

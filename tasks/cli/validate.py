@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from .._terminal import console
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -43,7 +44,7 @@ def validate(
     work = [(name, case) for name in names for case in equality_cases()]
     parallel = Parallel(n_jobs=jobs, return_as="generator")
     done = parallel(delayed(validate_case)(name, case, count, seed) for name, case in work)
-    console = Console(width=None if not cases or sys.stdout.isatty() else 120)
+    out = console(120 if cases else 80)
     reports = [
         report
         for batch in track(done, "solving", total=len(work), console=Console(stderr=True), transient=True)
@@ -51,16 +52,16 @@ def validate(
     ]
     for formula, closed_form in FORMULAS.items():
         rows = [report for report in reports if report.formula == formula]
-        console.print(_table(f"{formula} ({closed_form})", rows if cases else merge(rows), cases))
-    console.print(
+        out.print(_table(f"{formula} ({closed_form})", rows if cases else merge(rows), cases))
+    out.print(
         "x, residual: largest relative difference from the closed form\n"
         "solved, met: levels a stack which the named QP solver solved, and which needed none"
     )
     wrong = sorted({report.backend for report in reports if not report.ok})
     if wrong:
-        console.print(f"outside their class: {', '.join(wrong)}", style="bold red")
+        out.print(f"outside their class: {', '.join(wrong)}", style="bold red")
         raise typer.Exit(OUTSIDE_ITS_CLASS)
-    console.print(f"{sum(report.count for report in reports)} solves, every backend inside its class", style="green")
+    out.print(f"{sum(report.count for report in reports)} solves, every backend inside its class", style="green")
 
 
 def _table(title: str, reports: list[Report], cases: bool) -> Table:

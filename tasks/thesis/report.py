@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import hqp
 
+from .._checks import writable
+from .._terminal import console
 from ..motion.record import Record
 from .claims import Claim, measure, to_csv, to_markdown, to_terminal
 from .laws import laws_of
@@ -46,17 +47,15 @@ def report(figures: Sequence[str], backend: str | None, out: Path) -> list[Claim
     Raises
     ------
     InvalidInput
-        Before anything is simulated, if a figure or the backend is unknown or the folder cannot be
-        written to.
+        Before anything is simulated, if a figure or the backend is unknown, or the folder or a file
+        in it cannot be written to.
     """
-    from rich.console import Console
-
     from .figures import draw
 
     chosen = hqp.DEFAULT_BACKEND if backend is None else backend
     scenarios = list({name: scenario(name) for name in figures}.values())
     info = hqp.backend_info(chosen)
-    check_writable(out)
+    writable(out, [*(f"figure-{item.figure}.png" for item in scenarios), "claims.md", "claims.csv"])
 
     records: dict[Job, Record] = {}
     claims: list[Claim] = []
@@ -78,13 +77,11 @@ def report(figures: Sequence[str], backend: str | None, out: Path) -> list[Claim
             (out / "claims.md").write_text(to_markdown(claims, remarks), encoding="utf-8")
             (out / "claims.csv").write_text(to_csv(claims), encoding="utf-8")
 
-    console = Console()
-    if not console.is_terminal:  # a file or a pipe has no width; give every row its line
-        console.width = 140
-    console.print(to_terminal(claims))
+    printer = console(140)  # give every row its line
+    printer.print(to_terminal(claims))
     for why in left_out:
-        console.print(why)
-    console.print(f"{len(scenarios)} figures, claims.md and claims.csv in {out}", soft_wrap=True)
+        printer.print(why)
+    printer.print(f"{len(scenarios)} figures, claims.md and claims.csv in {out}", soft_wrap=True)
     return claims
 
 
@@ -98,22 +95,6 @@ def _shown(item: Scenario, backend: str, records: dict[Job, Record]) -> dict[Job
     """One run a law for the figure: the backend's where there is one, the formula's otherwise."""
     best = {job.law.key: job for job in sorted(jobs_of(item, backend), key=lambda job: not job.closed_form)}
     return {best[law.key]: records[best[law.key]] for law in laws_of(item) if law.key in best}
-
-
-def check_writable(folder: Path) -> None:
-    """Make the folder, and refuse it now rather than after the simulation.
-
-    Raises
-    ------
-    InvalidInput
-        If it cannot be made, or nothing can be written into it.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        raise hqp.InvalidInput(f"cannot write to the folder {str(folder)!r}: {error.strerror or error}") from None
 
 
 @contextmanager
