@@ -86,22 +86,24 @@ class Cascade:
         scales = step_scales(problem)
         for rho, scale in [(1.0, scale) for scale in scales] + [(rho, scales[0]) for rho in RETREAT]:
             result, y, pressing = self._proximal_steps(k, problem, rho * self.settings.proximal_weight, scale, tally)
-            said = result.message if not result.solved else "its answer breaks the levels above"
             if not _credible(problem, y, scale):
+                said = "its answer breaks the levels above" if result.solved else result.message
                 continue
-            verified = False
+            verified = kept = False
             if self.settings.polish:
                 done = polish(problem, y, pressing, self.settings.rank_tolerance)
                 tally["polishes"] += done.rounds
                 verified = done.verified
-                if verified or _no_worse(problem, done.y, y):
-                    tally["levels_polished"] += 1
+                kept = verified or _no_worse(problem, done.y, y)
+                if kept:
                     y, pressing = done.y, done.pressing
             leak = LEAK * self.settings.qp_tolerance * scale
             if verified or (result.solved and rho == 1.0 and problem.infeasibility(y) <= leak):
                 tally["levels_solved"] += 1
+                tally["levels_polished"] += kept
                 # Without the proof that they press, no rows are frozen for good.
                 return y, pressing if verified else np.zeros_like(pressing)
+            said = "its answer leaks into the levels above" if result.solved else result.message
         raise LevelFailed(said)
 
     def _proximal_steps(
