@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks import command
+from benchmarks import __main__ as command
 from benchmarks.families import FAMILIES
 from benchmarks.measure import measure
 
