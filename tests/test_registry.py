@@ -73,5 +73,5 @@ def test_an_unknown_backend_lists_the_installed_ones(name: object) -> None:
 def test_a_missing_package_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(registry, "_found", lambda package: package != "daqp")
     assert "cascade:qpsolvers/daqp" not in available_backends()
-    with pytest.raises(UnknownBackend, match=r"needs the package 'daqp' \(pip install 'hqp\[solvers\]'\)"):
+    with pytest.raises(UnknownBackend, match=r"needs the package 'daqp' \(pip install 'daqp'\)"):
         backend_info("cascade:qpsolvers/daqp")
