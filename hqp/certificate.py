@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .arrays import Array, finite_vector
+from .checks import of_type, positive_number
 from .errors import InvalidInput
 from .hierarchy import Hierarchy
 from .rows import ROUND_OFF, RowStates, Side, row_states
@@ -155,14 +156,15 @@ def certify(
     Raises
     ------
     InvalidInput
-        If x or x_ref has the wrong shape or is not finite, or the hierarchy has a fault.
+        If x or x_ref has the wrong shape or is not finite, x reaches beyond 1e60, the tolerance is
+        not between 0 and 1, or the hierarchy has a fault.
     """
+    of_type(hierarchy, Hierarchy, "the hierarchy")
     point = finite_vector(x, hierarchy.n, "x")
     reference = np.zeros(hierarchy.n) if x_ref is None else finite_vector(x_ref, hierarchy.n, "x_ref")
     if np.abs(point).max(initial=0.0) > FURTHEST:
         raise InvalidInput(f"x reaches {np.abs(point).max():g}; nothing beyond {FURTHEST:g} can be judged")
-    if not tolerance > 0:
-        raise InvalidInput(f"tolerance = {tolerance} must be positive")
+    tolerance = positive_number(tolerance, "tolerance", below=1.0)
     fault = hierarchy.find_fault()
     if fault:
         raise InvalidInput(fault)

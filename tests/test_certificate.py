@@ -182,8 +182,11 @@ def test_wrong_input_is_refused() -> None:
         certify(h, [1e80])
     with pytest.raises(InvalidInput, match="x_ref has shape"):
         certify(h, [1.0], x_ref=[1.0, 1.0])
-    with pytest.raises(InvalidInput, match="tolerance"):
-        certify(h, [1.0], tolerance=0.0)
+    for tolerance in (0.0, -1.0, np.inf, np.nan, 1.0, "a"):
+        with pytest.raises(InvalidInput, match="tolerance"):
+            certify(h, [1.0], tolerance=tolerance)  # type: ignore[arg-type]
+    with pytest.raises(InvalidInput, match="must be a Hierarchy"):
+        certify(None, [1.0])  # type: ignore[arg-type]
     h.levels[0].upper[0] = np.nan
     with pytest.raises(InvalidInput, match=r"level 0 \('limit'\), row 0"):
         certify(h, [1.0])
