@@ -137,7 +137,10 @@ def _labels(axes: Array, scenario: Scenario, runs: Mapping[Job, Record]) -> None
     axes[1, 0].set_ylabel("φ [deg]" if scenario.phi is None else "φ desired - actual [deg]")
     axes[2, 0].set_ylabel("joint speed [rad/min]")
     peak = MINUTE * max(np.abs(record.v).max() for record in runs.values())
-    top = 1.15 * min(peak, 2.2 * scenario.velocity_limit * MINUTE)  # a run that diverges may leave the panel
+    limit = MINUTE * scenario.velocity_limit
+    top = 1.15 * min(peak, 2.2 * limit)  # a run that diverges may leave the panel
+    if 0.9 * limit < top < 1.1 * limit:
+        top = 1.1 * limit  # lest the frame hide the limits
     axes[2, 0].set_ylim(-top, top)
     axes[0, 0].legend(loc="upper left", fontsize=8, framealpha=0.9)
     axes[2, 0].legend(loc="lower right", fontsize=8, ncols=len(scenario.lengths), framealpha=0.9)
