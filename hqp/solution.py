@@ -5,18 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .arrays import Array
+from .certificate import Certificate, certify
 from .hierarchy import Hierarchy
 from .rows import RowStates, Side, row_states
 from .subspace import split
-
-if TYPE_CHECKING:
-    from .certificate import Certificate
 
 
 class Status(Enum):
@@ -115,6 +112,8 @@ class Solution:
     hierarchy : Hierarchy
         Snapshot of the numbers that were solved.
     x_ref : array, shape (n,)
+    tolerance, rank_tolerance : float
+        By which `levels` tells sides and ranks, see :class:`hqp.Settings`.
     """
 
     x: Array
@@ -126,6 +125,7 @@ class Solution:
     level: int | None = None
     counts: Counts = field(default_factory=Counts)
     tolerance: float = 1e-9
+    rank_tolerance: float = 1e-9
 
     @property
     def ok(self) -> bool:
@@ -160,15 +160,13 @@ class Solution:
         for k in range(len(h.levels)):
             own = slice(h.pointers[k], h.pointers[k + 1])
             frozen = (rows.sides[own] == Side.EQUALITY) | rows.violated[own]
-            range_, null = split(h.matrix(k)[frozen] @ Z, rows.norms[own][frozen], 1e-9)
+            range_, null = split(h.matrix(k)[frozen] @ Z, rows.norms[own][frozen], self.rank_tolerance)
             ranks.append(range_.shape[1])
             Z = Z @ null
         return ranks
 
     def certify(self, *, unique: bool = True, tolerance: float = 1e-9) -> Certificate:
         """The proof of this answer, or by how much it falls short; see :func:`hqp.certify`."""
-        from .certificate import certify
-
         return certify(self.hierarchy, self.x, self.x_ref, unique=unique, tolerance=tolerance)
 
     def __repr__(self) -> str:

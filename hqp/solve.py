@@ -91,6 +91,7 @@ class Solver:
             hierarchy=hierarchy.copy(),
             x_ref=reference,
             tolerance=10 * self.settings.tolerance,
+            rank_tolerance=self.settings.rank_tolerance,
         )
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from .arrays import Array
 from .backends.pseudoinverse import joint_form
 from .backends.registry import ACCURACY, backend_info
+from .certificate import certify
 from .hierarchy import Hierarchy
 from .problems import Case
 from .solution import Solution
@@ -106,8 +107,6 @@ class _Tally:
         self.certified = self.failures = self.solved = self.met = 0
 
     def add(self, hierarchy: Hierarchy, solution: Solution, x_closed: Array) -> None:
-        from .certificate import certify
-
         x = solution.x
         length = float(np.linalg.norm(x_closed))
         self.worst_x = max(self.worst_x, float(np.linalg.norm(x - x_closed)) / (length or 1.0))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hqp import Hierarchy, Level, Side, Solver, Status, solve
+from hqp import Hierarchy, Level, Settings, Side, Solver, Status, solve
 
 
 def reach() -> Hierarchy:
@@ -51,6 +51,12 @@ def test_rank_counts_what_is_new_in_the_null_space_above() -> None:
     )
     assert [level.rank for level in solve(h).levels] == [3, 0, 1, 2]
     assert [level.rank for level in solve(h, backend="pseudoinverse").levels] == [3, 0, 1, 2]
+
+
+@pytest.mark.parametrize(("tolerance", "rank"), [(1e-9, 1), (1e-6, 0)])
+def test_rank_is_told_by_the_tolerance_that_it_was_decided_by(tolerance: float, rank: int) -> None:
+    h = Hierarchy([Level.equality([[1.0, 0.0]], [1.0]), Level.equality([[1.0, 1e-7]], [1.0])])
+    assert solve(h, settings=Settings(rank_tolerance=tolerance)).levels[1].rank == rank
 
 
 def test_levels_are_built_when_first_asked_for_and_from_the_snapshot() -> None:

@@ -10,7 +10,7 @@ tip, then phi). Motion without priority does not depend on phi, so that 4.2 = 4.
 
 Assumptions, where the text leaves things open:
 
-* The inclined line of 4.26-4.37 runs from (1, 0.7) to (0.3, 0), at 45 degrees; both arms start on it.
+* The inclined line of 4.26-4.37 runs from (1, 0.7) to (0.3, 0), at 45 degrees; the tips start within 0.07 m of it.
 * The robot starts at rest and follows each commanded acceleration exactly, for a tick of 2e-4 min.
 * Joint limits, where a law has them: 40 rad/min and 4000 rad/min^2 in every joint.
 
