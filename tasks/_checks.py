@@ -81,6 +81,23 @@ def per_row(value: Array, rows: int, what: str, of: str = "row") -> Array:
     return value
 
 
+def position_range(value: tuple[ArrayLike, ArrayLike], rows: int, what: str) -> Array:
+    """Lowest and highest positions [rad] of so many joints, shape (2, rows), each lowest below its highest."""
+    if not isinstance(value, (tuple, list, np.ndarray)) or len(value) != 2:
+        raise InvalidInput(f"{what} = {brief(value)} must be a pair: lowest and highest [rad]")
+    names = ("lowest", "highest")
+    ends = [
+        per_row(numbers(v, f"{what}, {n}"), rows, f"{what}, {n}", "joint") for v, n in zip(value, names, strict=True)
+    ]
+    wrong = ~(ends[0] < ends[1]) | (ends[0] == np.inf) | (ends[1] == -np.inf)
+    if wrong.any():
+        joint = int(np.flatnonzero(wrong)[0])
+        raise InvalidInput(
+            f"{what}: joint {joint} from {ends[0][joint]} to {ends[1][joint]} rad; the lowest must be below the highest"
+        )
+    return np.array(ends)
+
+
 def writable(folder: Path, files: Iterable[str]) -> None:
     """Make the folder, and refuse it, or one of the files in it, now rather than after the work.
 

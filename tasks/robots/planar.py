@@ -20,7 +20,10 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput
 from hqp.checks import of_type
 
-from .._checks import Array, numbers, per_row, positive
+from .._checks import Array, numbers, per_row, position_range, positive
+
+#: Mass per length of a link that names none [kg/m].
+DENSITY = 1.0
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -57,8 +60,13 @@ class PlanarArm:
     ----------
     lengths : array, shape (n,)
         Link lengths [m], at least one.
+    masses : array, shape (n,), optional
+        Link masses [kg], each spread evenly along its link (default: 1 kg per metre).
+    position_limit : pair of float or array, shape (n,), optional
+        Lowest and highest joint angles [rad], used by limits which name none; infinite where a joint
+        turns freely.
     velocity_limit : float or array, shape (n,), optional
-        Largest joint speed [rad/s], used by limits which name none.
+        Largest joint speed [rad/s].
     acceleration_limit : float or array, shape (n,), optional
         Largest joint acceleration [rad/s^2].
     name : str
@@ -66,12 +74,15 @@ class PlanarArm:
     Raises
     ------
     InvalidInput
-        If there is no link, or a length or limit is not positive or larger than 1e15.
+        If there is no link, a length, mass or limit is not positive or larger than 1e15, or a lowest
+        joint angle is not below the highest.
     """
 
     lengths: Array
+    masses: Array
     nq: int
     nv: int
+    position_limit: Array | None
     velocity_limit: Array | None
     acceleration_limit: Array | None
 
@@ -79,6 +90,8 @@ class PlanarArm:
         self,
         lengths: ArrayLike,
         *,
+        masses: ArrayLike | None = None,
+        position_limit: tuple[ArrayLike, ArrayLike] | None = None,
         velocity_limit: ArrayLike | None = None,
         acceleration_limit: ArrayLike | None = None,
         name: str = "",
@@ -93,13 +106,18 @@ class PlanarArm:
         self.lengths = given
         self.nq = self.nv = len(given)
         self.name = of_type(name, str, "name of an arm")
-        self.velocity_limit = self._limit(velocity_limit, "velocity limit", "rad/s")
-        self.acceleration_limit = self._limit(acceleration_limit, "acceleration limit", "rad/s^2")
+        self.masses = DENSITY * given if masses is None else self._per_joint(masses, "mass", "kg", "link")
+        self.position_limit = (
+            None if position_limit is None else position_range(position_limit, self.nv, f"{self!r}: position limit")
+        )
+        self.velocity_limit = self.acceleration_limit = None
+        if velocity_limit is not None:
+            self.velocity_limit = self._per_joint(velocity_limit, "velocity limit", "rad/s")
+        if acceleration_limit is not None:
+            self.acceleration_limit = self._per_joint(acceleration_limit, "acceleration limit", "rad/s^2")
 
-    def _limit(self, value: ArrayLike | None, what: str, unit: str) -> Array | None:
-        if value is None:
-            return None
-        return per_row(positive(value, f"{self!r}: {what}", unit=unit), self.nv, f"{self!r}: {what}", "joint")
+    def _per_joint(self, value: ArrayLike, what: str, unit: str, of: str = "joint") -> Array:
+        return per_row(positive(value, f"{self!r}: {what}", unit=unit), self.nv, f"{self!r}: {what}", of)
 
     def points(self, q: ArrayLike) -> Array:
         """Base, joints and tip [m], shape (n + 1, 2)."""

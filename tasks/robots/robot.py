@@ -51,6 +51,8 @@ class Robot(Protocol):
     ----------
     nq, nv : int
         Number of joint positions and of joint velocities.
+    position_limit : array, shape (2, nv), or None
+        Lowest and highest joint positions [rad]; infinite where a joint turns freely.
     velocity_limit : array, shape (nv,), or None
         Largest joint speed [rad/s].
     acceleration_limit : array, shape (nv,), or None
@@ -61,6 +63,8 @@ class Robot(Protocol):
     def nq(self) -> int: ...
     @property
     def nv(self) -> int: ...
+    @property
+    def position_limit(self) -> Array | None: ...
     @property
     def velocity_limit(self) -> Array | None: ...
     @property
