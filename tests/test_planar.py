@@ -63,6 +63,18 @@ def test_points_are_a_chain_of_the_links(case):
     np.testing.assert_allclose(points[-1], arm.pose(q)[:2], atol=1e-14)
 
 
+@many
+@given(moving_arms())
+def test_a_whole_record_at_once_is_one_after_the_other(case):
+    arm, q, v = case
+    qs, vs = q + np.arange(6.0).reshape(2, 3, 1), v * np.arange(6.0).reshape(2, 3, 1)
+    for ask, values in (arm.points, [qs]), (arm.pose, [qs]), (arm.jacobian, [qs]), (arm.jacobian_dot, [qs, vs]):
+        together = ask(*values)
+        assert together.shape[:2] == (2, 3)
+        for i in np.ndindex(2, 3):
+            np.testing.assert_allclose(together[i], ask(*(value[i] for value in values)), atol=1e-12)
+
+
 def test_an_arm_by_hand():
     x, y, phi = PlanarArm([2.0, 1.0]).pose([np.pi / 2, -np.pi / 2])
     assert (x, y, phi) == pytest.approx((1.0, 2.0, 0.0), abs=1e-15)
@@ -98,10 +110,14 @@ def test_refuses_limits_that_are_none(limits):
 
 def test_refuses_q_and_v_of_the_wrong_length():
     arm = PlanarArm([1, 1, 1])
-    with pytest.raises(InvalidInput, match=r"q has shape \(2,\).*\(3,\), one number a joint"):
+    with pytest.raises(InvalidInput, match=r"q has shape \(2,\).*\(..., 3\), one number a joint"):
         arm.pose([0, 0])
     with pytest.raises(InvalidInput, match=r"v has shape \(4,\)"):
         arm.at([0, 0, 0], [0, 0, 0, 0])
+    with pytest.raises(InvalidInput, match=r"q has shape \(2, 3\).*takes \(3,\), one number a joint"):
+        arm.at(np.zeros((2, 3)), np.zeros((2, 3)))
+    with pytest.raises(InvalidInput, match=r"v has shape \(3,\); it must be that of q, \(2, 3\)"):
+        arm.jacobian_dot(np.zeros((2, 3)), np.zeros(3))
 
 
 @pytest.mark.parametrize("q", ["a", None, [1j, 0, 0], {}, [[0], [0, 0]]])

@@ -21,6 +21,7 @@ from hqp import InvalidInput
 from hqp.checks import of_type
 
 from .._checks import Array, numbers, per_row, position_range, positive
+from . import planar_dynamics as dynamics
 
 #: Mass per length of a link that names none [kg/m].
 DENSITY = 1.0
@@ -55,6 +56,8 @@ class PlanarState:
 
 class PlanarArm:
     """A chain of links in the plane, each turning about the end of the one before.
+
+    Methods of q, v and a take leading axes: a whole record at once, of shape (..., n).
 
     Parameters
     ----------
@@ -107,6 +110,7 @@ class PlanarArm:
         self.nq = self.nv = len(given)
         self.name = of_type(name, str, "name of an arm")
         self.masses = DENSITY * given if masses is None else self._per_joint(masses, "mass", "kg", "link")
+        self._H = dynamics.inertia_constants(self.lengths, self.masses)
         self.position_limit = (
             None if position_limit is None else position_range(position_limit, self.nv, f"{self!r}: position limit")
         )
@@ -120,28 +124,42 @@ class PlanarArm:
         return per_row(positive(value, f"{self!r}: {what}", unit=unit), self.nv, f"{self!r}: {what}", of)
 
     def points(self, q: ArrayLike) -> Array:
-        """Base, joints and tip [m], shape (n + 1, 2)."""
-        return self._points(self._joints(q, "q"))[1]
+        """Base, joints and tip [m], shape (..., n + 1, 2)."""
+        return self._points(*self._joints(q=q))[1]
 
     def pose(self, q: ArrayLike) -> Array:
-        """Tip position and orientation (x [m], y [m], phi [rad]), shape (3,); phi is unwrapped."""
-        angles, points = self._points(self._joints(q, "q"))
-        return np.array([*points[-1], angles[-1]])
+        """Tip position and orientation (x [m], y [m], phi [rad]), shape (..., 3); phi is unwrapped."""
+        angles, points = self._points(*self._joints(q=q))
+        return np.concatenate([points[..., -1, :], angles[..., -1:]], axis=-1)
 
     def jacobian(self, q: ArrayLike) -> Array:
-        """Rows x, y, phi of ``d pose / dq``, shape (3, n)."""
-        J = np.ones((3, self.nv))
-        J[:2] = _turn(self._points(self._joints(q, "q"))[1])
-        return J
+        """Rows x, y, phi of ``d pose / dq``, shape (..., 3, n)."""
+        return _jacobian(self._points(*self._joints(q=q))[1])
 
     def jacobian_dot(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """Time derivative of the Jacobian while the joints turn at v [rad/s], shape (3, n)."""
-        angles, _ = self._points(self._joints(q, "q"))
-        rates = self.lengths * np.cumsum(self._joints(v, "v"))
-        velocities = _chain(-rates * np.sin(angles), rates * np.cos(angles))
-        Jdot = np.zeros((3, self.nv))
-        Jdot[:2] = _turn(velocities)
+        """Time derivative of the Jacobian while the joints turn at v [rad/s], shape (..., 3, n)."""
+        q, v = self._joints(q=q, v=v)
+        angles, _ = self._points(q)
+        rates = self.lengths * np.cumsum(v, axis=-1)
+        Jdot = _jacobian(_chain(-rates * np.sin(angles), rates * np.cos(angles)))
+        Jdot[..., 2, :] = 0.0
         return Jdot
+
+    def mass_matrix(self, q: ArrayLike) -> Array:
+        """M(q) of Eq. 4.1 [kg m^2], shape (..., n, n)."""
+        return dynamics.mass_matrix(self._H, *self._joints(q=q))
+
+    def coriolis(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """C(q, v) of Eq. 4.1 [kg m^2/s], shape (..., n, n): ``C v`` is the Coriolis and centripetal torque."""
+        return dynamics.coriolis(self._H, *self._joints(q=q, v=v))
+
+    def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
+        """Joint torques ``M(q) a + C(q, v) v`` [N m] (Eq. 4.1) for accelerations a [rad/s^2], shape (..., n)."""
+        return dynamics.inverse_dynamics(self._H, *self._joints(q=q, v=v, a=a))
+
+    def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """Of all links [J], shape (...)."""
+        return dynamics.kinetic_energy(self._H, *self._joints(q=q, v=v))
 
     def at(self, q: ArrayLike, v: ArrayLike) -> PlanarState:
         """Everything that tasks ask for at (q, v), each quantity computed once.
@@ -151,25 +169,32 @@ class PlanarArm:
         InvalidInput
             If q [rad] or v [rad/s] has not one number a joint. NaN passes: the solver reports it.
         """
-        q, v = self._joints(q, "q"), self._joints(v, "v")
+        q, v = self._joints(single=True, q=q, v=v)
         angles, points = self._points(q)
         pose = np.array([points[-1, 0], points[-1, 1], angles[-1]])
-        J = np.ones((3, self.nv))
-        J[:2] = _turn(points)
+        J = _jacobian(points)
         # Jdot v: every link pulls its end towards its beginning at length * rate^2.
         drift = np.zeros(3)
         drift[:2] = -(np.cumsum(v) ** 2) @ np.diff(points, axis=0)
         return PlanarState(q, v, points, pose, J, J @ v, drift)
 
     def _points(self, q: Array) -> tuple[Array, Array]:
-        """Angles of the links against the x axis, shape (n,), and the points between them."""
-        angles = np.cumsum(q)
+        """Angles of the links against the x axis, shape (..., n), and the points between them."""
+        angles = np.cumsum(q, axis=-1)
         return angles, _chain(self.lengths * np.cos(angles), self.lengths * np.sin(angles))
 
-    def _joints(self, value: ArrayLike, what: str) -> Array:
-        joints = numbers(value, what)
-        if joints.shape != (self.nv,):
-            raise InvalidInput(f"{what} has shape {joints.shape}; {self!r} takes ({self.nv},), one number a joint")
+    def _joints(self, *, single: bool = False, **values: ArrayLike) -> list[Array]:
+        """Arrays of one number a joint, all of the shape of the first."""
+        joints: list[Array] = []
+        for what, value in values.items():
+            array = numbers(value, what)
+            if array.shape[-1:] != (self.nv,) or (single and array.ndim > 1):
+                allowed = f"({'' if single else '..., '}{self.nv}{',' if single else ''})"
+                raise InvalidInput(f"{what} has shape {array.shape}; {self!r} takes {allowed}, one number a joint")
+            if joints and array.shape != joints[0].shape:
+                first = next(iter(values))
+                raise InvalidInput(f"{what} has shape {array.shape}; it must be that of {first}, {joints[0].shape}")
+            joints.append(array)
         return joints
 
     def __repr__(self) -> str:
@@ -178,14 +203,17 @@ class PlanarArm:
 
 
 def _chain(dx: Array, dy: Array) -> Array:
-    """Sums of the links from the base on, shape (n + 1, 2)."""
-    points = np.zeros((len(dx) + 1, 2))
-    np.cumsum(dx, out=points[1:, 0])
-    np.cumsum(dy, out=points[1:, 1])
+    """Sums of the links from the base on, shape (..., n + 1, 2)."""
+    points = np.zeros((*dx.shape[:-1], dx.shape[-1] + 1, 2))
+    np.cumsum(dx, axis=-1, out=points[..., 1:, 0])
+    np.cumsum(dy, axis=-1, out=points[..., 1:, 1])
     return points
 
 
-def _turn(points: Array) -> Array:
-    """Columns ``z x (tip - joint)``: how the tip moves when one joint turns, shape (2, n)."""
-    arms = points[-1] - points[:-1]
-    return np.array([-arms[:, 1], arms[:, 0]])
+def _jacobian(points: Array) -> Array:
+    """Columns ``(z x (tip - joint), 1)``: how the pose of the tip moves when one joint turns, shape (..., 3, n)."""
+    arms = points[..., -1:, :] - points[..., :-1, :]
+    J = np.ones((*arms.shape[:-2], 3, arms.shape[-2]))
+    J[..., 0, :] = -arms[..., 1]
+    J[..., 1, :] = arms[..., 0]
+    return J

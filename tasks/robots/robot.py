@@ -57,6 +57,13 @@ class Robot(Protocol):
         Largest joint speed [rad/s].
     acceleration_limit : array, shape (nv,), or None
         Largest joint acceleration [rad/s^2].
+
+    Notes
+    -----
+    A robot may have more, which a record of its motion then tells. All take leading axes:
+
+    ``inverse_dynamics(q, v, a)``
+        Joint torques [N m], shape (..., nv), which accelerations a [rad/s^2] take (Eq. 4.1).
     """
 
     @property
