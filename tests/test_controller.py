@@ -39,6 +39,49 @@ def test_the_answer_is_certified_and_meets_both_tasks():
     np.testing.assert_allclose(step.v.sum(), 3.0 * (1.0 - sum(Q)), atol=1e-8)
 
 
+def test_torques_are_those_of_the_accelerations():
+    controller = Controller(ARM, stack(), order="acceleration", backend="pseudoinverse", torque=True)
+    step = controller(Q, V)
+    np.testing.assert_array_equal(step.tau, ARM.inverse_dynamics(Q, V, step.a))
+    assert "torque=True" in repr(controller)
+    assert Controller(ARM, stack(), order="acceleration", backend="pseudoinverse")(Q, V).tau is None
+
+
+class Bare:
+    """An arm that keeps to the protocol."""
+
+    nq = nv = 3
+    velocity_limit = acceleration_limit = position_limit = None
+    at = staticmethod(ARM.at)
+
+
+@pytest.mark.parametrize(
+    ("robot", "options", "named"),
+    [
+        (ARM, {"torque": True}, "torque = True, but order = 'velocity' gives no accelerations"),
+        (ARM, {"torque": 1, "order": "acceleration"}, "torque = 1 must be True or False"),
+        (Bare(), {"torque": True, "order": "acceleration"}, r"torque = True, but .*Bare.* has no inverse_dynamics"),
+    ],
+)
+def test_refuses_torques_that_cannot_be_told(robot, options, named):
+    with pytest.raises(InvalidInput, match=named):
+        Controller(robot, stack(), **options)
+
+
+def test_the_bounds_of_a_part_are_those_of_the_last_tick():
+    speed, reach = JointVelocityLimit(1.0), PositionTask([0.6, 0.2], gain=2.0)
+    controller = Controller(ARM, JointVelocityLimit(3.0) + speed >> reach, order="acceleration", dt=0.1)
+    step = controller(Q, V)
+    lower, upper = controller.bounds(speed)
+    np.testing.assert_allclose(lower, (-1.0 - np.array(V)) / 0.1)
+    np.testing.assert_allclose(upper, (1.0 - np.array(V)) / 0.1)
+    lower, upper = controller.bounds(reach)
+    np.testing.assert_array_equal(lower, step.solution.hierarchy.levels[1].lower)
+    np.testing.assert_array_equal(lower, upper)
+    with pytest.raises(InvalidInput, match=r"PositionTask.* is not in the stack JointVelocityLimit"):
+        controller.bounds(PositionTask([0.6, 0.2], gain=2.0))
+
+
 def test_a_single_task_is_a_stack():
     assert len(Controller(ARM, PositionTask([0.6, 0.2], gain=2.0), backend="pseudoinverse").stack) == 1
 

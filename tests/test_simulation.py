@@ -7,9 +7,10 @@ import re
 import numpy as np
 import pytest
 
-from hqp import InvalidInput, Status
+from hqp import InvalidInput, Side, Status
 from tasks import (
     Controller,
+    JointAccelerationLimit,
     JointVelocityLimit,
     Line,
     OrientationTask,
@@ -76,9 +77,98 @@ def test_the_record():
         record.q[0, 0] = 1.0
 
 
+@pytest.mark.parametrize("order", ["velocity", "acceleration"])
+def test_the_record_tells_torques_and_manipulability(order):
+    record = simulate(controller(PositionTask([0.6, 0.2], gain=2.0), order=order), Q, duration=0.5)
+    tau = [ARM.inverse_dynamics(q, v, a) for q, v, a in zip(record.q, record.v, record.a, strict=False)]
+    np.testing.assert_allclose(record.tau, tau, atol=1e-12)
+    np.testing.assert_allclose(record.manipulability, [ARM.manipulability(q) for q in record.q], atol=1e-14)
+    assert record.tau.shape == (50, 3)
+    assert record.manipulability.shape == (51,)
+    with pytest.raises(ValueError, match="read-only"):
+        record.tau[0, 0] = 1.0
+
+
+class Bare:
+    """An arm that keeps to the protocol and can do nothing else."""
+
+    nq = nv = 3
+    velocity_limit = acceleration_limit = position_limit = None
+    at = staticmethod(ARM.at)
+
+
+def test_a_robot_need_not_tell_torques_and_manipulability():
+    tick = Controller(Bare(), PositionTask([0.6, 0.2], gain=2.0), dt=0.01, backend="pseudoinverse")
+    record = simulate(tick, Q, duration=0.1)
+    assert len(record) == 10
+    assert record.tau is None
+    assert record.manipulability is None
+
+
+@pytest.mark.parametrize("method", ["inverse_dynamics", "manipulability"])
+def test_a_method_that_takes_no_record_is_refused_before_the_run(method):
+    robot = Bare()
+    setattr(robot, method, lambda *values: np.zeros(7))
+    tick = Controller(robot, PositionTask([0.6, 0.2], gain=2.0), dt=0.01, backend="pseudoinverse")
+    with pytest.raises(InvalidInput, match=rf"{method} of the robot gives shape \(7,\).* must take leading axes"):
+        simulate(tick, Q, duration=0.1)
+
+
+def test_the_degrees_of_every_level():
+    stack = PositionTask([0.6, 0.2], gain=2.0), OrientationTask(0.4, gain=2.0), PostureTask(Q, gain=1.0)
+    record = simulate(controller(*stack), Q, duration=0.5, certify=10)
+    np.testing.assert_allclose(record.checked_t, [0.0, 0.1, 0.2, 0.3, 0.4])
+    np.testing.assert_array_equal(record.ranks, np.tile([2, 1, 0], (5, 1)))
+    np.testing.assert_array_equal(record.degrees.manipulability, record.ranks)
+    np.testing.assert_array_equal(record.degrees.redundancy, np.tile([1, 0, 0], (5, 1)))
+
+
+def test_a_stretched_arm_has_lost_a_direction():
+    record = simulate(controller(PositionTask([1.2, 0.0], gain=1.0), order="velocity"), np.zeros(3), duration=0.01)
+    assert record.ranks.tolist() == [[1]]
+    assert record.degrees.redundancy.tolist() == [[2]]
+    np.testing.assert_allclose(record.manipulability, 0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize("order", ["velocity", "acceleration"])
+def test_the_active_limits_are_those_of_the_solutions(order):
+    limits = [JointVelocityLimit(0.8), JointVelocityLimit(0.6), JointAccelerationLimit(3.0)]
+    tick = Controller(
+        ARM, limits[0] + limits[1] + limits[2] >> PositionTask([0.2, 0.7], gain=3.0), order=order, dt=0.02
+    )
+    sides = []
+
+    def proof(solution):
+        sides.append(solution.levels[0].active.reshape(3, 3))
+        return solution.certify().ok
+
+    record = simulate(tick, Q, duration=2.0, certify=1, proof=proof)
+    assert record.certified_share == 1.0
+    assert list(record.active) == ["velocity", "velocity 2", "acceleration"]
+    for limit, active in enumerate(record.active.values()):
+        assert active.shape == (100, 3)
+        assert active.dtype == np.int8
+        np.testing.assert_array_equal(active, np.array(sides)[:, limit])
+    assert not record.active["velocity"].any()
+    for name in "velocity 2", "acceleration":
+        assert 0.01 < np.mean(record.active[name] != Side.INACTIVE) < 0.99
+    assert {Side.LOWER, Side.UPPER} <= {side for active in record.active.values() for side in active.flat}
+    on = record.active["velocity 2"] == Side.UPPER
+    np.testing.assert_allclose(record.v[1:][on], 0.6, rtol=1e-6)
+
+
+def test_names_in_the_record_are_never_the_same():
+    names = "a", "a", "a 2", "a"
+    stack = [OrientationTask(1.0, gain=1.0, name=name) for name in names]
+    record = simulate(controller(*stack), Q, duration=0.01)
+    assert list(record.errors) == ["a", "a 2", "a 2 2", "a 3"]
+
+
 def test_certification_can_be_switched_off_or_judged_elsewhere():
     tick = controller(PositionTask([0.6, 0.2], gain=2.0))
-    assert np.isnan(simulate(tick, Q, duration=0.1, certify=0).certified_share)
+    unchecked = simulate(tick, Q, duration=0.1, certify=0)
+    assert np.isnan(unchecked.certified_share)
+    assert unchecked.ranks.shape == unchecked.degrees.redundancy.shape == (0, 1)
     assert simulate(tick, Q, duration=0.1, certify=1, proof=lambda solution: False).certified_share == 0.0
 
 
@@ -87,7 +177,7 @@ def test_a_run_that_diverges_stops_and_keeps_what_it_had():
     assert record.stopped is not None
     assert record.diverged_at == pytest.approx(0.2, abs=0.011)
     assert "diverged" in record.stopped.reason
-    assert len(record.t) == len(record.q) == len(record.a) + 1 == len(record.status) + 1
+    assert len(record.t) == len(record.q) == len(record.a) + 1 == len(record.status) + 1 == len(record.tau) + 1
     assert np.isfinite(record.q).all()
     assert np.abs(record.v).max() <= 10.0
     assert record.t[-1] < record.diverged_at
@@ -100,7 +190,7 @@ def test_a_solver_without_an_answer_stops_the_run():
     assert not record.stopped.diverged
     assert "unsupported" in record.stopped.reason
     assert "inequality" in record.stopped.reason
-    assert len(record) == 0
+    assert len(record) == len(record.tau) == len(record.active["velocity"]) == 0
     np.testing.assert_array_equal(record.q, [Q])
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import get_args
 
@@ -10,11 +11,12 @@ from numpy.typing import ArrayLike
 
 import hqp
 from hqp import InvalidInput, Settings, Solution
+from hqp.checks import truth
 
 from .._checks import Array, numbers, positive_scalar, scalar
 from ..part import Order, Part
 from ..robots.robot import Robot, RobotState, as_robot
-from ..stack import Stack
+from ..stack import Stack, count
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -32,6 +34,8 @@ class Step:
         Joint velocities [rad/s], at velocity order.
     a : array, shape (nv,), or None
         Joint accelerations [rad/s^2], at acceleration order.
+    tau : array, shape (nv,), or None
+        Joint torques [N m] that a takes (Eq. 4.1), if the controller was asked for them.
     """
 
     order: Order
@@ -39,6 +43,7 @@ class Step:
     solution: Solution
     v: Array | None = None
     a: Array | None = None
+    tau: Array | None = None
 
     @property
     def ok(self) -> bool:
@@ -61,12 +66,15 @@ class Controller:
     backend : str
         A name from ``hqp.available_backends()``.
     settings : hqp.Settings, optional
+    torque : bool
+        Whether steps tell the joint torques too, at acceleration order, by the robot's ``inverse_dynamics``.
 
     Raises
     ------
     InvalidInput
         At once, if the robot or the stack is none, the order is neither, dt is not positive, the
-        backend is unknown, or a task does not fit the robot.
+        backend is unknown, a task does not fit the robot, or torques are asked for at velocity order or
+        of a robot that cannot tell them.
     """
 
     def __init__(
@@ -78,6 +86,7 @@ class Controller:
         dt: float | None = None,
         backend: str = hqp.DEFAULT_BACKEND,
         settings: Settings | None = None,
+        torque: bool = False,
     ) -> None:
         if order not in get_args(Order):
             raise InvalidInput(f"order = {order!r}; it must be one of {', '.join(map(repr, get_args(Order)))}")
@@ -85,8 +94,17 @@ class Controller:
         self.stack = stack if isinstance(stack, Stack) else Stack(stack)
         self.order: Order = order
         self.dt = None if dt is None else positive_scalar(dt, "dt", unit="s")
+        self._torque = self._inverse_dynamics() if truth(torque, "torque") else None
         self._rows = self.stack.build(robot, order, self.dt)
         self._solver = hqp.Solver(backend, settings)
+
+    def _inverse_dynamics(self) -> Callable[[Array, Array, Array], Array]:
+        if self.order != "acceleration":
+            raise InvalidInput(f"torque = True, but order = {self.order!r} gives no accelerations; it must be False")
+        method: Callable[[Array, Array, Array], Array] | None = getattr(self.robot, "inverse_dynamics", None)
+        if method is None:
+            raise InvalidInput(f"torque = True, but {self.robot!r} has no inverse_dynamics(q, v, a)")
+        return method
 
     @property
     def backend(self) -> str:
@@ -120,12 +138,37 @@ class Controller:
         for what, value, size in ("q", position, self.robot.nq), ("v", velocity, self.robot.nv):
             if value.shape != (size,):
                 raise InvalidInput(f"{what} has shape {value.shape}; the robot takes ({size},), one number a joint")
+        return self.unchecked(position, velocity, time)
+
+    def unchecked(self, q: Array, v: Array, t: float) -> Step:
+        """The motion for this tick, for a loop which knows that q and v are float arrays of the right shape."""
         with np.errstate(all="ignore"):
-            state = self.robot.at(position, velocity)
-        solution = self._solve(state, time)
+            state = self.robot.at(q, v)
+        solution = self._solve(state, t)
         if self.order == "velocity":
             return Step("velocity", state, solution, v=solution.x)
-        return Step("acceleration", state, solution, a=solution.x)
+        tau = None
+        if self._torque is not None:
+            with np.errstate(all="ignore"):
+                tau = self._torque(state.q, state.v, solution.x)
+        return Step("acceleration", state, solution, a=solution.x, tau=tau)
+
+    def bounds(self, part: Part) -> tuple[Array, Array]:
+        """Lower and upper bounds of a part's rows at the last tick (views: the next call refills them).
+
+        Raises
+        ------
+        InvalidInput
+            If the part is not in the stack.
+        """
+        for view, parts in zip(self.hierarchy.levels, self.stack.levels, strict=True):
+            row = 0
+            for other in parts:
+                own = slice(row, row + count(other, self.robot.nv))
+                if other is part:
+                    return view.lower[own], view.upper[own]
+                row = own.stop
+        raise InvalidInput(f"{part!r} is not in the stack {self.stack!r}")
 
     def _solve(self, state: RobotState, time: float) -> Solution:
         if not np.isfinite(time):  # no task is asked, and no bound left that could be met
@@ -137,4 +180,5 @@ class Controller:
 
     def __repr__(self) -> str:
         tick = "" if self.dt is None else f", dt={self.dt:g}"
+        tick += "" if self._torque is None else ", torque=True"
         return f"Controller({self.robot!r}, {self.stack!r}, order={self.order!r}{tick}, backend={self.backend!r})"

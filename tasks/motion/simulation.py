@@ -12,18 +12,17 @@ which is the exact motion under such a command: what a run shows is the controll
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hqp import InvalidInput, Solution, Status
+from hqp import InvalidInput, Solution
 from hqp.checks import of_type, whole_number
 
-from .._checks import Array, finite, finite_scalar, function, positive_scalar
-from ..robots.robot import RobotState
-from ..stack import Stack
+from .._checks import finite, finite_scalar, function, positive_scalar
 from .controller import Controller
+from .log import Log
 from .record import Record, Stop
 
 #: Joint speed [rad/s] beyond which a run counts as diverged: 16 turns a second.
@@ -97,20 +96,18 @@ def simulate(
     progress = None if progress is None else function(progress, "progress")
     report_every = max(ticks // 100, 1)
 
-    log = _Log(controller.stack, ticks, robot.at(q, v))
-    checked = certified = 0
+    log = Log(controller, ticks, robot.at(q, v))
     stopped = None
     for k in range(ticks):
         t = start + k * dt
-        step = controller(q, v, t)
+        step = controller.unchecked(q, v, t)
         log.state(k, t, step.state)
         if not step.ok:
             where = f" ({step.solution.message})" if step.solution.message else ""
             stopped = Stop(t, f"{step.solution.status} at t = {t:g} s{where}", diverged=False)
             break
         if certify and k % certify == 0:
-            checked += 1
-            certified += judge(step.solution)
+            log.check(t, step.solution, judge(step.solution))
 
         if step.a is not None:
             a = step.a
@@ -119,8 +116,9 @@ def simulate(
         else:
             assert step.v is not None
             a = (step.v - v) / dt
-            v = step.v
+            v = step.v.copy()
             q = q + dt * v
+        q.flags.writeable = v.flags.writeable = False  # ours, and kept as they are: a robot need not copy them
         speed = float(np.abs(v).max(initial=0.0))
         if not speed <= cap:  # NaN too
             stopped = Stop(t + dt, f"diverged at t = {t + dt:g} s: a joint turns at {speed:.3g} rad/s", diverged=True)
@@ -130,65 +128,8 @@ def simulate(
             progress((k + 1) / ticks)
     else:
         log.state(ticks, start + ticks * dt, robot.at(q, v))
-    return log.record(checked, certified, stopped)
+    return log.record(stopped)
 
 
 def _certified(solution: Solution) -> bool:
     return solution.certify().ok
-
-
-class _Log:
-    """Preallocated arrays, filled tick by tick and cut to what happened."""
-
-    def __init__(self, stack: Stack, ticks: int, first: RobotState) -> None:
-        nq, nv = len(first.q), len(first.v)
-        self.t = np.empty(ticks + 1)
-        self.q, self.v = np.empty((ticks + 1, nq)), np.empty((ticks + 1, nv))
-        self.a = np.empty((ticks, nv))
-        self.pose = np.empty((ticks + 1, len(first.pose)))
-        self.status: list[Status] = []
-        self.states = 0
-        self.tasks = [
-            (name, error, np.empty((ticks + 1, len(error(first, 0.0))))) for name, error in _named_errors(stack)
-        ]
-
-    def state(self, k: int, t: float, state: RobotState) -> None:
-        self.t[k], self.q[k], self.v[k], self.pose[k] = t, state.q, state.v, state.pose
-        for _, error, values in self.tasks:
-            values[k] = error(state, t)
-        self.states = k + 1
-
-    def tick(self, k: int, a: Array, status: Status) -> None:
-        self.a[k] = a
-        self.status.append(status)
-
-    def record(self, checked: int, certified: int, stopped: Stop | None) -> Record:
-        n = self.states
-        return Record(
-            t=_frozen(self.t[:n]),
-            q=_frozen(self.q[:n]),
-            v=_frozen(self.v[:n]),
-            a=_frozen(self.a[: n - 1]),
-            pose=_frozen(self.pose[:n]),
-            errors={name: _frozen(values[:n]) for name, _, values in self.tasks},
-            status=tuple(self.status[: n - 1]),
-            checked=checked,
-            certified=certified,
-            stopped=stopped,
-        )
-
-
-def _named_errors(stack: Stack) -> Iterator[tuple[str, Callable[[RobotState, float], Array]]]:
-    """The error of every part that has one, under its name; a second of the same name is numbered."""
-    taken: dict[str, int] = {}
-    for part in stack:
-        error = getattr(part, "error", None)
-        if error is not None:
-            taken[part.name] = taken.get(part.name, 0) + 1
-            yield part.name if taken[part.name] == 1 else f"{part.name} {taken[part.name]}", error
-
-
-def _frozen(array: Array) -> Array:
-    own = array.copy()
-    own.flags.writeable = False
-    return own

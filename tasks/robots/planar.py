@@ -13,6 +13,7 @@ not 0. Positive angles turn counter-clockwise; the base frame has its origin in 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +23,7 @@ from hqp.checks import of_type
 
 from .._checks import Array, numbers, per_row, position_range, positive
 from . import planar_dynamics as dynamics
+from .manipulability import manipulability
 
 #: Mass per length of a link that names none [kg/m].
 DENSITY = 1.0
@@ -145,6 +147,13 @@ class PlanarArm:
         Jdot[..., 2, :] = 0.0
         return Jdot
 
+    def manipulability(self, q: ArrayLike) -> Array:
+        """How well the tip can be moved in the plane: ``sqrt(det(J J^T))`` of the rows x and y [m^2], shape (...).
+
+        It is ``l1 l2 |sin q2|`` for two links (Eq. 2.2), and 0 for one: its tip cannot leave a circle.
+        """
+        return manipulability(self.jacobian(q)[..., :2, :])
+
     def mass_matrix(self, q: ArrayLike) -> Array:
         """M(q) of Eq. 4.1 [kg m^2], shape (..., n, n)."""
         return dynamics.mass_matrix(self._H, *self._joints(q=q))
@@ -187,7 +196,7 @@ class PlanarArm:
         """Arrays of one number a joint, all of the shape of the first."""
         joints: list[Array] = []
         for what, value in values.items():
-            array = numbers(value, what)
+            array = value if _is_own(value) else numbers(value, what)
             if array.shape[-1:] != (self.nv,) or (single and array.ndim > 1):
                 allowed = f"({'' if single else '..., '}{self.nv}{',' if single else ''})"
                 raise InvalidInput(f"{what} has shape {array.shape}; {self!r} takes {allowed}, one number a joint")
@@ -200,6 +209,11 @@ class PlanarArm:
     def __repr__(self) -> str:
         label = f", name={self.name!r}" if self.name else ""
         return f"PlanarArm({self.lengths.tolist()}{label})"
+
+
+def _is_own(value: ArrayLike) -> TypeGuard[Array]:
+    """Whether this is what `numbers` makes: a float array of its own which nobody writes to. Tick after tick it is."""
+    return type(value) is np.ndarray and value.dtype == np.float64 and value.flags.owndata and not value.flags.writeable
 
 
 def _chain(dx: Array, dy: Array) -> Array:

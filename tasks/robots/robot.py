@@ -64,6 +64,8 @@ class Robot(Protocol):
 
     ``inverse_dynamics(q, v, a)``
         Joint torques [N m], shape (..., nv), which accelerations a [rad/s^2] take (Eq. 4.1).
+    ``manipulability(q)``
+        How well the tip can be moved, shape (...), in a unit of the robot's own.
     """
 
     @property

@@ -1,0 +1,154 @@
+"""What a closed loop writes down while it runs, and the record that is made of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hqp import InvalidInput, Side, Solution, Status
+
+from .._checks import Array
+from ..limits.limit import JointLimit
+from ..part import Part
+from ..robots.robot import RobotState
+from .controller import Controller
+from .record import Record, Stop
+
+#: How far x may be from a bound and still count as on it, in units of 1 + |x|.
+AT_BOUND = 1e-9
+
+Scalar = TypeVar("Scalar", bound=np.generic)
+
+
+class Log:
+    """Preallocated arrays, filled tick by tick and cut to what happened.
+
+    Parameters
+    ----------
+    controller : Controller
+    ticks : int
+        The most that will come.
+    first : RobotState
+        Where the robot starts.
+
+    Raises
+    ------
+    InvalidInput
+        If an optional method of the robot does not take a whole record at once.
+    """
+
+    def __init__(self, controller: Controller, ticks: int, first: RobotState) -> None:
+        self.order = controller.order
+        nq, nv = len(first.q), len(first.v)
+        self.t = np.empty(ticks + 1)
+        self.q, self.v = np.empty((ticks + 1, nq)), np.empty((ticks + 1, nv))
+        self.a = np.empty((ticks, nv))
+        self.pose = np.empty((ticks + 1, len(first.pose)))
+        self.status: list[Status] = []
+        self.states = 0
+        self.errors = [
+            (name, part.error, np.empty((ticks + 1, len(part.error(first, 0.0)))))  # type: ignore[attr-defined]
+            for name, part in _named(part for part in controller.stack if hasattr(part, "error"))
+        ]
+        self.bounds = [
+            (name, *controller.bounds(part), np.empty((ticks, nv)), np.empty((ticks, nv)))
+            for name, part in _named(part for part in controller.stack if isinstance(part, JointLimit))
+        ]
+        self.checked_t: list[float] = []
+        self.certified = 0
+        self.ranks: list[list[int]] = []
+        q, v = first.q[None], first.v[None]
+        self._torque = _asked_at_once(controller.robot, "inverse_dynamics", (q, v, v), (1, nv))
+        self._manipulability = _asked_at_once(controller.robot, "manipulability", (q,), (1,))
+        self._levels = len(controller.stack)
+
+    def state(self, k: int, t: float, state: RobotState) -> None:
+        """Where tick k began."""
+        self.t[k], self.q[k], self.v[k], self.pose[k] = t, state.q, state.v, state.pose
+        for _, error, values in self.errors:
+            values[k] = error(state, t)
+        self.states = k + 1
+
+    def tick(self, k: int, a: Array, status: Status) -> None:
+        """What tick k did; the bounds are still those that it was given."""
+        self.a[k] = a
+        self.status.append(status)
+        for _, lower, upper, lowers, uppers in self.bounds:
+            lowers[k], uppers[k] = lower, upper
+
+    def check(self, t: float, solution: Solution, passed: bool) -> None:
+        """A tick that was put to the certificate."""
+        self.checked_t.append(t)
+        self.certified += bool(passed)
+        self.ranks.append([level.rank for level in solution.levels])
+
+    def record(self, stopped: Stop | None) -> Record:
+        """All of it, as far as it went."""
+        n = self.states
+        q, v, a = self.q[:n], self.v[:n], self.a[: n - 1]
+        x = a if self.order == "acceleration" else v[1:]
+        with np.errstate(all="ignore"):
+            tau = None if self._torque is None else _frozen(self._torque(q[:-1], v[:-1], a))
+            manipulability = None if self._manipulability is None else _frozen(self._manipulability(q))
+        return Record(
+            t=_frozen(self.t[:n]),
+            q=_frozen(q),
+            v=_frozen(v),
+            a=_frozen(a),
+            tau=tau,
+            pose=_frozen(self.pose[:n]),
+            manipulability=manipulability,
+            errors={name: _frozen(values[:n]) for name, _, values in self.errors},
+            active={
+                name: _frozen(_sides(x, lowers[: n - 1], uppers[: n - 1])) for name, _, _, lowers, uppers in self.bounds
+            },
+            status=tuple(self.status[: n - 1]),
+            checked_t=_frozen(np.array(self.checked_t, dtype=np.float64)),
+            ranks=_frozen(np.array(self.ranks, dtype=np.int64).reshape(-1, self._levels)),
+            certified=self.certified,
+            stopped=stopped,
+        )
+
+
+def _named(parts: Iterable[Part]) -> Iterator[tuple[str, Part]]:
+    """Every part under its name; a second of the same name is numbered."""
+    taken: set[str] = set()
+    for part in parts:
+        name, number = part.name, 1
+        while name in taken:
+            number += 1
+            name = f"{part.name} {number}"
+        taken.add(name)
+        yield name, part
+
+
+def _asked_at_once(
+    robot: object, name: str, example: tuple[Array, ...], shape: tuple[int, ...]
+) -> Callable[..., Array] | None:
+    """The method of that name, if the robot has it. One that takes no leading axis is refused before the run."""
+    method: Callable[..., Array] | None = getattr(robot, name, None)
+    if method is not None and np.shape(method(*example)) != shape:
+        raise InvalidInput(
+            f"{name} of the robot gives shape {np.shape(method(*example))} for arrays of one row;"
+            f" it must take leading axes and give {shape}"
+        )
+    return method
+
+
+def _sides(x: Array, lower: Array, upper: Array) -> NDArray[np.int8]:
+    """The :class:`hqp.Side` of each x; one beyond a bound is on it."""
+    near = AT_BOUND * (1.0 + np.abs(x))
+    at_lower, at_upper = x <= lower + near, x >= upper - near
+    sides = at_upper.astype(np.int8) * np.int8(Side.UPPER)
+    sides[at_lower] = Side.LOWER
+    sides[at_lower & at_upper] = Side.EQUALITY
+    return sides
+
+
+def _frozen(array: NDArray[Scalar]) -> NDArray[Scalar]:
+    own = np.array(array)
+    own.flags.writeable = False
+    return own

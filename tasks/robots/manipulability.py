@@ -1,0 +1,119 @@
+r"""How well a task can be moved from where the joints are: what the singular values of its Jacobian tell.
+
+With the singular values :math:`\sigma_1 \ge \dots \ge \sigma_m` of J, m rows and n columns:
+
+.. math::
+
+    w = \sqrt{\det J J^T} = \sigma_1 \cdots \sigma_m, \qquad
+    \text{degree of manipulability} = \operatorname{rank} J, \qquad
+    \text{degree of redundancy} = n - \operatorname{rank} J
+
+(Yoshikawa's measure; Eq. 3.7 and 3.8). For the tip of two links :math:`w = l_1 l_2 |\sin q_2|` (Eq. 2.2).
+All functions take leading axes: the Jacobians of a whole record, shape (..., m, n).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hqp import InvalidInput
+from hqp.checks import positive_number
+
+from .._checks import Array, finite
+
+#: Singular values up to this share of the largest count as zero.
+RANK_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class VelocityEllipse:
+    """Where joint velocities of norm one take a task: an ellipse, or ellipsoid, filled where n > m.
+
+    Attributes
+    ----------
+    half_axes : array, shape (..., m)
+        Their lengths, the longest first, in the unit of J; 0 across a direction that cannot be moved.
+    directions : array, shape (..., m, m)
+        Orthonormal columns, that of the longest first.
+    """
+
+    half_axes: Array
+    directions: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Degrees:
+    """Of how many directions a task disposes, and how many it leaves.
+
+    Attributes
+    ----------
+    manipulability : array of int
+        Directions of the task that can be moved: rank J (Eq. 3.7).
+    redundancy : array of int
+        Directions of the joints that it leaves to others: n - rank J (Eq. 3.8).
+    """
+
+    manipulability: NDArray[np.int64]
+    redundancy: NDArray[np.int64]
+
+
+def manipulability(J: ArrayLike) -> Array:
+    """Yoshikawa's measure ``sqrt(det(J J^T))``, shape (...), in the unit of J to the power of m.
+
+    It is 0 where J has more rows than columns: some direction cannot be moved.
+
+    Raises
+    ------
+    InvalidInput
+        If J is not finite or has not two axes at least.
+    """
+    J = _jacobians(J)
+    if J.shape[-2] > J.shape[-1]:
+        return np.zeros(J.shape[:-2])
+    return np.asarray(np.prod(np.linalg.svd(J, compute_uv=False), axis=-1))
+
+
+def velocity_ellipse(J: ArrayLike) -> VelocityEllipse:
+    """The image of the joint velocities of norm one (section 1.3.5).
+
+    Raises
+    ------
+    InvalidInput
+        If J is not finite or has not two axes at least.
+    """
+    J = _jacobians(J)
+    directions, values, _ = np.linalg.svd(J)
+    half_axes = np.zeros(J.shape[:-1])
+    half_axes[..., : values.shape[-1]] = values
+    return VelocityEllipse(half_axes, directions)
+
+
+def task_degrees(J: ArrayLike, tolerance: float = RANK_TOLERANCE) -> Degrees:
+    """Degrees of manipulability and of redundancy, arrays of shape (...), of a task with Jacobian J.
+
+    Parameters
+    ----------
+    J : array, shape (..., m, n)
+    tolerance : float
+        Singular values up to this share of the largest count as zero; between 0 and 1.
+
+    Raises
+    ------
+    InvalidInput
+        If J is not finite or has not two axes at least, or the tolerance is out of range.
+    """
+    J = _jacobians(J)
+    share = positive_number(tolerance, "tolerance", below=1.0)
+    values = np.linalg.svd(J, compute_uv=False)
+    rank = np.asarray(np.sum(values > share * values[..., :1], axis=-1))
+    return Degrees(rank, J.shape[-1] - rank)
+
+
+def _jacobians(J: ArrayLike) -> Array:
+    given = finite(J, "J")
+    if given.ndim < 2:
+        raise InvalidInput(f"J has shape {given.shape}; it must be (..., rows of the task, joints)")
+    return given

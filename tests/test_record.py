@@ -1,0 +1,192 @@
+"""A record on disk: it comes back to the last bit, appears whole or not at all, and nothing else is taken for one."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+import zipfile
+
+import numpy as np
+import pytest
+
+from hqp import InvalidInput, Status
+from tasks import (
+    Controller,
+    JointAccelerationLimit,
+    JointVelocityLimit,
+    OrientationTask,
+    PlanarArm,
+    PositionTask,
+    Record,
+    Stop,
+    simulate,
+)
+
+ARM = PlanarArm([0.5, 0.4, 0.3])
+Q = np.array([0.3, 0.5, -0.4])
+
+
+def run(**options):
+    stack = (
+        JointVelocityLimit(0.8) + JointAccelerationLimit(3.0)
+        >> PositionTask([0.2, 0.7], gain=3.0, name="hand / \u03c6 \x00")
+        >> OrientationTask(1.0, gain=1.0)
+        >> OrientationTask(0.0, gain=1.0)
+    )
+    return simulate(Controller(ARM, stack, order="acceleration", dt=0.02), Q, duration=0.4, certify=5, **options)
+
+
+@pytest.fixture(scope="module")
+def record():
+    return run()
+
+
+def changed(record, **fields):
+    return dataclasses.replace(record, **fields)
+
+
+def assert_same(one, other):
+    for field in dataclasses.fields(Record):
+        mine, theirs = getattr(one, field.name), getattr(other, field.name)
+        assert type(mine) is type(theirs), field.name
+        if isinstance(mine, dict):
+            assert list(mine) == list(theirs)
+            pairs = list(zip(mine.values(), theirs.values(), strict=True))
+        elif isinstance(mine, np.ndarray):
+            pairs = [(mine, theirs)]
+        else:
+            assert mine == theirs
+            continue
+        for a, b in pairs:
+            assert (a.dtype, a.shape, a.tobytes()) == (b.dtype, b.shape, b.tobytes()), field.name
+            assert not b.flags.writeable
+
+
+def test_a_record_comes_back_to_the_last_bit(record, tmp_path):
+    record.save(tmp_path / "run.npz")
+    assert_same(record, Record.load(str(tmp_path / "run.npz")))
+    assert [path.name for path in tmp_path.iterdir()] == ["run.npz"]
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"tau": None, "manipulability": None},
+        {"errors": {}, "active": {}},
+        {"stopped": Stop(0.1 + 0.2, "diverged at t = 0.3 s: \u03b1", diverged=True)},
+        {"stopped": Stop(0.4, "failed", diverged=False)},
+        {"status": (Status.FAILED, *[Status.OPTIMAL] * 18, Status.FAILED)},
+        {"status": ()},
+        {"checked_t": np.zeros(0), "ranks": np.zeros((0, 4), dtype=np.int64)},
+        {"t": np.array([np.nan, -0.0, np.inf, 5e-324])},
+    ],
+    ids=lambda fields: "+".join(fields),
+)
+def test_all_that_a_record_can_be_comes_back(record, fields, tmp_path):
+    other = changed(record, **fields)
+    other.save(tmp_path / "run.npz")
+    assert_same(other, Record.load(tmp_path / "run.npz"))
+
+
+def test_a_run_that_was_stopped_before_it_began_comes_back(tmp_path):
+    tick = Controller(ARM, JointVelocityLimit(1.0), dt=0.01, backend="pseudoinverse")
+    record = simulate(tick, Q, duration=0.1)
+    assert (len(record), record.stopped.diverged) == (0, False)
+    record.save(tmp_path / "run.npz")
+    assert_same(record, Record.load(tmp_path / "run.npz"))
+
+
+def test_numpy_can_read_it(record, tmp_path):
+    record.save(tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz", allow_pickle=False) as archive:
+        np.testing.assert_array_equal(archive["q"], record.q)
+
+
+def test_saving_again_takes_the_place_of_the_old(record, tmp_path):
+    record.save(tmp_path / "run.npz")
+    changed(record, certified=0).save(tmp_path / "run.npz")
+    assert Record.load(tmp_path / "run.npz").certified == 0
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_save_that_fails_leaves_the_old_file_alone(record, tmp_path):
+    record.save(tmp_path / "run.npz")
+    with pytest.raises(InvalidInput, match=r"cannot write '.*run\.npz'"):
+        changed(record, q=np.array([object()])).save(tmp_path / "run.npz")
+    assert_same(record, Record.load(tmp_path / "run.npz"))
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+@pytest.mark.parametrize("place", ["missing/run.npz", "file/run.npz", "folder", "run\x00.npz"])
+def test_refuses_places_that_cannot_be_written(record, tmp_path, place):
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InvalidInput, match="cannot write"):
+        record.save(tmp_path / place)
+    assert {path.name for path in tmp_path.iterdir()} == {"folder", "file"}
+
+
+@pytest.mark.parametrize("path", [None, 3, "", ".", "/"])
+def test_refuses_what_is_no_name_of_a_file(record, path):
+    with pytest.raises(InvalidInput, match=r"path = .*must be the name of a file"):
+        record.save(path)
+    with pytest.raises(InvalidInput, match=r"path = .*must be the name of a file"):
+        Record.load(path)
+
+
+def test_refuses_a_file_that_is_missing(tmp_path):
+    with pytest.raises(InvalidInput, match=r"cannot read '.*run\.npz': No such file"):
+        Record.load(tmp_path / "run.npz")
+
+
+@pytest.mark.parametrize("share", [0.0, 0.1, 0.5, 0.9, 0.999])
+def test_refuses_a_file_that_is_cut_off(record, tmp_path, share):
+    path = tmp_path / "run.npz"
+    record.save(path)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(InvalidInput, match=re.escape(f"{str(path)!r} is no record, or damaged")):
+        Record.load(path)
+
+
+def test_refuses_a_file_with_a_wrong_bit(record, tmp_path):
+    path = tmp_path / "run.npz"
+    record.save(path)
+    data = bytearray(path.read_bytes())
+    data[data.index(record.q.tobytes()) + 7] ^= 1
+    path.write_bytes(data)
+    with pytest.raises(InvalidInput, match="is no record, or damaged"):
+        Record.load(path)
+
+
+@pytest.mark.parametrize(
+    "members",
+    [
+        {"q": np.zeros(3)},
+        {"head": np.zeros(3)},
+        {"head": np.array("{}")},
+        {"head": np.array({}, dtype=object)},
+    ],
+    ids=["an array", "a head of numbers", "an empty head", "a pickle"],
+)
+def test_refuses_files_of_other_things(members, tmp_path):
+    np.savez(tmp_path / "other.npz", **members)
+    with pytest.raises(InvalidInput, match="is no record, or damaged"):
+        Record.load(tmp_path / "other.npz")
+
+
+def test_refuses_records_of_another_format(tmp_path):
+    np.savez(tmp_path / "old.npz", head=np.array(json.dumps({"format": "hqp record 0"})))
+    with pytest.raises(InvalidInput, match=r"is a 'hqp record 0'; it must be a 'hqp record 1'"):
+        Record.load(tmp_path / "old.npz")
+
+
+def test_refuses_a_record_that_lacks_something(record, tmp_path):
+    record.save(tmp_path / "run.npz")
+    with zipfile.ZipFile(tmp_path / "run.npz") as archive, zipfile.ZipFile(tmp_path / "less.npz", "w") as less:
+        for name in archive.namelist():
+            if name != "q.npy":
+                less.writestr(name, archive.read(name))
+    with pytest.raises(InvalidInput, match="is no record, or damaged"):
+        Record.load(tmp_path / "less.npz")
