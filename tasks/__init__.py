@@ -15,9 +15,12 @@ from .joint_motion import JointMotion
 from .limits.acceleration import JointAccelerationLimit
 from .limits.velocity import JointVelocityLimit
 from .motion.controller import Controller, Step
+from .motion.paths import Chain, Circle, Line, Polygon
+from .motion.polynomial import Polynomial
 from .motion.record import Record, Stop
 from .motion.simulation import simulate
-from .motion.trajectories import Fixed, Line, Trajectory, cubic
+from .motion.timing import cubic, cycloid, harmonic, quintic
+from .motion.trajectories import Fixed, Trajectory
 from .orientation import OrientationTask
 from .part import Order, Part, Tick
 from .position import PositionTask
@@ -28,6 +31,8 @@ from .stack import Stack
 from .task import TargetTask, Task
 
 __all__ = [
+    "Chain",
+    "Circle",
     "Controller",
     "Fixed",
     "JointAccelerationLimit",
@@ -39,6 +44,8 @@ __all__ = [
     "Part",
     "PlanarArm",
     "PlanarState",
+    "Polygon",
+    "Polynomial",
     "PositionTask",
     "PostureTask",
     "Record",
@@ -52,5 +59,8 @@ __all__ = [
     "Tick",
     "Trajectory",
     "cubic",
+    "cycloid",
+    "harmonic",
+    "quintic",
     "simulate",
 ]

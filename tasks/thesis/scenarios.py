@@ -25,7 +25,7 @@ import numpy as np
 
 from hqp import InvalidInput
 
-from ..motion.trajectories import Line
+from ..motion.paths import Line
 from ..robots.planar import PlanarArm
 
 MINUTE = 60.0
