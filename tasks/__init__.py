@@ -25,6 +25,7 @@ from .orientation import OrientationTask
 from .part import Order, Part, Tick
 from .position import PositionTask
 from .posture import PostureTask
+from .robots.manipulability import Degrees, VelocityEllipse, manipulability, task_degrees, velocity_ellipse
 from .robots.planar import PlanarArm, PlanarState
 from .robots.robot import Robot, RobotState
 from .stack import Stack
@@ -34,6 +35,7 @@ __all__ = [
     "Chain",
     "Circle",
     "Controller",
+    "Degrees",
     "Fixed",
     "JointAccelerationLimit",
     "JointMotion",
@@ -58,9 +60,13 @@ __all__ = [
     "Task",
     "Tick",
     "Trajectory",
+    "VelocityEllipse",
     "cubic",
     "cycloid",
     "harmonic",
+    "manipulability",
     "quintic",
     "simulate",
+    "task_degrees",
+    "velocity_ellipse",
 ]
