@@ -97,6 +97,21 @@ class Bare:
     at = staticmethod(ARM.at)
 
 
+class Careless(Bare):
+    """A robot that looks at the joints which it knows, however many it is given."""
+
+    @staticmethod
+    def at(q, v):
+        return ARM.at(q[:3], v[:3])
+
+
+@pytest.mark.parametrize(("q0", "v0", "named"), [(np.zeros(4), None, "q"), (Q, np.zeros(4), "v")])
+def test_refuses_a_start_of_the_wrong_length_whatever_the_robot_says(q0, v0, named):
+    tick = Controller(Careless(), PositionTask([0.6, 0.2], gain=2.0), dt=0.01, backend="pseudoinverse")
+    with pytest.raises(InvalidInput, match=rf"{named} has shape \(4,\); the robot takes \(3,\)"):
+        simulate(tick, q0, v0, duration=0.1)
+
+
 def test_a_robot_need_not_tell_torques_and_manipulability():
     tick = Controller(Bare(), PositionTask([0.6, 0.2], gain=2.0), dt=0.01, backend="pseudoinverse")
     record = simulate(tick, Q, duration=0.1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from math import isfinite
 from typing import get_args
 
 import numpy as np
@@ -15,7 +16,7 @@ from hqp.checks import truth
 
 from .._checks import Array, numbers, positive_scalar, scalar
 from ..part import Order, Part
-from ..robots.robot import Robot, RobotState, as_robot
+from ..robots.robot import Robot, RobotState, as_robot, check_joints
 from ..stack import Stack, count
 
 
@@ -135,23 +136,18 @@ class Controller:
             status of the solution is INVALID.
         """
         position, velocity, time = numbers(q, "q"), numbers(v, "v"), scalar(t, "t")
-        for what, value, size in ("q", position, self.robot.nq), ("v", velocity, self.robot.nv):
-            if value.shape != (size,):
-                raise InvalidInput(f"{what} has shape {value.shape}; the robot takes ({size},), one number a joint")
+        check_joints(self.robot, position, velocity)
         return self.unchecked(position, velocity, time)
 
     def unchecked(self, q: Array, v: Array, t: float) -> Step:
         """The motion for this tick, for a loop which knows that q and v are float arrays of the right shape."""
         with np.errstate(all="ignore"):
             state = self.robot.at(q, v)
-        solution = self._solve(state, t)
-        if self.order == "velocity":
-            return Step("velocity", state, solution, v=solution.x)
-        tau = None
-        if self._torque is not None:
-            with np.errstate(all="ignore"):
-                tau = self._torque(state.q, state.v, solution.x)
-        return Step("acceleration", state, solution, a=solution.x, tau=tau)
+            solution = self._solve(state, t)
+            if self.order == "velocity":
+                return Step("velocity", state, solution, v=solution.x)
+            tau = None if self._torque is None else self._torque(state.q, state.v, solution.x)
+            return Step("acceleration", state, solution, a=solution.x, tau=tau)
 
     def bounds(self, part: Part) -> tuple[Array, Array]:
         """Lower and upper bounds of a part's rows at the last tick (views: the next call refills them).
@@ -171,12 +167,11 @@ class Controller:
         raise InvalidInput(f"{part!r} is not in the stack {self.stack!r}")
 
     def _solve(self, state: RobotState, time: float) -> Solution:
-        if not np.isfinite(time):  # no task is asked, and no bound left that could be met
-            self.hierarchy.lower.fill(np.nan)
-            return replace(self._solver.solve(self.hierarchy), message=f"t = {time} s must be finite")
-        with np.errstate(all="ignore"):
+        if isfinite(time):
             self._rows.fill(state, time)
-        return self._solver.solve(self.hierarchy)
+            return self._solver.solve(self.hierarchy)
+        self.hierarchy.lower.fill(np.nan)  # no task is asked, and no bound left that could be met
+        return replace(self._solver.solve(self.hierarchy), message=f"t = {time} s must be finite")
 
     def __repr__(self) -> str:
         tick = "" if self.dt is None else f", dt={self.dt:g}"

@@ -21,6 +21,7 @@ from hqp import InvalidInput, Solution
 from hqp.checks import of_type, whole_number
 
 from .._checks import finite, finite_scalar, function, positive_scalar
+from ..robots.robot import check_joints
 from .controller import Controller
 from .log import Log
 from .record import Record, Stop
@@ -92,6 +93,7 @@ def simulate(
     robot = controller.robot
     q = finite(q0, "q0")
     v = np.zeros(robot.nv) if v0 is None else finite(v0, "v0")
+    check_joints(robot, q, v)
     judge = _certified if proof is None else function(proof, "proof")
     progress = None if progress is None else function(progress, "progress")
     report_every = max(ticks // 100, 1)

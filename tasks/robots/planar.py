@@ -184,12 +184,12 @@ class PlanarArm:
         J = _jacobian(points)
         # Jdot v: every link pulls its end towards its beginning at length * rate^2.
         drift = np.zeros(3)
-        drift[:2] = -(np.cumsum(v) ** 2) @ np.diff(points, axis=0)
+        drift[:2] = -(v.cumsum() ** 2) @ (points[1:] - points[:-1])
         return PlanarState(q, v, points, pose, J, J @ v, drift)
 
     def _points(self, q: Array) -> tuple[Array, Array]:
         """Angles of the links against the x axis, shape (..., n), and the points between them."""
-        angles = np.cumsum(q, axis=-1)
+        angles = q.cumsum(axis=-1)
         return angles, _chain(self.lengths * np.cos(angles), self.lengths * np.sin(angles))
 
     def _joints(self, *, single: bool = False, **values: ArrayLike) -> list[Array]:
@@ -219,8 +219,8 @@ def _is_own(value: ArrayLike) -> TypeGuard[Array]:
 def _chain(dx: Array, dy: Array) -> Array:
     """Sums of the links from the base on, shape (..., n + 1, 2)."""
     points = np.zeros((*dx.shape[:-1], dx.shape[-1] + 1, 2))
-    np.cumsum(dx, axis=-1, out=points[..., 1:, 0])
-    np.cumsum(dy, axis=-1, out=points[..., 1:, 1])
+    dx.cumsum(axis=-1, out=points[..., 1:, 0])
+    dy.cumsum(axis=-1, out=points[..., 1:, 1])
     return points
 
 

@@ -97,3 +97,15 @@ def as_robot(value: Robot) -> Robot:
     for size in "nq", "nv":
         whole_number(getattr(value, size), f"{size} of the robot", least=1)
     return value
+
+
+def check_joints(robot: Robot, q: Array, v: Array) -> None:
+    """Refuse joint positions q and velocities v of another length than the robot's.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    for what, value, size in ("q", q, robot.nq), ("v", v, robot.nv):
+        if value.shape != (size,):
+            raise InvalidInput(f"{what} has shape {value.shape}; the robot takes ({size},), one number a joint")
