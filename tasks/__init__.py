@@ -11,6 +11,7 @@
 
 from __future__ import annotations
 
+from .damping import Damping
 from .joint_motion import JointMotion
 from .limits.acceleration import JointAccelerationLimit
 from .limits.velocity import JointVelocityLimit
@@ -35,6 +36,7 @@ __all__ = [
     "Chain",
     "Circle",
     "Controller",
+    "Damping",
     "Degrees",
     "Fixed",
     "JointAccelerationLimit",

@@ -23,23 +23,62 @@ def short_figures(monkeypatch):
 
 def test_thesis_end_to_end(short_figures, tmp_path, capsys):
     out = tmp_path / "new" / "folder"
-    assert cli.run(["thesis", "--figure", "4.7", "-f", "4.6", "-f", "4.8", "--out", str(out)]) == 0
+    command = [
+        "thesis",
+        "--figure",
+        "4.7",
+        "-f",
+        "4.6",
+        "-f",
+        "4.8",
+        "-f",
+        "workspace",
+        "--jobs",
+        "1",
+        "--out",
+        str(out),
+    ]
+    assert cli.run(command) == 0
     assert sorted(path.name for path in out.iterdir()) == [
         "claims.csv",
         "claims.md",
         "figure-4.6.png",
         "figure-4.7.png",
         "figure-4.8.png",
+        "runs",
+        "workspace.png",
     ]
     rows = (out / "claims.csv").read_text().splitlines()
-    assert len(rows) == 1 + 5 + 3 + 3
+    assert len(rows) == 1 + 6 + 3 + 3
     printed = capsys.readouterr().out
-    assert all(backend in printed for backend in ("pseudoinverse:joint", hqp.DEFAULT_BACKEND))
-    assert str(out) in printed
+    assert "both tasks met with maximum accuracy" in printed
+    assert f"9 runs simulated and 4 pictures drawn, all else was there; see {out}" in printed
+
+
+def test_one_law_one_format(short_figures, tmp_path):
+    command = [
+        "thesis",
+        "-f",
+        "4.7",
+        "--law",
+        "damped",
+        "-l",
+        "strict",
+        "--format",
+        "svg",
+        "-j",
+        "1",
+        "-o",
+        str(tmp_path),
+    ]
+    assert cli.run(command) == 0
+    assert (tmp_path / "figure-4.7.svg").exists()
+    laws = {line.split(",")[1] for line in (tmp_path / "claims.csv").read_text().splitlines()[1:]}
+    assert laws == {"strict stack", '"strict'}
 
 
 def test_laws_that_a_backend_cannot_show_are_left_out_aloud(short_figures, tmp_path, capsys):
-    assert cli.run(["thesis", "-f", "4.7", "--backend", "pseudoinverse", "--out", str(tmp_path)]) == 0
+    assert cli.run(["thesis", "-f", "4.7", "--backend", "pseudoinverse", "-j", "1", "--out", str(tmp_path)]) == 0
     reason = "joint limits: left out, pseudoinverse takes no inequalities"
     assert reason in capsys.readouterr().out
     assert reason in (tmp_path / "claims.md").read_text()
@@ -49,7 +88,9 @@ def test_laws_that_a_backend_cannot_show_are_left_out_aloud(short_figures, tmp_p
     ("arguments", "named"),
     [
         (["thesis", "--figure", "4.99"], "figure '4.99' is unknown; available: 4.2"),
-        (["thesis", "--figure", "4.10"], "not available yet"),
+        (["thesis", "--law", "magic"], "law 'magic' is unknown; available: thesis, strict, limits, damped"),
+        (["thesis", "--format", "bmp"], "format 'bmp' is unknown; available: png, pdf, svg"),
+        (["thesis", "--jobs", "0"], "processes = 0"),
         (["thesis", "--backend", "magic"], "unknown backend 'magic'; installed here: pseudoinverse"),
         (["thesis", "--out", "/dev/null/here"], "cannot write to the folder '/dev/null/here'"),
         (["thesis", "--out", ""], "'--out' / '-o': it is empty; the current folder is '.'"),
@@ -73,13 +114,13 @@ def test_a_file_that_cannot_be_written_is_refused_before_anything_is_simulated(n
 
     monkeypatch.setattr(report, "run", None)
     (tmp_path / name).mkdir()
-    assert cli.run(["thesis", "-f", "4.7", "--out", str(tmp_path)]) == 2
+    assert cli.run(["thesis", "-f", "4.7", "-j", "1", "--out", str(tmp_path)]) == 2
     assert capsys.readouterr().err == f"hqp: cannot write {str(tmp_path / name)!r}: Is a directory\n"
 
 
 def test_a_file_that_is_there_is_overwritten(short_figures, tmp_path):
     (tmp_path / "claims.csv").write_text("old")
-    assert cli.run(["thesis", "-f", "4.6", "--out", str(tmp_path)]) == 0
+    assert cli.run(["thesis", "-f", "4.6", "-j", "1", "--out", str(tmp_path)]) == 0
     assert (tmp_path / "claims.csv").read_text().startswith("figure,")
 
 
@@ -107,7 +148,7 @@ def test_a_reader_who_leaves_is_no_error(arguments):
 def test_an_interruption_is_exit_code_130(monkeypatch, tmp_path, capsys):
     from tasks.thesis import report
 
-    def interrupted(*_):
+    def interrupted(*_, **__):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(report, "report", interrupted)

@@ -14,21 +14,34 @@ def thesis(
     figure: Annotated[
         list[str] | None,
         typer.Option(
-            "--figure", "-f", help="A figure of chapter 4, such as 4.7; may be given several times.", metavar="N"
+            "--figure",
+            "-f",
+            help="4.2 to 4.37, argument, priorities or workspace; may be given several times.",
+            metavar="N",
         ),
     ] = None,
     backend: Annotated[
         str | None, typer.Option("--backend", "-b", help="The solver; see 'hqp backends'.", metavar="NAME")
     ] = None,
+    law: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--law", "-l", help="thesis, strict, limits or damped; may be given several times.", metavar="NAME"
+        ),
+    ] = None,
     out: Annotated[
         Path, typer.Option("--out", "-o", help="Folder for figures and tables.", metavar="DIR", parser=path)
     ] = Path("out/thesis"),
+    form: Annotated[str, typer.Option("--format", help="Of the pictures: png, pdf or svg.", metavar="F")] = "png",
+    animate: Annotated[bool, typer.Option("--animate", help="Write each figure as a GIF, too.")] = False,
+    jobs: Annotated[int, typer.Option("--jobs", "-j", help="Processes; -1 for one a core.")] = -1,
 ) -> None:
-    """Simulate figures of the thesis, draw them, and check what its text says of them.
+    """Simulate the figures of the thesis, draw them, and hold what its text says against what is found.
 
-    Without --figure: figures 4.6 to 4.9. Every figure, and its rows of claims.md and claims.csv, is on
-    disk as soon as it is finished.
+    Without --figure: all of them. What is finished is kept: after an interruption the same command goes
+    on where it was.
     """
-    from ..thesis.report import DEFAULT_FIGURES, report
+    from ..thesis.laws import NAMES
+    from ..thesis.report import report
 
-    report(figure or DEFAULT_FIGURES, backend, out)
+    report(figure or [], backend, out, laws=law or NAMES, form=form, animated=animate, processes=jobs)

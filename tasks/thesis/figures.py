@@ -1,15 +1,17 @@
-"""One picture a figure: the arm along its path, the orientation and the joint speeds, law by law."""
+"""One picture a figure, a column a law: the arm along its path, and what it takes to get there."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._checks import Array
 from ..motion.record import Record
-from .claims import TIP_FROM, measure
+from ..robots.manipulability import velocity_ellipse
+from .findings import TIP_FROM, Finding, measure
 from .runs import Job, phi_error
 from .scenarios import MINUTE, Scenario
 
@@ -17,10 +19,24 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-POSES = 16
-DESIRED, ACTUAL, ARM, MUTED = "#d62728", "#1f5fbf", "#2b2f36", "#6b7280"
+POSES, ELLIPSES = 16, 6
+#: Length at which an ellipse shows a velocity ratio of 1 [m per m/rad].
+ELLIPSE_SCALE = 0.12
+DESIRED, ACTUAL, ARM, MUTED, ELLIPSE = "#d62728", "#1f5fbf", "#2b2f36", "#6b7280", "#e69f00"
 #: Of the joints, distinguishable in every kind of colour vision (Okabe and Ito).
 JOINTS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00")
+#: Of a joint at a velocity limit, at an acceleration limit, at both.
+AT_LIMIT = ("#ffffff", "#d55e00", "#56b4e9", "#2b2f36")
+
+#: The panels of a column: height, and what the left edge says.
+PANELS = {
+    "arm": (2.5, "y [m]"),
+    "phi": (0.9, "φ error [deg]"),
+    "speed": (0.9, "speed [rad/min]"),
+    "torque": (0.9, "torque [N m]"),
+    "manipulability": (0.6, "W [m²]"),
+    "limits": (0.4, "at a limit"),
+}
 
 
 def draw(scenario: Scenario, runs: Mapping[Job, Record]) -> Figure:
@@ -30,7 +46,7 @@ def draw(scenario: Scenario, runs: Mapping[Job, Record]) -> Figure:
     ----------
     scenario : Scenario
     runs : mapping of Job to Record
-        One run a law.
+        One run a law, at least one.
 
     Returns
     -------
@@ -40,53 +56,77 @@ def draw(scenario: Scenario, runs: Mapping[Job, Record]) -> Figure:
     from matplotlib.figure import Figure
 
     columns = len(runs)
-    figure = Figure(figsize=(1.2 + 4.4 * columns, 9.6), layout="constrained")
-    axes = figure.subplots(3, columns, squeeze=False, height_ratios=[2.2, 1.0, 1.0])
+    width = 1.1 + 3.9 * columns
+    figure = Figure(figsize=(width, 13.0))
+    heights = [height for height, _ in PANELS.values()]
+    axes = figure.subplots(len(PANELS), columns, squeeze=False, height_ratios=heights)
+    figure.subplots_adjust(left=0.85 / width, right=1 - 0.15 / width, top=0.915, bottom=0.06, wspace=0.06, hspace=0.16)
     for row in axes:
         for other in row[1:]:
             other.sharey(row[0])
             other.tick_params(labelleft=False)
     for column, (job, record) in zip(axes.T, runs.items(), strict=True):
-        _arm(column[0], scenario, record)
-        column[0].set_title(f"{job.law.title}\n", fontsize=12, fontweight="bold")
-        column[0].text(
-            0.5, 1.02, _summary(job, record), transform=column[0].transAxes, ha="center", color=MUTED, fontsize=9
-        )
-        _orientation(column[1], scenario, record)
-        _speeds(column[2], scenario, record, limited=job.law.inequalities)
-        for axis in column[1:]:
-            _time(axis, scenario, record)
-        column[2].set_xlabel("time [min]")
-    _common_view(axes[0], scenario, runs)
-    _labels(axes, scenario, runs)
+        panels = dict(zip(PANELS, column, strict=True))
+        _title(panels["arm"], job, record)
+        draw_arm(panels["arm"], scenario, record)
+        draw_ellipses(panels["arm"], scenario, record)
+        draw_phi(panels["phi"], scenario, record)
+        draw_joints(panels["speed"], record.t, record.v * MINUTE)
+        assert record.tau is not None  # a planar arm knows its torques and
+        assert record.manipulability is not None  # its manipulability
+        draw_joints(panels["torque"], record.t[:-1], record.tau)
+        panels["manipulability"].plot(record.t / MINUTE, record.manipulability, color=ACTUAL)
+        _at_limits(panels["limits"], scenario, record)
+        if job.law.inequalities:
+            for side in -1, 1:
+                panels["speed"].axhline(side * scenario.velocity_limit * MINUTE, color=MUTED, ls="--", lw=1.0)
+        for name, panel in panels.items():
+            if name != "arm":
+                draw_time(panel, scenario, record, last=name == "limits")
+    common_view(axes[0], scenario, runs.values())
+    _edges(dict(zip(PANELS, axes, strict=True)), scenario, runs)
+    figure.align_ylabels(axes[:, 0])
+    figure.text(0.5, 0.993, scenario.title, ha="center", va="top", fontsize=14, fontweight="bold")
     backends = ", ".join(dict.fromkeys(job.backend for job in runs))
-    figure.suptitle(scenario.title, fontsize=14, fontweight="bold")
-    figure.supxlabel(f"The text: {scenario.claim}.   Solved by {backends}.", fontsize=9, color=MUTED)
+    foot = f"The text: {scenario.claim.says}.   Solved by {backends}."
+    figure.text(0.5, 0.008, foot, ha="center", fontsize=9, color=MUTED)
     return figure
 
 
-def _arm(axis: Axes, scenario: Scenario, record: Record) -> None:
+def draw_arm(axis: Axes, scenario: Scenario, record: Record, poses: int = POSES) -> None:
     """The arm at equal times, the later the darker, with both paths."""
-    arm = scenario.arm
-    for tone, q in zip(np.linspace(0.12, 1.0, POSES), _snapshots(scenario, record), strict=False):
-        points = arm.points(q)
+    for tone, q in zip(np.linspace(0.12, 1.0, poses), snapshots(scenario, record, poses), strict=False):
+        points = scenario.arm.points(q)
         axis.plot(*points.T, color=ARM, alpha=tone, lw=1.8, solid_capstyle="round", zorder=2)
         axis.plot(*points[:-1].T, "o", color=ARM, alpha=tone, ms=3.2, mec="white", mew=0.5, zorder=2.1)
-    desired = np.array([scenario.start, scenario.end])
+    desired = desired_path(scenario)
     axis.plot(*desired.T, color=DESIRED, lw=5.0, alpha=0.55, solid_capstyle="round", label="desired path", zorder=3)
     axis.plot(record.pose[:, 0], record.pose[:, 1], color=ACTUAL, lw=1.6, label="actual path", zorder=4)
     axis.plot(0, 0, "s", color=ARM, ms=8, zorder=5)
     axis.set_aspect("equal")
     axis.grid(alpha=0.15)
-    axis.set_xlabel("x [m]")
+    axis.text(0.985, 0.015, "x [m]", transform=axis.transAxes, ha="right", fontsize=9)
     if record.stopped:
-        axis.annotate(
-            _end(record), (0.5, 0.03), xycoords="axes fraction", ha="center", color=DESIRED, fontsize=9, zorder=6
-        )
+        verb = "diverges" if record.stopped.diverged else "stops"
+        text = f"{verb} at {record.stopped.t / MINUTE:.3f} min"
+        axis.annotate(text, (0.5, 0.03), xycoords="axes fraction", ha="center", color=DESIRED, fontsize=9, zorder=6)
 
 
-def _orientation(axis: Axes, scenario: Scenario, record: Record) -> None:
-    """Error of phi, linear within the degree that counts as met; phi itself where none is desired."""
+def draw_ellipses(axis: Axes, scenario: Scenario, record: Record) -> None:
+    """The velocity-ratio ellipses of the tip (section 1.3.5): where joint velocities of norm one can take it."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 49)
+    circle = np.array([np.cos(turn), np.sin(turn)])
+    label = "velocity ratio"
+    for q in snapshots(scenario, record, ELLIPSES):
+        ellipse = velocity_ellipse(scenario.arm.jacobian(q)[:2])
+        outline = ellipse.directions @ (ellipse.half_axes[:, None] * circle)
+        outline = scenario.arm.points(q)[-1, :, None] + ELLIPSE_SCALE * outline
+        axis.plot(*outline, color=ELLIPSE, lw=1.1, alpha=0.9, zorder=4.5, label=label)
+        label = "_"
+
+
+def draw_phi(axis: Axes, scenario: Scenario, record: Record) -> None:
+    """Error of phi, linear within the degree that counts as held; phi itself where none is desired."""
     t = record.t / MINUTE
     if scenario.phi is None:
         axis.plot(t, np.degrees(record.pose[:, 2]), color=ACTUAL)
@@ -100,30 +140,50 @@ def _orientation(axis: Axes, scenario: Scenario, record: Record) -> None:
     axis.minorticks_off()
 
 
-def _speeds(axis: Axes, scenario: Scenario, record: Record, *, limited: bool) -> None:
-    """Joint speeds, cut off where a run diverges, with the limits where the law has them."""
-    limit = scenario.velocity_limit * MINUTE
-    for joint, speed in enumerate(record.v.T * MINUTE):
-        axis.plot(record.t / MINUTE, speed, color=JOINTS[joint % len(JOINTS)], lw=1.3, label=f"joint {joint + 1}")
-    if limited:
-        for side in -limit, limit:
-            axis.axhline(side, color=MUTED, ls="--", lw=1.0)
+def draw_joints(axis: Axes, t: Array, values: Array) -> None:
+    """One line a joint."""
+    for joint, line in enumerate(values.T):
+        axis.plot(t / MINUTE, line, color=JOINTS[joint % len(JOINTS)], lw=1.2, label=f"joint {joint + 1}")
 
 
-def _time(axis: Axes, scenario: Scenario, record: Record) -> None:
-    """The time axis of the whole move, shaded from where a run ended early."""
+def _at_limits(axis: Axes, scenario: Scenario, record: Record) -> None:
+    """A stripe a joint: when it is at its velocity limit, at its acceleration limit, or at both."""
+    from matplotlib.colors import ListedColormap
+
+    joints = len(scenario.lengths)
+    kinds = np.zeros((len(record), joints))
+    for bit, name in ((1, "velocity"), (2, "acceleration")):
+        if name in record.active:
+            kinds += bit * (record.active[name] != 0)
+    # As many columns as a screen has: a limit that is met in between still shows.
+    bins = np.array_split(kinds, 600) if len(kinds) >= 600 else [kinds[k : k + 1] for k in range(len(kinds))]
+    stripes = np.array([block.max(axis=0) for block in bins]).reshape(-1, joints).T
+    end = record.t[len(record)] / MINUTE
+    axis.imshow(
+        stripes, aspect="auto", interpolation="nearest", extent=(0, end, joints + 0.5, 0.5),
+        cmap=ListedColormap(AT_LIMIT), vmin=-0.5, vmax=3.5,
+    )  # fmt: skip
+    axis.set_yticks(range(1, joints + 1))
+
+
+def draw_time(axis: Axes, scenario: Scenario, record: Record, *, last: bool = True) -> None:
+    """The time axis of the whole motion, shaded from where a run ended early."""
     end = scenario.duration / MINUTE
     axis.set_xlim(0, end)
+    axis.set_xticks(np.linspace(0.0, end, 5), [f"{t:g}" for t in np.linspace(0.0, end, 5)])
     axis.grid(alpha=0.15)
+    axis.tick_params(labelbottom=last)
+    if last:
+        axis.set_xlabel("time [min]")
     if record.stopped:
         axis.axvspan(record.stopped.t / MINUTE, end, color=DESIRED, alpha=0.08, lw=0)
         axis.axvline(record.stopped.t / MINUTE, color=DESIRED, lw=1.0, ls=":")
 
 
-def _common_view(axes: Array, scenario: Scenario, runs: Mapping[Job, Record]) -> None:
-    """The same piece of the plane for all laws: what the drawn arms and the path cover."""
-    drawn = [scenario.arm.points(q) for record in runs.values() for q in _snapshots(scenario, record)]
-    covered = np.concatenate([*drawn, [scenario.start, scenario.end]])
+def common_view(axes: Array, scenario: Scenario, records: Iterable[Record]) -> None:
+    """The same piece of the plane for all: what the drawn arms and the path cover."""
+    drawn = [scenario.arm.points(q) for record in records for q in snapshots(scenario, record)]
+    covered = np.concatenate([*drawn, desired_path(scenario)])
     low, high = covered.min(axis=0), covered.max(axis=0)
     margin = 0.06 * (high - low).max() + 0.02
     for axis in axes:
@@ -131,37 +191,69 @@ def _common_view(axes: Array, scenario: Scenario, runs: Mapping[Job, Record]) ->
         axis.set_ylim(low[1] - margin, high[1] + margin)
 
 
-def _labels(axes: Array, scenario: Scenario, runs: Mapping[Job, Record]) -> None:
-    """What stands at the left edge, and one legend a row."""
-    axes[0, 0].set_ylabel("y [m]")
-    axes[1, 0].set_ylabel("φ [deg]" if scenario.phi is None else "φ desired - actual [deg]")
-    axes[2, 0].set_ylabel("joint speed [rad/min]")
-    peak = MINUTE * max(np.abs(record.v).max() for record in runs.values())
-    limit = MINUTE * scenario.velocity_limit
-    top = 1.15 * min(peak, 2.2 * limit)  # a run that diverges may leave the panel
-    if 0.9 * limit < top < 1.1 * limit:
-        top = 1.1 * limit  # lest the frame hide the limits
-    axes[2, 0].set_ylim(-top, top)
-    axes[0, 0].legend(loc="upper left", fontsize=8, framealpha=0.9)
-    axes[2, 0].legend(loc="lower right", fontsize=8, ncols=len(scenario.lengths), framealpha=0.9)
+def desired_path(scenario: Scenario) -> Array:
+    """Places of the desired path, shape (241, 2): corners of polygons of three or four sides among them."""
+    path = scenario.path
+    return np.array([path(t)[0] for t in np.linspace(0.0, scenario.duration, 241)])
 
 
-def _snapshots(scenario: Scenario, record: Record) -> Array:
-    """Joint angles at equal times of the whole move, as far as the run came, shape (<= POSES, n)."""
-    times = np.linspace(0.0, scenario.duration, POSES)
+def snapshots(scenario: Scenario, record: Record, poses: int = POSES) -> Array:
+    """Joint angles at equal times of the whole motion, as far as the run came, shape (<= poses, n)."""
+    times = np.linspace(0.0, scenario.duration, poses)
     ticks = np.round(times / scenario.tick).astype(int)
     return np.asarray(record.q[ticks[ticks < len(record.q)]])
 
 
-def _summary(job: Job, record: Record) -> str:
-    claim, scenario = measure(job, record), job.scenario
-    parts = [] if np.isnan(claim.phi_share) else [f"φ within 1° for {claim.phi_share:.0%} of the move"]
-    if not np.isnan(claim.tip_error_mm):
-        parts.append(f"tip within {claim.tip_error_mm:.2g} mm after {TIP_FROM * scenario.duration / MINUTE:.1f} min")
+def summary(found: Finding) -> str:
+    """How well both tasks are met, in a line."""
+    parts = [] if np.isnan(found.phi_share) else [f"φ within 1° for {found.phi_share:.0%}"]
+    if not np.isnan(found.tip_error_mm):
+        parts.append(f"tip within {found.tip_error_mm:.2g} mm after {TIP_FROM:g} min")
     return ", ".join(parts)
 
 
-def _end(record: Record) -> str:
-    assert record.stopped is not None
-    verb = "diverges" if record.stopped.diverged else "stops"
-    return f"{verb} at {record.stopped.t / MINUTE:.3f} min"
+def _title(axis: Axes, job: Job, record: Record) -> None:
+    axis.set_title(f"{job.law.title}\n\n", fontsize=12, fontweight="bold")
+    lines = f"{summary(measure(job, record))}\n{_degrees(job, record)}"
+    axis.text(0.5, 1.015, lines, transform=axis.transAxes, ha="center", color=MUTED, fontsize=8.5)
+
+
+def _degrees(job: Job, record: Record) -> str:
+    """Degrees of manipulability of the task levels and of redundancy below them (Eq. 3.7, 3.8), where checked."""
+    tasks = record.degrees.manipulability[:, 1 if job.law.inequalities else 0 :]
+    levels = " + ".join(_span(level) for level in tasks.T)
+    return f"degree of manipulability {levels}, of redundancy {_span(record.degrees.redundancy[:, -1])}"
+
+
+def _span(values: NDArray[np.int64]) -> str:
+    low, high = values.min(), values.max()
+    return f"{low}" if low == high else f"{low}..{high}"
+
+
+def _edges(axes: Mapping[str, Array], scenario: Scenario, runs: Mapping[Job, Record]) -> None:
+    """What stands at the left edge, the scales that all laws share, and the legends."""
+    from matplotlib.patches import Patch
+
+    for name, (_, label) in PANELS.items():
+        axes[name][0].set_ylabel("φ [deg]" if name == "phi" and scenario.phi is None else label)
+    axes["speed"][0].set_ylim(*speed_range(scenario, runs.values()))
+    whole = [record.tau for record in runs.values() if not record.stopped and record.tau is not None]
+    if whole:  # a run that diverges may leave the panel
+        top = 1.1 * max(np.abs(tau).max() for tau in whole)
+        axes["torque"][0].set_ylim(-top, top)
+    axes["manipulability"][0].set_ylim(bottom=0.0)
+    axes["arm"][0].legend(loc="upper left", fontsize=8, framealpha=0.9)
+    axes["speed"][0].legend(loc="lower right", fontsize=7, ncols=len(scenario.lengths), framealpha=0.6)
+    names = ("velocity", "acceleration", "both")
+    patches = [Patch(color=color, label=name) for color, name in zip(AT_LIMIT[1:], names, strict=True)]
+    axes["limits"][0].legend(handles=patches, loc="center right", fontsize=7, ncols=3, framealpha=0.9)
+
+
+def speed_range(scenario: Scenario, records: Iterable[Record]) -> tuple[float, float]:
+    """Of the joint speeds [rad/min]: all of them, but not those of a run that diverges."""
+    peak = MINUTE * max(np.abs(record.v).max() for record in records)
+    limit = MINUTE * scenario.velocity_limit
+    top = 1.15 * min(peak, 2.2 * limit)
+    if 0.9 * limit < top < 1.1 * limit:
+        top = 1.1 * limit  # lest the frame hide the limits
+    return -top, top

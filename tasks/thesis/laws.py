@@ -1,4 +1,4 @@
-r"""Three laws for position prior to orientation, each a stack.
+r"""Four laws for position prior to orientation, each a stack.
 
 ``thesis``
     Eq. 4.8, :math:`\ddot\theta = J_1^\# h_1 + (I - J_1^\# J_1) J_2^\# h_2`, as its own hierarchy
@@ -8,21 +8,25 @@ r"""Three laws for position prior to orientation, each a stack.
     diverges where the orientation goes out of reach (an algorithmic singularity).
 ``limits``
     The strict stack with joint velocity and acceleration limits above it, one solve a tick: exact
-    wherever exact is possible, bounded everywhere. No closed form: it needs inequalities.
+    wherever exact is possible, bounded everywhere. No closed form: it needs inequalities. Past the
+    loss of reach it is bang-bang.
+``damped``
+    The same with damping on the level of the orientation, and smooth where the undamped one is not.
 
-Without task priority (even figures) the second level is left out. Eq. 4.8 and the strict stack are then
-the same, :math:`\ddot\theta = J_1^\# h_1`: the laws ``tip`` and ``tip-limits``.
+Without task priority (even figures) the second level is left out. Eq. 4.8 and the strict stack are
+then the same, :math:`\ddot\theta = J_1^\# h_1`, with or without limits.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import hqp
 from hqp import BackendInfo, Solution
 from hqp.backends.pseudoinverse import joint_form
 
+from ..damping import Damping
 from ..joint_motion import JointMotion
 from ..limits.acceleration import JointAccelerationLimit
 from ..limits.velocity import JointVelocityLimit
@@ -30,6 +34,9 @@ from ..orientation import OrientationTask
 from ..position import PositionTask
 from ..stack import Stack
 from .scenarios import Scenario
+
+#: What ``hqp thesis --law`` takes.
+NAMES = ("thesis", "strict", "limits", "damped")
 
 
 @dataclass(frozen=True)
@@ -41,6 +48,8 @@ class Law:
     key, title : str
     stack : callable
         Scenario -> Stack, to be solved by any backend that can.
+    names : tuple of str
+        By which of :data:`NAMES` it is asked for: several where laws coincide.
     inequalities : bool
         Whether the backend must take inequality rows.
     closed_form : str
@@ -54,6 +63,7 @@ class Law:
     key: str
     title: str
     stack: Callable[[Scenario], Stack]
+    names: tuple[str, ...]
     inequalities: bool = False
     closed_form: str = ""
     closed_stack: Callable[[Scenario], Stack] | None = None
@@ -90,10 +100,24 @@ def projected(scenario: Scenario) -> Stack:
     return first if scenario.phi is None else first >> JointMotion(orientation(scenario))
 
 
+def limits(scenario: Scenario) -> Stack:
+    """Joint velocity and acceleration limits."""
+    return JointVelocityLimit(scenario.velocity_limit) + JointAccelerationLimit(scenario.acceleration_limit)
+
+
 def limited(scenario: Scenario) -> Stack:
     """Joint limits >> position >> orientation."""
-    limits = JointVelocityLimit(scenario.velocity_limit) + JointAccelerationLimit(scenario.acceleration_limit)
-    return limits >> strict(scenario)
+    return limits(scenario) >> strict(scenario)
+
+
+def damped(scenario: Scenario) -> Stack:
+    """Joint limits >> position >> damped orientation."""
+    return limits(scenario) >> position(scenario) >> orientation(scenario) + Damping(scenario.damping)
+
+
+def swapped(scenario: Scenario) -> Stack:
+    """Joint limits >> orientation >> damped position: one ``>>`` exchanged (section 1.2)."""
+    return limits(scenario) >> orientation(scenario) >> position(scenario) + Damping(scenario.damping)
 
 
 def _optimal_in_joint_form(solution: Solution) -> bool:
@@ -105,17 +129,31 @@ THESIS = Law(
     "thesis",
     "Eq. 4.8",
     projected,
+    ("thesis",),
     closed_form="pseudoinverse:joint",
     closed_stack=strict,
     closed_proof=_optimal_in_joint_form,
 )
-STRICT = Law("strict", "strict stack", strict, closed_form="pseudoinverse")
-LIMITS = Law("limits", "strict, joint limits", limited, inequalities=True)
+STRICT = Law("strict", "strict stack", strict, ("strict",), closed_form="pseudoinverse")
+LIMITS = Law("limits", "strict, joint limits", limited, ("limits",), inequalities=True)
+DAMPED = Law("damped", "strict, limits, damped", damped, ("damped",), inequalities=True)
 
-TIP = Law("tip", "tip alone", strict, closed_form="pseudoinverse")
-TIP_LIMITS = Law("tip-limits", "tip, joint limits", limited, inequalities=True)
+TIP = Law("tip", "tip alone", strict, ("thesis", "strict"), closed_form="pseudoinverse")
+TIP_LIMITS = Law("tip-limits", "tip, joint limits", limited, ("limits", "damped"), inequalities=True)
+
+SWAPPED = Law("swapped", "orientation first", swapped, (), inequalities=True)
 
 
-def laws_of(scenario: Scenario) -> tuple[Law, ...]:
-    """The laws that differ in this scenario: three with task priority, two without."""
-    return (TIP, TIP_LIMITS) if scenario.phi is None else (THESIS, STRICT, LIMITS)
+def laws_of(scenario: Scenario, names: Collection[str] = NAMES) -> tuple[Law, ...]:
+    """The laws that differ in this scenario, four with task priority, two without, as far as they are asked for.
+
+    Raises
+    ------
+    InvalidInput
+        If a name is none of :data:`NAMES`.
+    """
+    for name in names:
+        if name not in NAMES:
+            raise hqp.InvalidInput(f"law {name!r} is unknown; available: {', '.join(NAMES)}")
+    laws = (TIP, TIP_LIMITS) if scenario.phi is None else (THESIS, STRICT, LIMITS, DAMPED)
+    return tuple(law for law in laws if set(law.names) & set(names))

@@ -1,9 +1,10 @@
-"""Simulate, draw, tabulate: figure after figure, each saved as soon as it is finished."""
+"""Simulate, draw, tabulate: on all cores, every file kept as soon as it is finished, nothing made twice."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,89 +13,173 @@ import hqp
 from .._checks import writable
 from .._terminal import console
 from ..motion.record import Record
-from .claims import Claim, measure, to_csv, to_markdown, to_terminal
-from .laws import laws_of
+from .animation import animate
+from .figures import draw
+from .findings import Finding, measure, to_csv
+from .ideas import IDEAS, Idea
+from .laws import NAMES, Law, laws_of
 from .runs import Job, jobs_of, run
-from .scenarios import Scenario, scenario
+from .scenarios import ASSUMPTIONS, SCENARIOS, Scenario, scenario
+from .store import Drawn, Store
+from .tables import to_markdown, to_terminal
 
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-DEFAULT_FIGURES = ("4.6", "4.7", "4.8", "4.9")
-ASSUMPTIONS = (
-    "Assumed: the arm starts at rest and follows each commanded acceleration exactly, one solve every 2e-4 min;"
-    " joint limits of 40 rad/min and 4000 rad/min^2; the inclined line runs from (1, 0.7) to (0.3, 0)"
-)
+FORMATS = ("png", "pdf", "svg")
+DPI = 110
 
 
-def report(figures: Sequence[str], backend: str | None, out: Path) -> list[Claim]:
-    """Reproduce figures of the thesis into a folder, and print the table.
+@dataclass(frozen=True)
+class Picture:
+    """A figure of the text or the picture of an idea, the runs it shows, and the files to make of it."""
+
+    subject: Scenario | Idea
+    jobs: tuple[Job, ...]
+    files: tuple[str, ...]
+
+
+def report(
+    figures: Sequence[str],
+    backend: str | None,
+    out: Path,
+    *,
+    laws: Collection[str] = NAMES,
+    form: str = "png",
+    animated: bool = False,
+    processes: int = -1,
+) -> list[Finding]:
+    """Reproduce figures of the thesis into a folder, and print the table of claims against findings.
 
     Parameters
     ----------
     figures : sequence of str
-        Such as ``"4.7"``.
+        Such as ``"4.7"``, or the name of an idea, such as ``"argument"``; empty for all.
     backend : str, optional
         Beside the closed forms (default: ``hqp.DEFAULT_BACKEND``).
     out : Path
-        Receives ``figure-4.7.png``, ..., ``claims.md`` and ``claims.csv``.
+        Receives ``figure-4.7.png``, ..., ``claims.md`` and ``claims.csv``, and ``runs/``: what is
+        finished there is not made again.
+    laws : collection of str
+        Of :data:`tasks.thesis.laws.NAMES`.
+    form : {"png", "pdf", "svg"}
+        Of the pictures.
+    animated : bool
+        Whether each figure is written as a GIF, too.
+    processes : int
+        That work at the same time; -1 for one a core.
 
     Returns
     -------
-    list of Claim
-        The rows of the table.
+    list of Finding
+        One a run of every figure, in the order of the text.
 
     Raises
     ------
     InvalidInput
-        Before anything is simulated, if a figure or the backend is unknown, or the folder or a file
-        in it cannot be written to.
+        Before anything is simulated, if a figure, a law, the format or the backend is unknown, or the
+        folder or a file in it cannot be written to.
     """
-    from .figures import draw
+    from joblib import Parallel, delayed
 
+    if form not in FORMATS:
+        raise hqp.InvalidInput(f"format {form!r} is unknown; available: {', '.join(FORMATS)}")
+    if processes == 0:
+        raise hqp.InvalidInput("processes = 0; give a number of processes, or -1 for one a core")
     chosen = hqp.DEFAULT_BACKEND if backend is None else backend
-    scenarios = list({name: scenario(name) for name in figures}.values())
     info = hqp.backend_info(chosen)
-    writable(out, [*(f"figure-{item.figure}.png" for item in scenarios), "claims.md", "claims.csv"])
+    subjects = _subjects(figures)
+    left_out = dict.fromkeys(
+        why for item in subjects for law in _laws(item, laws) if (why := law.refusal(info)) is not None
+    )
+    pictures = [_picture(subject, chosen, laws, form, animated) for subject in subjects]
+    pictures = [picture for picture in pictures if picture.jobs or not _laws(picture.subject, laws)]
+    writable(out, [*(file for picture in pictures for file in picture.files), "claims.md", "claims.csv"])
+    writable(out / "runs", [])
+    store, drawn = Store(out / "runs"), Drawn(out, out / "runs" / "drawn.json")
 
-    records: dict[Job, Record] = {}
-    claims: list[Claim] = []
-    left_out = dict.fromkeys(why for item in scenarios for law in laws_of(item) if (why := law.refusal(info)))
-    remarks = [*left_out, *(f"Figure {item.figure}, the text: {item.claim}" for item in scenarios), ASSUMPTIONS]
+    missing = [job for job in dict.fromkeys(job for picture in pictures for job in picture.jobs) if job not in store]
+    missing.sort(key=lambda job: job.scenario.duration / job.scenario.tick, reverse=True)  # the longest first
+    parallel = Parallel(n_jobs=processes, return_as="generator")
+    findings: list[Finding] = []
+    made = 0
     with _progress() as progress:
-        jobs = dict.fromkeys(job for item in scenarios for job in jobs_of(item, chosen))
-        whole = progress.add_task("thesis", total=len(jobs))
-        for item in scenarios:
-            for job in jobs_of(item, chosen):
-                if job not in records:
-                    progress.update(whole, description=job.title)
-                    before = len(records)
-                    records[job] = run(job, lambda share, n=before: progress.update(whole, completed=n + share))  # type: ignore[misc]
-                    progress.update(whole, completed=len(records))
-            progress.update(whole, description=f"{item.figure}, drawing")
-            claims += _claims(item, chosen, records)
-            draw(item, _shown(item, chosen, records)).savefig(out / f"figure-{item.figure}.png", dpi=150)
-            (out / "claims.md").write_text(to_markdown(claims, remarks), encoding="utf-8")
-            (out / "claims.csv").write_text(to_csv(claims), encoding="utf-8")
+        bar = progress.add_task("simulating", total=len(missing), visible=bool(missing))
+        for _ in parallel(delayed(_simulate)(job, store.path(job)) for job in missing):
+            progress.advance(bar)
+
+        keys = [drawn.key([store.key(job) for job in picture.jobs]) for picture in pictures]
+        due = [
+            [file for file in picture.files if not drawn.has(file, key)]
+            for picture, key in zip(pictures, keys, strict=True)
+        ]
+        bar = progress.add_task("drawing", total=len(pictures))
+        shown = parallel(
+            delayed(_show)(picture, [store.path(job) for job in picture.jobs], [out / file for file in files])
+            for picture, files in zip(pictures, due, strict=True)
+        )
+        for files, key, found in zip(due, keys, shown, strict=True):
+            for file in files:
+                drawn.add(file, key)
+            made += len(files)
+            if found:
+                findings += found
+                (out / "claims.md").write_text(to_markdown(findings, [*left_out, *ASSUMPTIONS]), encoding="utf-8")
+                (out / "claims.csv").write_text(to_csv(findings), encoding="utf-8")
+            progress.advance(bar)
 
     printer = console(140)  # give every row its line
-    printer.print(to_terminal(claims))
+    if findings:
+        printer.print(to_terminal(findings))
     for why in left_out:
         printer.print(why)
-    printer.print(f"{len(scenarios)} figures, claims.md and claims.csv in {out}", soft_wrap=True)
-    return claims
+    printer.print(
+        f"{len(missing)} runs simulated and {made} pictures drawn, all else was there; see {out}", soft_wrap=True
+    )
+    return findings
 
 
-def _claims(item: Scenario, backend: str, records: dict[Job, Record]) -> Iterator[Claim]:
-    jobs = jobs_of(item, backend)
-    closed = {job.law.key: records[job] for job in jobs if job.closed_form}
-    return (measure(job, records[job], closed.get(job.law.key)) for job in jobs)
+def _subjects(figures: Sequence[str]) -> list[Scenario | Idea]:
+    """What the names mean, each once; everything if there are none."""
+    if not figures:
+        return [*SCENARIOS.values(), *IDEAS.values()]
+    return [IDEAS[name] if name in IDEAS else scenario(name) for name in dict.fromkeys(map(str.strip, figures))]
 
 
-def _shown(item: Scenario, backend: str, records: dict[Job, Record]) -> dict[Job, Record]:
-    """One run a law for the figure: the backend's where there is one, the formula's otherwise."""
-    best = {job.law.key: job for job in sorted(jobs_of(item, backend), key=lambda job: not job.closed_form)}
-    return {best[law.key]: records[best[law.key]] for law in laws_of(item) if law.key in best}
+def _laws(subject: Scenario | Idea, laws: Collection[str]) -> Sequence[Law]:
+    return laws_of(subject, laws) if isinstance(subject, Scenario) else subject.laws
+
+
+def _picture(subject: Scenario | Idea, backend: str, laws: Collection[str], form: str, animated: bool) -> Picture:
+    if isinstance(subject, Idea):
+        return Picture(subject, tuple(subject.jobs(backend)), (f"{subject.name}.{form}",))
+    name = f"figure-{subject.figure}"
+    files = (f"{name}.{form}", f"{name}.gif") if animated else (f"{name}.{form}",)
+    return Picture(subject, tuple(jobs_of(subject, backend, laws)), files)
+
+
+def _simulate(job: Job, path: Path) -> None:
+    """In a process of its own: one run, kept as soon as it is finished."""
+    run(job).save(path)
+
+
+def _show(picture: Picture, runs: Sequence[Path], due: Sequence[Path]) -> list[Finding]:
+    """In a process of its own: what is due of one picture, and what its runs show in numbers."""
+    records = {job: Record.load(path) for job, path in zip(picture.jobs, runs, strict=True)}
+    if isinstance(picture.subject, Idea):
+        for file in due:
+            picture.subject.draw(records).savefig(file, dpi=DPI)
+        return []
+    item = picture.subject
+    # One run a law: the backend's, which comes after the formula's.
+    shown = {job: records[job] for job in {job.law.key: job for job in picture.jobs}.values()}
+    for file in due:
+        if file.suffix == ".gif":
+            animate(item, shown, file)
+        else:
+            draw(item, shown).savefig(file, dpi=DPI)
+    closed = {job.law.key: records[job] for job in picture.jobs if job.closed_form}
+    return [measure(job, records[job], closed.get(job.law.key)) for job in picture.jobs]
 
 
 @contextmanager
@@ -104,7 +189,7 @@ def _progress() -> Iterator[Progress]:
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
     columns = (
-        TextColumn("{task.description:<54}"),
+        TextColumn("{task.description:<10}"),
         BarColumn(),
         TextColumn("{task.percentage:>3.0f} %"),
         TimeElapsedColumn(),

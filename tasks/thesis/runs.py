@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,7 @@ from .._checks import Array
 from ..motion.controller import Controller
 from ..motion.record import Record
 from ..motion.simulation import simulate
-from .laws import Law, laws_of
+from .laws import NAMES, Law, laws_of
 from .scenarios import MINUTE, Scenario
 
 #: Joint speed [rad/s] beyond which a run has diverged (300 rad/min). Runs that do not diverge stay below
@@ -47,11 +47,11 @@ class Job:
         return f"{self.scenario.figure}, {self.law.title}, {self.backend}"
 
 
-def jobs_of(scenario: Scenario, backend: str) -> list[Job]:
+def jobs_of(scenario: Scenario, backend: str, laws: Collection[str] = NAMES) -> list[Job]:
     """All runs that one figure shows: each law by its formula, if it has one, and by the backend, if it can."""
     info = hqp.backend_info(backend)
     jobs = []
-    for law in laws_of(scenario):
+    for law in laws_of(scenario, laws):
         if law.closed_form:
             jobs.append(Job(scenario, law, law.closed_form, closed_form=True))
         if law.refusal(info) is None and law.closed_form != backend:
@@ -59,14 +59,8 @@ def jobs_of(scenario: Scenario, backend: str) -> list[Job]:
     return jobs
 
 
-def run(job: Job, progress: Callable[[float], None] | None = None) -> Record:
+def run(job: Job) -> Record:
     """Simulate one job.
-
-    Parameters
-    ----------
-    job : Job
-    progress : callable, optional
-        Told the share that is done.
 
     Raises
     ------
@@ -83,7 +77,6 @@ def run(job: Job, progress: Callable[[float], None] | None = None) -> Record:
         speed_cap=SPEED_CAP,
         certify=CERTIFY,
         proof=law.closed_proof if job.closed_form else None,
-        progress=progress,
     )
 
 

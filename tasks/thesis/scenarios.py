@@ -1,20 +1,14 @@
 """Chapter 4 as data: one :class:`Scenario` a figure, in SI units.
 
-The text counts time in minutes and each move takes one; here T = 60 s, and everything is converted
+The text counts time in minutes and each motion takes one; here T = 60 s, and everything is converted
 once: the feedback of Eq. 4.5, 20 /min and 100 /min^2 for the position, 100 /min and 2500 /min^2 for
 the orientation, is that of critically damped gains K = 10 /min and K = 50 /min.
 
 Of each pair the even figure is *without* task priority (the tip alone) and the odd one *with* it (the
-tip, then phi). Motion without priority does not depend on phi, so that 4.2 = 4.4, 4.6 = 4.8,
-4.26 = 4.28 = 4.30 and 4.32 = 4.34 = 4.36; equal scenarios compare equal and are simulated once.
+tip, then phi). Motion without priority does not depend on phi: 4.2 = 4.4, 4.26 = 4.28 = 4.30, and so
+on. Equal scenarios compare equal and are simulated once, so the 36 figures are 26 motions.
 
-Assumptions, where the text leaves things open:
-
-* The inclined line of 4.26-4.37 runs from (1, 0.7) to (0.3, 0), at 45 degrees; the tips start within 0.07 m of it.
-* The robot starts at rest and follows each commanded acceleration exactly, for a tick of 2e-4 min.
-* Joint limits, where a law has them: 40 rad/min and 4000 rad/min^2 in every joint.
-
-Figures 4.10-4.25 (rectangle, triangle, circle) are not available yet.
+Assumptions, where the text leaves things open: :data:`ASSUMPTIONS`.
 """
 
 from __future__ import annotations
@@ -25,10 +19,61 @@ import numpy as np
 
 from hqp import InvalidInput
 
-from ..motion.paths import Line
+from ..motion.paths import Circle, Line, Polygon
+from ..motion.trajectories import Trajectory
 from ..robots.planar import PlanarArm
+from .claims import BOTH, FOLLOWS, MOSTLY, NO_LONGER_SINGULAR, NOT_THROUGHOUT, SINGULAR, Claim
 
 MINUTE = 60.0
+#: Of every scenario but one [s]; that one spins so fast that holding a command for so long costs 5 mm.
+TICK, FINE_TICK = 2e-4 * MINUTE, 2.5e-5 * MINUTE
+
+ASSUMPTIONS = (
+    "The arm starts at rest and follows each commanded acceleration exactly. A command holds for 2e-4 min; in"
+    " 4.26 (= 4.28 = 4.30), where the arm spins, for 2.5e-5 min.",
+    "Links have a mass of 1 kg per metre, spread evenly. The plane is horizontal: no gravity (Eq. 4.1).",
+    "Rectangle: (1, 0), (1, 1), (0.5, 1), (0.5, 0). Each side of a polygon is a cubic of its own, from rest to"
+    " rest, all in equal times, one minute in all.",
+    "Circle: counter-clockwise from angle 0, cubic in time. The tip starts on it at -10 degrees, 0.1 m away.",
+    "Inclined line: from (1, 0.7) to (0.3, 0), at 45 degrees. The tips start within 0.07 m of it.",
+    "Joint limits, where a law has them: 40 rad/min and 4000 rad/min^2 in every joint.",
+    "Damping, where a law has it: weight 0.1 on every joint acceleration, on the level of the orientation.",
+)
+
+
+@dataclass(frozen=True)
+class Course:
+    """Where the tip goes, as data.
+
+    Attributes
+    ----------
+    kind : {"line", "polygon", "circle"}
+    points : tuple of (x, y)
+        Ends, corners, or the centre [m].
+    radius : float
+        Of a circle [m].
+    """
+
+    kind: str
+    points: tuple[tuple[float, float], ...]
+    radius: float = 0.0
+
+    def trajectory(self, duration: float) -> Trajectory:
+        """The motion along it in so many seconds, every piece from rest to rest (Eq. 3.21-3.26).
+
+        Raises
+        ------
+        InvalidInput
+            If the kind is none of the three.
+        """
+        match self.kind:
+            case "line":
+                return Line(self.points[0], self.points[1], duration)
+            case "polygon":
+                return Polygon(self.points, duration)
+            case "circle":
+                return Circle(self.points[0], self.radius, duration)
+        raise InvalidInput(f"course of kind {self.kind!r}; it must be 'line', 'polygon' or 'circle'")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,39 +84,41 @@ class Scenario:
     ----------
     figure : str
         Its number in the text (not compared).
-    claim : str
-        What the text says of it, in short (not compared).
+    claim : Claim
+        What the text says of it (not compared).
     lengths : tuple of float
         Link lengths [m].
     q0 : tuple of float
         Joint angles at the start [rad]; the arm is at rest.
-    start, end : tuple of float
-        Ends of the straight path [m].
+    course : Course
+        The path of the tip.
     phi : float or None
         Desired orientation [rad]; None without task priority.
     duration : float
-        Of the move [s].
+        Of the motion [s].
     tick : float
         Between two solves [s].
     position_gain, orientation_gain : float
         K [1/s] of Eq. 4.7: c1 = 2 K, c2 = K^2.
     velocity_limit, acceleration_limit : float
         Of every joint [rad/s], [rad/s^2].
+    damping : float
+        Weight of the joint accelerations on the level of the orientation.
     """
 
     figure: str = field(compare=False)
-    claim: str = field(compare=False)
+    claim: Claim = field(compare=False)
     lengths: tuple[float, ...]
     q0: tuple[float, ...]
-    start: tuple[float, float]
-    end: tuple[float, float]
+    course: Course
     phi: float | None
     duration: float = MINUTE
-    tick: float = 2e-4 * MINUTE
+    tick: float = TICK
     position_gain: float = 10 / MINUTE
     orientation_gain: float = 50 / MINUTE
     velocity_limit: float = 40 / MINUTE
     acceleration_limit: float = 4000 / MINUTE**2
+    damping: float = 0.1
 
     @property
     def arm(self) -> PlanarArm:
@@ -79,9 +126,9 @@ class Scenario:
         return PlanarArm(self.lengths, velocity_limit=self.velocity_limit, acceleration_limit=self.acceleration_limit)
 
     @property
-    def path(self) -> Line:
-        """The desired motion of the tip: a straight line, cubic in time, from rest to rest (Eq. 3.21-3.26)."""
-        return Line(self.start, self.end, self.duration)
+    def path(self) -> Trajectory:
+        """The desired motion of the tip."""
+        return self.course.trajectory(self.duration)
 
     @property
     def title(self) -> str:
@@ -96,13 +143,11 @@ def scenario(figure: str) -> Scenario:
     Raises
     ------
     InvalidInput
-        If there is no such figure here; lists those that there are.
+        If there is no such figure; lists those that there are.
     """
     found = SCENARIOS.get(figure.strip()) if isinstance(figure, str) else None
     if found is None:
-        later = figure in {f"4.{number}" for number in range(10, 26)}
-        why = "is not available yet (its path is not a straight line)" if later else "is unknown"
-        raise InvalidInput(f"figure {figure!r} {why}; available: {', '.join(SCENARIOS)}")
+        raise InvalidInput(f"figure {figure!r} is unknown; available: {', '.join(SCENARIOS)}")
     return found
 
 
@@ -110,55 +155,45 @@ def _group(
     first: int,
     lengths: tuple[float, ...],
     degrees: tuple[float, ...],
-    path: tuple[tuple[float, float], tuple[float, float]],
-    without: str,
-    claims: dict[float, str],
+    course: Course,
+    without: Claim,
+    claims: dict[float, Claim],
+    *,
+    tick_without: float = TICK,
 ) -> list[Scenario]:
     """The pairs of figures of one arm on one path: without priority, then with it at each phi [deg]."""
     q0 = tuple(float(angle) for angle in np.radians(degrees))
     scenarios = []
-    for number, (phi, claim) in enumerate(claims.items()):
-        for figure, target, says in (first + 2 * number, None, without), (first + 2 * number + 1, phi, claim):
-            scenarios.append(
-                Scenario(
-                    figure=f"4.{figure}",
-                    claim=says,
-                    lengths=lengths,
-                    q0=q0,
-                    start=path[0],
-                    end=path[1],
-                    phi=None if target is None else float(np.radians(target)),
-                )
-            )
+    for pair, (phi, claim) in enumerate(claims.items()):
+        even = first + 2 * pair
+        alone = {"figure": f"4.{even}", "claim": without, "phi": None, "tick": tick_without}
+        prior = {"figure": f"4.{even + 1}", "claim": claim, "phi": float(np.radians(phi)), "tick": TICK}
+        scenarios += [Scenario(lengths=lengths, q0=q0, course=course, **which) for which in (alone, prior)]  # type: ignore[arg-type]
     return scenarios
 
 
-_UPRIGHT = ((1.0, 0.0), (1.0, 1.0))
-_INCLINED = ((1.0, 0.7), (0.3, 0.0))
-_FOLLOWS = "the tip follows the line, the orientation is left to itself"
-_MAJOR_PART = "both tasks met for the major part, the orientation lost towards the end"
+UPRIGHT = Course("line", ((1.0, 0.0), (1.0, 1.0)))
+RECTANGLE = Course("polygon", ((1.0, 0.0), (1.0, 1.0), (0.5, 1.0), (0.5, 0.0)))
+TRIANGLE = Course("polygon", ((1.0, 0.5), (0.5, 1.0), (0.25, 0.5)))
+CIRCLE = Course("circle", ((0.0, 0.0),), radius=0.6)
+INCLINED = Course("line", ((1.0, 0.7), (0.3, 0.0)))
+
+SHORT, LONG = (0.5, 0.5, 0.5), (0.7, 0.7, 0.3)
+THREE, FOUR = (0.6, 0.5, 0.4), (0.4, 0.4, 0.4, 0.3)
 
 #: Figure -> scenario, in the order of the text.
 SCENARIOS: dict[str, Scenario] = {
     item.figure: item
     for item in [
+        *_group(2, SHORT, (65, -73, -42), UPRIGHT, FOLLOWS, {0: MOSTLY, 90: NOT_THROUGHOUT}),
+        *_group(6, LONG, (62, -90, -52), UPRIGHT, FOLLOWS, {0: BOTH, 90: BOTH}),
+        *_group(10, SHORT, (65, -73, -42), RECTANGLE, FOLLOWS, {0: NOT_THROUGHOUT, 90: NOT_THROUGHOUT}),
+        *_group(14, LONG, (62, -90, -52), RECTANGLE, FOLLOWS, {0: BOTH, 90: BOTH}),
+        *_group(18, LONG, (75, -68, -70), TRIANGLE, FOLLOWS, {0: BOTH, 90: BOTH}),
+        *_group(22, LONG, (80, -125, -50), CIRCLE, FOLLOWS, {0: BOTH, 90: BOTH}),
         *_group(
-            2, (0.5, 0.5, 0.5), (65, -73, -42), _UPRIGHT, _FOLLOWS,
-            {0: _MAJOR_PART, 90: "both tasks cannot be met together"},
+            26, THREE, (40, 30, -85), INCLINED, SINGULAR, {0: MOSTLY, 90: MOSTLY, 45: MOSTLY}, tick_without=FINE_TICK
         ),
-        *_group(
-            6, (0.7, 0.7, 0.3), (62, -90, -52), _UPRIGHT, _FOLLOWS,
-            {0: "both tasks met with maximum accuracy", 90: "both tasks met with maximum accuracy"},
-        ),
-        *_group(
-            26, (0.6, 0.5, 0.4), (40, 30, -85), _INCLINED,
-            "unable to follow the path: singular, joint speeds extremely high",
-            {0: _MAJOR_PART, 90: _MAJOR_PART, 45: _MAJOR_PART},
-        ),
-        *_group(
-            32, (0.4, 0.4, 0.4, 0.3), (45, 35, -70, -30), _INCLINED,
-            "a fourth joint avoids the singular configurations",
-            {0: "both tasks met", 90: "both tasks met", 45: "both tasks met"},
-        ),
+        *_group(32, FOUR, (45, 35, -70, -30), INCLINED, NO_LONGER_SINGULAR, {0: BOTH, 90: BOTH, 45: BOTH}),
     ]
-}  # fmt: skip
+}

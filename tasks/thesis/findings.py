@@ -1,0 +1,143 @@
+"""What the reproduction finds: one row of numbers a figure, law and backend."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from io import StringIO
+from math import isnan, nan
+
+import numpy as np
+
+from .._checks import Array
+from ..motion.record import Record
+from .runs import Job, phi_error, tip_error
+from .scenarios import MINUTE, Scenario
+
+#: From when on the tip must be on its path, and phi settled: shares of the motion. The position
+#: feedback is slow (10 /min): the error of the start is below 1 mm only after 0.5 to 0.67 min.
+TIP_FROM, PHI_FROM = 0.7, 0.2
+#: Error of phi that counts as held [deg].
+HELD = 1.0
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One run in numbers; NaN where a number means nothing.
+
+    Attributes
+    ----------
+    figure, law, backend : str
+    tip_error_mm : float
+        Largest distance of the tip from where it should be, from 0.7 of the motion on [mm].
+    phi_share : float
+        Share of the whole motion in which phi is within 1 degree; what a stopped run missed counts as not.
+    phi_peak_deg : float
+        Largest error of phi from 0.2 of the motion on [deg].
+    peak_speed : float
+        Largest joint speed [rad/min].
+    peak_torque : float
+        Largest joint torque [N m] (Eq. 4.1).
+    least_singular : float
+        Smallest singular value of J1 along the motion [m/rad]: how near it comes to a kinematic singularity.
+    least_manipulability : float
+        Smallest W = sqrt(det(J1 J1^T)) along the motion [m^2] (Eq. 2.2 for two links).
+    limit_excess : float
+        By how much a joint limit is exceeded at worst [rad/s, rad/s^2], where the law has limits.
+    limited_share : float
+        Share of the ticks in which a joint is at a limit.
+    diverged_min : float
+        When the motion left all bounds [min].
+    certified : float
+        Share of the checked ticks whose answer is proved optimal.
+    difference_rad : float
+        Largest difference of a joint angle to the closed form's run, over the ticks of both [rad].
+    note : str
+        Why a run ended early, if not by divergence.
+    """
+
+    figure: str
+    law: str
+    backend: str
+    tip_error_mm: float
+    phi_share: float
+    phi_peak_deg: float
+    peak_speed: float
+    peak_torque: float
+    least_singular: float
+    least_manipulability: float
+    limit_excess: float
+    limited_share: float
+    diverged_min: float
+    certified: float
+    difference_rad: float
+    note: str = ""
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the run ended before its time."""
+        return bool(self.note) or not isnan(self.diverged_min)
+
+
+def measure(job: Job, record: Record, closed_form: Record | None = None) -> Finding:
+    """The numbers of one run; `closed_form` is the run of the same law by its formula."""
+    scenario = job.scenario
+    elapsed = record.t / scenario.duration
+    share = peak = nan
+    if scenario.phi is not None:
+        error = np.abs(np.degrees(phi_error(scenario, record)))
+        share = float(np.count_nonzero(error < HELD) / (round(scenario.duration / scenario.tick) + 1))
+        peak = _largest(error[elapsed >= PHI_FROM])
+    difference = nan
+    if closed_form is not None and not job.closed_form:
+        both = min(len(record.q), len(closed_form.q))
+        difference = _largest(np.abs(record.q[:both] - closed_form.q[:both]))
+    excess = limited = nan
+    if job.law.inequalities:
+        excess = limit_excess(scenario, record)
+        limited = float(np.mean(np.any([states.any(axis=1) for states in record.active.values()], axis=0)))
+    assert record.tau is not None  # a planar arm knows its torques and
+    assert record.manipulability is not None  # its manipulability
+    stopped = record.stopped
+    return Finding(
+        figure=scenario.figure,
+        law=job.law.title,
+        backend=job.backend,
+        tip_error_mm=1e3 * _largest(tip_error(scenario, record)[elapsed >= TIP_FROM]),
+        phi_share=share,
+        phi_peak_deg=peak,
+        peak_speed=MINUTE * _largest(np.abs(record.v)),
+        peak_torque=_largest(np.abs(record.tau)),
+        least_singular=float(np.linalg.svd(scenario.arm.jacobian(record.q)[:, :2], compute_uv=False)[:, 1].min()),
+        least_manipulability=float(record.manipulability.min()),
+        limit_excess=excess,
+        limited_share=limited,
+        diverged_min=nan if record.diverged_at is None else record.diverged_at / MINUTE,
+        certified=record.certified_share,
+        difference_rad=difference,
+        note=stopped.reason if stopped is not None and not stopped.diverged else "",
+    )
+
+
+def limit_excess(scenario: Scenario, record: Record) -> float:
+    """By how much the joint limits of the scenario are exceeded at worst, 0 if they are kept."""
+    velocity = _largest(np.abs(record.v)) - scenario.velocity_limit
+    acceleration = _largest(np.abs(record.a)) - scenario.acceleration_limit
+    return max(velocity, acceleration, 0.0)
+
+
+def to_csv(findings: Sequence[Finding]) -> str:
+    """All numbers with full precision, one header line; empty where a number means nothing."""
+    out = StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    names = [field.name for field in fields(Finding)]
+    writer.writerow(names)
+    for found in findings:
+        values = [getattr(found, name) for name in names]
+        writer.writerow(["" if isinstance(value, float) and isnan(value) else value for value in values])
+    return out.getvalue()
+
+
+def _largest(values: Array) -> float:
+    return float(values.max()) if values.size else nan

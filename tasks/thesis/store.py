@@ -1,0 +1,93 @@
+"""Finished runs on disk: found again by what made them, so that an interrupted report goes on where it was."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection
+from functools import cache
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+import hqp
+import tasks
+
+from .runs import CERTIFY, SPEED_CAP, Job
+
+#: What of the thesis makes a motion; changes in the rest, and in the command, leave the runs as they are.
+MOVING = ("thesis/laws.py", "thesis/runs.py", "thesis/scenarios.py")
+NUMERICS = ("numpy", "scipy", "qpsolvers", "proxsuite", "osqp", "daqp", "quadprog", "clarabel", "piqp")
+
+
+class Store:
+    """A folder of records, a file a job.
+
+    The name of a file carries a digest of everything that made it: scenario, law, backend, our sources
+    and the versions of the numerical packages. What was made by anything else is never found.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def path(self, job: Job) -> Path:
+        """Where the record of this job is, or will be."""
+        law = f"{job.law.key}-formula" if job.closed_form else job.law.key
+        return self.folder / f"{law}-{self.key(job)[:16]}.npz"
+
+    def key(self, job: Job) -> str:
+        """The digest of everything that makes the record."""
+        item = job.scenario
+        compared = {name: getattr(item, name) for name in item.__dataclass_fields__ if name not in ("figure", "claim")}
+        made_by = (compared, job.law.key, job.backend, job.closed_form, CERTIFY, SPEED_CAP, sources(drawing=False))
+        return _digest(*map(str, made_by))
+
+    def __contains__(self, job: Job) -> bool:
+        return self.path(job).exists()
+
+
+class Drawn:
+    """Which drawings of a folder are up to date: a table of file names and digests of what they show."""
+
+    def __init__(self, folder: Path, table: Path) -> None:
+        self.folder, self.table = folder, table
+        try:
+            self.keys: dict[str, str] = dict(json.loads(table.read_text(encoding="utf-8")))
+        except (OSError, ValueError, TypeError):
+            self.keys = {}
+
+    def has(self, name: str, key: str) -> bool:
+        """Whether this file shows what this digest stands for."""
+        return self.keys.get(name) == key and (self.folder / name).exists()
+
+    def add(self, name: str, key: str) -> None:
+        """Remember that it does."""
+        self.keys[name] = key
+        self.table.write_text(json.dumps(self.keys, indent=1), encoding="utf-8")
+
+    def key(self, runs: Collection[str]) -> str:
+        """The digest of a drawing of these runs."""
+        return _digest(*runs, sources(), _version("matplotlib"))
+
+
+@cache
+def sources(*, drawing: bool = True) -> str:
+    """Digest of our own sources, with or without those that only draw, and of the numerical packages' versions."""
+    lines = [f"{name} {_version(name)}" for name in NUMERICS]
+    for package in hqp, tasks:
+        root = Path(str(package.__file__)).parent
+        for path in sorted(root.rglob("*.py")):
+            name = path.relative_to(root).as_posix()
+            if drawing or not name.startswith(("thesis/", "cli/")) or name in MOVING:
+                lines.append(f"{name} {_digest(path.read_text(encoding='utf-8'))}")
+    return _digest(*lines)
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "none"
+
+
+def _digest(*texts: str) -> str:
+    return sha256("\n".join(texts).encode()).hexdigest()

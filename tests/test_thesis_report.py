@@ -1,0 +1,247 @@
+"""``tasks.thesis.report``: tables, pictures, and what is kept on the way."""
+
+from __future__ import annotations
+
+import csv
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from hqp import InvalidInput
+from tasks.thesis import figures, ideas, report, runs, scenarios, store, tables
+from tasks.thesis.findings import measure, to_csv
+from tasks.thesis.runs import Job, jobs_of, run
+from tasks.thesis.scenarios import scenario
+
+ROOT = Path(__file__).parents[1]
+
+
+def short(figure):
+    """A scenario of a hundred ticks: coarse, but end to end."""
+    return replace(scenario(figure), tick=0.6)
+
+
+@pytest.fixture
+def short_figures(monkeypatch):
+    coarse = {figure: replace(item, tick=0.6) for figure, item in scenarios.SCENARIOS.items()}
+    monkeypatch.setattr(scenarios, "SCENARIOS", coarse)
+
+
+def make(out, *names, **options):
+    return report.report(names, "pseudoinverse", out, processes=1, **options)
+
+
+@pytest.fixture(scope="module")
+def few():
+    jobs = [*jobs_of(short("4.7"), "pseudoinverse"), *jobs_of(short("4.6"), "pseudoinverse")]
+    return [measure(job, run(job)) for job in jobs]
+
+
+def test_the_table_as_csv(few):
+    rows = list(csv.DictReader(StringIO(to_csv(few))))
+    assert [row["figure"] for row in rows] == ["4.7", "4.7", "4.7", "4.6"]
+    assert float(rows[0]["phi_share"]) == few[0].phi_share
+    assert rows[3]["phi_share"] == rows[3]["diverged_min"] == ""
+
+
+def test_the_tables_as_markdown(few):
+    text = tables.to_markdown(few, ["A remark."])
+    claims, every, remarks = text.split("\n# ")
+    for part, rows in (claims, 2), (every, len(few)):
+        table = [line for line in part.splitlines() if line.startswith("|")]
+        assert len(table) == 2 + rows
+        assert len({line.count("|") for line in table}) == 1
+    assert "both tasks met with maximum accuracy" in claims
+    assert "tip error after 0.7 min [mm]" in every
+    assert remarks.endswith("\n\n* A remark.\n")
+
+
+def test_claims_stand_against_what_the_backend_found(few):
+    """The backend's run speaks for a law where there is one, and each cell says whether the claim holds of it."""
+    with_priority, without = tables.against_claims(few)
+    spoken = [found for found in few if found.figure == "4.7" and found.law == "Eq. 4.8"][-1]
+    assert with_priority[:2] == ["4.7", "0°"]
+    assert with_priority[3] == f"{spoken.phi_share:.2f} ✗"
+    assert with_priority[5:] == ["", ""]
+    assert without[1] == ""
+    assert without[3] == f"{few[3].tip_error_mm:.2g} mm {'✓' if few[3].tip_error_mm < 1 else '✗'}"
+
+
+@pytest.mark.parametrize("figure", ["4.6", "4.7", "4.5", "4.25", "4.33"])
+def test_drawing(figure, tmp_path):
+    item = replace(scenario(figure), tick=0.06)
+    shown = {job: run(job) for job in jobs_of(item, "pseudoinverse") if job.closed_form}
+    drawing = figures.draw(item, shown)
+    assert f"Figure {figure}" in " ".join(text.get_text() for text in drawing.texts)
+    assert len(drawing.axes) == len(figures.PANELS) * len(shown)
+    for axis, record in zip(drawing.axes, shown.values(), strict=False):
+        lines = {line.get_label(): line for line in axis.lines}
+        np.testing.assert_array_equal(lines["desired path"].get_xydata()[0], item.path(0.0)[0])
+        np.testing.assert_array_equal(lines["actual path"].get_xydata(), record.pose[:, :2])
+        assert axis.get_aspect() == 1.0
+    drawing.savefig(tmp_path / "figure.png", dpi=40)
+
+
+def test_which_joint_is_at_which_limit_is_drawn():
+    item = replace(scenario("4.9"), tick=0.06)
+    job = Job(item, runs.laws_of(item, ["limits"])[0], "cascade:proxsuite")
+    record = run(job)
+    drawing = figures.draw(item, {job: record})
+    stripes = drawing.axes[-1].images[0].get_array()
+    assert stripes.shape[0] == 3
+    for joint in range(3):
+        kinds = (record.active["velocity"][:, joint] != 0) + 2 * (record.active["acceleration"][:, joint] != 0)
+        assert stripes[joint].max() == kinds.max()
+
+
+def test_reach():
+    """The ring of all places, by chains in random poses: none outside, and its edges are met."""
+    assert ideas.reach([0.5, 0.5, 0.5]) == (0.0, 1.5)
+    assert ideas.reach([1.0, 0.2, 0.3]) == pytest.approx((0.5, 1.5))
+    arm = scenario("4.3").arm
+    centre, inner, outer = ideas.reach_at(arm, np.pi / 2)
+    np.testing.assert_allclose(centre, [0.0, 0.5], atol=1e-15)
+    assert (inner, outer) == (0.0, 1.0)
+    rng = np.random.default_rng(0)
+    for q in rng.uniform(-np.pi, np.pi, (200, 3)):
+        q[2] = np.pi / 2 - q[0] - q[1]
+        assert np.linalg.norm(arm.points(q)[-1] - centre) <= outer + 1e-12
+
+
+@pytest.mark.parametrize("name", list(ideas.IDEAS))
+def test_ideas_are_drawn(name, tmp_path):
+    item = replace(scenario("4.3"), tick=0.3)
+    shown = {job: run(job) for law in ideas.IDEAS[name].laws for job in [Job(item, law, "cascade:proxsuite")]}
+    ideas.IDEAS[name].draw(shown).savefig(tmp_path / "idea.png", dpi=40)
+    assert (tmp_path / "idea.png").stat().st_size > 5000
+
+
+def test_a_run_that_several_figures_show_is_simulated_once(short_figures, tmp_path, monkeypatch):
+    simulated = []
+    monkeypatch.setattr(report, "run", lambda job: simulated.append(job) or runs.run(job))
+    rows = make(tmp_path, "4.6", "4.8")
+    assert len(simulated) == 1
+    assert [row.figure for row in rows] == ["4.6", "4.8"]
+    assert len(list((tmp_path / "runs").glob("*.npz"))) == 1
+
+
+def test_nothing_is_made_twice(short_figures, tmp_path, monkeypatch, capsys):
+    make(tmp_path, "4.7")
+    assert "3 runs simulated and 1 pictures drawn" in capsys.readouterr().out
+    picture = tmp_path / "figure-4.7.png"
+    before = picture.stat().st_mtime_ns
+    make(tmp_path, "4.7")
+    assert "0 runs simulated and 0 pictures drawn" in capsys.readouterr().out
+    assert picture.stat().st_mtime_ns == before
+    # What is gone, and only that, is made again.
+    picture.unlink()
+    next((tmp_path / "runs").glob("strict-*.npz")).unlink()
+    make(tmp_path, "4.7", "4.9")
+    assert "4 runs simulated and 2 pictures drawn" in capsys.readouterr().out
+
+
+def test_what_made_a_run_is_part_of_its_name(tmp_path, monkeypatch):
+    job = jobs_of(short("4.7"), "pseudoinverse")[0]
+    kept = store.Store(tmp_path)
+    others = [
+        replace(job, closed_form=not job.closed_form),
+        replace(job, backend="cascade:osqp"),
+        replace(job, law=runs.laws_of(job.scenario, ["damped"])[0]),
+        replace(job, scenario=replace(job.scenario, damping=0.2)),
+        replace(job, scenario=replace(job.scenario, lengths=(0.7, 0.7, 0.31))),
+    ]
+    assert len({kept.path(other) for other in [job, *others]}) == 6
+    assert kept.path(job) == kept.path(replace(job, scenario=replace(job.scenario, figure="5.1")))
+    before = kept.path(job)
+    monkeypatch.setattr(store, "sources", lambda **_: "other sources")
+    assert kept.path(job) != before
+
+
+def test_a_table_of_drawings_that_cannot_be_read_means_none(tmp_path):
+    (tmp_path / "drawn.json").write_text("[1, 2")
+    assert store.Drawn(tmp_path, tmp_path / "drawn.json").keys == {}
+
+
+def test_an_interruption_keeps_what_is_finished(short_figures, tmp_path, monkeypatch, capsys):
+    simulated = []
+
+    def interrupted(job):
+        if len(simulated) == 4:
+            raise KeyboardInterrupt
+        simulated.append(job)
+        return runs.run(job)
+
+    monkeypatch.setattr(report, "run", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        make(tmp_path, "4.7", "4.9")
+    assert len(list((tmp_path / "runs").glob("*.npz"))) == 4
+    monkeypatch.setattr(report, "run", runs.run)
+    make(tmp_path, "4.7", "4.9")
+    assert "2 runs simulated and 2 pictures drawn" in capsys.readouterr().out
+
+
+def test_ctrl_c_in_the_middle_and_on_again(tmp_path):
+    """The real command with its processes: interrupted once something is finished, it goes on where it was."""
+    script = (
+        "import sys; from dataclasses import replace; from tasks import cli; from tasks.thesis import scenarios as s;"
+        "s.SCENARIOS.update({k: replace(v, tick=0.06) for k, v in s.SCENARIOS.items()}); cli.main(sys.argv[1:])"
+    )
+    command = [sys.executable, "-c", script, "thesis", "-j", "2", "-o", str(tmp_path)]
+    command += [word for figure in ("4.7", "4.9", "4.15", "4.17") for word in ("-f", figure)]
+    first = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT)
+    deadline = time.monotonic() + 60
+    while len(list(tmp_path.glob("runs/*.npz"))) < 3:
+        assert time.monotonic() < deadline
+        assert first.poll() is None, first.stderr.read()
+        time.sleep(0.05)
+    first.send_signal(signal.SIGINT)
+    _, told = first.communicate()
+    assert first.returncode == 130
+    assert told.strip().endswith("hqp: interrupted; what was finished is kept")
+    kept = len(list(tmp_path.glob("runs/*.npz")))
+    assert 3 <= kept < 24
+    second = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
+    assert f"{24 - kept} runs simulated and 4 pictures drawn" in second.stdout
+
+
+@pytest.mark.parametrize("form", ["pdf", "svg"])
+def test_formats(form, short_figures, tmp_path):
+    make(tmp_path, "4.6", form=form)
+    head = (tmp_path / f"figure-4.6.{form}").read_bytes()[:5]
+    assert head in (b"%PDF-", b"<?xml")
+
+
+def test_animation(short_figures, tmp_path):
+    make(tmp_path, "4.7", animated=True)
+    with Image.open(tmp_path / "figure-4.7.gif") as picture:
+        assert picture.n_frames > 20
+
+
+@pytest.mark.parametrize(
+    ("names", "options", "told"),
+    [
+        (["4.99"], {}, "figure '4.99' is unknown"),
+        (["4.7"], {"form": "bmp"}, "format 'bmp' is unknown; available: png, pdf, svg"),
+        (["4.7"], {"laws": ["magic"]}, "law 'magic' is unknown; available: thesis, strict, limits, damped"),
+    ],
+)
+def test_refusals_come_before_the_work(names, options, told, tmp_path):
+    with pytest.raises(InvalidInput, match=told):
+        make(tmp_path / "new", *names, **options)
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_damaged_run_is_named(short_figures, tmp_path):
+    make(tmp_path, "4.6")
+    damaged = next((tmp_path / "runs").glob("tip-*.npz"))
+    damaged.write_bytes(damaged.read_bytes()[:1000])
+    with pytest.raises(InvalidInput, match=damaged.name):
+        make(tmp_path, "4.6")
