@@ -21,7 +21,7 @@ from hqp import InvalidInput, Status
 from .._checks import Array
 from ..robots.manipulability import Degrees
 
-#: What the first line of a saved record says; the number changes with the fields.
+#: What the head of a saved record says; the number changes with the fields.
 FORMAT = "hqp record 1"
 #: The fields which are arrays, those which are arrays or None, and those which are dicts of arrays.
 ARRAYS = ("t", "q", "v", "a", "pose", "checked_t", "ranks")
@@ -169,7 +169,7 @@ class Record:
                 members = dict(_members(archive))
             head = json.loads(str(members["head"]))
             if head["format"] != FORMAT:
-                raise InvalidInput(f"{str(file)!r} is a {head['format']!r}; it must be a {FORMAT!r}")
+                raise ValueError(f"its format is {head['format']!r}; it must be {FORMAT!r}")
             arrays: dict[str, Any] = {field: members[field] for field in ARRAYS}
             arrays |= {field: members.get(field) for field in OPTIONAL}
             for field in DICTS:
