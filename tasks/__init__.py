@@ -14,6 +14,7 @@ from __future__ import annotations
 from .damping import Damping
 from .joint_motion import JointMotion
 from .limits.acceleration import JointAccelerationLimit
+from .limits.position import JointPositionLimit
 from .limits.velocity import JointVelocityLimit
 from .motion.controller import Controller, Step
 from .motion.paths import Chain, Circle, Line, Polygon
@@ -41,6 +42,7 @@ __all__ = [
     "Fixed",
     "JointAccelerationLimit",
     "JointMotion",
+    "JointPositionLimit",
     "JointVelocityLimit",
     "Line",
     "Order",

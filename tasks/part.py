@@ -9,6 +9,7 @@ from ._checks import Array
 from .robots.robot import Robot, RobotState
 
 if TYPE_CHECKING:
+    from .limits.envelope import Envelope
     from .stack import Stack
 
 #: What the unknown x of the hierarchy is: joint velocities [rad/s], or joint accelerations [rad/s^2].
@@ -17,13 +18,18 @@ Order = Literal["velocity", "acceleration"]
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """One call of the controller: robot, its state, the time t [s], the order of control, the tick dt [s]."""
+    """One call of the controller.
+
+    Robot, its state, the time t [s], the order of control, the tick dt [s], and what the joint limits of the
+    stack know of each other.
+    """
 
     robot: Robot
     state: RobotState
     t: float
     order: Order
     dt: float | None
+    envelope: Envelope | None = None
 
 
 class Part:

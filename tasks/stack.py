@@ -10,6 +10,7 @@ from hqp import Hierarchy, InvalidInput, Level
 from hqp.checks import whole_number
 
 from ._checks import Array, per_row
+from .limits.envelope import Envelope
 from .part import Order, Part, Tick
 from .robots.robot import Robot, RobotState
 
@@ -99,7 +100,7 @@ class Stack:
         Raises
         ------
         InvalidInput
-            If a part does not fit the robot; names the part.
+            If a part does not fit the robot, or the rest of the stack; names the part.
         """
         return Rows(self, robot, order, dt)
 
@@ -125,12 +126,14 @@ class Rows:
                 own = slice(row, row + count(part, robot.nv))
                 row = own.stop
                 self._views.append((part, None if view.A is None else view.A[own], view.lower[own], view.upper[own]))
+        self._envelope = Envelope(((part, lower, upper) for part, _, lower, upper in self._views), robot, order)
 
     def fill(self, state: RobotState, t: float) -> Hierarchy:
         """Let every part write its rows for this state and time t [s]; the hierarchy, for convenience."""
-        tick = Tick(self._robot, state, t, self._order, self._dt)
+        tick = Tick(self._robot, state, t, self._order, self._dt, self._envelope)
         for part, A, lower, upper in self._views:
             part.write(tick, A, lower, upper)
+        self._envelope.reconcile(tick)
         return self.hierarchy
 
 

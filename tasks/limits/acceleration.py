@@ -6,10 +6,10 @@ from typing import ClassVar
 
 from .._checks import Array
 from ..part import Tick
-from .limit import JointLimit
+from .limit import SymmetricLimit
 
 
-class JointAccelerationLimit(JointLimit):
+class JointAccelerationLimit(SymmetricLimit):
     r"""No joint accelerates faster than its limit [rad/s^2].
 
     Acceleration order: :math:`-a_{max} \le a \le a_{max}`. Velocity order:

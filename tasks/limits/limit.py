@@ -15,7 +15,34 @@ from ..robots.robot import Robot
 
 
 class JointLimit(Part):
-    """Base of the limits that are one number a joint.
+    """Base of the joint limits: one row a joint, without a matrix.
+
+    The limits of one stack know of each other, see :mod:`tasks.limits.envelope`.
+
+    Attributes
+    ----------
+    quantity : str
+        What is limited: "position", "velocity" or "acceleration".
+    unit : str
+        The unit of the quantity.
+    """
+
+    plain: ClassVar[bool] = True
+    quantity: ClassVar[str]
+    unit: ClassVar[str]
+    rows = None
+
+    def __init__(self, name: str | None) -> None:
+        self.name = self.quantity if name is None else of_type(name, str, f"name of a {type(self).__name__}")
+        self.weight = numbers(1.0, "weight")
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        if dt is None and order != self.quantity:
+            raise InvalidInput(f"{self.label()}: at {order} order it needs the tick; give the controller dt in s")
+
+
+class SymmetricLimit(JointLimit):
+    """Base of the limits that are one number a joint, the same in both directions.
 
     Parameters
     ----------
@@ -29,15 +56,9 @@ class JointLimit(Part):
         If a limit is not positive, or larger than 1e15.
     """
 
-    plain: ClassVar[bool] = True
-    quantity: ClassVar[str]
-    unit: ClassVar[str]
-    rows = None
-
     def __init__(self, limit: ArrayLike | None = None, *, name: str | None = None) -> None:
-        self.name = self.quantity if name is None else of_type(name, str, f"name of a {type(self).__name__}")
+        super().__init__(name)
         self.limit = None if limit is None else positive(limit, f"{self.label()}: limit", unit=self.unit)
-        self.weight = numbers(1.0, "weight")
 
     def largest(self, robot: Robot) -> Array:
         """The limit of each joint of this robot, shape (nv,), in the unit of the class.
@@ -57,8 +78,7 @@ class JointLimit(Part):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.largest(robot)
-        if dt is None and order != self.quantity:
-            raise InvalidInput(f"{self.label()}: at {order} order it needs the tick; give the controller dt in s")
+        super().check(robot, order, dt)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({'' if self.limit is None else self.limit.tolist()})"

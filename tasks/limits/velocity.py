@@ -6,10 +6,10 @@ from typing import ClassVar
 
 from .._checks import Array
 from ..part import Tick
-from .limit import JointLimit
+from .limit import SymmetricLimit
 
 
-class JointVelocityLimit(JointLimit):
+class JointVelocityLimit(SymmetricLimit):
     r"""No joint turns faster than its limit [rad/s].
 
     Velocity order: :math:`-v_{max} \le x \le v_{max}`. Acceleration order:

@@ -1,0 +1,161 @@
+r"""How far the joints may turn.
+
+A joint keeps its range only if it begins to brake in time. Both orders choose the velocity p at the end of the
+tick; from there it can stop by :math:`p, p - s, p - 2 s, \dots, 0`, a tick each, with :math:`s = a_{max} dt`. The
+largest p with which the tick and the stop take no more than the room in front of the joint is
+
+.. math::
+
+    p_{max}(D) &= \frac{D/dt + s\, m (m + 1)/2}{m + 1}, \qquad
+        m = \Bigl\lfloor \tfrac12 \Bigl(\sqrt{1 + 8 D / (s\, dt)} - 1\Bigr) \Bigr\rfloor \\
+    D &= q_{max} - q \quad \text{(velocity order)}, \qquad
+        q_{max} - q - \tfrac12 v\, dt \quad \text{(acceleration order)}
+
+where m is the number of whole steps s below p, and D the room less what is spent before p counts: at acceleration
+order :math:`q^+ = q + (v + p) dt / 2`. The lower side is the mirror image. Whatever p is chosen, the next tick can
+choose :math:`p - s`, or 0: the state stays viable, which is the idea of A. Del Prete, "Joint position and velocity
+bounds in discrete-time acceleration/torque control of robot arms", IEEE Robotics and Automation Letters 3(1), 2018.
+Here the stop takes whole ticks, so that it ends *on* the limit and without a reversal.
+
+D < 0 means that the joint is, or will be, outside. Then m = 0, and :math:`p \le \max(D/dt, -r)` drives it back,
+
+.. math:: r = \min(\text{return speed},\ v_{max},\ p_{max}(D') \text{ of the opposite side}),
+
+to rest on the limit: from near it in one tick at velocity order, in two at acceleration order. As
+:math:`D + D' = q_{max} - q_{min} > 0`, at most one side is negative, and the two never exclude each other.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from .._checks import LARGEST, Array, numbers, position_range, positive_scalar
+from ..part import Order, Tick
+from ..robots.robot import Robot
+from .limit import JointLimit
+
+#: How fast a joint that is outside is driven back, unless told otherwise [rad/s].
+RETURN_SPEED = 0.5
+#: The most that a joint without an acceleration limit changes its speed in a tick [rad/s].
+UNLIMITED = float(np.finfo(np.float64).max)
+
+
+class JointPositionLimit(JointLimit):
+    r"""No joint leaves its range [rad], and one that is outside is driven back into it.
+
+    Velocity order: :math:`-p_{max}(D_{lower}) \le x \le p_{max}(D_{upper})`. Acceleration order:
+    :math:`(-p_{max}(D_{lower}) - v)/dt \le a \le (p_{max}(D_{upper}) - v)/dt`. See :mod:`tasks.limits.position`
+    for :math:`p_{max}`, and :mod:`tasks.limits.envelope` for how the limits of one stack get on with each other.
+
+    The braking a_max is that of the acceleration limits in the stack, else the robot's own. With neither,
+    braking is unlimited at velocity order, and refused at acceleration order.
+
+    Parameters
+    ----------
+    lower, upper : float or array, shape (nv,), optional
+        Lowest and highest positions [rad]; infinite where a joint turns freely. Both, or neither for the
+        robot's own.
+    return_speed : float
+        How fast, at most, the limit itself drives a joint back [rad/s].
+    name : str, optional
+
+    Raises
+    ------
+    InvalidInput
+        If only one of the two is given, a lowest position is not below the highest, or the return
+        speed is not positive.
+    """
+
+    quantity: ClassVar[str] = "position"
+    unit: ClassVar[str] = "rad"
+
+    def __init__(
+        self,
+        lower: ArrayLike | None = None,
+        upper: ArrayLike | None = None,
+        *,
+        return_speed: float = RETURN_SPEED,
+        name: str | None = None,
+    ) -> None:
+        super().__init__(name)
+        self.return_speed = positive_scalar(return_speed, f"{self.label()}: return speed", unit="rad/s")
+        self.lower = self.upper = None
+        if lower is not None and upper is not None:
+            self.lower, self.upper = numbers(lower, f"{self.label()}: lower"), numbers(upper, f"{self.label()}: upper")
+            position_range((self.lower, self.upper), max(self.lower.size, self.upper.size), f"{self.label()}: range")
+        elif lower is not None or upper is not None:
+            missing = "upper" if upper is None else "lower"
+            raise InvalidInput(f"{self.label()}: {missing} is missing; give both in rad, infinite where a side is free")
+
+    def range(self, robot: Robot) -> Array:
+        """Lowest and highest position of each joint of this robot [rad], shape (2, nv).
+
+        Raises
+        ------
+        InvalidInput
+            If neither this limit nor the robot has a range, or there is not one a joint.
+        """
+        own = getattr(robot, "position_limit", None)
+        if self.lower is not None and self.upper is not None:
+            own = self.lower, self.upper
+        elif own is None:
+            raise InvalidInput(
+                f"{self.label()}: the robot has no position limit of its own;"
+                f" give one in {self.unit}: {type(self).__name__}(-2.0, 2.0)"
+            )
+        return position_range(own, robot.nv, f"{self.label()}: range")
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        self.range(robot)
+        super().check(robot, order, dt)
+        if robot.nq != robot.nv:
+            raise InvalidInput(
+                f"{self.label()}: the robot has {robot.nq} positions and {robot.nv} velocities;"
+                " a position limit needs one of each a joint"
+            )
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        assert tick.dt is not None  # checked before the first tick
+        assert tick.envelope is not None
+        q, v, dt = tick.state.q, tick.state.v, tick.dt
+        accelerating = tick.order == "acceleration"
+        room = tick.envelope.ranges[self] - (q + 0.5 * dt * v if accelerating else q)
+        room[0] *= -1.0  # what is below the joint, and what is above it
+        p = largest_velocity(room, tick.envelope.acceleration, dt)
+        back = np.minimum(self.return_speed, tick.envelope.velocity)
+        # No limit drives the joint faster than r. Where it drives nothing, p is not negative and stays.
+        p = np.maximum(p, -np.minimum(back, np.maximum(p[::-1], 0.0)))
+        if accelerating:
+            lower[:], upper[:] = (-p[0] - v) / dt, (p[1] - v) / dt
+        else:
+            lower[:], upper[:] = -p[0], p[1]
+
+    def __repr__(self) -> str:
+        parts = [] if self.lower is None or self.upper is None else [str(self.lower.tolist()), str(self.upper.tolist())]
+        if self.return_speed != RETURN_SPEED:
+            parts.append(f"return_speed={self.return_speed:g}")
+        return f"{type(self).__name__}({', '.join(parts)})"
+
+
+def largest_velocity(room: Array, acceleration: Array, dt: float) -> Array:
+    """p_max of the module's docstring: the largest velocity [rad/s] from which a joint can stop in time.
+
+    Parameters
+    ----------
+    room : array, shape (..., nv)
+        D [rad]; infinite where a joint turns freely, negative outside.
+    acceleration : array, shape (nv,)
+        a_max [rad/s^2]; infinite if braking is unlimited.
+    dt : float
+        [s].
+    """
+    step = np.minimum(acceleration * dt, UNLIMITED)
+    rate = np.minimum(room, LARGEST) / dt
+    steps = np.floor(0.5 * (np.sqrt(1.0 + 8.0 * np.maximum(rate, 0.0) / step) - 1.0))
+    p = (rate + step * (0.5 * steps * (steps + 1.0))) / (steps + 1.0)
+    return np.where(room > LARGEST, np.inf, p)
