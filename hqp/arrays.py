@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from numbers import Real
 from reprlib import repr as brief
 from typing import Any
@@ -58,3 +59,14 @@ def finite_vector(value: ArrayLike, n: int, what: str) -> Array:
         index = int(np.argmin(np.isfinite(vector)))
         raise InvalidInput(f"{what}[{index}] = {vector[index]} must be finite")
     return vector
+
+
+def length(vector: Array) -> float:
+    """Euclidean norm."""
+    return math.sqrt(vector @ vector)
+
+
+def lengths(rows: Array) -> Array:
+    """Euclidean norm of each row."""
+    norms: Array = np.sqrt((rows * rows).sum(axis=1))
+    return norms

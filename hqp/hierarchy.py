@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from .arrays import Array, Indices
+from .arrays import Array, Indices, lengths
 from .checks import whole_number
 from .errors import InvalidInput
 from .level import Level
@@ -72,7 +72,6 @@ class Hierarchy:
 
     n: int
     m: int
-    levels: tuple[Level, ...]
     A: Array
     lower: Array
     upper: Array
@@ -99,12 +98,16 @@ class Hierarchy:
                 mine.A[:] = level.A
 
     def _lay(self, buffer: Array) -> None:
-        """Cut one buffer into A, lower, upper, weights, and these into the levels' views."""
+        """Cut one buffer into A, lower, upper, weights."""
         n, m = self.n, self.m
         dense = len(self._dense)
         self._buffer = buffer
         self.A = buffer[: dense * n].reshape(dense, n)
         self.lower, self.upper, self.weights = buffer[dense * n :].reshape(3, m)
+
+    @cached_property
+    def levels(self) -> tuple[Level, ...]:
+        """The levels, as views into the arrays."""
         levels, row = [], 0
         for k, name in enumerate(self._names):
             own = slice(self.pointers[k], self.pointers[k + 1])
@@ -116,12 +119,13 @@ class Hierarchy:
                 indices = self.columns[own]
             view = object.__new__(Level)
             levels.append(view._hold(A, self.lower[own], self.upper[own], self.weights[own], indices, name))
-        self.levels = tuple(levels)
+        return tuple(levels)
 
     def copy(self) -> Hierarchy:
         """A snapshot with numbers of its own: one buffer copied, the structure shared."""
         twin = object.__new__(Hierarchy)
         twin.__dict__.update(self.__dict__)
+        twin.__dict__.pop("levels", None)  # the twin's are views of its own numbers, cut when asked for
         twin._lay(self._buffer.copy())
         return twin
 
@@ -129,6 +133,14 @@ class Hierarchy:
         """Dense rows of level k, shape (m_k, n): a view for rows, a fresh 0/1 matrix for plain bounds."""
         level = self.levels[k]
         return level.A if level.A is not None else np.eye(self.n)[level.indices]
+
+    def dense(self) -> Array:
+        """Rows of all levels, shape (m, n): the view A, or a fresh matrix with a 0/1 row for each plain bound."""
+        if self._all_dense:
+            return self.A
+        rows = np.eye(self.n)[self.columns]
+        rows[self._dense] = self.A
+        return rows
 
     def product(self, x: Array) -> Array:
         """``A x`` over the rows of all levels, shape (m,); plain bounds just pick their variable."""
@@ -142,6 +154,7 @@ class Hierarchy:
         """Euclidean norm of every row, shape (m,); 1 for a plain bound, 0 for a row shorter than 1e-30."""
         norms = np.ones(self.m)
         norms[self._dense] = lengths(self.A)
+        norms[norms < 1.0 / LARGEST] = 0.0
         return norms
 
     @cached_property
@@ -168,6 +181,9 @@ class Hierarchy:
 
     def find_fault(self) -> str | None:
         """The first number that cannot mean anything, as a sentence naming level and row, or None."""
+        plain = (np.abs(self._buffer) <= LARGEST).all() and (self.weights >= 1.0 / LARGEST).all()
+        if plain and (self.lower <= self.upper).all():
+            return None  # without infinite bounds this is all there is to ask
         if not (np.abs(self.A) <= LARGEST).all():
             row, column = np.argwhere(~(np.abs(self.A) <= LARGEST))[0]
             what, value = f"A[{column}]", self.A[row, column]
@@ -233,13 +249,6 @@ def _unknowns(levels: Sequence[Level], n: int | None) -> int:
             row = int(np.argmax(level.indices >= n))
             raise InvalidInput(f"{label}, row {row}: index {level.indices[row]}, but the hierarchy has {n} unknowns")
     return n
-
-
-def lengths(rows: Array) -> Array:
-    """Euclidean norm of each row; one shorter than 1e-30 is a zero row."""
-    norms: Array = np.sqrt(np.einsum("ij,ij->i", rows, rows))
-    norms[norms < 1.0 / LARGEST] = 0.0
-    return norms
 
 
 def _allowed(value: float) -> str:

@@ -8,7 +8,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import Array
+from .arrays import Array, length
 from .hierarchy import Hierarchy
 
 #: Round-off of A x, in units of the largest length that takes part in it.
@@ -57,12 +57,16 @@ def excess(value: Array, lower: Array, upper: Array) -> Array:
     return value - np.minimum(np.maximum(value, lower), upper)
 
 
-def allowance(value: Array, slack: Array, norms: Array, length: float, tolerance: float) -> Array:
-    """How far each row may be from its bound and still count as on it; `length` is ``||x||``."""
-    allowed = tolerance * (np.abs(value) + np.abs(value - slack) + LENGTH * norms * length)
-    # Where x is itself the small difference of large targets, ||x|| says nothing of the round-off in it.
-    reach = np.divide(np.abs(slack), norms, out=np.zeros_like(norms), where=norms > 0).max(initial=0.0)
-    return allowed + ROUND_OFF * norms * max(length, float(reach))
+def allowance(
+    value: Array, slack: Array | float, norms: Array | float, size: float, reach: float, tolerance: float
+) -> Array:
+    """How far each row may be from its bound and still count as on it.
+
+    `size` is ``||x||``, and `reach` the distance of the farthest row from its bounds: where x is itself the
+    small difference of large targets, ||x|| says nothing of the round-off in it.
+    """
+    flat = tolerance * LENGTH * size + ROUND_OFF * max(size, reach)
+    return tolerance * (np.abs(value) + np.abs(value - slack)) + flat * norms
 
 
 def row_states(hierarchy: Hierarchy, x: Array, tolerance: float) -> RowStates:
@@ -72,7 +76,8 @@ def row_states(hierarchy: Hierarchy, x: Array, tolerance: float) -> RowStates:
         value = hierarchy.product(x)
     slack = excess(value, lower, upper)
     norms = hierarchy.row_norms()
-    allowed = allowance(value, slack, norms, float(np.sqrt(x @ x)), tolerance)
+    reach = float((np.abs(slack) / np.where(norms > 0, norms, np.inf)).max(initial=0.0))
+    allowed = allowance(value, slack, norms, length(x), reach, tolerance)
 
     at_upper = value >= upper - allowed
     at_lower = value <= lower + allowed

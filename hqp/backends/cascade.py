@@ -14,21 +14,20 @@ strictly convex and cost no accuracy. Then one equality least squares on the act
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import defaultdict
 
 import numpy as np
 
 from ..arrays import Array
 from ..errors import HqpError
 from ..hierarchy import Hierarchy
-from ..level import Level
 from ..qp import FlatQP, FlatResult, FlatSolver, Sizes, make_flat_solver
 from ..settings import Settings
 from ..solution import Counts, Status
 from .base import Answer
 from .flat import flat_qp, step_scales
 from .polish import polish
-from .subproblem import LevelProblem, LevelRows, Signs, State
+from .subproblem import LevelProblem, LevelRows, Signs, State, objective
 
 #: Flat solvers kept for warm starts: sizes change with the active set, and come back.
 MOST_SOLVERS = 64
@@ -41,7 +40,7 @@ RETREAT = (1e3, 1e6)
 
 
 #: The running :class:`hqp.Counts` of one solve, by the names of its fields.
-Tally = Counter[str]
+Tally = defaultdict[str, int]
 
 
 class LevelFailed(HqpError):
@@ -61,20 +60,22 @@ class Cascade:
         self.flat.clear()
 
     def solve(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
-        state, tally = State.start(x_ref.copy()), Tally()
-        last = Level.bounds(x_ref, x_ref, indices=np.arange(hierarchy.n), name="min ||x - x_ref||")
-        levels = [(level, hierarchy.matrix(k)) for k, level in enumerate(hierarchy.levels)]
-        for k, (level, A) in enumerate([*levels, (last, np.eye(hierarchy.n))]):
-            rows = LevelRows.of(level, A)
+        state, tally = State.start(x_ref.copy()), Tally(int)
+        last = len(hierarchy.levels)
+        for k, rows in enumerate(LevelRows.of(hierarchy, x_ref)):
             try:
-                y, pressing = self._solve_level(k, rows.problem(state, self.settings), tally)
-                if level is last:
+                here = rows.at(state.x, self.settings)
+                y, pressing = self._solve_level(k, rows.problem(state, here, self.settings), tally)
+                if k == last:
                     return Answer(state.x + state.Z @ y, counts=Counts(**tally))
-                state = rows.freeze(state, y, pressing, self.settings)
+                state = rows.freeze(state, here, y, pressing, self.settings)
             except (LevelFailed, np.linalg.LinAlgError) as failure:
-                label = last.name if level is last else hierarchy.label(k)
+                label = hierarchy.label(k) if k < last else "min ||x - x_ref||"
                 message = f"{label}: {self.solver} failed ({failure}); x is optimal for the levels above"
                 return Answer(state.x, Status.FAILED, message, k, Counts(**tally))
+            if not state.Z.size:  # nothing is left to move
+                tally["levels_met"] += last - k
+                return Answer(state.x, counts=Counts(**tally))
         raise AssertionError("the implicit last level always comes last")
 
     def _solve_level(self, k: int, problem: LevelProblem, tally: Tally) -> tuple[Array, Signs]:
@@ -149,8 +150,7 @@ def _nothing_to_do(problem: LevelProblem) -> bool:
     """Whether y = 0 is optimal without asking anybody: no unknown, no slack, or no slope."""
     if not problem.B.size:
         return True
-    w = problem.slacks(np.zeros(problem.B.shape[1]))
-    w[np.abs(w) <= problem.slack] = 0.0
+    w = np.where(np.abs(problem.still) > problem.slack, problem.still, 0.0)
     slope = np.abs(problem.B.T @ w).max()
     return bool(slope <= 1e-13 * float(problem.norms @ (np.abs(w) + problem.slack)))
 
@@ -160,17 +160,15 @@ def _credible(problem: LevelProblem, y: Array, scale: float) -> bool:
     if not np.isfinite(y).all():
         return False
     slop = CREDIBLE * scale * float(problem.norms.max())
-    still = problem.objective(np.zeros_like(y))
-    return (
-        problem.infeasibility(y) <= CREDIBLE * scale and problem.objective(y) <= still * (1.0 + CREDIBLE) + slop * slop
-    )
+    enough = objective(problem.still) * (1.0 + CREDIBLE) + slop * slop
+    return problem.infeasibility(y) <= CREDIBLE * scale and objective(problem.slacks(y)) <= enough
 
 
 def _no_worse(problem: LevelProblem, polished: Array, y: Array) -> bool:
     """Whether an unverified polish is lexicographically no worse than y: the levels above first, then this one."""
     problem = problem.reaching(y)
-    ranked = [(problem.infeasibility(point), problem.objective(point)) for point in (polished, y)]
-    return ranked[0] <= ranked[1] and ranked[0][1] <= problem.objective(np.zeros_like(y))
+    ranked = [(problem.infeasibility(point), objective(problem.slacks(point))) for point in (polished, y)]
+    return ranked[0] <= ranked[1] and ranked[0][1] <= objective(problem.still)
 
 
 def make(name: str, settings: Settings) -> Cascade:

@@ -7,6 +7,7 @@ conditions say which, the guess is mended and the least squares solved again, a 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from ..arrays import Array
-from ..subspace import split
+from .lapack import least_squares, row_space
 from .subproblem import LevelProblem, Signs
 
 #: Rounds of mending: all faults at once, and after these one at a time.
@@ -55,11 +56,10 @@ def polish(problem: LevelProblem, y: Array, pressing: Signs, rank_tolerance: flo
     problem = problem.reaching(y)
     active = pressing.copy()
     w = problem.slacks(y)
-    equality = problem.lower == problem.upper
-    pulled: Signs = np.where(np.abs(w) > BLUR * problem.norms, np.sign(w), 0).astype(np.int8)
+    pulled: Signs = (np.sign(w) * (np.abs(w) > BLUR * problem.norms)).astype(np.int8)
     for turn in range(1, ROUNDS + 1):
-        y = _least_squares(problem, y, active, pulled, equality, rank_tolerance)
-        faults, presses = _faults(problem, y, active, pulled, equality)
+        y = _least_squares(problem, y, active, pulled, rank_tolerance)
+        faults, presses = _faults(problem, y, active, pulled)
         if not faults:
             return Polished(y, True, np.where(presses, active, 0).astype(np.int8), turn)
         rows = [fault for fault in faults if fault.kind != "slope"]
@@ -68,49 +68,27 @@ def polish(problem: LevelProblem, y: Array, pressing: Signs, rank_tolerance: flo
     return Polished(y, False, active, ROUNDS)
 
 
-def _least_squares(
-    problem: LevelProblem, y: Array, active: Signs, pulled: Signs, equality: NDArray[np.bool_], rank_tolerance: float
-) -> Array:
+def _least_squares(problem: LevelProblem, y: Array, active: Signs, pulled: Signs, rank_tolerance: float) -> Array:
     """Smallest step from y to the least squares of the pulled rows on the active hard rows."""
-    hard = np.flatnonzero(active)
-    rows = problem.N[hard]
-    goal = np.where(active[hard] > 0, problem.high[hard], problem.low[hard]) - problem.place[hard]
-    fixed, Z = split(rows, np.ones(len(hard)), rank_tolerance)
+    hard, Z = np.flatnonzero(active), np.eye(len(y))
     if len(hard):
-        y = y + fixed @ np.linalg.lstsq(rows @ fixed, goal - rows @ y, rcond=None)[0]
-    chosen = equality | (pulled != 0)
-    target = np.where(pulled > 0, problem.upper, problem.lower)[chosen]
+        rows = problem.N[hard]
+        goal = np.where(active[hard] > 0, problem.high[hard], problem.low[hard])
+        fixed, Z = row_space(rows, rank_tolerance)
+        y = y + fixed @ least_squares(rows @ fixed, goal - rows @ y)
+    chosen = problem.equality | (pulled != 0)
+    gap = (np.where(pulled > 0, problem.upper, problem.lower) - problem.B @ y)[chosen]
     rows = problem.B[chosen] @ Z
-    span, _ = split(rows, problem.norms[chosen], rank_tolerance)
-    if span.shape[1]:
-        gap = target - problem.value[chosen] - problem.B[chosen] @ y
-        y = y + Z @ (span @ np.linalg.lstsq(rows @ span, gap, rcond=None)[0])
-    return y
+    span, _ = row_space(rows / problem.norms[chosen, None], rank_tolerance)
+    return y + Z @ (span @ least_squares(rows @ span, gap))
 
 
-def _faults(
-    problem: LevelProblem, y: Array, active: Signs, pulled: Signs, equality: NDArray[np.bool_]
-) -> tuple[list[Fault], NDArray[np.bool_]]:
+def _faults(problem: LevelProblem, y: Array, active: Signs, pulled: Signs) -> tuple[list[Fault], NDArray[np.bool_]]:
     """What contradicts optimality at y, the worst first, and which hard rows carry force."""
-    place, value = problem.place + problem.N @ y, problem.value + problem.B @ y
-    faults: list[Fault] = []
-    for sign, beyond in ((1, place - problem.high), (-1, problem.low - place)):
-        # A hard row that is active and yet outside: the active rows contradict each other.
-        faults += [
-            Fault(float(beyond[row]), "hard", int(row), sign if active[row] != sign else 0)
-            for row in np.flatnonzero(beyond > problem.margin)
-        ]
-    for sign, beyond in ((1, value - problem.upper), (-1, problem.lower - value)):
-        ignored = ~equality & (pulled != sign) & (beyond > problem.slack)
-        overshot = ~equality & (pulled == sign) & (beyond < -ROUNDED * problem.slack)
-        faults += [
-            Fault(float(abs(beyond[row]) / problem.norms[row]), "level", int(row), sign if ignored[row] else 0)
-            for row in np.flatnonzero(ignored | overshot)
-        ]
-
-    w = np.where(equality | (pulled != 0), problem.slacks(y), 0.0)
+    faults = [*_outside(problem, y, active), *_misjudged(problem, y, pulled)]
+    w = np.where(problem.equality | (pulled != 0), problem.slacks(y), 0.0)
     pressing = np.zeros(len(active), dtype=np.bool_)
-    if np.any(np.abs(w) > problem.slack):
+    if (np.abs(w) > problem.slack).any():
         force = float(problem.norms @ np.abs(w))
         hard = np.flatnonzero(active)
         gradient = problem.B.T @ w / force
@@ -121,6 +99,29 @@ def _faults(
         faults += [Fault(float(-multipliers[i]), "hard", int(hard[i]), 0) for i in np.flatnonzero(multipliers < -PULL)]
         pressing[hard] = multipliers > PRESS
     return sorted(faults, reverse=True), pressing
+
+
+def _outside(problem: LevelProblem, y: Array, active: Signs) -> Iterator[Fault]:
+    """Hard rows beyond a bound, active or not: then the active rows contradict each other."""
+    if not len(active):
+        return
+    place = problem.N @ y
+    for sign, beyond in ((1, place - problem.high), (-1, problem.low - place)):
+        for row in np.flatnonzero(beyond > problem.margin):
+            yield Fault(float(beyond[row]), "hard", int(row), sign if active[row] != sign else 0)
+
+
+def _misjudged(problem: LevelProblem, y: Array, pulled: Signs) -> Iterator[Fault]:
+    """Inequalities of the level that are violated and not pulled, or pulled and no longer violated."""
+    if problem.equality.all():
+        return
+    value = problem.B @ y
+    for sign, beyond in ((1, value - problem.upper), (-1, problem.lower - value)):
+        ignored = ~problem.equality & (pulled != sign) & (beyond > problem.slack)
+        overshot = ~problem.equality & (pulled == sign) & (beyond < -ROUNDED * problem.slack)
+        for row in np.flatnonzero(ignored | overshot):
+            size = abs(beyond[row]) / problem.norms[row]
+            yield Fault(float(size), "level", int(row), sign if ignored[row] else 0)
 
 
 def _balance(outward: Array, gradient: Array) -> tuple[Array, float]:

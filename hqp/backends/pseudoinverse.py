@@ -21,9 +21,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, lengths
 from ..errors import InvalidInput, Unsupported
-from ..hierarchy import Hierarchy, lengths
+from ..hierarchy import LARGEST, Hierarchy
 from ..level import Level
 from ..settings import Settings
 from ..solution import Status
@@ -85,7 +85,7 @@ def equality_tasks(hierarchy: Hierarchy) -> list[tuple[Array, Array]]:
                 f' the closed form takes equality rows only: use backend="{INEQUALITIES_GO_TO}"'
             )
         A = hierarchy.matrix(k)
-        says = equal & (lengths(A) > 0)
+        says = equal & (lengths(A) >= 1.0 / LARGEST)
         weights = level.weights[says]
         tasks.append((weights[:, None] * A[says], weights * level.lower[says]))
     return tasks

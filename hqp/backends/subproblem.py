@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
-from ..hierarchy import lengths
-from ..level import Level
+from ..arrays import Array, length, lengths
+from ..hierarchy import Hierarchy
 from ..rows import allowance, excess
 from ..settings import Settings
-from ..subspace import split
+from .lapack import row_space
 
 Signs = NDArray[np.int8]
 
@@ -20,131 +21,154 @@ Signs = NDArray[np.int8]
 REACH = 64 * np.finfo(np.float64).eps
 
 
-@dataclass(frozen=True, eq=False)
-class LevelProblem:
+class LevelProblem(NamedTuple):
     """One level in coordinates y of the null space Z that the levels above left: x + Z y.
 
-        min 1/2 sum_i dist(value_i + B_i y, [lower_i, upper_i])^2   subject to   low <= place + N y <= high
+        min 1/2 sum_i dist(B_i y, [lower_i, upper_i])^2   subject to   low <= N y <= high
 
-    Rows B belong to the level, rows N to the satisfied inequalities of the levels above.
-    `value` is ``A x`` and `place` is ``N_x x`` at y = 0; `norms` are those of the rows before
-    projection (the hard rows had norm one); `slack` and `margin` are the tolerances on both at y = 0.
+    Rows B belong to the level, rows N to the satisfied inequalities of the levels above. All bounds are
+    seen from x: at y = 0 a row is 0 and the slacks of the level are `still`. `equality` marks the rows whose
+    bounds are one; `norms` are those of the rows before projection (the hard rows had norm one); `slack` and
+    `margin` are the tolerances on both at y = 0; `asked` is the longest step that a row asks for on its own.
     """
 
     B: Array
-    value: Array
     lower: Array
     upper: Array
+    equality: NDArray[np.bool_]
     norms: Array
+    still: Array
     slack: Array
     N: Array
-    place: Array
     low: Array
     high: Array
     margin: Array
+    asked: float
 
     def reaching(self, y: Array) -> LevelProblem:
         """The same problem with the round-off of rows at y in its tolerances."""
-        more = REACH * float(np.linalg.norm(y))
-        return replace(self, slack=self.slack + more * self.norms, margin=self.margin + more)
+        more = REACH * length(y)
+        return self._replace(slack=self.slack + more * self.norms, margin=self.margin + more)
 
     def slacks(self, y: Array) -> Array:
         """The slacks w of the level's rows at y."""
-        return excess(self.value + self.B @ y, self.lower, self.upper)
-
-    def objective(self, y: Array) -> float:
-        """``1/2 ||w||^2``."""
-        w = self.slacks(y)
-        return 0.5 * float(w @ w)
+        return excess(self.B @ y, self.lower, self.upper)
 
     def infeasibility(self, y: Array) -> float:
         """How far the worst hard row is outside, beyond its tolerance; 0 if none is."""
-        place = self.place + self.N @ y
-        return float(np.maximum(np.maximum(place - self.high, self.low - place) - self.margin, 0.0).max(initial=0.0))
+        if not len(self.N):
+            return 0.0
+        place = self.N @ y
+        return float((np.maximum(place - self.high, self.low - place) - self.margin).max(initial=0.0))
 
 
-@dataclass(frozen=True, eq=False)
-class State:
+def objective(w: Array) -> float:
+    """``1/2 ||w||^2`` of the slacks w of a level."""
+    return 0.5 * float(w @ w)
+
+
+class Standing(NamedTuple):
+    """Where rows stand at an x: ``A x``, its slack, the distance of x from the bounds, and the slack that is none."""
+
+    value: Array
+    slack: Array
+    distance: Array
+    tolerance: Array
+
+
+class State(NamedTuple):
     """Where the sequence stands between two levels.
 
-    x is optimal for the levels done; ``x + Z y`` keeps their equalities and violated rows; N, low,
-    high are their satisfied inequalities, as rows of norm one.
+    x is optimal for the levels done; ``x + Z y`` keeps their equalities and violated rows. Their satisfied
+    inequalities are `hard`, shape (h, n + 2): rows N of norm one, with lower and upper bound in the last two
+    columns. `moved` is ``N Z``.
     """
 
     x: Array
     Z: Array
-    N: Array
-    low: Array
-    high: Array
+    hard: Array
+    moved: Array
 
-    @classmethod
-    def start(cls, x: Array) -> State:
+    @staticmethod
+    def start(x: Array) -> State:
         """Before the first level: everything is free."""
         n = len(x)
-        return cls(x, np.eye(n), np.zeros((0, n)), np.zeros(0), np.zeros(0))
+        return State(x, np.eye(n), np.zeros((0, n + 2)), np.zeros((0, n)))
+
+    def room(self, settings: Settings) -> tuple[Array, Array, Array]:
+        """How far down and up from x the hard rows may go, x itself being allowed, and their tolerances."""
+        rows, low, high = self.hard[:, :-2], self.hard[:, -2], self.hard[:, -1]
+        if not len(rows):
+            return low, high, low
+        place = rows @ self.x
+        margin = allowance(place, 0.0, 1.0, length(self.x), 0.0, settings.tolerance)
+        return np.minimum(low - place, 0.0), np.maximum(high - place, 0.0), margin
 
 
-@dataclass(frozen=True, eq=False)
-class LevelRows:
-    """The rows of a level that say anything, weighted; zero rows and free rows do not."""
+class LevelRows(NamedTuple):
+    """The rows of a level that say anything, weighted; zero rows and free rows do not.
+
+    `unit`, shape (m, n + 2), holds A, lower and upper divided by the norms.
+    """
 
     A: Array
     lower: Array
     upper: Array
+    equality: NDArray[np.bool_]
     norms: Array
+    unit: Array
 
     @classmethod
-    def of(cls, level: Level, A: Array) -> LevelRows:
-        """Of a level whose dense rows are A."""
-        norms = level.weights * lengths(A)
-        says = (norms > 0) & ((level.lower > -np.inf) | (level.upper < np.inf))
-        weights = level.weights[says]
-        return cls(weights[:, None] * A[says], weights * level.lower[says], weights * level.upper[says], norms[says])
+    def of(cls, hierarchy: Hierarchy, x_ref: Array) -> Iterator[LevelRows]:
+        """Of the levels of a hierarchy, the highest first, and then of the implicit last one."""
+        n, weights = hierarchy.n, hierarchy.weights
+        norms = weights * hierarchy.row_norms()
+        says = (norms > 0) & ((hierarchy.lower > -np.inf) | (hierarchy.upper < np.inf))
+        weighted = weights[:, None] * hierarchy.dense(), weights * hierarchy.lower, weights * hierarchy.upper, norms
+        A, lower, upper, norms = (part[says] for part in weighted)
+        unit = np.concatenate([A, lower[:, None], upper[:, None]], axis=1) / norms[:, None]
+        whole = cls(A, lower, upper, lower == upper, norms, unit)
+        for begin, end in pairwise([np.count_nonzero(says[:end]) for end in hierarchy.pointers]):
+            yield cls._make(part[begin:end] for part in whole)
+        yield cls(np.eye(n), x_ref, x_ref, np.ones(n, dtype=np.bool_), np.ones(n), np.zeros((0, n + 2)))
 
-    def tolerances(self, x: Array, settings: Settings) -> Array:
-        """How far each row may be from its bound at x."""
-        value = self.A @ x
-        length = float(np.linalg.norm(x))
-        return allowance(value, excess(value, self.lower, self.upper), self.norms, length, settings.tolerance)
-
-    def problem(self, state: State, settings: Settings) -> LevelProblem:
-        """The level in y: rows that y cannot move are left out, and the rest scaled by what y can move."""
-        length = float(np.linalg.norm(state.x))
-        value = self.A @ state.x
-        slack = self.tolerances(state.x, settings)
-        moved = self.A @ state.Z
-        reach = np.sqrt(np.einsum("ij,ij->i", moved, moved))
-        kept = reach > settings.rank_tolerance * self.norms
-        unit = 1.0 / reach[kept].max(initial=1e-300)
-        B, value, lower, upper, norms, slack = (
-            unit * part[kept] for part in (moved, value, self.lower, self.upper, self.norms, slack)
-        )
-
-        place = state.N @ state.x
-        low, high = np.minimum(state.low, place), np.maximum(state.high, place)  # relaxed: y = 0 is feasible
-        margin = allowance(place, np.zeros_like(place), np.ones_like(place), length, settings.tolerance)
-        return LevelProblem(B, value, lower, upper, norms, slack, state.N @ state.Z, place, low, high, margin)
-
-    def freeze(self, state: State, y: Array, pressing: Signs, settings: Settings) -> State:
-        """Equalities, violated rows and pressing hard rows shrink Z; satisfied inequalities become hard rows."""
-        x = state.x + state.Z @ y
+    def at(self, x: Array, settings: Settings) -> Standing:
+        """Where the rows stand at x."""
         value = self.A @ x
         slack = excess(value, self.lower, self.upper)
-        # What was close enough before the step, and what is now: the polish knows the former, certificates the latter.
-        allowed = np.maximum(self.tolerances(state.x, settings), self.tolerances(x, settings))
-        allowed += REACH * float(np.linalg.norm(y)) * self.norms
-        if not settings.polish:  # a first-order point violates by what its solver leaves
-            allowed = np.maximum(allowed, 1e2 * settings.qp_tolerance * self.norms * (1.0 + np.linalg.norm(x)))
-        frozen = (self.lower == self.upper) | (np.abs(slack) > allowed)
-        unit = self.A / self.norms[:, None]
-        pressed = pressing != 0
-        fixed = np.concatenate([unit[frozen], state.N[pressed]])
-        Z = state.Z @ split(fixed @ state.Z, np.ones(len(fixed)), settings.rank_tolerance)[1] if len(fixed) else state.Z
+        distance = np.abs(slack) / self.norms
+        reach = float(distance.max(initial=0.0))
+        allowed = allowance(value, slack, self.norms, length(x), reach, settings.tolerance)
+        return Standing(value, slack, distance, allowed)
 
-        kept, stay = ~frozen, ~pressed
-        N = np.concatenate([state.N[stay], unit[kept]])
-        low = np.concatenate([state.low[stay], self.lower[kept] / self.norms[kept]])
-        high = np.concatenate([state.high[stay], self.upper[kept] / self.norms[kept]])
-        moved = N @ Z
-        movable = np.sqrt(np.einsum("ij,ij->i", moved, moved)) > settings.rank_tolerance
-        return State(x, Z, N[movable], low[movable], high[movable])
+    def problem(self, state: State, here: Standing, settings: Settings) -> LevelProblem:
+        """The level in y: rows that y cannot move are left out, and the rest scaled by what y can move."""
+        moved = self.A @ state.Z
+        reach = lengths(moved)
+        kept = reach > settings.rank_tolerance * self.norms
+        unit = 1.0 / float(reach[kept].max(initial=1e-300))
+        lower, upper = self.lower - here.value, self.upper - here.value
+        B, lower, upper, norms, still, slack = (
+            unit * part[kept] for part in (moved, lower, upper, self.norms, here.slack, here.tolerance)
+        )
+        asked = float(here.distance[kept].max(initial=0.0))
+        hard = state.moved, *state.room(settings)
+        return LevelProblem(B, lower, upper, self.equality[kept], norms, still, slack, *hard, asked)
+
+    def freeze(self, state: State, here: Standing, y: Array, pressing: Signs, settings: Settings) -> State:
+        """Equalities, violated rows and pressing hard rows shrink Z; satisfied inequalities become hard rows."""
+        x = state.x + state.Z @ y
+        there = self.at(x, settings) if y.any() else here
+        # What was close enough before the step, and what is now: the polish knows the former, certificates the latter.
+        allowed = np.maximum(here.tolerance, there.tolerance) + REACH * length(y) * self.norms
+        if not settings.polish:  # a first-order point violates by what its solver leaves
+            allowed = np.maximum(allowed, 1e2 * settings.qp_tolerance * self.norms * (1.0 + length(x)))
+        frozen = np.concatenate([pressing != 0, self.equality | (np.abs(there.slack) > allowed)])
+        rows = np.concatenate([state.hard, self.unit])
+        fixed, hard, Z = rows[frozen][:, :-2], rows[~frozen], state.Z
+        if len(fixed):
+            _, null = row_space(fixed @ Z, settings.rank_tolerance)
+            Z = Z @ null
+        moved = hard[:, :-2] @ Z
+        movable = lengths(moved) > settings.rank_tolerance
+        return State(x, Z, hard[movable], moved[movable])
