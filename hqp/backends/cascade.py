@@ -18,7 +18,7 @@ from collections import defaultdict
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, length
 from ..errors import HqpError
 from ..hierarchy import Hierarchy
 from ..qp import FlatQP, FlatResult, FlatSolver, Sizes, make_flat_solver
@@ -114,11 +114,10 @@ class Cascade:
         qp, sort = flat_qp(problem, scale, rho)
         nz = problem.B.shape[1]
         solver = self._flat(k, qp.sizes)
-        result, moved, y_prev = self._ask(solver, qp, tally), np.inf, np.zeros(nz)
+        result, y_prev = self._ask(solver, qp, tally), np.zeros(nz)
         for _ in range(self.settings.proximal_steps):
             y = result.y[:nz]
-            moved = float(np.abs(y - y_prev).max())
-            if not result.solved or moved <= self.settings.qp_tolerance * max(1.0, float(np.abs(y).max())):
+            if not result.solved or length(y - y_prev) <= self.settings.qp_tolerance * max(1.0, length(y)):
                 break
             g = qp.g.copy()
             g[:nz] -= rho * y

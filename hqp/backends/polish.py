@@ -106,9 +106,10 @@ def _outside(problem: LevelProblem, y: Array, active: Signs) -> Iterator[Fault]:
     if not len(active):
         return
     place = problem.N @ y
-    for sign, beyond in ((1, place - problem.high), (-1, problem.low - place)):
-        for row in np.flatnonzero(beyond > problem.margin):
-            yield Fault(float(beyond[row]), "hard", int(row), sign if active[row] != sign else 0)
+    beyond = np.maximum(place - problem.high, problem.low - place)
+    for row in np.flatnonzero(beyond > problem.margin):
+        sign = 1 if place[row] > problem.high[row] else -1
+        yield Fault(float(beyond[row]), "hard", int(row), sign if active[row] != sign else 0)
 
 
 def _misjudged(problem: LevelProblem, y: Array, pulled: Signs) -> Iterator[Fault]:

@@ -158,12 +158,10 @@ class LevelRows(NamedTuple):
     def freeze(self, state: State, here: Standing, y: Array, pressing: Signs, settings: Settings) -> State:
         """Equalities, violated rows and pressing hard rows shrink Z; satisfied inequalities become hard rows."""
         x = state.x + state.Z @ y
-        there = self.at(x, settings) if y.any() else here
-        # What was close enough before the step, and what is now: the polish knows the former, certificates the latter.
-        allowed = np.maximum(here.tolerance, there.tolerance) + REACH * length(y) * self.norms
-        if not settings.polish:  # a first-order point violates by what its solver leaves
-            allowed = np.maximum(allowed, 1e2 * settings.qp_tolerance * self.norms * (1.0 + length(x)))
-        frozen = np.concatenate([pressing != 0, self.equality | (np.abs(there.slack) > allowed)])
+        frozen = self.equality
+        if not frozen.all():
+            frozen = frozen | self._violated(x, here, y, settings)
+        frozen = np.concatenate([pressing != 0, frozen])
         rows = np.concatenate([state.hard, self.unit])
         fixed, hard, Z = rows[frozen][:, :-2], rows[~frozen], state.Z
         if len(fixed):
@@ -172,3 +170,12 @@ class LevelRows(NamedTuple):
         moved = hard[:, :-2] @ Z
         movable = lengths(moved) > settings.rank_tolerance
         return State(x, Z, hard[movable], moved[movable])
+
+    def _violated(self, x: Array, here: Standing, y: Array, settings: Settings) -> NDArray[np.bool_]:
+        """The rows beyond a bound at x, the end of the step y."""
+        there = self.at(x, settings) if y.any() else here
+        # What was close enough before the step, and what is now: the polish knows the former, certificates the latter.
+        allowed = np.maximum(here.tolerance, there.tolerance) + REACH * length(y) * self.norms
+        if not settings.polish:  # a first-order point violates by what its solver leaves
+            allowed = np.maximum(allowed, 1e2 * settings.qp_tolerance * self.norms * (1.0 + length(x)))
+        return np.abs(there.slack) > allowed
