@@ -17,7 +17,7 @@ from PIL import Image
 
 from hqp import InvalidInput
 from tasks.thesis import figures, ideas, report, runs, scenarios, store, tables
-from tasks.thesis.findings import measure, to_csv
+from tasks.thesis.findings import digits, measure, to_csv
 from tasks.thesis.runs import Job, jobs_of, run
 from tasks.thesis.scenarios import scenario
 
@@ -64,6 +64,11 @@ def test_the_tables_as_markdown(few):
     assert remarks.endswith("\n\n* A remark.\n")
 
 
+@pytest.mark.parametrize(("value", "text"), [(0.02213, "0.022"), (1.5, "1.5"), (136.4, "140"), (0.0, "0")])
+def test_two_digits(value, text):
+    assert digits(value) == text
+
+
 def test_claims_stand_against_what_the_backend_found(few):
     """The backend's run speaks for a law where there is one, and each cell says whether the claim holds of it."""
     with_priority, without = tables.against_claims(few)
@@ -72,7 +77,7 @@ def test_claims_stand_against_what_the_backend_found(few):
     assert with_priority[3] == f"{spoken.phi_share:.2f} ✗"
     assert with_priority[5:] == ["", ""]
     assert without[1] == ""
-    assert without[3] == f"{few[3].tip_error_mm:.2g} mm {'✓' if few[3].tip_error_mm < 1 else '✗'}"
+    assert without[3] == f"{digits(few[3].tip_error_mm)} mm {'✓' if few[3].tip_error_mm < 1 else '✗'}"
 
 
 @pytest.mark.parametrize("figure", ["4.6", "4.7", "4.5", "4.25", "4.33"])

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .._checks import Array
 from ..motion.record import Record
 from ..robots.manipulability import velocity_ellipse
-from .findings import TIP_FROM, Finding, measure
+from .findings import TIP_FROM, Finding, digits, measure
 from .runs import Job, phi_error
 from .scenarios import MINUTE, Scenario
 
@@ -208,7 +208,7 @@ def summary(found: Finding) -> str:
     """How well both tasks are met, in a line."""
     parts = [] if np.isnan(found.phi_share) else [f"φ within 1° for {found.phi_share:.0%}"]
     if not np.isnan(found.tip_error_mm):
-        parts.append(f"tip within {found.tip_error_mm:.2g} mm after {TIP_FROM:g} min")
+        parts.append(f"tip within {digits(found.tip_error_mm)} mm after {TIP_FROM:g} min")
     return ", ".join(parts)
 
 

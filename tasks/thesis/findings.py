@@ -127,6 +127,11 @@ def limit_excess(scenario: Scenario, record: Record) -> float:
     return max(velocity, acceleration, 0.0)
 
 
+def digits(value: float) -> str:
+    """Two digits, without an exponent: 0.022, 1.5, 140."""
+    return f"{float(f'{value:.2g}'):g}"
+
+
 def to_csv(findings: Sequence[Finding]) -> str:
     """All numbers with full precision, one header line; empty where a number means nothing."""
     out = StringIO()

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .findings import Finding
+from .findings import Finding, digits
 from .laws import DAMPED, LIMITS, STRICT, THESIS, TIP, TIP_LIMITS, Law
 from .scenarios import SCENARIOS, Scenario
 
@@ -88,7 +88,7 @@ def _cell(item: Scenario, found: Finding | None) -> str:
     elif found.note:
         number = found.note
     else:
-        number = f"{found.tip_error_mm:.2g} mm" if item.phi is None else f"{found.phi_share:.2f}"
+        number = f"{digits(found.tip_error_mm)} mm" if item.phi is None else f"{found.phi_share:.2f}"
     return f"{number} {'✓' if item.claim.holds(found) else '✗'}"
 
 
