@@ -291,8 +291,7 @@ def _carried(left: Array, normals: Array, mu: Array, carried: Array, sides: NDAr
 
 def _unit_normals(hierarchy: Hierarchy, norms: Array) -> Array:
     """Every row divided by its norm, dense, shape (m, n)."""
-    units = np.concatenate([hierarchy.matrix(k) for k in range(len(hierarchy.levels))] or [np.zeros((0, hierarchy.n))])
-    return units / np.where(norms > 0, norms, 1.0)[:, None]
+    return hierarchy.dense() / np.where(norms > 0, norms, 1.0)[:, None]
 
 
 def _title(level: LevelCertificate) -> str:

@@ -59,6 +59,7 @@ def test_product_and_norms_agree_with_the_dense_rows() -> None:
     h = small()
     x = np.array([1.0, -2.0, 0.5])
     dense = np.concatenate([h.matrix(k) for k in range(3)])
+    np.testing.assert_array_equal(h.dense(), dense)
     np.testing.assert_allclose(h.product(x), dense @ x)
     np.testing.assert_allclose(h.row_norms(), np.linalg.norm(dense, axis=1))
 
@@ -71,6 +72,7 @@ def test_copy_is_independent() -> None:
     assert twin.levels[1].lower[0] == 4.0
     assert twin.levels[1].A is not None
     assert twin.levels[1].A[0, 2] == 3.0
+    assert np.shares_memory(twin.levels[1].A, twin.A)
 
 
 def test_a_level_is_frozen_so_that_a_view_cannot_be_lost() -> None:
