@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,11 +63,20 @@ def allowance(
 ) -> Array:
     """How far each row may be from its bound and still count as on it.
 
-    `size` is ``||x||``, and `reach` the distance of the farthest row from its bounds: where x is itself the
-    small difference of large targets, ||x|| says nothing of the round-off in it.
+    `size` is ``||x||``, and `reach` how far the slacks pull, see :func:`pull`: where x is itself the small
+    difference of large targets, ||x|| says nothing of the round-off in it.
     """
     flat = tolerance * LENGTH * size + ROUND_OFF * max(size, reach)
     return tolerance * (np.abs(value) + np.abs(value - slack)) + flat * norms
+
+
+def pull(slack: Array, norms: Array) -> float:
+    """How far the slacks of one level, weighted like its norms, would take x, row by row: the largest step.
+
+    A row that is short beside others of its level has little say in x, however far its own bound is away.
+    """
+    longest = float(norms.max(initial=0.0))
+    return float((np.abs(slack) * norms).max(initial=0.0)) / (longest * longest) if longest > 0.0 else 0.0
 
 
 def row_states(hierarchy: Hierarchy, x: Array, tolerance: float) -> RowStates:
@@ -76,7 +86,9 @@ def row_states(hierarchy: Hierarchy, x: Array, tolerance: float) -> RowStates:
         value = hierarchy.product(x)
     slack = excess(value, lower, upper)
     norms = hierarchy.row_norms()
-    reach = float((np.abs(slack) / np.where(norms > 0, norms, np.inf)).max(initial=0.0))
+    weights, cuts = hierarchy.weights, hierarchy.pointers
+    levels = [slice(*ends) for ends in pairwise(cuts)]
+    reach = max((pull(weights[own] * slack[own], weights[own] * norms[own]) for own in levels), default=0.0)
     allowed = allowance(value, slack, norms, length(x), reach, tolerance)
 
     at_upper = value >= upper - allowed

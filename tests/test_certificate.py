@@ -197,3 +197,13 @@ def test_it_prints_a_line_a_level() -> None:
     assert text.startswith("certified: lexicographically optimal at all 3 levels")
     for name in ("level 0 (limit)", "level 1 (reach)", "level 2 (min ||x - x_ref||)"):
         assert name in text
+
+
+@pytest.mark.parametrize("short", [1e-16, 1e-13, 1e-8])
+def test_a_short_row_out_of_reach_hides_nothing(short):
+    """Its bound is 0.5 / short away, and yet the other row of its level must be met as exactly as without it."""
+    limits = Level.bounds([-1.0, -1.0], [1.0, 1.0])
+    level = Level.equality([[short, 0.0], [0.0, 1.0]], [-0.5, 0.2])
+    assert not certify(Hierarchy([limits, level]), [0.0, 0.0]).ok
+    assert not certify(Hierarchy([limits, level]), [-1.0, 0.2 + 1e-6]).ok
+    assert certify(Hierarchy([limits, level]), [-1.0, 0.2]).ok

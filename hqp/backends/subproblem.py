@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array, length, lengths
 from ..hierarchy import Hierarchy
-from ..rows import allowance, excess
+from ..rows import allowance, excess, pull
 from ..settings import Settings
 from .lapack import row_space
 
@@ -137,8 +137,7 @@ class LevelRows(NamedTuple):
         value = self.A @ x
         slack = excess(value, self.lower, self.upper)
         distance = np.abs(slack) / self.norms
-        reach = float(distance.max(initial=0.0))
-        allowed = allowance(value, slack, self.norms, length(x), reach, settings.tolerance)
+        allowed = allowance(value, slack, self.norms, length(x), pull(slack, self.norms), settings.tolerance)
         return Standing(value, slack, distance, allowed)
 
     def problem(self, state: State, here: Standing, settings: Settings) -> LevelProblem:
