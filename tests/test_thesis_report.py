@@ -140,17 +140,17 @@ def test_a_run_that_several_figures_show_is_simulated_once(short_figures, tmp_pa
 
 def test_nothing_is_made_twice(short_figures, tmp_path, monkeypatch, capsys):
     make(tmp_path, "4.7")
-    assert "3 runs simulated and 1 pictures drawn" in capsys.readouterr().out
+    assert "runs simulated: 3, pictures drawn: 1" in capsys.readouterr().out
     picture = tmp_path / "figure-4.7.png"
     before = picture.stat().st_mtime_ns
     make(tmp_path, "4.7")
-    assert "0 runs simulated and 0 pictures drawn" in capsys.readouterr().out
+    assert "runs simulated: 0, pictures drawn: 0" in capsys.readouterr().out
     assert picture.stat().st_mtime_ns == before
     # What is gone, and only that, is made again.
     picture.unlink()
     next((tmp_path / "runs").glob("strict-*.npz")).unlink()
     make(tmp_path, "4.7", "4.9")
-    assert "4 runs simulated and 2 pictures drawn" in capsys.readouterr().out
+    assert "runs simulated: 4, pictures drawn: 2" in capsys.readouterr().out
 
 
 def test_what_made_a_run_is_part_of_its_name(tmp_path, monkeypatch):
@@ -168,6 +168,27 @@ def test_what_made_a_run_is_part_of_its_name(tmp_path, monkeypatch):
     before = kept.path(job)
     monkeypatch.setattr(store, "sources", lambda **_: "other sources")
     assert kept.path(job) != before
+
+
+def test_runs_of_other_versions_go_and_files_of_others_stay(short_figures, tmp_path):
+    folder = tmp_path / "runs"
+    folder.mkdir()
+    stale = folder / f"strict-formula-{'0' * 8}-{'1' * 16}.npz"
+    other = [folder / "mine.npz", folder / f"{'0' * 8}-{'1' * 16}.npz", tmp_path / stale.name]
+    for path in stale, *other:
+        path.touch()
+    make(tmp_path, "4.6")
+    make(tmp_path, "4.7")
+    assert not stale.exists()
+    assert all(path.exists() for path in other)
+    assert len(list(folder.glob("*.npz"))) == 2 + 1 + 3
+
+
+def test_all_figures_come_with_the_ideas_unless_laws_are_chosen():
+    everything = report._subjects([], report.NAMES)
+    assert len(everything) == 36 + len(ideas.IDEAS)
+    assert len(report._subjects([], ["limits"])) == 36
+    assert [item.name for item in report._subjects(["argument", " argument "], ["limits"])] == ["argument"]
 
 
 def test_a_table_of_drawings_that_cannot_be_read_means_none(tmp_path):
@@ -190,7 +211,7 @@ def test_an_interruption_keeps_what_is_finished(short_figures, tmp_path, monkeyp
     assert len(list((tmp_path / "runs").glob("*.npz"))) == 4
     monkeypatch.setattr(report, "run", runs.run)
     make(tmp_path, "4.7", "4.9")
-    assert "2 runs simulated and 2 pictures drawn" in capsys.readouterr().out
+    assert "runs simulated: 2, pictures drawn: 2" in capsys.readouterr().out
 
 
 def test_ctrl_c_in_the_middle_and_on_again(tmp_path):
@@ -214,7 +235,7 @@ def test_ctrl_c_in_the_middle_and_on_again(tmp_path):
     kept = len(list(tmp_path.glob("runs/*.npz")))
     assert 3 <= kept < 24
     second = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
-    assert f"{24 - kept} runs simulated and 4 pictures drawn" in second.stdout
+    assert f"runs simulated: {24 - kept}, pictures drawn: 4" in second.stdout
 
 
 @pytest.mark.parametrize("form", ["pdf", "svg"])

@@ -88,7 +88,7 @@ def report(
         raise hqp.InvalidInput("processes = 0; give a number of processes, or -1 for one a core")
     chosen = hqp.DEFAULT_BACKEND if backend is None else backend
     info = hqp.backend_info(chosen)
-    subjects = _subjects(figures)
+    subjects = _subjects(figures, laws)
     left_out = dict.fromkeys(
         why for item in subjects for law in _laws(item, laws) if (why := law.refusal(info)) is not None
     )
@@ -97,6 +97,7 @@ def report(
     writable(out, [*(file for picture in pictures for file in picture.files), "claims.md", "claims.csv"])
     writable(out / "runs", [])
     store, drawn = Store(out / "runs"), Drawn(out, out / "runs" / "drawn.json")
+    store.forget_other_versions()
 
     missing = [job for job in dict.fromkeys(job for picture in pictures for job in picture.jobs) if job not in store]
     missing.sort(key=lambda job: job.scenario.duration / job.scenario.tick, reverse=True)  # the longest first
@@ -133,16 +134,14 @@ def report(
         printer.print(to_terminal(findings))
     for why in left_out:
         printer.print(why)
-    printer.print(
-        f"{len(missing)} runs simulated and {made} pictures drawn, all else was there; see {out}", soft_wrap=True
-    )
+    printer.print(f"runs simulated: {len(missing)}, pictures drawn: {made}, all in {out}", soft_wrap=True)
     return findings
 
 
-def _subjects(figures: Sequence[str]) -> list[Scenario | Idea]:
-    """What the names mean, each once; everything if there are none."""
+def _subjects(figures: Sequence[str], laws: Collection[str]) -> list[Scenario | Idea]:
+    """What the names mean, each once. If there are none: all figures, and the ideas, which take all laws."""
     if not figures:
-        return [*SCENARIOS.values(), *IDEAS.values()]
+        return [*SCENARIOS.values(), *(IDEAS.values() if set(laws) >= set(NAMES) else ())]
     return [IDEAS[name] if name in IDEAS else scenario(name) for name in dict.fromkeys(map(str.strip, figures))]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Collection
 from functools import cache
 from hashlib import sha256
@@ -16,14 +17,16 @@ from .runs import CERTIFY, SPEED_CAP, Job
 
 #: What of the thesis makes a motion; changes in the rest, and in the command, leave the runs as they are.
 MOVING = ("thesis/laws.py", "thesis/runs.py", "thesis/scenarios.py")
+#: Law, sources, job.
+NAME = re.compile(r"[a-z-]+-([0-9a-f]{8})-[0-9a-f]{16}\.npz")
 NUMERICS = ("numpy", "scipy", "qpsolvers", "proxsuite", "osqp", "daqp", "quadprog", "clarabel", "piqp")
 
 
 class Store:
     """A folder of records, a file a job.
 
-    The name of a file carries a digest of everything that made it: scenario, law, backend, our sources
-    and the versions of the numerical packages. What was made by anything else is never found.
+    The name of a file carries digests of everything that made it: our sources and the versions of the
+    numerical packages, then scenario, law and backend. What was made by anything else is never found.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -32,7 +35,7 @@ class Store:
     def path(self, job: Job) -> Path:
         """Where the record of this job is, or will be."""
         law = f"{job.law.key}-formula" if job.closed_form else job.law.key
-        return self.folder / f"{law}-{self.key(job)[:16]}.npz"
+        return self.folder / f"{law}-{sources(drawing=False)[:8]}-{self.key(job)[:16]}.npz"
 
     def key(self, job: Job) -> str:
         """The digest of everything that makes the record."""
@@ -43,6 +46,13 @@ class Store:
 
     def __contains__(self, job: Job) -> bool:
         return self.path(job).exists()
+
+    def forget_other_versions(self) -> None:
+        """Remove the records that other sources made: nobody will ask for them again."""
+        for path in self.folder.glob("*.npz"):
+            name = NAME.fullmatch(path.name)
+            if name and name[1] != sources(drawing=False)[:8]:
+                path.unlink()
 
 
 class Drawn:
