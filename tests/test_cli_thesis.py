@@ -17,7 +17,7 @@ from tasks.thesis import scenarios
 @pytest.fixture
 def short_figures(monkeypatch):
     """Every figure in a hundred ticks."""
-    coarse = {figure: replace(item, tick=0.6) for figure, item in scenarios.SCENARIOS.items()}
+    coarse = {figure: replace(item, tick=0.6, free_tick=0.6) for figure, item in scenarios.SCENARIOS.items()}
     monkeypatch.setattr(scenarios, "SCENARIOS", coarse)
 
 

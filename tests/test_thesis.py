@@ -20,7 +20,7 @@ FIGURES = range(2, 38)
 
 def short(figure):
     """A scenario of a hundred ticks: coarse, but end to end."""
-    return replace(scenario(figure), tick=0.6)
+    return replace(scenario(figure), tick=0.6, free_tick=0.6)
 
 
 def test_every_figure_of_chapter_4_is_there():
@@ -207,7 +207,7 @@ def test_what_a_stopped_run_missed_counts_as_lost():
 
 def test_damping_makes_the_loss_of_reach_smooth():
     """Past it the undamped stack jumps between its limits; the damped one hardly ever accelerates at them."""
-    item = replace(scenario("4.3"), tick=0.024)
+    item = replace(scenario("4.3"), tick=0.024, free_tick=0.024)
     found, jumps = {}, {}
     for law in laws.LIMITS, laws.DAMPED:
         job = Job(item, law, hqp.DEFAULT_BACKEND)
@@ -223,7 +223,10 @@ def test_a_fourth_joint_avoids_the_singularity():
     """4.26 against 4.32, by Eq. 4.8's first term alone."""
     fast, slow = (
         measure(job, run(job))
-        for job in (jobs_of(replace(scenario(figure), tick=0.012), "pseudoinverse")[0] for figure in ("4.26", "4.32"))
+        for job in (
+            jobs_of(replace(scenario(figure), tick=0.012, free_tick=0.012), "pseudoinverse")[0]
+            for figure in ("4.26", "4.32")
+        )
     )
     assert fast.peak_speed > 10 * slow.peak_speed
     assert fast.least_singular < 0.03

@@ -26,12 +26,12 @@ ROOT = Path(__file__).parents[1]
 
 def short(figure):
     """A scenario of a hundred ticks: coarse, but end to end."""
-    return replace(scenario(figure), tick=0.6)
+    return replace(scenario(figure), tick=0.6, free_tick=0.6)
 
 
 @pytest.fixture
 def short_figures(monkeypatch):
-    coarse = {figure: replace(item, tick=0.6) for figure, item in scenarios.SCENARIOS.items()}
+    coarse = {figure: replace(item, tick=0.6, free_tick=0.6) for figure, item in scenarios.SCENARIOS.items()}
     monkeypatch.setattr(scenarios, "SCENARIOS", coarse)
 
 
@@ -82,7 +82,7 @@ def test_claims_stand_against_what_the_backend_found(few):
 
 @pytest.mark.parametrize("figure", ["4.6", "4.7", "4.5", "4.25", "4.33"])
 def test_drawing(figure, tmp_path):
-    item = replace(scenario(figure), tick=0.06)
+    item = replace(scenario(figure), tick=0.06, free_tick=0.06)
     shown = {job: run(job) for job in jobs_of(item, "pseudoinverse") if job.closed_form}
     drawing = figures.draw(item, shown)
     assert f"Figure {figure}" in " ".join(text.get_text() for text in drawing.texts)
@@ -96,7 +96,7 @@ def test_drawing(figure, tmp_path):
 
 
 def test_which_joint_is_at_which_limit_is_drawn():
-    item = replace(scenario("4.9"), tick=0.06)
+    item = replace(scenario("4.9"), tick=0.06, free_tick=0.06)
     job = Job(item, runs.laws_of(item, ["limits"])[0], "cascade:proxsuite")
     record = run(job)
     drawing = figures.draw(item, {job: record})
@@ -123,7 +123,7 @@ def test_reach():
 
 @pytest.mark.parametrize("name", list(ideas.IDEAS))
 def test_ideas_are_drawn(name, tmp_path):
-    item = replace(scenario("4.3"), tick=0.3)
+    item = replace(scenario("4.3"), tick=0.3, free_tick=0.3)
     shown = {job: run(job) for law in ideas.IDEAS[name].laws for job in [Job(item, law, "cascade:proxsuite")]}
     ideas.IDEAS[name].draw(shown).savefig(tmp_path / "idea.png", dpi=40)
     assert (tmp_path / "idea.png").stat().st_size > 5000
@@ -218,7 +218,8 @@ def test_ctrl_c_in_the_middle_and_on_again(tmp_path):
     """The real command with its processes: interrupted once something is finished, it goes on where it was."""
     script = (
         "import sys; from dataclasses import replace; from tasks import cli; from tasks.thesis import scenarios as s;"
-        "s.SCENARIOS.update({k: replace(v, tick=0.06) for k, v in s.SCENARIOS.items()}); cli.main(sys.argv[1:])"
+        "s.SCENARIOS.update({k: replace(v, tick=0.06, free_tick=0.06) for k, v in s.SCENARIOS.items()});"
+        "cli.main(sys.argv[1:])"
     )
     command = [sys.executable, "-c", script, "thesis", "-j", "2", "-o", str(tmp_path)]
     command += [word for figure in ("4.7", "4.9", "4.15", "4.17") for word in ("-f", figure)]

@@ -7,14 +7,17 @@ relaxed, bounds. In the coordinates y of Z the named solver minimises
 
     1/2 ||D (A (x + Z y) - b)||^2 + 1/2 ||w||^2 + rho/2 ||y - y_prev||^2
 
-again and again, warm, until y stops moving: a few proximal steps, which make rank-deficient levels
-strictly convex and cost no accuracy. Then one equality least squares on the active rows
-(:mod:`.polish`), kept only if no level gets worse.
+with y_prev = 0, which makes rank-deficient levels strictly convex. Then one equality least squares on the
+active rows (:mod:`.polish`) takes rho out again, and its answer is checked against the optimality
+conditions. Where it does not meet them, the solver is asked again and again, warm, until y stops moving
+(a few proximal steps, which cost no accuracy), and the polish of that is kept only if no level gets worse.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,7 +28,7 @@ from ..qp import FlatQP, FlatResult, FlatSolver, Sizes, make_flat_solver
 from ..settings import Settings
 from ..solution import Counts, Status
 from .base import Answer
-from .flat import flat_qp, step_scales
+from .flat import RowSorting, flat_qp, step_scales
 from .polish import polish
 from .subproblem import LevelProblem, LevelRows, Signs, State, objective
 
@@ -45,6 +48,31 @@ Tally = defaultdict[str, int]
 
 class LevelFailed(HqpError):
     """The named solver gave no usable answer to a level (never leaves this module)."""
+
+
+class LevelAnswer(NamedTuple):
+    """What the named solver says of a level: its result, the step y, and the hard rows that press against it."""
+
+    result: FlatResult
+    y: Array
+    pressing: Signs
+
+    @classmethod
+    def of(cls, problem: LevelProblem, result: FlatResult, sort: RowSorting, scale: float) -> LevelAnswer:
+        """Out of the coordinates of the flat QP."""
+        y = scale * result.y[: problem.B.shape[1]]
+        return cls(result, y, sort.pressing(problem, y, result, scale))
+
+
+class Settled(NamedTuple):
+    """An answer after the polish: proved optimal for its level, polished, good enough without the proof, or why not."""
+
+    y: Array
+    pressing: Signs
+    verified: bool = False
+    polished: bool = False
+    usable: bool = False
+    said: str = ""
 
 
 class Cascade:
@@ -86,35 +114,30 @@ class Cascade:
         said = ""
         scales = step_scales(problem)
         for rho, scale in [(1.0, scale) for scale in scales] + [(rho, scales[0]) for rho in RETREAT]:
-            result, y, pressing = self._proximal_steps(k, problem, rho * self.settings.proximal_weight, scale, tally)
-            if not _credible(problem, y, scale):
-                said = "its answer breaks the levels above" if result.solved else result.message
-                continue
-            verified = kept = False
-            if self.settings.polish:
-                done = polish(problem, y, pressing, self.settings.rank_tolerance)
-                tally["polishes"] += done.rounds
-                verified = done.verified
-                kept = verified or _no_worse(problem, done.y, y)
-                if kept:
-                    y, pressing = done.y, done.pressing
-            leak = LEAK * self.settings.qp_tolerance * scale
-            if verified or (result.solved and rho == 1.0 and problem.infeasibility(y) <= leak):
+            for answer in self._answers(k, problem, rho * self.settings.proximal_weight, scale, tally):
+                settled = self._settle(problem, answer, scale, tally)
+                if settled.verified:
+                    break
+            if settled.verified or (settled.usable and rho == 1.0):
                 tally["levels_solved"] += 1
-                tally["levels_polished"] += kept
+                tally["levels_polished"] += settled.polished
                 # Without the proof that they press, no rows are frozen for good.
-                return y, pressing if verified else np.zeros_like(pressing)
-            said = "its answer leaks into the levels above" if result.solved else result.message
+                return settled.y, settled.pressing if settled.verified else np.zeros_like(settled.pressing)
+            said = settled.said
         raise LevelFailed(said)
 
-    def _proximal_steps(
-        self, k: int, problem: LevelProblem, rho: float, scale: float, tally: Tally
-    ) -> tuple[FlatResult, Array, Signs]:
-        """The level by the named solver, repeated warm from its own last answer until y stops moving."""
+    def _answers(self, k: int, problem: LevelProblem, rho: float, scale: float, tally: Tally) -> Iterator[LevelAnswer]:
+        """The named solver's first answer, for the polish to verify, and then that at which y stops moving.
+
+        The first nearly always shows the active rows, which is all that the polish needs. To get to the other,
+        the solver is asked again and again, warm from its own last answer: the proximal steps.
+        """
         qp, sort = flat_qp(problem, scale, rho)
         nz = problem.B.shape[1]
         solver = self._flat(k, qp.sizes)
         result, y_prev = self._ask(solver, qp, tally), np.zeros(nz)
+        if self.settings.polish:
+            yield LevelAnswer.of(problem, result, sort, scale)
         for _ in range(self.settings.proximal_steps):
             y = result.y[:nz]
             if not result.solved or length(y - y_prev) <= self.settings.qp_tolerance * max(1.0, length(y)):
@@ -126,8 +149,26 @@ class Cascade:
             if not again.solved:
                 break
             y_prev, result = y, again
-        y = scale * result.y[:nz]
-        return result, y, sort.pressing(problem, y, result, scale)
+        yield LevelAnswer.of(problem, result, sort, scale)
+
+    def _settle(self, problem: LevelProblem, answer: LevelAnswer, scale: float, tally: Tally) -> Settled:
+        """An answer, polished where that is verified or at least no worse; whether and how far it can be trusted."""
+        result, y, pressing = answer
+        if not _credible(problem, y, scale):  # the polish could mend it, but then it would be the solver
+            return Settled(y, pressing, said="its answer breaks the levels above" if result.solved else result.message)
+        polished = False
+        if self.settings.polish:
+            done = polish(problem, y, pressing, self.settings.rank_tolerance)
+            tally["polishes"] += done.rounds
+            if done.verified:
+                return Settled(done.y, done.pressing, verified=True, polished=True)
+            polished = _no_worse(problem, done.y, y)
+            if polished:
+                y, pressing = done.y, done.pressing
+        leak = LEAK * self.settings.qp_tolerance * scale
+        usable = result.solved and problem.infeasibility(y) <= leak
+        said = "its answer leaks into the levels above" if result.solved else result.message
+        return Settled(y, pressing, polished=polished, usable=usable, said=said)
 
     def _ask(self, solver: FlatSolver, load: FlatQP | Array, tally: Tally) -> FlatResult:
         tally["qp_solves"] += 1

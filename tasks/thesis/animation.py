@@ -49,7 +49,7 @@ def animate(scenario: Scenario, runs: Mapping[Job, Record], path: Path) -> None:
     with writer.saving(figure, str(path), dpi=DPI):
         for t in np.linspace(0.0, scenario.duration, FRAMES):
             for (trace, links, note), record in zip(moving, runs.values(), strict=True):
-                k = min(round(t / scenario.tick), len(record.q) - 1)
+                k = min(int(np.searchsorted(record.t, t)), len(record.q) - 1)
                 trace.set_data(*record.pose[: k + 1, :2].T)
                 links.set_data(*scenario.arm.points(record.q[k]).T)
                 over = record.stopped is not None and t >= record.stopped.t

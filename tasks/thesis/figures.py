@@ -200,8 +200,8 @@ def desired_path(scenario: Scenario) -> Array:
 def snapshots(scenario: Scenario, record: Record, poses: int = POSES) -> Array:
     """Joint angles at equal times of the whole motion, as far as the run came, shape (<= poses, n)."""
     times = np.linspace(0.0, scenario.duration, poses)
-    ticks = np.round(times / scenario.tick).astype(int)
-    return np.asarray(record.q[ticks[ticks < len(record.q)]])
+    tick = record.t[1] - record.t[0]
+    return np.asarray(record.q[np.round(times[times <= record.t[-1] + 0.5 * tick] / tick).astype(int)])
 
 
 def summary(found: Finding) -> str:

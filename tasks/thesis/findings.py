@@ -87,7 +87,7 @@ def measure(job: Job, record: Record, closed_form: Record | None = None) -> Find
     share = peak = nan
     if scenario.phi is not None:
         error = np.abs(np.degrees(phi_error(scenario, record)))
-        share = float(np.count_nonzero(error < HELD) / (round(scenario.duration / scenario.tick) + 1))
+        share = float(np.count_nonzero(error < HELD) / (job.ticks + 1))
         peak = _largest(error[elapsed >= PHI_FROM])
     difference = nan
     if closed_form is not None and not job.closed_form:

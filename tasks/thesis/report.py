@@ -100,7 +100,7 @@ def report(
     store.forget_other_versions()
 
     missing = [job for job in dict.fromkeys(job for picture in pictures for job in picture.jobs) if job not in store]
-    missing.sort(key=lambda job: job.scenario.duration / job.scenario.tick, reverse=True)  # the longest first
+    missing.sort(key=lambda job: job.ticks, reverse=True)  # the longest first
     parallel = Parallel(n_jobs=processes, return_as="generator")
     findings: list[Finding] = []
     made = 0
@@ -195,5 +195,5 @@ def _progress() -> Iterator[Progress]:
         TextColumn("left"),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True)) as progress:
+    with Progress(*columns, console=Console(stderr=True), refresh_per_second=2) as progress:
         yield progress

@@ -42,9 +42,14 @@ class Job:
     closed_form: bool = False
 
     @property
-    def title(self) -> str:
-        """``4.7, Eq. 4.8, cascade:proxsuite``."""
-        return f"{self.scenario.figure}, {self.law.title}, {self.backend}"
+    def tick(self) -> float:
+        """Between two solves [s]."""
+        return self.scenario.tick if self.law.inequalities else self.scenario.free_tick
+
+    @property
+    def ticks(self) -> int:
+        """Number of solves, if the run goes to its end."""
+        return round(self.scenario.duration / self.tick)
 
 
 def jobs_of(scenario: Scenario, backend: str, laws: Collection[str] = NAMES) -> list[Job]:
@@ -69,7 +74,7 @@ def run(job: Job) -> Record:
     """
     scenario, law = job.scenario, job.law
     stack = law.closed_stack if job.closed_form and law.closed_stack is not None else law.stack
-    controller = Controller(scenario.arm, stack(scenario), order="acceleration", dt=scenario.tick, backend=job.backend)
+    controller = Controller(scenario.arm, stack(scenario), order="acceleration", dt=job.tick, backend=job.backend)
     return simulate(
         controller,
         scenario.q0,

@@ -27,13 +27,13 @@ from .claims import BOTH, FOLLOWS, MOSTLY, NO_LONGER_SINGULAR, NOT_THROUGHOUT, S
 MINUTE = 60.0
 #: Between two solves [s].
 TICK = 2e-4 * MINUTE
-#: Where joints turn so fast, near a kinematic singularity, that holding a command for so long takes the
-#: tip off its path by more than 1 mm (an error in proportion to the tick: 1.1 mm in 4.11, 5.2 mm in 4.26).
-FINER_TICKS = {"4.11": 1e-4 * MINUTE} | dict.fromkeys(("4.26", "4.28", "4.30"), 2.5e-5 * MINUTE)
+#: The same without joint limits, where joints turn so fast, near a kinematic singularity, that holding a command
+#: for so long takes the tip off its path by more than 1 mm (in proportion: 1.1 mm in 4.11, 5.2 mm in 4.26).
+FREE_TICKS = {"4.11": 1e-4 * MINUTE} | dict.fromkeys(("4.26", "4.28", "4.30"), 2.5e-5 * MINUTE)
 
 ASSUMPTIONS = (
-    "The arm starts at rest and follows each commanded acceleration exactly. A command holds for 2e-4 min; in 4.11"
-    " for 1e-4 min and in 4.26 (= 4.28 = 4.30) for 2.5e-5 min, because joints turn fast there.",
+    "The arm starts at rest and follows each commanded acceleration exactly. A command holds for 2e-4 min; without"
+    " joint limits for 1e-4 min in 4.11 and for 2.5e-5 min in 4.26 (= 4.28 = 4.30), because joints turn fast there.",
     "Links have a mass of 1 kg per metre, spread evenly. The plane is horizontal: no gravity (Eq. 4.1).",
     "Rectangle: (1, 0), (1, 1), (0.5, 1), (0.5, 0). Each side of a polygon is a cubic of its own, from rest to"
     " rest, all in equal times, one minute in all.",
@@ -99,8 +99,8 @@ class Scenario:
         Desired orientation [rad]; None without task priority.
     duration : float
         Of the motion [s].
-    tick : float
-        Between two solves [s].
+    tick, free_tick : float
+        Between two solves [s], with and without joint limits.
     position_gain, orientation_gain : float
         K [1/s] of Eq. 4.7: c1 = 2 K, c2 = K^2.
     velocity_limit, acceleration_limit : float
@@ -117,6 +117,7 @@ class Scenario:
     phi: float | None
     duration: float = MINUTE
     tick: float = TICK
+    free_tick: float = TICK
     position_gain: float = 10 / MINUTE
     orientation_gain: float = 50 / MINUTE
     velocity_limit: float = 40 / MINUTE
@@ -178,7 +179,7 @@ def _group(
                 q0=q0,
                 course=course,
                 phi=target,
-                tick=FINER_TICKS.get(figure, TICK),
+                free_tick=FREE_TICKS.get(figure, TICK),
             )
             for figure, (target, says) in figures.items()
         ]
