@@ -63,7 +63,7 @@ def flat_qp(problem: LevelProblem, scale: float, rho: float) -> tuple[FlatQP, Ro
     """The level as a QP in (y / scale, w / scale), with y_prev = 0."""
     nz = problem.B.shape[1]
     equality, between = problem.equality, ~problem.equality
-    pulls, holds = problem.B[equality], problem.B[between]
+    pulls, holds = (problem.B, problem.B[:0]) if problem.equations else (problem.B[equality], problem.B[between])
     slacks = len(holds)
     size = nz + slacks
     # Where the level asks for far more than the step, its forces and not its curvature are of order one.

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from ..arrays import Array
+from ..arrays import Array, length
 from .lapack import least_squares, row_space
 from .subproblem import LevelProblem, Signs
 
@@ -55,8 +55,10 @@ def polish(problem: LevelProblem, y: Array, pressing: Signs, rank_tolerance: flo
     """Least squares on the active rows at y, mended until the optimality conditions hold or patience ends."""
     problem = problem.reaching(y)
     active = pressing.copy()
-    w = problem.slacks(y)
-    pulled: Signs = (np.sign(w) * (np.abs(w) > BLUR * problem.norms)).astype(np.int8)
+    pulled: Signs = np.zeros(len(problem.B), dtype=np.int8)
+    if not problem.equations:
+        w = problem.slacks(y)
+        pulled = (np.sign(w) * (np.abs(w) > BLUR * problem.norms)).astype(np.int8)
     for turn in range(1, ROUNDS + 1):
         y = _least_squares(problem, y, active, pulled, rank_tolerance)
         faults, presses = _faults(problem, y, active, pulled)
@@ -76,17 +78,21 @@ def _least_squares(problem: LevelProblem, y: Array, active: Signs, pulled: Signs
         goal = np.where(active[hard] > 0, problem.high[hard], problem.low[hard])
         fixed, Z = row_space(rows, rank_tolerance)
         y = y + fixed @ least_squares(rows @ fixed, goal - rows @ y)
-    chosen = problem.equality | (pulled != 0)
-    gap = (np.where(pulled > 0, problem.upper, problem.lower) - problem.B @ y)[chosen]
-    rows = problem.B[chosen] @ Z
-    span, _ = row_space(rows / problem.norms[chosen, None], rank_tolerance)
+    rows, norms, gap = problem.B, problem.norms, np.where(pulled > 0, problem.upper, problem.lower) - problem.B @ y
+    if not problem.equations:
+        chosen = problem.equality | (pulled != 0)
+        rows, norms, gap = rows[chosen], norms[chosen], gap[chosen]
+    rows = rows @ Z
+    span, _ = row_space(rows / norms[:, None], rank_tolerance)
     return y + Z @ (span @ least_squares(rows @ span, gap))
 
 
 def _faults(problem: LevelProblem, y: Array, active: Signs, pulled: Signs) -> tuple[list[Fault], NDArray[np.bool_]]:
     """What contradicts optimality at y, the worst first, and which hard rows carry force."""
     faults = [*_outside(problem, y, active), *_misjudged(problem, y, pulled)]
-    w = np.where(problem.equality | (pulled != 0), problem.slacks(y), 0.0)
+    w = problem.slacks(y)
+    if not problem.equations:
+        w = np.where(problem.equality | (pulled != 0), w, 0.0)
     pressing = np.zeros(len(active), dtype=np.bool_)
     if (np.abs(w) > problem.slack).any():
         force = float(problem.norms @ np.abs(w))
@@ -114,7 +120,7 @@ def _outside(problem: LevelProblem, y: Array, active: Signs) -> Iterator[Fault]:
 
 def _misjudged(problem: LevelProblem, y: Array, pulled: Signs) -> Iterator[Fault]:
     """Inequalities of the level that are violated and not pulled, or pulled and no longer violated."""
-    if problem.equality.all():
+    if problem.equations:
         return
     value = problem.B @ y
     for sign, beyond in ((1, value - problem.upper), (-1, problem.lower - value)):
@@ -127,6 +133,8 @@ def _misjudged(problem: LevelProblem, y: Array, pulled: Signs) -> Iterator[Fault
 
 def _balance(outward: Array, gradient: Array) -> tuple[Array, float]:
     """Multipliers with ``gradient + outward^T multipliers`` smallest, without a wrong sign if there is a choice."""
+    if not len(outward):
+        return np.zeros(0), length(gradient)
     multipliers: Array = np.asarray(np.linalg.lstsq(outward.T, -gradient, rcond=1e-12)[0], dtype=np.float64)
     slope = float(np.linalg.norm(outward.T @ multipliers + gradient))
     if multipliers.min(initial=0.0) < -PULL:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -28,14 +28,16 @@ class LevelProblem(NamedTuple):
 
     Rows B belong to the level, rows N to the satisfied inequalities of the levels above. All bounds are
     seen from x: at y = 0 a row is 0 and the slacks of the level are `still`. `equality` marks the rows whose
-    bounds are one; `norms` are those of the rows before projection (the hard rows had norm one); `slack` and
-    `margin` are the tolerances on both at y = 0; `asked` is the longest step that a row asks for on its own.
+    bounds are one, and `equations` is true where all are; `norms` are those of the rows before projection (the
+    hard rows had norm one); `slack` and `margin` are the tolerances on both at y = 0; `asked` is the longest
+    step that a row asks for on its own.
     """
 
     B: Array
     lower: Array
     upper: Array
     equality: NDArray[np.bool_]
+    equations: bool
     norms: Array
     still: Array
     slack: Array
@@ -52,7 +54,8 @@ class LevelProblem(NamedTuple):
 
     def slacks(self, y: Array) -> Array:
         """The slacks w of the level's rows at y."""
-        return excess(self.B @ y, self.lower, self.upper)
+        value = self.B @ y
+        return value - self.lower if self.equations else excess(value, self.lower, self.upper)
 
     def infeasibility(self, y: Array) -> float:
         """How far the worst hard row is outside, beyond its tolerance; 0 if none is."""
@@ -125,10 +128,14 @@ class LevelRows(NamedTuple):
         norms = weights * hierarchy.row_norms()
         says = (norms > 0) & ((hierarchy.lower > -np.inf) | (hierarchy.upper < np.inf))
         weighted = weights[:, None] * hierarchy.dense(), weights * hierarchy.lower, weights * hierarchy.upper, norms
-        A, lower, upper, norms = (part[says] for part in weighted)
+        cuts: Sequence[int] = hierarchy.pointers
+        A, lower, upper, norms = weighted
+        if not says.all():
+            cuts = [int(np.count_nonzero(says[:end])) for end in cuts]
+            A, lower, upper, norms = (part[says] for part in weighted)
         unit = np.concatenate([A, lower[:, None], upper[:, None]], axis=1) / norms[:, None]
         whole = cls(A, lower, upper, lower == upper, norms, unit)
-        for begin, end in pairwise([np.count_nonzero(says[:end]) for end in hierarchy.pointers]):
+        for begin, end in pairwise(cuts):
             yield cls._make(part[begin:end] for part in whole)
         yield cls(np.eye(n), x_ref, x_ref, np.ones(n, dtype=np.bool_), np.ones(n), np.zeros((0, n + 2)))
 
@@ -151,14 +158,19 @@ class LevelRows(NamedTuple):
             unit * part[kept] for part in (moved, lower, upper, self.norms, here.slack, here.tolerance)
         )
         asked = float(here.distance[kept].max(initial=0.0))
+        equality = self.equality[kept]
         hard = state.moved, *state.room(settings)
-        return LevelProblem(B, lower, upper, self.equality[kept], norms, still, slack, *hard, asked)
+        return LevelProblem(B, lower, upper, equality, bool(equality.all()), norms, still, slack, *hard, asked)
 
     def freeze(self, state: State, here: Standing, y: Array, pressing: Signs, settings: Settings) -> State:
         """Equalities, violated rows and pressing hard rows shrink Z; satisfied inequalities become hard rows."""
         x = state.x + state.Z @ y
         frozen = self.equality
-        if not frozen.all():
+        if frozen.all():
+            if not len(state.hard):
+                _, null = row_space(self.unit[:, :-2] @ state.Z, settings.rank_tolerance)
+                return State(x, state.Z @ null, state.hard, state.moved @ null)
+        else:
             frozen = frozen | self._violated(x, here, y, settings)
         frozen = np.concatenate([pressing != 0, frozen])
         rows = np.concatenate([state.hard, self.unit])
