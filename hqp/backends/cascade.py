@@ -93,7 +93,11 @@ class Cascade:
         for k, rows in enumerate(LevelRows.of(hierarchy, x_ref)):
             try:
                 here = rows.at(state.x, self.settings)
-                y, pressing = self._solve_level(k, rows.problem(state, here, self.settings), tally)
+                if (np.abs(here.slack) <= here.tolerance).all():
+                    tally["levels_met"] += 1
+                    y, pressing = np.zeros(state.Z.shape[1]), np.zeros(len(state.hard), dtype=np.int8)
+                else:
+                    y, pressing = self._solve_level(k, rows.problem(state, here, self.settings), tally)
                 if k == last:
                     return Answer(state.x + state.Z @ y, counts=Counts(**tally))
                 state = rows.freeze(state, here, y, pressing, self.settings)
@@ -187,7 +191,7 @@ class Cascade:
 
 
 def _nothing_to_do(problem: LevelProblem) -> bool:
-    """Whether y = 0 is optimal without asking anybody: no unknown, no slack, or no slope."""
+    """Whether y = 0 is optimal without asking anybody: no unknown, or no slope."""
     if not problem.B.size:
         return True
     w = np.where(np.abs(problem.still) > problem.slack, problem.still, 0.0)
