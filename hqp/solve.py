@@ -70,7 +70,7 @@ class Solver:
             raise InvalidInput(f"x_ref has shape {reference.shape}; it must be ({hierarchy.n},)")
 
         fault = hierarchy.find_fault()
-        if fault is None and not (np.abs(reference) <= LARGEST).all():
+        if fault is None and x_ref is not None and not (np.abs(reference) <= LARGEST).all():
             fault = f"x_ref = {reference} must be finite, and at most {LARGEST:g} in size"
             reference = np.zeros(hierarchy.n)
         if fault is not None:

@@ -36,10 +36,11 @@ def prioritized(tasks: list[tuple[Array, Array]], z: Array, cut: float) -> Array
     """Eq. 3.17 for any number of tasks (J, r), with z as the last level."""
     x = np.zeros_like(z)
     N = np.eye(len(z))
-    for J, r in tasks:
-        J_hat_pinv = pinv(J @ N, cut * norm(J))
+    for k, (J, r) in enumerate(tasks):
+        J_hat = J @ N
+        J_hat_pinv = pinv(J_hat, cut, scale=norm(J) if k else None)  # the first task is not projected
         x = x + J_hat_pinv @ (r - J @ x)
-        N = N - J_hat_pinv @ (J @ N)
+        N = N - J_hat_pinv @ J_hat
     return x + N @ z
 
 
@@ -47,15 +48,15 @@ def joint_space(tasks: list[tuple[Array, Array]], z: Array, cut: float) -> Array
     """Eq. 4.8 for any number of tasks (J, h): each corrects the motion that all below it would make alone."""
     x = z
     for J, h in reversed(tasks):
-        J_pinv = pinv(J, cut * norm(J))
+        J_pinv = pinv(J, cut)
         x = J_pinv @ h + (np.eye(len(z)) - J_pinv @ J) @ x
     return x
 
 
-def pinv(J: Array, cut: float) -> Array:
-    """Pseudoinverse with singular values up to `cut` (absolute) taken for zero."""
+def pinv(J: Array, cut: float, scale: float | None = None) -> Array:
+    """Pseudoinverse with singular values up to ``cut * scale`` taken for zero; the scale of J is its own norm."""
     U, s, Vt = np.linalg.svd(J, full_matrices=False)
-    kept = s > cut
+    kept = s > cut * (s.max(initial=0.0) if scale is None else scale)
     inverse: Array = (Vt[kept].T / s[kept]) @ U[:, kept].T
     return inverse
 
