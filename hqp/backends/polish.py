@@ -78,10 +78,12 @@ def _least_squares(problem: LevelProblem, y: Array, active: Signs, pulled: Signs
         goal = np.where(active[hard] > 0, problem.high[hard], problem.low[hard])
         fixed, Z = row_space(rows, rank_tolerance)
         y = y + fixed @ least_squares(rows @ fixed, goal - rows @ y)
-    rows, norms, gap = problem.B, problem.norms, np.where(pulled > 0, problem.upper, problem.lower) - problem.B @ y
+    rows, norms, goal = problem.B, problem.norms, problem.lower
     if not problem.equations:
         chosen = problem.equality | (pulled != 0)
-        rows, norms, gap = rows[chosen], norms[chosen], gap[chosen]
+        goal = np.where(pulled > 0, problem.upper, problem.lower)[chosen]
+        rows, norms = rows[chosen], norms[chosen]
+    gap = goal - rows @ y
     rows = rows @ Z
     span, _ = row_space(rows / norms[:, None], rank_tolerance)
     return y + Z @ (span @ least_squares(rows @ span, gap))
