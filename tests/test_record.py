@@ -190,3 +190,15 @@ def test_refuses_a_record_that_lacks_something(record, tmp_path):
                 less.writestr(name, archive.read(name))
     with pytest.raises(InvalidInput, match="is no record, or damaged"):
         Record.load(tmp_path / "less.npz")
+
+
+def test_a_device_is_no_file(record, tmp_path):
+    """As root, a file put in the place of a device would replace it."""
+    for call in (record.save, Record.load):
+        with pytest.raises(InvalidInput, match="path = '/dev/null' is a device; it must be a file"):
+            call("/dev/null")
+    link = tmp_path / "link.npz"
+    link.symlink_to(tmp_path / "file.npz")
+    record.save(link)
+    assert link.is_symlink()
+    assert len(Record.load(tmp_path / "file.npz")) == len(record)

@@ -125,7 +125,10 @@ def test_a_method_that_takes_no_record_is_refused_before_the_run(method):
     robot = Bare()
     setattr(robot, method, lambda *values: np.zeros(7))
     tick = Controller(robot, PositionTask([0.6, 0.2], gain=2.0), dt=0.01, backend="pseudoinverse")
-    with pytest.raises(InvalidInput, match=rf"{method} of the robot gives shape \(7,\).* must take leading axes"):
+    with pytest.raises(InvalidInput, match=rf"{method} of the robot, .* gives shape \(7,\); it must take leading axes"):
+        simulate(tick, Q, duration=0.1)
+    setattr(robot, method, lambda q: 1.0 / len(q[0][0]))
+    with pytest.raises(InvalidInput, match=rf"{method} of the robot, .* raised TypeError: .*leading axes"):
         simulate(tick, Q, duration=0.1)
 
 

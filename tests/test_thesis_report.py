@@ -16,7 +16,9 @@ import pytest
 from PIL import Image
 
 from hqp import InvalidInput
+from tasks.motion.record import Stop
 from tasks.thesis import figures, ideas, report, runs, scenarios, store, tables
+from tasks.thesis.animation import animate
 from tasks.thesis.findings import digits, measure, to_csv
 from tasks.thesis.runs import Job, jobs_of, run
 from tasks.thesis.scenarios import scenario
@@ -103,8 +105,8 @@ def test_which_joint_is_at_which_limit_is_drawn():
     stripes = drawing.axes[-1].images[0].get_array()
     assert stripes.shape[0] == 3
     for joint in range(3):
-        kinds = (record.active["velocity"][:, joint] != 0) + 2 * (record.active["acceleration"][:, joint] != 0)
-        assert stripes[joint].max() == kinds.max()
+        for bit, name in ((1, "velocity"), (2, "acceleration")):
+            assert (stripes[joint] & bit).any() == (record.active[name][:, joint] != 0).any()
 
 
 def test_reach():
@@ -191,6 +193,15 @@ def test_all_figures_come_with_the_ideas_unless_laws_are_chosen():
     assert [item.name for item in report._subjects(["argument", " argument "], ["limits"])] == ["argument"]
 
 
+def test_a_picture_that_is_being_drawn_is_not_up_to_date(tmp_path):
+    drawn = store.Drawn(tmp_path, tmp_path / "drawn.json")
+    (tmp_path / "figure.png").touch()
+    drawn.add("figure.png", "key")
+    assert drawn.has("figure.png", "key")
+    drawn.forget(["figure.png"])
+    assert not store.Drawn(tmp_path, tmp_path / "drawn.json").has("figure.png", "key")
+
+
 def test_a_table_of_drawings_that_cannot_be_read_means_none(tmp_path):
     (tmp_path / "drawn.json").write_text("[1, 2")
     assert store.Drawn(tmp_path, tmp_path / "drawn.json").keys == {}
@@ -257,7 +268,7 @@ def test_animation(short_figures, tmp_path):
     [
         (["4.99"], {}, "figure '4.99' is unknown"),
         (["4.7"], {"form": "bmp"}, "format 'bmp' is unknown; available: png, pdf, svg"),
-        (["4.7"], {"laws": ["magic"]}, "law 'magic' is unknown; available: thesis, strict, limits, damped"),
+        (["workspace"], {"laws": ["magic"]}, "law 'magic' is unknown; available: thesis, strict, limits, damped"),
     ],
 )
 def test_refusals_come_before_the_work(names, options, told, tmp_path):
@@ -266,9 +277,36 @@ def test_refusals_come_before_the_work(names, options, told, tmp_path):
     assert not (tmp_path / "new").exists()
 
 
-def test_a_damaged_run_is_named(short_figures, tmp_path):
-    make(tmp_path, "4.6")
+def test_a_damaged_run_is_made_anew(short_figures, tmp_path):
+    before = make(tmp_path, "4.6")
     damaged = next((tmp_path / "runs").glob("tip-*.npz"))
-    damaged.write_bytes(damaged.read_bytes()[:1000])
-    with pytest.raises(InvalidInput, match=damaged.name):
-        make(tmp_path, "4.6")
+    whole = damaged.read_bytes()
+    damaged.write_bytes(whole[:1000])
+    assert to_csv(make(tmp_path, "4.6")) == to_csv(before)
+    assert len(damaged.read_bytes()) == len(whole)
+
+
+def without_a_tick(record):
+    """What is recorded where the solver has no answer at all."""
+    none = {name: getattr(record, name)[:0] for name in ("a", "tau", "status", "checked_t", "ranks")}
+    first = {name: getattr(record, name)[:1] for name in ("t", "q", "v", "pose", "manipulability")}
+    errors = {name: values[:1] for name, values in record.errors.items()}
+    active = {name: sides[:0] for name, sides in record.active.items()}
+    stopped = Stop(0.0, "failed at t = 0 s", diverged=False)
+    return replace(record, **none, **first, errors=errors, active=active, certified=0, stopped=stopped)
+
+
+def test_a_run_without_an_answer_is_a_finding(tmp_path):
+    item = short("4.7")
+    jobs = [Job(item, law, "cascade:proxsuite") for law in runs.laws_of(item)]
+    shown = {job: without_a_tick(run(job)) for job in jobs}
+    found = [measure(job, record) for job, record in shown.items()]
+    assert {finding.note for finding in found} == {"failed at t = 0 s"}
+    assert all(cell == "failed at t = 0 s ✗" for cell in tables.against_claims(found)[0][3:])
+    figures.draw(item, shown).savefig(tmp_path / "figure.png", dpi=40)
+    animate(item, shown, tmp_path / "figure.gif")
+
+
+def test_where_there_is_nothing_to_show(tmp_path):
+    with pytest.raises(InvalidInput, match=r"nothing to show: .* takes no inequalities"):
+        make(tmp_path, "4.6", laws=["limits"])

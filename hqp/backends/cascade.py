@@ -139,7 +139,8 @@ class Cascade:
         qp, sort = flat_qp(problem, scale, rho)
         nz = problem.B.shape[1]
         solver = self._flat(k, qp.sizes)
-        result, y_prev = self._ask(solver, qp, tally), np.zeros(nz)
+        first = result = self._ask(solver, qp, tally)
+        y_prev = np.zeros(nz)
         if self.settings.polish:
             yield LevelAnswer.of(problem, result, sort, scale)
         for _ in range(self.settings.proximal_steps):
@@ -153,7 +154,8 @@ class Cascade:
             if not again.solved:
                 break
             y_prev, result = y, again
-        yield LevelAnswer.of(problem, result, sort, scale)
+        if result is not first or not self.settings.polish:
+            yield LevelAnswer.of(problem, result, sort, scale)
 
     def _settle(self, problem: LevelProblem, answer: LevelAnswer, scale: float, tally: Tally) -> Settled:
         """An answer, polished where that is verified or at least no worse; whether and how far it can be trusted."""

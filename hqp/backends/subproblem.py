@@ -71,11 +71,10 @@ def objective(w: Array) -> float:
 
 
 class Standing(NamedTuple):
-    """Where rows stand at an x: ``A x``, its slack, the distance of x from the bounds, and the slack that is none."""
+    """Where rows stand at an x: ``A x``, its slack, and the slack that is none."""
 
     value: Array
     slack: Array
-    distance: Array
     tolerance: Array
 
 
@@ -143,9 +142,8 @@ class LevelRows(NamedTuple):
         """Where the rows stand at x."""
         value = self.A @ x
         slack = excess(value, self.lower, self.upper)
-        distance = np.abs(slack) / self.norms
         allowed = allowance(value, slack, self.norms, length(x), pull(slack, self.norms), settings.tolerance)
-        return Standing(value, slack, distance, allowed)
+        return Standing(value, slack, allowed)
 
     def problem(self, state: State, here: Standing, settings: Settings) -> LevelProblem:
         """The level in y: rows that y cannot move are left out, and the rest scaled by what y can move."""
@@ -157,7 +155,7 @@ class LevelRows(NamedTuple):
         B, lower, upper, norms, still, slack = (
             unit * part[kept] for part in (moved, lower, upper, self.norms, here.slack, here.tolerance)
         )
-        asked = float(here.distance[kept].max(initial=0.0))
+        asked = float((np.abs(still) / norms).max(initial=0.0))
         equality = self.equality[kept]
         hard = state.moved, *state.room(settings)
         return LevelProblem(B, lower, upper, equality, bool(equality.all()), norms, still, slack, *hard, asked)

@@ -130,11 +130,15 @@ def _asked_at_once(
 ) -> Callable[..., Array] | None:
     """The method of that name, if the robot has it. One that takes no leading axis is refused before the run."""
     method: Callable[..., Array] | None = getattr(robot, name, None)
-    if method is not None and np.shape(method(*example)) != shape:
-        raise InvalidInput(
-            f"{name} of the robot gives shape {np.shape(method(*example))} for arrays of one row;"
-            f" it must take leading axes and give {shape}"
-        )
+    if method is None:
+        return None
+    asked = f"{name} of the robot, asked for arrays of one row,"
+    try:
+        given = np.shape(method(*example))
+    except Exception as error:
+        raise InvalidInput(f"{asked} raised {type(error).__name__}: {error}; it must take leading axes") from error
+    if given != shape:
+        raise InvalidInput(f"{asked} gives shape {given}; it must take leading axes and give {shape}")
     return method
 
 

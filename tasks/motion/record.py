@@ -197,9 +197,15 @@ class Record:
 
 
 def _as_path(path: str | os.PathLike[str]) -> Path:
-    if isinstance(path, str | os.PathLike) and Path(path).name:
-        return Path(path)
-    raise InvalidInput(f"path = {path!r} must be the name of a file")
+    if not (isinstance(path, str | os.PathLike) and Path(path).name):
+        raise InvalidInput(f"path = {path!r} must be the name of a file")
+    try:
+        file = Path(os.path.realpath(path))  # a link stays a link: what it leads to is meant
+    except ValueError as error:  # a name that no file can have
+        raise InvalidInput(f"cannot write or read {str(path)!r}: {error}") from None
+    if file.exists() and not (file.is_file() or file.is_dir()):
+        raise InvalidInput(f"path = {str(path)!r} is a device; it must be a file")
+    return file
 
 
 @contextmanager

@@ -151,13 +151,15 @@ def _at_limits(axis: Axes, scenario: Scenario, record: Record) -> None:
     from matplotlib.colors import ListedColormap
 
     joints = len(scenario.lengths)
-    kinds = np.zeros((len(record), joints))
+    if not len(record):
+        return
+    kinds = np.zeros((len(record), joints), dtype=np.uint8)
     for bit, name in ((1, "velocity"), (2, "acceleration")):
         if name in record.active:
-            kinds += bit * (record.active[name] != 0)
+            kinds |= np.uint8(bit) * (record.active[name] != 0)
     # As many columns as a screen has: a limit that is met in between still shows.
     bins = np.array_split(kinds, 600) if len(kinds) >= 600 else [kinds[k : k + 1] for k in range(len(kinds))]
-    stripes = np.array([block.max(axis=0) for block in bins]).reshape(-1, joints).T
+    stripes = np.array([np.bitwise_or.reduce(block, axis=0) for block in bins]).reshape(-1, joints).T
     end = record.t[len(record)] / MINUTE
     axis.imshow(
         stripes, aspect="auto", interpolation="nearest", extent=(0, end, joints + 0.5, 0.5),
@@ -200,6 +202,8 @@ def desired_path(scenario: Scenario) -> Array:
 def snapshots(scenario: Scenario, record: Record, poses: int = POSES) -> Array:
     """Joint angles at equal times of the whole motion, as far as the run came, shape (<= poses, n)."""
     times = np.linspace(0.0, scenario.duration, poses)
+    if len(record.t) < 2:
+        return record.q
     tick = record.t[1] - record.t[0]
     return np.asarray(record.q[np.round(times[times <= record.t[-1] + 0.5 * tick] / tick).astype(int)])
 
@@ -220,6 +224,8 @@ def _title(axis: Axes, job: Job, record: Record) -> None:
 
 def _degrees(job: Job, record: Record) -> str:
     """Degrees of manipulability of the task levels and of redundancy below them (Eq. 3.7, 3.8), where checked."""
+    if not record.checked:
+        return ""
     tasks = record.degrees.manipulability[:, 1 if job.law.inequalities else 0 :]
     levels = " + ".join(_span(level) for level in tasks.T)
     return f"degree of manipulability {levels}, of redundancy {_span(record.degrees.redundancy[:, -1])}"
@@ -253,7 +259,7 @@ def speed_range(scenario: Scenario, records: Iterable[Record]) -> tuple[float, f
     """Of the joint speeds [rad/min]: all of them, but not those of a run that diverges."""
     peak = MINUTE * max(np.abs(record.v).max() for record in records)
     limit = MINUTE * scenario.velocity_limit
-    top = 1.15 * min(peak, 2.2 * limit)
+    top = 1.15 * min(peak or limit, 2.2 * limit)
     if 0.9 * limit < top < 1.1 * limit:
         top = 1.1 * limit  # lest the frame hide the limits
     return -top, top

@@ -13,7 +13,7 @@ import numpy as np
 from .._checks import Array
 from ..motion.record import Record
 from .runs import Job, phi_error, tip_error
-from .scenarios import MINUTE, Scenario
+from .scenarios import MINUTE
 
 #: From when on the tip must be on its path, and phi settled: shares of the motion. The position
 #: feedback is slow (10 /min): the error of the start is below 1 mm only after 0.5 to 0.67 min.
@@ -43,8 +43,8 @@ class Finding:
         Smallest singular value of J1 along the motion [m/rad]: how near it comes to a kinematic singularity.
     least_manipulability : float
         Smallest W = sqrt(det(J1 J1^T)) along the motion [m^2] (Eq. 2.2 for two links).
-    limit_excess : float
-        By how much a joint limit is exceeded at worst [rad/s, rad/s^2], where the law has limits.
+    velocity_excess, acceleration_excess : float
+        By how much a joint limit is exceeded at worst [rad/s], [rad/s^2], where the law has limits.
     limited_share : float
         Share of the ticks in which a joint is at a limit.
     diverged_min : float
@@ -67,7 +67,8 @@ class Finding:
     peak_torque: float
     least_singular: float
     least_manipulability: float
-    limit_excess: float
+    velocity_excess: float
+    acceleration_excess: float
     limited_share: float
     diverged_min: float
     certified: float
@@ -93,9 +94,10 @@ def measure(job: Job, record: Record, closed_form: Record | None = None) -> Find
     if closed_form is not None and not job.closed_form:
         both = min(len(record.q), len(closed_form.q))
         difference = _largest(np.abs(record.q[:both] - closed_form.q[:both]))
-    excess = limited = nan
-    if job.law.inequalities:
-        excess = limit_excess(scenario, record)
+    too_fast = too_hard = limited = nan
+    if job.law.inequalities and len(record):
+        too_fast = max(_largest(np.abs(record.v)) - scenario.velocity_limit, 0.0)
+        too_hard = max(_largest(np.abs(record.a)) - scenario.acceleration_limit, 0.0)
         limited = float(np.mean(np.any([states.any(axis=1) for states in record.active.values()], axis=0)))
     assert record.tau is not None  # a planar arm knows its torques and
     assert record.manipulability is not None  # its manipulability
@@ -104,14 +106,15 @@ def measure(job: Job, record: Record, closed_form: Record | None = None) -> Find
         figure=scenario.figure,
         law=job.law.title,
         backend=job.backend,
-        tip_error_mm=1e3 * _largest(tip_error(scenario, record)[elapsed >= TIP_FROM]),
+        tip_error_mm=1e3 * _largest(tip_error(record)[elapsed >= TIP_FROM]),
         phi_share=share,
         phi_peak_deg=peak,
         peak_speed=MINUTE * _largest(np.abs(record.v)),
         peak_torque=_largest(np.abs(record.tau)),
         least_singular=float(np.linalg.svd(scenario.arm.jacobian(record.q)[:, :2], compute_uv=False)[:, 1].min()),
         least_manipulability=float(record.manipulability.min()),
-        limit_excess=excess,
+        velocity_excess=too_fast,
+        acceleration_excess=too_hard,
         limited_share=limited,
         diverged_min=nan if record.diverged_at is None else record.diverged_at / MINUTE,
         certified=record.certified_share,
@@ -120,15 +123,8 @@ def measure(job: Job, record: Record, closed_form: Record | None = None) -> Find
     )
 
 
-def limit_excess(scenario: Scenario, record: Record) -> float:
-    """By how much the joint limits of the scenario are exceeded at worst, 0 if they are kept."""
-    velocity = _largest(np.abs(record.v)) - scenario.velocity_limit
-    acceleration = _largest(np.abs(record.a)) - scenario.acceleration_limit
-    return max(velocity, acceleration, 0.0)
-
-
 def digits(value: float) -> str:
-    """Two digits, without an exponent: 0.022, 1.5, 140."""
+    """Two digits: 0.022, 1.5, 140."""
     return f"{float(f'{value:.2g}'):g}"
 
 

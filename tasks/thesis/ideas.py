@@ -31,7 +31,7 @@ from .figures import (
 )
 from .findings import measure
 from .laws import DAMPED, LIMITS, STRICT, SWAPPED, THESIS, Law
-from .runs import Job
+from .runs import Job, tip_error
 from .scenarios import MINUTE, scenario
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ class Idea:
     draw: Callable[[Mapping[Job, Record]], Figure]
 
     def jobs(self, backend: str) -> list[Job]:
-        """What to simulate for it; none if the backend takes no inequalities."""
+        """What to simulate for it; none if the backend cannot show one of them."""
         info = hqp.backend_info(backend)
         if any(law.refusal(info) for law in self.laws):
             return []
@@ -88,19 +88,13 @@ def reach_at(arm: PlanarArm, phi: float) -> tuple[Array, float, float]:
 
 def draw_argument(runs: Mapping[Job, Record]) -> Figure:
     """Eq. 4.8, Eq. 3.17, and the QP with limits, undamped and damped, on the same motion."""
-    remarks = {
-        THESIS.key: "never exact, and bounded",
-        STRICT.key: "exact, then it diverges",
-        LIMITS.key: "exact where it can be, bounded everywhere",
-        DAMPED.key: "the same, and smooth",
-    }
     titles = {
         THESIS.key: "Eq. 4.8: projected motion",
         STRICT.key: "Eq. 3.17: strict priority",
         LIMITS.key: "QP stack: limits on top",
         DAMPED.key: "QP stack: limits, damped",
     }
-    heads = {job: (titles[job.law.key], remarks[job.law.key]) for job in runs}
+    heads = {job: titles[job.law.key] for job in runs}
     figure = _columns(runs, heads)
     figure.text(
         0.5, 0.985, "Position before orientation: links 0.5 0.5 0.5 m, tip along the red line, φ = 0°",
@@ -111,12 +105,8 @@ def draw_argument(runs: Mapping[Job, Record]) -> Figure:
 
 def draw_priorities(runs: Mapping[Job, Record]) -> Figure:
     """Position before orientation, and the other way round: one ``>>`` exchanged (section 1.2)."""
-    heads = {
-        job: ("orientation >> position", "as for spray painting")
-        if job.law.key == SWAPPED.key
-        else ("position >> orientation", "as for arc welding")
-        for job in runs
-    }
+    orders = {SWAPPED.key: "orientation >> position", DAMPED.key: "position >> orientation"}
+    heads = {job: orders[job.law.key] for job in runs}
     figure = _columns(runs, heads)
     figure.text(
         0.5, 0.985, "One >> exchanged: what is lost where both cannot be met", ha="center", va="top",
@@ -152,8 +142,8 @@ def draw_workspace(runs: Mapping[Job, Record]) -> Figure:
         f"from here on φ = 0° is\nout of reach: y = {lost[1]:.2f} m", lost, (0.72, 1.36), color=DESIRED, fontsize=9,
         arrowprops={"arrowstyle": "->", "color": DESIRED},
     )  # fmt: skip
-    for angles in ((65, -73, -42), _wrist_angles(arm, lost, 0.0)):
-        points = arm.points(np.radians(angles))
+    for q in item.q0, _stretched(arm, lost, 0.0):
+        points = arm.points(q)
         axis.plot(*points.T, "o-", color=ARM, lw=2.0, ms=4.0, mec="white")
     axis.plot(0, 0, "s", color=ARM, ms=8)
     axis.set_aspect("equal")
@@ -167,14 +157,13 @@ def draw_workspace(runs: Mapping[Job, Record]) -> Figure:
     return figure
 
 
-def _wrist_angles(arm: PlanarArm, tip: Array, phi: float) -> Sequence[float]:
-    """Joint angles [deg] of three links whose wrist is stretched out to the tip's place at phi."""
-    wrist = tip - arm.lengths[-1] * np.array([np.cos(phi), np.sin(phi)])
-    stretched = float(np.degrees(np.arctan2(wrist[1], wrist[0])))
-    return stretched, 0.0, float(np.degrees(phi)) - stretched
+def _stretched(arm: PlanarArm, tip: Array, phi: float) -> Sequence[float]:
+    """Joint angles [rad] of three links whose wrist is stretched out to the tip's place at phi."""
+    x, y = tip - arm.lengths[-1] * np.array([np.cos(phi), np.sin(phi)])
+    return float(np.arctan2(y, x)), 0.0, phi - float(np.arctan2(y, x))
 
 
-def _columns(runs: Mapping[Job, Record], heads: Mapping[Job, tuple[str, str]]) -> Figure:
+def _columns(runs: Mapping[Job, Record], heads: Mapping[Job, str]) -> Figure:
     """A column a run: the arm, the errors, the joint speeds and accelerations."""
     from matplotlib.figure import Figure
 
@@ -189,13 +178,12 @@ def _columns(runs: Mapping[Job, Record], heads: Mapping[Job, tuple[str, str]]) -
             other.tick_params(labelleft=False)
     for column, (job, record) in zip(axes.T, runs.items(), strict=True):
         arm, tip, phi, speed, acceleration = column
-        title, remark = heads[job]
-        arm.set_title(f"{title}\n\n", fontsize=12, fontweight="bold")
-        lines = f"{remark}\n{summary(measure(job, record))}"
+        arm.set_title(f"{heads[job]}\n\n", fontsize=12, fontweight="bold")
+        found = measure(job, record)
+        lines = f"joints turn at up to {found.peak_speed:.0f} rad/min\n{summary(found)}"
         arm.text(0.5, 1.015, lines, transform=arm.transAxes, ha="center", color=MUTED, fontsize=9)
         draw_arm(arm, item, record)
-        error = 1e3 * np.linalg.norm(record.errors["position"], axis=1)
-        tip.semilogy(record.t / MINUTE, np.maximum(error, 1e-3), color=ACTUAL)
+        tip.semilogy(record.t / MINUTE, np.maximum(1e3 * tip_error(record), 1e-3), color=ACTUAL)
         draw_phi(phi, item, record)
         draw_joints(speed, record.t, record.v * MINUTE)
         draw_joints(acceleration, record.t[:-1], record.a * MINUTE**2)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import hqp
+from hqp.checks import whole_number
 
 from .._checks import writable
 from .._terminal import console
@@ -24,6 +25,7 @@ from .store import Drawn, Store
 from .tables import to_markdown, to_terminal
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from rich.progress import Progress
 
 FORMATS = ("png", "pdf", "svg")
@@ -58,8 +60,8 @@ def report(
     backend : str, optional
         Beside the closed forms (default: ``hqp.DEFAULT_BACKEND``).
     out : Path
-        Receives ``figure-4.7.png``, ..., ``claims.md`` and ``claims.csv``, and ``runs/``: what is
-        finished there is not made again.
+        Receives ``figure-4.7.png``, ..., ``claims.md`` and ``claims.csv`` of the figures asked for,
+        and ``runs/``: what is finished there is not made again.
     laws : collection of str
         Of :data:`tasks.thesis.laws.NAMES`.
     form : {"png", "pdf", "svg"}
@@ -84,8 +86,11 @@ def report(
 
     if form not in FORMATS:
         raise hqp.InvalidInput(f"format {form!r} is unknown; available: {', '.join(FORMATS)}")
-    if processes == 0:
+    if whole_number(abs(processes) if isinstance(processes, int) else processes, "processes") == 0:
         raise hqp.InvalidInput("processes = 0; give a number of processes, or -1 for one a core")
+    unknown = [law for law in laws if law not in NAMES]
+    if unknown or not laws:
+        raise hqp.InvalidInput(f"law {unknown[0] if unknown else ''!r} is unknown; available: {', '.join(NAMES)}")
     chosen = hqp.DEFAULT_BACKEND if backend is None else backend
     info = hqp.backend_info(chosen)
     subjects = _subjects(figures, laws)
@@ -94,10 +99,11 @@ def report(
     )
     pictures = [_picture(subject, chosen, laws, form, animated) for subject in subjects]
     pictures = [picture for picture in pictures if picture.jobs or not _laws(picture.subject, laws)]
+    if not pictures:
+        raise hqp.InvalidInput(f"there is nothing to show: {'; '.join(left_out)}")
     writable(out, [*(file for picture in pictures for file in picture.files), "claims.md", "claims.csv"])
-    writable(out / "runs", [])
+    writable(out / "runs", ["drawn.json"])
     store, drawn = Store(out / "runs"), Drawn(out, out / "runs" / "drawn.json")
-    store.forget_other_versions()
 
     missing = [job for job in dict.fromkeys(job for picture in pictures for job in picture.jobs) if job not in store]
     missing.sort(key=lambda job: job.ticks, reverse=True)  # the longest first
@@ -114,6 +120,7 @@ def report(
             [file for file in picture.files if not drawn.has(file, key)]
             for picture, key in zip(pictures, keys, strict=True)
         ]
+        drawn.forget(file for files in due for file in files)
         bar = progress.add_task("drawing", total=len(pictures))
         shown = parallel(
             delayed(_show)(picture, [store.path(job) for job in picture.jobs], [out / file for file in files])
@@ -123,12 +130,13 @@ def report(
             for file in files:
                 drawn.add(file, key)
             made += len(files)
-            if found:
-                findings += found
-                (out / "claims.md").write_text(to_markdown(findings, [*left_out, *ASSUMPTIONS]), encoding="utf-8")
-                (out / "claims.csv").write_text(to_csv(findings), encoding="utf-8")
+            findings += found
             progress.advance(bar)
 
+    if findings:
+        (out / "claims.md").write_text(to_markdown(findings, [*left_out, *ASSUMPTIONS]), encoding="utf-8")
+        (out / "claims.csv").write_text(to_csv(findings), encoding="utf-8")
+    store.forget_other_versions()
     printer = console(140)  # give every row its line
     if findings:
         printer.print(to_terminal(findings))
@@ -142,7 +150,11 @@ def _subjects(figures: Sequence[str], laws: Collection[str]) -> list[Scenario | 
     """What the names mean, each once. If there are none: all figures, and the ideas, which take all laws."""
     if not figures:
         return [*SCENARIOS.values(), *(IDEAS.values() if set(laws) >= set(NAMES) else ())]
-    return [IDEAS[name] if name in IDEAS else scenario(name) for name in dict.fromkeys(map(str.strip, figures))]
+    names = dict.fromkeys(map(str.strip, figures))
+    for name in names:
+        if name not in IDEAS and name not in SCENARIOS:
+            raise hqp.InvalidInput(f"figure {name!r} is unknown; available: {', '.join([*SCENARIOS, *IDEAS])}")
+    return [IDEAS[name] if name in IDEAS else scenario(name) for name in names]
 
 
 def _laws(subject: Scenario | Idea, laws: Collection[str]) -> Sequence[Law]:
@@ -164,21 +176,42 @@ def _simulate(job: Job, path: Path) -> None:
 
 def _show(picture: Picture, runs: Sequence[Path], due: Sequence[Path]) -> list[Finding]:
     """In a process of its own: what is due of one picture, and what its runs show in numbers."""
-    records = {job: Record.load(path) for job, path in zip(picture.jobs, runs, strict=True)}
-    if isinstance(picture.subject, Idea):
-        for file in due:
-            picture.subject.draw(records).savefig(file, dpi=DPI)
-        return []
+    records = {job: _loaded(job, path) for job, path in zip(picture.jobs, runs, strict=True)}
     item = picture.subject
+    if isinstance(item, Idea):
+        for file in due:
+            _save(item.draw(records), file)
+        return []
     # One run a law: the backend's, which comes after the formula's.
     shown = {job: records[job] for job in {job.law.key: job for job in picture.jobs}.values()}
     for file in due:
         if file.suffix == ".gif":
-            animate(item, shown, file)
+            animate(item, shown, _part(file))
+            _part(file).replace(file)
         else:
-            draw(item, shown).savefig(file, dpi=DPI)
+            _save(draw(item, shown), file)
     closed = {job.law.key: records[job] for job in picture.jobs if job.closed_form}
     return [measure(job, records[job], closed.get(job.law.key)) for job in picture.jobs]
+
+
+def _loaded(job: Job, path: Path) -> Record:
+    """The record that is kept; a damaged one is made anew."""
+    try:
+        return Record.load(path)
+    except hqp.InvalidInput:
+        _simulate(job, path)
+        return Record.load(path)
+
+
+def _save(figure: Figure, file: Path) -> None:
+    """The file appears whole or not at all."""
+    figure.savefig(_part(file), dpi=DPI)
+    _part(file).replace(file)
+
+
+def _part(file: Path) -> Path:
+    """What a file is called while it is written; the suffix stays, for it tells the format."""
+    return file.with_stem(f".{file.stem}-part")
 
 
 @contextmanager

@@ -85,7 +85,7 @@ def run(job: Job) -> Record:
     )
 
 
-def tip_error(scenario: Scenario, record: Record) -> Array:
+def tip_error(record: Record) -> Array:
     """Distance of the tip from where it should be [m], shape (N + 1,)."""
     return np.asarray(np.linalg.norm(record.errors["position"], axis=1))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
@@ -52,7 +52,7 @@ class Store:
         for path in self.folder.glob("*.npz"):
             name = NAME.fullmatch(path.name)
             if name and name[1] != sources(drawing=False)[:8]:
-                path.unlink()
+                path.unlink(missing_ok=True)
 
 
 class Drawn:
@@ -62,7 +62,7 @@ class Drawn:
         self.folder, self.table = folder, table
         try:
             self.keys: dict[str, str] = dict(json.loads(table.read_text(encoding="utf-8")))
-        except (OSError, ValueError, TypeError):
+        except (OSError, ValueError, TypeError, RecursionError):
             self.keys = {}
 
     def has(self, name: str, key: str) -> bool:
@@ -72,6 +72,15 @@ class Drawn:
     def add(self, name: str, key: str) -> None:
         """Remember that it does."""
         self.keys[name] = key
+        self._write()
+
+    def forget(self, names: Iterable[str]) -> None:
+        """These are about to be drawn: until that is done nobody knows what they show."""
+        for name in names:
+            self.keys.pop(name, None)
+        self._write()
+
+    def _write(self) -> None:
         self.table.write_text(json.dumps(self.keys, indent=1), encoding="utf-8")
 
     def key(self, runs: Collection[str]) -> str:
