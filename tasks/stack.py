@@ -128,6 +128,10 @@ class Rows:
                 self._views.append((part, None if view.A is None else view.A[own], view.lower[own], view.upper[own]))
         self._envelope = Envelope(((part, lower, upper) for part, _, lower, upper in self._views), robot, order)
 
+    def bounds(self, part: Part) -> tuple[Array, Array] | None:
+        """Lower and upper bounds that a part writes (views), or None if it is not in the stack."""
+        return next(((lower, upper) for own, _, lower, upper in self._views if own is part), None)
+
     def fill(self, state: RobotState, t: float) -> Hierarchy:
         """Let every part write its rows for this state and time t [s]; the hierarchy, for convenience."""
         tick = Tick(self._robot, state, t, self._order, self._dt, self._envelope)

@@ -17,7 +17,7 @@ from hqp.checks import truth
 from .._checks import Array, numbers, positive_scalar, scalar
 from ..part import Order, Part
 from ..robots.robot import Robot, RobotState, as_robot, check_joints
-from ..stack import Stack, count
+from ..stack import Stack
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -157,14 +157,10 @@ class Controller:
         InvalidInput
             If the part is not in the stack.
         """
-        for view, parts in zip(self.hierarchy.levels, self.stack.levels, strict=True):
-            row = 0
-            for other in parts:
-                own = slice(row, row + count(other, self.robot.nv))
-                if other is part:
-                    return view.lower[own], view.upper[own]
-                row = own.stop
-        raise InvalidInput(f"{part!r} is not in the stack {self.stack!r}")
+        found = self._rows.bounds(part)
+        if found is None:
+            raise InvalidInput(f"{part!r} is not in the stack {self.stack!r}")
+        return found
 
     def _solve(self, state: RobotState, time: float) -> Solution:
         if isfinite(time):

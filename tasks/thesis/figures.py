@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -53,18 +53,8 @@ def draw(scenario: Scenario, runs: Mapping[Job, Record]) -> Figure:
     matplotlib.figure.Figure
         With the desired path in red and the actual one in blue; time in minutes, like the text.
     """
-    from matplotlib.figure import Figure
-
-    columns = len(runs)
-    width = 1.1 + 3.9 * columns
-    figure = Figure(figsize=(width, 13.0))
     heights = [height for height, _ in PANELS.values()]
-    axes = figure.subplots(len(PANELS), columns, squeeze=False, height_ratios=heights)
-    figure.subplots_adjust(left=0.85 / width, right=1 - 0.15 / width, top=0.915, bottom=0.06, wspace=0.06, hspace=0.16)
-    for row in axes:
-        for other in row[1:]:
-            other.sharey(row[0])
-            other.tick_params(labelleft=False)
+    figure, axes = grid(heights, len(runs), column=3.9, height=13.0, top=0.915, bottom=0.06)
     for column, (job, record) in zip(axes.T, runs.items(), strict=True):
         panels = dict(zip(PANELS, column, strict=True))
         _title(panels["arm"], job, record)
@@ -91,6 +81,23 @@ def draw(scenario: Scenario, runs: Mapping[Job, Record]) -> Figure:
     foot = f"The text: {scenario.claim.says}.   Solved by {backends}."
     figure.text(0.5, 0.008, foot, ha="center", fontsize=9, color=MUTED)
     return figure
+
+
+def grid(
+    heights: Sequence[float], columns: int, *, column: float, height: float, top: float, bottom: float
+) -> tuple[Figure, Array]:
+    """A figure of so many columns [inch], and its panels, shape (len(heights), columns): one y axis a row."""
+    from matplotlib.figure import Figure
+
+    width = 1.1 + column * columns
+    figure = Figure(figsize=(width, height))
+    axes = figure.subplots(len(heights), columns, squeeze=False, height_ratios=heights)
+    figure.subplots_adjust(left=0.85 / width, right=1 - 0.15 / width, top=top, bottom=bottom, wspace=0.06, hspace=0.16)
+    for row in axes:
+        for other in row[1:]:
+            other.sharey(row[0])
+            other.tick_params(labelleft=False)
+    return figure, axes
 
 
 def draw_arm(axis: Axes, scenario: Scenario, record: Record, poses: int = POSES) -> None:

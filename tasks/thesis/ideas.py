@@ -26,6 +26,7 @@ from .figures import (
     draw_joints,
     draw_phi,
     draw_time,
+    grid,
     speed_range,
     summary,
 )
@@ -165,17 +166,8 @@ def _stretched(arm: PlanarArm, tip: Array, phi: float) -> Sequence[float]:
 
 def _columns(runs: Mapping[Job, Record], heads: Mapping[Job, str]) -> Figure:
     """A column a run: the arm, the errors, the joint speeds and accelerations."""
-    from matplotlib.figure import Figure
-
-    columns, item = len(runs), scenario(FIGURE)
-    width = 1.1 + 3.6 * columns
-    figure = Figure(figsize=(width, 10.4))
-    axes = figure.subplots(5, columns, squeeze=False, height_ratios=[2.5, 0.9, 0.9, 0.9, 0.9])
-    figure.subplots_adjust(left=0.85 / width, right=1 - 0.15 / width, top=0.88, bottom=0.055, wspace=0.06, hspace=0.16)
-    for row in axes:
-        for other in row[1:]:
-            other.sharey(row[0])
-            other.tick_params(labelleft=False)
+    item = scenario(FIGURE)
+    figure, axes = grid([2.5, 0.9, 0.9, 0.9, 0.9], len(runs), column=3.6, height=10.4, top=0.88, bottom=0.055)
     for column, (job, record) in zip(axes.T, runs.items(), strict=True):
         arm, tip, phi, speed, acceleration = column
         arm.set_title(f"{heads[job]}\n\n", fontsize=12, fontweight="bold")
