@@ -30,6 +30,7 @@ from .posture import PostureTask
 from .robots.manipulability import Degrees, VelocityEllipse, manipulability, task_degrees, velocity_ellipse
 from .robots.planar import PlanarArm, PlanarState
 from .robots.robot import Robot, RobotState
+from .singularity import ManipulabilityTask
 from .stack import Stack
 from .task import TargetTask, Task
 
@@ -45,6 +46,7 @@ __all__ = [
     "JointPositionLimit",
     "JointVelocityLimit",
     "Line",
+    "ManipulabilityTask",
     "Order",
     "OrientationTask",
     "Part",

@@ -40,6 +40,7 @@ ASSUMPTIONS = (
     "Circle: counter-clockwise from angle 0, cubic in time. The tip starts on it at -10 degrees, 0.1 m away.",
     "Inclined line: from (1, 0.7) to (0.3, 0), at 45 degrees. The tips start within 0.07 m of it.",
     "Joint limits, where a law has them: 40 rad/min and 4000 rad/min^2 in every joint.",
+    "Freedom that the tip alone leaves goes to its manipulability, at 50 /min, where there are joint limits.",
     "Damping, where a law has it: weight 0.1 on every joint acceleration, on the level of the orientation.",
 )
 
