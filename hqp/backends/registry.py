@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -11,8 +12,8 @@ from ..errors import UnknownBackend
 from ..settings import Settings
 from .base import Backend
 
-#: Relative accuracy in x that an accuracy class stands for.
-ACCURACY = {"exact": 1e-6, "first-order": 1e-3}
+#: Relative accuracy in x that an accuracy class stands for. The class "none" is no promise: the certificate tells.
+ACCURACY = {"exact": 1e-6, "first-order": 1e-3, "none": math.inf}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,8 +25,9 @@ class BackendInfo:
     name, summary : str
     module : str
         Where its ``make(name, settings)`` lives, relative to ``hqp.backends``.
-    accuracy : {"exact", "first-order"}
-        Class of its answers after polish: 1e-6 relative or better, or 1e-3 at worst.
+    accuracy : {"exact", "first-order", "none"}
+        Class of its answers after polish: 1e-6 relative or better, or 1e-3 at worst; or no promise, where there are
+        hierarchies which it takes and answers wrongly without a word.
     inequalities
         Whether it takes inequality rows.
     lexicographic
@@ -118,6 +120,14 @@ _BACKENDS = [
             install=install,
         )
         for solver, (package, install, accuracy) in _QPSOLVERS.items()
+    ),
+    BackendInfo(
+        name="daqp",
+        summary="DAQP's own hierarchy; a level it cannot meet is met as if its rows had norm 1 and no weights",
+        module="daqp",
+        accuracy="none",
+        package="daqp",
+        install="daqp",
     ),
 ]
 
