@@ -15,6 +15,7 @@ from __future__ import annotations
 from .backends.registry import ACCURACY, BACKENDS, BackendInfo, available_backends, backend_info
 from .certificate import Certificate, LevelCertificate, certify
 from .errors import HqpError, InvalidInput, MissingPackage, UnknownBackend, Unsupported
+from .families import FAMILIES, Family
 from .hierarchy import Hierarchy
 from .level import Level
 from .rows import Side
@@ -28,9 +29,11 @@ __all__ = [
     "ACCURACY",
     "BACKENDS",
     "DEFAULT_BACKEND",
+    "FAMILIES",
     "BackendInfo",
     "Certificate",
     "Counts",
+    "Family",
     "Hierarchy",
     "HqpError",
     "InvalidInput",

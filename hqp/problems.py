@@ -116,7 +116,7 @@ def random_hierarchy(rng: np.random.Generator, *, n: int | None = None, levels: 
         m = int(rng.integers(0, n + 3)) if rng.random() < 0.2 else int(rng.integers(1, max(2, n // 2 + 1)))
         A = _rows(rng, m, n, integers, above)
         above.extend(A)
-        lower, upper = _sides(rng, A @ _draw(rng, n, integers), integers)
+        lower, upper = random_sides(rng, A @ _draw(rng, n, integers), integers)
         weights = 10.0 ** rng.uniform(-1, 1, m) if rng.random() < 0.3 else None
         built.append(Level(A, lower, upper, weights=weights, name=name))
     return Hierarchy(built, n=n)
@@ -139,8 +139,8 @@ def _rows(rng: np.random.Generator, m: int, n: int, integers: bool, above: list[
     return A
 
 
-def _sides(rng: np.random.Generator, value: Array, integers: bool) -> tuple[Array, Array]:
-    """Bounds about `value`; a third of them shifted, so that levels conflict."""
+def random_sides(rng: np.random.Generator, value: Array, integers: bool = False) -> tuple[Array, Array]:
+    """Lower and upper bounds of all kinds about `value`; a third of them shifted, so that levels conflict."""
     m = len(value)
     shift = np.where(rng.random(m) < 0.33, _draw(rng, m, integers), 0.0)
     centre = value + shift
@@ -156,5 +156,5 @@ def _sides(rng: np.random.Generator, value: Array, integers: bool) -> tuple[Arra
 def _bounds(rng: np.random.Generator, n: int, integers: bool, name: str) -> Level:
     m = int(rng.integers(1, n + 1))
     indices = rng.choice(n, size=m, replace=False)
-    lower, upper = _sides(rng, _draw(rng, m, integers), integers)
+    lower, upper = random_sides(rng, _draw(rng, m, integers), integers)
     return Level.bounds(lower, upper, indices=indices, name=name)
