@@ -17,6 +17,7 @@ from .certificate import Certificate, LevelCertificate, certify
 from .errors import HqpError, InvalidInput, MissingPackage, UnknownBackend, Unsupported
 from .families import FAMILIES, Family
 from .hierarchy import Hierarchy
+from .io import load, save
 from .level import Level
 from .rows import Side
 from .settings import Settings
@@ -51,5 +52,7 @@ __all__ = [
     "available_backends",
     "backend_info",
     "certify",
+    "load",
+    "save",
     "solve",
 ]

@@ -14,6 +14,7 @@ import typer
 
 from . import command
 from .backends import backends
+from .solve import solve
 from .thesis import thesis
 from .validate import validate
 
@@ -27,6 +28,7 @@ app = typer.Typer(
 app.command()(thesis)
 app.command()(validate)
 app.command()(backends)
+app.command()(solve)
 
 
 @app.callback(invoke_without_command=True)

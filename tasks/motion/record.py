@@ -4,19 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-import zipfile
-import zlib
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
-from uuid import uuid4
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hqp import InvalidInput, Status
+from hqp import Status
+from hqp.files import arrays_of, write_arrays
 
 from .._checks import Array
 from ..robots.manipulability import Degrees
@@ -129,7 +124,6 @@ class Record:
         InvalidInput
             If the file cannot be written.
         """
-        file = _as_path(path)
         # Names are free text and status an enumeration: both go into the head, as JSON.
         kinds = list(dict.fromkeys(self.status))
         head = {
@@ -146,13 +140,7 @@ class Record:
         arrays |= {field: getattr(self, field) for field in ARRAYS}
         arrays |= {field: getattr(self, field) for field in OPTIONAL if getattr(self, field) is not None}
         arrays |= {f"{field} {i}": array for field in DICTS for i, array in enumerate(getattr(self, field).values())}
-        try:
-            with _whole_or_nothing(file) as part, zipfile.ZipFile(part, "w") as archive:
-                for name, array in arrays.items():
-                    with archive.open(f"{name}.npy", "w", force_zip64=True) as stream:
-                        np.lib.format.write_array(stream, array, allow_pickle=False)
-        except (OSError, ValueError) as error:  # ValueError: a name that no file can have
-            raise InvalidInput(f"cannot write {str(file)!r}: {getattr(error, 'strerror', None) or error}") from None
+        write_arrays(path, arrays)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Record:
@@ -163,10 +151,7 @@ class Record:
         InvalidInput
             If the file cannot be read, is no record or is damaged.
         """
-        file = _as_path(path)
-        try:
-            with zipfile.ZipFile(file) as archive:
-                members = dict(_members(archive))
+        with arrays_of(path, "record") as members:
             head = json.loads(str(members["head"]))
             if head["format"] != FORMAT:
                 raise ValueError(f"its format is {head['format']!r}; it must be {FORMAT!r}")
@@ -181,10 +166,6 @@ class Record:
                 certified=head["certified"],
                 stopped=None if head["stopped"] is None else Stop(**head["stopped"]),
             )
-        except OSError as error:
-            raise InvalidInput(f"cannot read {str(file)!r}: {error.strerror or error}") from None
-        except (zipfile.BadZipFile, zlib.error, EOFError, LookupError, RuntimeError, TypeError, ValueError) as error:
-            raise InvalidInput(f"{str(file)!r} is no record, or damaged: {error}") from None
 
     def __len__(self) -> int:
         """Number of ticks N."""
@@ -194,35 +175,3 @@ class Record:
         end = f", stopped: {self.stopped.reason}" if self.stopped else ""
         proof = f", {self.certified} of {self.checked} checked ticks certified" if self.checked else ""
         return f"Record({len(self)} ticks, t = {self.t[0]:g} .. {self.t[-1]:g} s{proof}{end})"
-
-
-def _as_path(path: str | os.PathLike[str]) -> Path:
-    if not (isinstance(path, str | os.PathLike) and Path(path).name):
-        raise InvalidInput(f"path = {path!r} must be the name of a file")
-    try:
-        file = Path(os.path.realpath(path))  # a link stays a link: what it leads to is meant
-    except ValueError as error:  # a name that no file can have
-        raise InvalidInput(f"cannot write or read {str(path)!r}: {error}") from None
-    if file.exists() and not (file.is_file() or file.is_dir()):
-        raise InvalidInput(f"path = {str(path)!r} is a device; it must be a file")
-    return file
-
-
-@contextmanager
-def _whole_or_nothing(file: Path) -> Iterator[Path]:
-    """A place beside `file` to write to; what stands there in the end takes the place of `file` in one stroke."""
-    part = file.with_name(f".{file.name}.{uuid4().hex}")
-    try:
-        yield part
-        os.replace(part, file)
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def _members(archive: zipfile.ZipFile) -> Iterator[tuple[str, NDArray[Any]]]:
-    """The arrays of an .npz file, read-only."""
-    for name in archive.namelist():
-        with archive.open(name) as stream:
-            array = np.lib.format.read_array(stream, allow_pickle=False)
-        array.flags.writeable = False
-        yield name.removesuffix(".npy"), array

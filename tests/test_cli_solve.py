@@ -1,0 +1,120 @@
+"""``hqp solve`` at the command: the answer to a hierarchy from a file, with proof or with exit code 1."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import hqp
+from hqp import Hierarchy, Level
+from tasks.cli import run
+
+
+def example(**names: str) -> Hierarchy:
+    return Hierarchy(
+        [
+            Level.bounds([-1.0] * 3, [1.0] * 3, name="limits"),
+            Level.equality([[2.0, 1.0, 0.0]], [4.0], name="reach"),
+            Level.equality([[0.0, 1.0, 0.0]], [1 / 3], name=names.get("last", "posture")),
+        ]
+    )
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> str:
+    hqp.save(tmp_path / "h.npz", example())
+    return str(tmp_path / "h.npz")
+
+
+def cells(text: str, first: str) -> list[str]:
+    """The line of a table that begins so."""
+    (line,) = (line for line in text.splitlines() if line.strip().startswith(first))
+    return line.split()
+
+
+def test_it_prints_status_levels_x_and_certificate(file: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["solve", file]) == 0
+    text = capsys.readouterr().out
+    solution = hqp.solve(example())
+    assert text.startswith(f"{hqp.DEFAULT_BACKEND}: optimal\n")
+    assert cells(text, "level 0 ('limits')")[3:] == ["3", "0", "0", "2"]
+    assert cells(text, "level 1 ('reach')")[3:] == ["1", "1", "1", "0"]
+    assert cells(text, "level 2 ('posture')")[3:] == ["1", "0.666667", "1", "0"]
+    (x,) = (line.removeprefix("x = ") for line in text.splitlines() if line.startswith("x = "))
+    np.testing.assert_array_equal([float(number) for number in x.strip("[]").split(",")], solution.x)
+    assert text.rstrip().endswith(str(solution.certify()))
+
+
+def test_an_answer_that_is_not_certified_is_exit_code_1(file: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["solve", file, "--backend", "pseudoinverse"]) == 1
+    text = capsys.readouterr().out
+    assert text.startswith("pseudoinverse: unsupported, level 0 ('limits'), row 0 is an inequality")
+    assert "NOT optimal: level 1 (reach) falls short" in text
+
+
+def test_numbers_that_mean_nothing_are_named_and_exit_code_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    h = example()
+    h.levels[1].A[0, 2] = np.nan
+    hqp.save(tmp_path / "h.npz", h)
+    said = "invalid, level 1 ('reach'), row 0: A[2] = nan must be finite"
+    assert run(["solve", str(tmp_path / "h.npz")]) == 1
+    assert capsys.readouterr().out == f"{hqp.DEFAULT_BACKEND}: {said}\n"
+    assert run(["solve", str(tmp_path / "h.npz"), "-b", "cascade:osqp", "-b", "pseudoinverse"]) == 1
+    text = capsys.readouterr().out
+    assert cells(text, "cascade:osqp  ") == ["cascade:osqp", "invalid", "NO"]
+    assert f"pseudoinverse: {said}\n" in text
+
+
+def test_several_backends_are_compared_a_line_each(file: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["solve", file, "-b", "cascade:proxsuite", "-b", "cascade:qpsolvers/proxqp"]) == 0
+    text = capsys.readouterr().out
+    for name in "cascade:proxsuite", "cascade:qpsolvers/proxqp":
+        assert cells(text, name) == [name, "optimal", "yes", "0", "1", "0.666667"]
+    assert "residual norms of level 0 ('limits'), level 1 ('reach'), level 2 ('posture')" in text
+    assert run(["solve", file, "-b", "cascade:proxsuite", "-b", "pseudoinverse"]) == 1
+    text = capsys.readouterr().out
+    assert cells(text, "pseudoinverse  ")[1:4] == ["unsupported", "NO", "0"]
+    assert "pseudoinverse: unsupported, level 0 ('limits'), row 0" in text
+
+
+def test_x_ref_is_the_one_of_the_file_unless_another_is_given(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    hqp.save(tmp_path / "h.npz", example(), [0.0, 0.0, 0.25])
+    assert run(["solve", str(tmp_path / "h.npz")]) == 0
+    text = capsys.readouterr().out
+    assert "x_ref = [0.0, 0.0, 0.25]\nx = [1.0, 1.0, 0.25]\n" in text
+    assert run(["solve", str(tmp_path / "h.npz"), "--x-ref", "-1,0,-0.5"]) == 0
+    assert "x_ref = [-1.0, 0.0, -0.5]\nx = [1.0, 1.0, -0.5]\n" in capsys.readouterr().out
+
+
+def test_names_of_others_are_printed_and_do_nothing_else(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    hqp.save(tmp_path / "h.npz", example(last="[red]\x1b[31m \ud800 \u03c6"))
+    for more in [], ["-b", "cascade:proxsuite", "-b", "cascade:osqp"]:
+        assert run(["solve", str(tmp_path / "h.npz"), *more]) == 0
+        assert r"[red]\x1b[31m \ud800 φ" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["missing.npz"], "missing.npz': No such file"),
+        ([__file__], "is no hierarchy, or damaged: File is not a zip file"),
+        ([""], "path = '' must be the name of a file"),
+        ([], "'FILE'"),
+        (["FILE", "-b", "nonsense"], "unknown backend 'nonsense'; installed here: "),
+        (["FILE", "--x-ref", "1,2"], "x_ref has shape (2,); it must be (3,)"),
+        (["FILE", "--x-ref", "left"], "--x-ref 'left': give numbers with commas between them, as in 0.5,0,-1"),
+    ],
+)
+def test_wrong_input_is_one_line_and_exit_code_2(
+    arguments: list[str], said: str, file: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["solve", *(file if word == "FILE" else word for word in arguments)]) == 2
+    text = capsys.readouterr().err
+    assert said in text
+    assert text.count("\n") == 1
