@@ -1,73 +1,34 @@
-"""``python -m benchmarks``: time, accuracy and certified share of every backend on every family."""
+"""``python -m benchmarks backends`` and ``python -m benchmarks solve``: one small file each, beside this one."""
 
 from __future__ import annotations
 
 import sys
-from pathlib import Path
-from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.progress import Progress
 
-from hqp import InvalidInput, available_backends, backend_info
-from tasks._checks import writable
-from tasks._terminal import console
-from tasks.cli.command import path, run
+from tasks.cli.command import run
 
-from .families import FAMILIES
-from .measure import PERTURBATION, YARDSTICK, Measurement, measure
-from .tables import save, terminal
+from .backends import backends
+from .solve import solve
+
+app = typer.Typer(
+    help="Measurements: every backend on every problem family; a controller's problems against the fastest peers.",
+    rich_markup_mode=None,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+app.command()(backends)
+app.command()(solve)
 
 
-def benchmark(
-    count: Annotated[int, typer.Option("--count", "-n", min=1, help="Problems per family.")] = 200,
-    backend: Annotated[
-        list[str] | None, typer.Option("--backend", "-b", help="Only this one; may be given several times.")
-    ] = None,
-    family: Annotated[
-        list[str] | None, typer.Option("--family", "-f", help="Only this one; may be given several times.")
-    ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0)] = 0,
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=path)
-    ] = None,
-) -> None:
-    """Measure every backend on every problem family, interleaved in one run."""
-    infos = list(dict.fromkeys(backend_info(name) for name in backend or available_backends()))
-    unknown = set(family or ()) - {f.name for f in FAMILIES}
-    if unknown:
-        raise InvalidInput(f"unknown family {sorted(unknown)[0]!r}; there are {', '.join(f.name for f in FAMILIES)}")
-    chosen = [f for f in FAMILIES if not family or f.name in family]
-    left_out = {f: why for f in chosen if (why := f.left_out(infos))}
-    if len(left_out) == len(chosen):
-        raise InvalidInput(f"nothing to measure; {'; '.join(left_out.values())}")
-    if out is not None:
-        writable(out.parent, [out.name])
-    printer = console(110)
-    measurements: list[Measurement] = []
-    with Progress(console=Console(stderr=True), transient=True) as progress:
-        for f in chosen:
-            if f in left_out:
-                printer.print(left_out[f])
-                continue
-            bar = progress.add_task(f.name, total=count)
-            measured = measure(f, [info.name for info in infos], count, seed, lambda bar=bar: progress.advance(bar))
-            measurements += measured
-            printer.print(terminal(f"{f.name}: {f.about} ({count} problems)", measured))
-            if out is not None:
-                save(out, measurements)
-    printer.print(
-        f"cold: a fresh solver; warm: the same problem again; ratio: warm, to {YARDSTICK}, median of pairs\n"
-        f"error: largest relative distance from a certified answer; rejected: answers moved by {PERTURBATION:g}"
-        " that the certificate refuses"
-    )
+@app.callback(invoke_without_command=True)
+def _root(context: typer.Context) -> None:
+    if context.invoked_subcommand is None:
+        print(context.get_help())
 
 
 def main() -> None:
     """Run, and leave with the exit code; see :func:`tasks.cli.command.run`."""
-    app = typer.Typer(rich_markup_mode=None, add_completion=False, pretty_exceptions_enable=False)
-    app.command()(benchmark)
     sys.exit(run(app, "python -m benchmarks"))
 
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import cycle, islice
 
 import numpy as np
 
-from hqp import BackendInfo, Hierarchy
+from hqp import BackendInfo, Hierarchy, InvalidInput
 from hqp.problems import equality_cases, random_hierarchy
 
 
@@ -33,6 +33,15 @@ class Family:
         """Why none of these backends has a part in the family, or None if one has."""
         refusals = [self.refusal(info) for info in infos]
         return None if None in refusals else f"{self.name}: left out, {', '.join(filter(None, refusals))}"
+
+
+def select(names: Collection[str] | None, families: Iterable[Family]) -> list[Family]:
+    """Those of these names, in their own order; all of them where none is named."""
+    among = {family.name: family for family in families}
+    for name in names or ():
+        if name not in among:
+            raise InvalidInput(f"unknown family {name!r}; there are {', '.join(among)}")
+    return [family for name, family in among.items() if not names or name in names]
 
 
 def _equalities(count: int, seed: int) -> Iterator[Hierarchy]:

@@ -11,6 +11,7 @@ import numpy as np
 from hqp import Hierarchy, Solution, Solver, backend_info, certify
 
 from .families import Family
+from .tables import Row
 
 #: The backend that ratios refer to.
 YARDSTICK = "cascade:proxsuite"
@@ -41,6 +42,26 @@ class Measurement:
     rejected: int = 0
     failed: int = 0
     solved: int = 0
+
+
+def table(measurements: Sequence[Measurement]) -> list[Row]:
+    """One row a backend; ratio: median of warm times over the yardstick's, pair by pair."""
+    yardstick = next((m for m in measurements if m.backend == YARDSTICK), None)
+    return [
+        {
+            "family": m.family,
+            "backend": m.backend,
+            "cold us": f"{1e6 * np.median(m.cold):.0f}",
+            "warm us": f"{1e6 * np.median(m.warm):.0f}",
+            "p99 us": f"{1e6 * np.quantile(m.warm, 0.99):.0f}",
+            "ratio": "" if yardstick is None else f"{np.median(np.divide(m.warm, yardstick.warm)):.2f}",
+            "error": f"{m.error:.0e}",
+            "certified": f"{m.certified / m.solved:.2%}",
+            "rejected": f"{m.rejected / m.solved:.2%}",
+            "failed": str(m.failed),
+        }
+        for m in measurements
+    ]
 
 
 def measure(

@@ -81,7 +81,7 @@ def help_text(*command: str) -> str:
             assert run([*command[1:], "--help"]) == 0, f"{' '.join(command)} is unknown"
         return out.getvalue()
     asked = subprocess.run(
-        [sys.executable, "-m", command[-1], "--help"], cwd=ROOT, capture_output=True, text=True, check=True
+        [sys.executable, *command[1:], "--help"], cwd=ROOT, capture_output=True, text=True, check=True
     )
     return asked.stdout
 
@@ -97,9 +97,8 @@ def test_commands_and_their_options_exist(command: str):
     if words[0] == "python" and words[2] != "benchmarks":
         assert find_spec(words[2]) is not None
         return
-    ours = (
-        ("hqp", *(word for word in words[1:2] if not word.startswith("-"))) if words[0] == "hqp" else tuple(words[:3])
-    )
+    name = 1 if words[0] == "hqp" else 3
+    ours = (*words[:name], *(word for word in words[name : name + 1] if not word.startswith("-")))
     for option in options:
         assert re.search(rf"{option}\b", help_text(*ours)), f"{' '.join(ours)} has no {option}"
     assert help_text(*ours)

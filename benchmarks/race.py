@@ -1,0 +1,127 @@
+"""Methods against each other on the draws of one family: interleaved in one run, every answer certified."""
+
+from __future__ import annotations
+
+import gc
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from hqp import Hierarchy, InvalidInput, certify
+from hqp.arrays import Array
+
+from .control import moved
+from .families import Family
+from .methods import Call, Method
+
+#: The shortest of so many calls from the same start counts: what the machine adds is never negative.
+REPETITIONS = 3
+#: Draws that a slow method gets at most, spread over all; and how the start without any memory is called.
+FEW, COLD = 16, "cold"
+
+
+@dataclass(frozen=True)
+class Timing:
+    """One method on one problem.
+
+    Attributes
+    ----------
+    method, start : str
+        Start is `COLD`, or how far the targets moved since the problem just solved, as in ``2 %``.
+    draw : int
+    seconds : float
+    certified : bool
+    error : float
+        Distance from a certified answer, relative to its length; NaN where no method has one.
+    """
+
+    method: str
+    start: str
+    draw: int
+    seconds: float
+    certified: bool
+    error: float
+
+
+def race(
+    family: Family,
+    methods: Sequence[Method],
+    seeds: int,
+    draws: int,
+    shares: Sequence[float],
+    tick: Callable[[], None] = lambda: None,
+) -> list[Timing]:
+    """Time the methods that take the family on `draws` draws of each of `seeds` seeds."""
+    able = [method for method in methods if method.takes(family)]
+    every = -(-seeds * draws // FEW)
+    timings: list[Timing] = []
+    if not able:
+        return timings
+    for seed in range(seeds):
+        for k, base in enumerate(family.problems(draws, seed)):
+            draw = seed * draws + k
+            here = [method for method in able if draw % every == 0 or not method.slow]
+            if draw == 0:
+                _warm_up(here, base)
+            starts = {COLD: base} | {
+                f"{100 * s:g} %": moved(base, np.random.default_rng([seed, k, 1]), s) for s in shares
+            }
+            for number, (start, problem) in enumerate(starts.items(), start=draw):
+                turn = number % max(1, len(here))
+                timings += _problem(here[turn:] + here[:turn], start, draw, base, problem)
+            tick()
+    return timings
+
+
+def _problem(methods: Sequence[Method], start: str, draw: int, base: Hierarchy, problem: Hierarchy) -> Iterator[Timing]:
+    """All methods on one problem, from one start."""
+    found: dict[str, tuple[float, Array]] = {}
+    for method in methods:
+        prepare = partial(method.cold, problem) if start == COLD else partial(method.warm, base, problem)
+        found[method.name] = _shortest(prepare)
+    proved = {name: _proved(problem, x) for name, (_, x) in found.items()}
+    truth = next((x for name, (_, x) in found.items() if proved[name]), np.full(problem.n, np.nan))
+    for name, (seconds, x) in found.items():
+        error = float(np.linalg.norm(x - truth)) / (float(np.linalg.norm(truth)) or 1.0)
+        yield Timing(name, start, draw, seconds, proved[name], error)
+
+
+def _proved(problem: Hierarchy, x: Array) -> bool:
+    try:
+        return certify(problem, x).ok
+    except InvalidInput:  # no number, or beyond all sense
+        return False
+
+
+def _shortest(prepare: Callable[[], Call]) -> tuple[float, Array]:
+    """Seconds and x of the shortest of some calls, each prepared anew."""
+    shortest, x = np.inf, np.zeros(0)
+    for _ in range(REPETITIONS):
+        call = prepare()
+        with _undisturbed():
+            start = time.perf_counter_ns()
+            x = call()
+            end = time.perf_counter_ns()
+        shortest = min(shortest, 1e-9 * (end - start))
+    return shortest, x
+
+
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Without the garbage collector."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.enable()
+
+
+def _warm_up(methods: Sequence[Method], problem: Hierarchy) -> None:
+    """Let everything be imported and compiled."""
+    for method in methods:
+        method.cold(problem)()
+        method.warm(problem, problem)()

@@ -1,0 +1,76 @@
+"""``python -m benchmarks solve``: a controller's problems, cold and warm, against DAQP's own hierarchy."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+from rich.console import Console
+from rich.progress import Progress
+
+from hqp import InvalidInput
+from tasks._checks import writable
+from tasks._terminal import console
+from tasks.cli.command import path
+
+from .control import CONTROL
+from .families import select
+from .methods import method as named
+from .methods import raced
+from .race import COLD, FEW, REPETITIONS, race
+from .ratios import table, yardstick
+from .tables import Row, save, terminal
+
+#: How far the targets move between two ticks, as a share of their standard deviation.
+SHARES = (0.0, 0.02, 0.1)
+
+
+def solve(
+    family: Annotated[
+        list[str] | None, typer.Option("--family", "-f", help="Only this one; may be given several times.")
+    ] = None,
+    method: Annotated[
+        list[str] | None,
+        typer.Option("--method", "-m", help="Only this one, or any backend; may be given several times."),
+    ] = None,
+    seeds: Annotated[int, typer.Option("--seeds", min=1, help="Seeds of each family.")] = 8,
+    draws: Annotated[int, typer.Option("--draws", min=1, help="Problems of each seed.")] = 8,
+    moved: Annotated[
+        list[float] | None,
+        typer.Option("--moved", min=0.0, help="By what share targets move; may be given several times."),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=path)
+    ] = None,
+) -> None:
+    """Race solvers on what a controller solves: cold, and warm after the targets have moved."""
+    families = select(family, CONTROL)
+    methods = [named(name) for name in dict.fromkeys(method or raced())]
+    shares = list(dict.fromkeys(SHARES if moved is None else moved))
+    if not np.isfinite(shares).all():
+        raise InvalidInput(f"--moved {', '.join(map(str, shares))}: give finite shares")
+    if out is not None:
+        writable(out.parent, [out.name])
+    printer = console(110)
+    rows: list[Row] = []
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        for f in families:
+            bar = progress.add_task(f.name, total=seeds * draws)
+            timings = race(f, methods, seeds, draws, shares, lambda bar=bar: progress.advance(bar))
+            if not timings:
+                printer.print(f"{f.name}: left out, no method takes it")
+                continue
+            here = table(f.name, timings)
+            rows += here
+            to = yardstick(timings)
+            title = f"{f.name}: {f.about}" + (f"; ratios to {to}" if to else "")
+            printer.print(terminal(title, here, group="start"))
+            if out is not None:
+                save(out, rows)
+    printer.print(
+        f"{COLD}: nothing remembered; 2 %: warm, the targets moved by so much since the problem just solved\n"
+        f"us: best of {REPETITIONS} calls from Python; ratio: median of the ratios, draw by draw\n"
+        f"error: largest relative distance from a certified answer; cascades are slow: {FEW} draws at most"
+    )
