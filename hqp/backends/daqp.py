@@ -62,7 +62,7 @@ class Rows(NamedTuple):
     def of(cls, hierarchy: Hierarchy) -> Rows:
         """Out of a hierarchy; free rows, zero rows and empty levels say nothing and are left out."""
         says = (hierarchy.row_norms() > 0) & ~(np.isinf(hierarchy.lower) & np.isinf(hierarchy.upper))
-        ends = np.append(0, np.cumsum(says))[list(hierarchy.pointers)]
+        ends = {int(says[:pointer].sum()) for pointer in hierarchy.pointers}
         columns = hierarchy.columns[says]
         simple = int(np.argmin(np.append(columns == np.arange(len(columns)), False)))
         upper, lower = hierarchy.upper[says], hierarchy.lower[says]
@@ -71,7 +71,7 @@ class Rows(NamedTuple):
             upper=upper,
             lower=lower,
             sense=np.where(lower == upper, EQUALITY, 0).astype(np.intc),
-            break_points=np.setdiff1d(ends, [0]).astype(np.intc),
+            break_points=np.array(sorted(ends - {0}), dtype=np.intc),
         )
 
 
@@ -91,10 +91,10 @@ class DAQP:
         rows = Rows.of(hierarchy)
         if not len(rows.upper):
             return Answer(x_ref.copy())
-        relaxed = rows._replace(break_points=np.append(np.intc(0), rows.break_points))
-        flag = calls = 0
-        for calls, given in enumerate((rows, relaxed), start=1):
-            x, _, flag, _ = self.call(np.eye(hierarchy.n), -x_ref, *given[:4], given.break_points, **self.options)
+        flag, calls = 0, 0
+        for calls, top in enumerate(([], [0]), start=1):
+            break_points = np.array([*top, *rows.break_points], dtype=np.intc)
+            x, _, flag, _ = self.call(np.eye(hierarchy.n), -x_ref, *rows[:4], break_points, **self.options)
             if flag in CLAIMED and np.isfinite(x).all():
                 return Answer(x, counts=Counts(qp_solves=calls))
         said = FLAGS.get(flag, "not a number" if flag in CLAIMED else "unknown")
