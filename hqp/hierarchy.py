@@ -63,6 +63,10 @@ class Hierarchy:
         Of all rows, in order; level k owns ``pointers[k]:pointers[k + 1]``.
     columns : array of int, shape (m,)
         The variable that a plain bound acts on; -1 for a row of A.
+    numbers : array
+        All of them, one after the other: A, lower, upper, weights. The arrays above are views of it.
+    structure : tuple
+        What must stay the same for a warm start: sizes and, for plain bounds, their variables. Shared by copies.
 
     Raises
     ------
@@ -72,12 +76,10 @@ class Hierarchy:
 
     n: int
     m: int
-    A: Array
-    lower: Array
-    upper: Array
-    weights: Array
     columns: Indices
     pointers: tuple[int, ...]
+    numbers: Array
+    structure: tuple[Any, ...]
 
     def __init__(self, levels: Iterable[Level], *, n: int | None = None) -> None:
         given = _levels(levels)
@@ -91,19 +93,44 @@ class Hierarchy:
         ).astype(np.intp)
         self._names = tuple(level.name for level in given)
         self._has_rows = tuple(level.A is not None for level in given)
-        self._lay(np.empty(len(self._dense) * self.n + 3 * self.m))
+        self._dense = np.flatnonzero(self.columns < 0)
+        self.structure = (self.n, self.pointers, self._has_rows, self.columns.tobytes())
+        self._form = dict(self.__dict__)
+        self.numbers = np.empty(len(self._dense) * self.n + 3 * self.m)
         for mine, level in zip(self.levels, given, strict=True):
             mine.lower[:], mine.upper[:], mine.weights[:] = level.lower, level.upper, level.weights
             if mine.A is not None and level.A is not None:
                 mine.A[:] = level.A
 
-    def _lay(self, buffer: Array) -> None:
-        """Cut one buffer into A, lower, upper, weights."""
-        n, m = self.n, self.m
-        dense = len(self._dense)
-        self._buffer = buffer
-        self.A = buffer[: dense * n].reshape(dense, n)
-        self.lower, self.upper, self.weights = buffer[dense * n :].reshape(3, m)
+    # All numbers are views of one buffer, cut when first asked for.
+    @cached_property
+    def A(self) -> Array:
+        """Rows of all levels that have rows, in order, shape (dense rows, n)."""
+        return self.numbers[: len(self._dense) * self.n].reshape(len(self._dense), self.n)
+
+    @cached_property
+    def lower(self) -> Array:
+        """Of all rows, in order, shape (m,)."""
+        return self._columns[0]
+
+    @cached_property
+    def upper(self) -> Array:
+        """Of all rows, in order, shape (m,)."""
+        return self._columns[1]
+
+    @cached_property
+    def weights(self) -> Array:
+        """Of all rows, in order, shape (m,)."""
+        return self._columns[2]
+
+    @property
+    def _columns(self) -> tuple[Array, ...]:
+        return tuple(self.numbers[len(self._dense) * self.n :].reshape(3, self.m))
+
+    @cached_property
+    def address(self) -> int:
+        """Where the numbers are in memory, for kernels: A, lower, upper, weights, one after the other."""
+        return int(self.numbers.ctypes.data)
 
     @cached_property
     def levels(self) -> tuple[Level, ...]:
@@ -123,11 +150,27 @@ class Hierarchy:
 
     def copy(self) -> Hierarchy:
         """A snapshot with numbers of its own: one buffer copied, the structure shared."""
+        return self.with_numbers(self.numbers.copy())
+
+    def with_numbers(self, numbers: Array) -> Hierarchy:
+        """A hierarchy of this structure on this buffer."""
         twin = object.__new__(Hierarchy)
-        twin.__dict__.update(self.__dict__)
-        twin.__dict__.pop("levels", None)  # the twin's are views of its own numbers, cut when asked for
-        twin._lay(self._buffer.copy())
+        twin.__setstate__((self._form, numbers))
         return twin
+
+    def __copy__(self) -> Hierarchy:
+        return self.copy()
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Hierarchy:
+        return self.copy()
+
+    def __getstate__(self) -> tuple[dict[str, Any], Array]:
+        return self._form, self.numbers
+
+    def __setstate__(self, state: tuple[dict[str, Any], Array]) -> None:
+        form, numbers = state
+        self.__dict__.update(form)
+        self._form, self.numbers = form, numbers
 
     def matrix(self, k: int) -> Array:
         """Dense rows of level k, shape (m_k, n): a view for rows, a fresh 0/1 matrix for plain bounds."""
@@ -157,18 +200,9 @@ class Hierarchy:
         norms[norms < 1.0 / LARGEST] = 0.0
         return norms
 
-    @cached_property
-    def _dense(self) -> Indices:
-        return np.flatnonzero(self.columns < 0)
-
-    @cached_property
-    def _all_dense(self) -> bool:
-        return bool(np.all(self.columns < 0))
-
     @property
-    def structure(self) -> tuple[Any, ...]:
-        """What must stay the same for a warm start: sizes and, for plain bounds, their variables."""
-        return (self.n, self.pointers, self._has_rows, self.columns.tobytes())
+    def _all_dense(self) -> bool:
+        return len(self._dense) == self.m
 
     def label(self, k: int) -> str:
         """How messages call level k: ``level 2 ('hand')``."""
@@ -181,7 +215,7 @@ class Hierarchy:
 
     def find_fault(self) -> str | None:
         """The first number that cannot mean anything, as a sentence naming level and row, or None."""
-        plain = (np.abs(self._buffer) <= LARGEST).all() and (self.weights >= 1.0 / LARGEST).all()
+        plain = (np.abs(self.numbers) <= LARGEST).all() and (self.weights >= 1.0 / LARGEST).all()
         if plain and (self.lower <= self.upper).all():
             return None  # without infinite bounds this is all there is to ask
         if not (np.abs(self.A) <= LARGEST).all():

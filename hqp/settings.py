@@ -21,6 +21,9 @@ class Settings:
     rank_tolerance
         A row direction counts as dependent on the levels above when what is left of it, after
         projection, is at most ``rank_tolerance`` times the norm of the *original* row.
+    iterations
+        The most iterations of the native solver's safe method. When they are spent, the levels
+        that are finished stay exact, and the status is SUBOPTIMAL.
     proximal_weight
         The rho of the cascade: each level minimises ``1/2 ||A x - b||^2 + rho/2 ||y - y_prev||^2``,
         with the rows of the level scaled so that the largest has norm one.
@@ -41,6 +44,7 @@ class Settings:
 
     tolerance: float = 1e-10
     rank_tolerance: float = 1e-9
+    iterations: int = 10_000
     proximal_weight: float = 1e-7
     proximal_steps: int = 5
     polish: bool = True

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,9 +18,24 @@ from .subspace import split
 
 
 class Status(Enum):
-    """How an answer was reached. Every hierarchy of valid numbers has an answer."""
+    """How an answer was reached. Every hierarchy of valid numbers has an answer.
+
+    OPTIMAL
+        As far as the backend can tell; ``solution.certify()`` proves it.
+    SUBOPTIMAL, STALLED
+        The budget ran out, or round-off stopped all progress, at ``solution.level``: the levels
+        above it are exact, it and those below are feasible for them. See ``solution.gap``.
+    FAILED
+        No usable answer from there on.
+    UNSUPPORTED
+        Not a hierarchy that this backend takes.
+    INVALID
+        Numbers that mean nothing; the message names level and row.
+    """
 
     OPTIMAL = "optimal"
+    SUBOPTIMAL = "suboptimal"
+    STALLED = "stalled"
     FAILED = "failed"
     UNSUPPORTED = "unsupported"
     INVALID = "invalid"
@@ -28,12 +44,15 @@ class Status(Enum):
         return self.value
 
 
-@dataclass(frozen=True, kw_only=True)
-class Counts:
+class Counts(NamedTuple):
     """What the solve was made of.
 
     Attributes
     ----------
+    sweeps
+        Guesses of the active rows that the native solver solved and verified.
+    iterations
+        Of its safe method, where repairing the guess did not end.
     qp_solves
         QPs handed to the named solver, proximal steps included.
     proximal_steps
@@ -49,12 +68,17 @@ class Counts:
         Levels whose polish was kept.
     """
 
+    sweeps: int = 0
+    iterations: int = 0
     qp_solves: int = 0
     proximal_steps: int = 0
     polishes: int = 0
     levels_solved: int = 0
     levels_met: int = 0
     levels_polished: int = 0
+
+
+NO_COUNTS = Counts()
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,14 +147,29 @@ class Solution:
     x_ref: Array
     message: str = ""
     level: int | None = None
-    counts: Counts = field(default_factory=Counts)
+    counts: Counts = NO_COUNTS
     tolerance: float = 1e-9
     rank_tolerance: float = 1e-9
+
+    def __getattr__(self, name: str) -> Any:
+        # A control loop takes x and goes on: the copied numbers become a hierarchy when they are asked for.
+        if name == "hierarchy" and "_snapshot" in self.__dict__:
+            template, numbers = self._snapshot
+            hierarchy = self.__dict__["hierarchy"] = template.with_numbers(numbers)
+            return hierarchy
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     @property
     def ok(self) -> bool:
         """The backend's own claim. The proof is ``solution.certify().ok``."""
         return self.status is Status.OPTIMAL
+
+    @cached_property
+    def gap(self) -> float:
+        """By how much the residual norm of ``level`` could at most still fall; 0 where the status is OPTIMAL."""
+        if self.level is None or self.status is Status.INVALID:
+            return 0.0
+        return self.certify().levels[self.level].shortfall
 
     @cached_property
     def levels(self) -> tuple[LevelSolution, ...]:

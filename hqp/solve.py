@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arrays import finite_vector, real_array
+from .arrays import Array, finite_vector, real_array
 from .backends.base import Answer
 from .backends.registry import make_backend
 from .checks import of_type
@@ -17,7 +17,10 @@ from .settings import Settings
 from .solution import Solution, Status
 
 #: The backend used where none is named.
-DEFAULT_BACKEND = "cascade:proxsuite"
+DEFAULT_BACKEND = "native"
+
+
+OPTIMAL = Status.OPTIMAL
 
 
 class Solver:
@@ -47,7 +50,14 @@ class Solver:
         self.backend = backend
         self.settings = Settings() if settings is None else of_type(settings, Settings, "settings")
         self._backend = make_backend(backend, self.settings)
+        self._native = self.backend == "native"  # which looks at the numbers itself, on its way
+        self._always = {
+            "backend": backend,
+            "tolerance": 10 * self.settings.tolerance,
+            "rank_tolerance": self.settings.rank_tolerance,
+        }
         self._structure: tuple[Any, ...] | None = None
+        self._zero = np.zeros(0)
 
     def solve(self, hierarchy: Hierarchy, x_ref: ArrayLike | None = None) -> Solution:
         """Solve, warm if the last hierarchy had the same structure.
@@ -65,34 +75,50 @@ class Solver:
         """
         if not isinstance(hierarchy, Hierarchy):
             raise InvalidInput(f"solve takes a hqp.Hierarchy, not a {type(hierarchy).__name__}")
-        reference = np.zeros(hierarchy.n) if x_ref is None else real_array(x_ref, "x_ref")
-        if reference.shape != (hierarchy.n,):
-            raise InvalidInput(f"x_ref has shape {reference.shape}; it must be ({hierarchy.n},)")
-
-        fault = hierarchy.find_fault()
-        if fault is None and x_ref is not None and not (np.abs(reference) <= LARGEST).all():
-            fault = f"x_ref = {reference} must be finite, and at most {LARGEST:g} in size"
-            reference = np.zeros(hierarchy.n)
+        if hierarchy.structure is not self._structure:
+            self._adopt(hierarchy)
+        if x_ref is None:
+            fault, reference = None, self._zero
+        else:
+            fault, reference = self._reference(x_ref)
+        if not self._native:
+            fault = hierarchy.find_fault() or fault
         if fault is not None:
             answer = Answer(reference.copy(), Status.INVALID, fault)
+        elif self._native:
+            answer = self._backend.solve(hierarchy, reference)
         else:
-            if hierarchy.structure != self._structure:
-                self._backend.reset()
-                self._structure = hierarchy.structure
             with np.errstate(all="ignore"):
                 answer = self._backend.solve(hierarchy, reference)
-        return Solution(
+        solution = object.__new__(Solution)  # at a fifth of the price of a frozen dataclass's __init__
+        solution.__dict__.update(
+            self._always,
             x=answer.x,
             status=answer.status,
-            message=answer.message,
-            level=answer.level,
-            backend=self.backend,
             counts=answer.counts,
-            hierarchy=hierarchy.copy(),
             x_ref=reference,
-            tolerance=10 * self.settings.tolerance,
-            rank_tolerance=self.settings.rank_tolerance,
+            _snapshot=(hierarchy, hierarchy.numbers.copy()),
         )
+        if answer.status is not OPTIMAL:
+            solution.__dict__.update(message=answer.message, level=answer.level)
+        return solution
+
+    def _adopt(self, hierarchy: Hierarchy) -> None:
+        """Start afresh if the structure is another one, and not just another object that says the same."""
+        if hierarchy.structure != self._structure:
+            self._backend.reset()
+            self._zero = np.zeros(hierarchy.n)
+            self._zero.flags.writeable = False
+        self._structure = hierarchy.structure
+
+    def _reference(self, x_ref: ArrayLike) -> tuple[str | None, Array]:
+        """What is wrong with x_ref, if anything, and what to use."""
+        reference = real_array(x_ref, "x_ref")
+        if reference.shape != self._zero.shape:
+            raise InvalidInput(f"x_ref has shape {reference.shape}; it must be {self._zero.shape}")
+        if (np.abs(reference) <= LARGEST).all():
+            return None, reference
+        return f"x_ref = {reference} must be finite, and at most {LARGEST:g} in size", self._zero
 
 
 def solve(

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 from ..arrays import Array
 from ..hierarchy import Hierarchy
-from ..solution import Counts, Status
+from ..solution import NO_COUNTS, Counts, Status
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(slots=True, eq=False)
 class Answer:
     """What a backend returns: its x, what it claims of it, and what it did."""
 
@@ -18,7 +18,7 @@ class Answer:
     status: Status = Status.OPTIMAL
     message: str = ""
     level: int | None = None
-    counts: Counts = field(default_factory=Counts)
+    counts: Counts = NO_COUNTS
 
 
 class Backend(Protocol):
@@ -29,7 +29,7 @@ class Backend(Protocol):
     """
 
     def solve(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
-        """Solve, from whatever the last call of the same structure left behind."""
+        """Solve, from whatever the last call of the same structure left behind; x_ref has shape (n,)."""
         ...
 
     def reset(self) -> None:

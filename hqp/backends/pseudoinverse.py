@@ -29,7 +29,7 @@ from ..settings import Settings
 from ..solution import Status
 from .base import Answer
 
-INEQUALITIES_GO_TO = "cascade:proxsuite"
+INEQUALITIES_GO_TO = "native"
 
 
 def prioritized(tasks: list[tuple[Array, Array]], z: Array, cut: float) -> Array:

@@ -80,6 +80,13 @@ _QPSOLVERS = {
 
 _BACKENDS = [
     BackendInfo(
+        name="native",
+        summary="the project's own: compiled, exact, warm",
+        module="native",
+        package="numba",
+        install="numba",
+    ),
+    BackendInfo(
         name="pseudoinverse",
         summary="closed form, Eq. 3.17: the reference",
         module="pseudoinverse",

@@ -1,0 +1,480 @@
+r"""The safe method: one level after the other, each by a primal active set in what the levels above leave free.
+
+Level k starts at the x of the level above, feasible for all that is decided, and minimises
+
+.. math:: \tfrac12 \sum_{i \in k} \operatorname{dist}(a_i x, [l_i, u_i])^2
+
+subject to the *frozen* rows, whose value no longer changes, and the *hard* rows, inequalities above that are met.
+Every iteration takes the Newton step of the rows that are violated, inside the frozen rows and the *working set*
+W of hard rows that are kept at their bound; goes along it to the exact minimum or to the first hard row in the
+way, which joins W; and drops the row of W whose multiplier is most wrong, once nothing is left to gain. At a
+degenerate vertex, where steps have length zero, a non-negative least squares over all rows at their bound finds a
+direction that none of them blocks, or proves that there is none: no cycles.
+
+So the method is *anytime*: stopped at level k, all levels above are exactly optimal, and x is feasible for them.
+The basis V holds the frozen rows, then those of W; L holds the coefficients of both (:mod:`.orthogonal`).
+"""
+
+from __future__ import annotations
+
+import math
+
+from .compile import inner, part
+from .orthogonal import CANCELLED, factor, length, level_least_squares, project
+from .sweep import EQUALITY, INACTIVE, LOWER, UPPER
+
+FUTURE, HARD, WORKING, FROZEN = 0, 1, 2, 3
+OPTIMAL, SUBOPTIMAL, STALLED = 0, 1, 2
+
+#: Multipliers below this share of the forces are zero; implicit equalities are those clearly above.
+DUAL, CLEAR = 1e-9, 1e-8
+#: A step changes a row if it does so by more than round-off.
+MOVES = 1e-12
+
+
+@inner
+def value_of(i, x, problem):
+    """a_i x."""
+    col, n = problem.col, problem.n
+    if col[i] >= 0:
+        return problem.norm[i] * x[col[i]]
+    row = problem.B[problem.row_of[i]]
+    total = 0.0
+    for j in range(n):
+        total += row[j] * x[j]
+    return total
+
+
+@inner
+def copy_row(i, out, problem):
+    """a_i as a dense vector."""
+    n = problem.n
+    if problem.col[i] >= 0:
+        for j in range(n):
+            out[j] = 0.0
+        out[problem.col[i]] = problem.norm[i]
+    else:
+        row = problem.B[problem.row_of[i]]
+        for j in range(n):
+            out[j] = row[j]
+
+
+@inner
+def append(i, c, problem, work, tau):
+    """Put row i on top of the basis V[:c]; False, and nothing changed, if it depends on it."""
+    n = problem.n
+    if c >= n:
+        return False
+    row, coefficients = work.V[c], work.L[i]
+    copy_row(i, row, problem)
+    for q in range(c):
+        coefficients[q] = 0.0
+    size = problem.norm[i]
+    for _ in range(3):
+        project(row, n, work.V, c, coefficients)
+        before, size = size, length(row, n)
+        if not size > tau * problem.norm[i]:
+            return False
+        if size > CANCELLED * before:
+            break
+    for j in range(n):
+        row[j] /= size
+    coefficients[c] = size
+    work.pivot[c] = i
+    return True
+
+
+@inner
+def remove(at, c, problem, work):
+    """Take the row at position `at` from the basis of c rows, and build the part above it anew."""
+    for q in range(at, c - 1):
+        append(work.pivot[q + 1], q, problem, work, 0.0)
+
+
+@inner
+def balance(low, high, n, work):
+    """Multipliers of the rows at low .. high of the basis: ``g + sum multiplier_i a_i`` is orthogonal to them."""
+    V, L, pivot, multiplier = work.V, work.L, work.pivot, work.multiplier
+    for q in range(low, high):
+        here = V[q]
+        total = 0.0
+        for j in range(n):
+            total += here[j] * work.g[j]
+        multiplier[q] = -total
+    for q in range(high - 1, low - 1, -1):
+        row = L[pivot[q]]
+        multiplier[q] /= row[q]
+        for t in range(low, q):
+            multiplier[t] -= multiplier[q] * row[t]
+
+
+@inner
+def escape(problem, work, forces, frozen, working, hard_end):
+    """A direction of descent that no row at its bound blocks, by non-negative least squares (Lawson, Hanson).
+
+    Minimises ``||g + sum mu_i s_i a_i||``, mu >= 0, over the hard rows at a bound, s_i = 1 at the upper one, within
+    what the frozen rows leave. Its residual, turned round, is the direction; the support is the new working set.
+    `d` is zero if there is none: x is optimal.
+
+    Returns
+    -------
+    working : int
+    """
+    n, norm = problem.n, problem.norm
+    g, d, V, pivot, kind, side = work.g, work.d, work.V, work.pivot, work.kind, work.side
+    v, low, high, allowed, share, multiplier = work.v, work.low, work.high, work.allowed, work.share, work.multiplier
+    for q in range(frozen, frozen + working):
+        kind[pivot[q]] = HARD
+    working = 0
+    for _ in range(3 * hard_end + 10):
+        c = frozen + working
+        for j in range(n):
+            d[j] = -g[j]
+        for q in range(c):
+            work.scratch[q] = 0.0
+        project(d, n, V, c, work.scratch)
+        project(d, n, V, c, work.scratch)
+        steep = length(d, n)
+        if steep <= DUAL * forces:
+            for j in range(n):
+                d[j] = 0.0
+            return working
+        worst, enters, at = 1e-9 * steep, -1, 0
+        for i in range(hard_end):
+            if kind[i] != HARD or norm[i] == 0.0:
+                continue
+            where = 0
+            if v[i] >= high[i] - 10.0 * allowed[i]:
+                where = UPPER
+            if v[i] <= low[i] + 10.0 * allowed[i]:
+                where = LOWER if where == 0 or value_of(i, d, problem) < 0.0 else UPPER
+            if where == 0:
+                continue
+            outward = where * value_of(i, d, problem) / norm[i]
+            if outward > worst:
+                worst, enters, at = outward, i, where
+        if enters < 0:
+            return working
+        if not append(enters, c, problem, work, 1e-13):
+            for j in range(n):  # a row in the way that depends on those that are kept: nothing can be gained
+                d[j] = 0.0
+            return working
+        kind[enters], side[enters] = WORKING, at
+        share[c] = 0.0
+        working += 1
+        while working > 0:  # back to where all shares are positive
+            c = frozen + working
+            balance(frozen, c, n, work)
+            reach, leaves = 1.0, -1
+            for q in range(frozen, c):
+                wanted = multiplier[q] * side[pivot[q]]
+                if wanted <= 0.0 and q != c - 1:
+                    ratio = share[q] / (share[q] - wanted) if share[q] > wanted else 0.0
+                    if ratio < reach:
+                        reach, leaves = ratio, q
+            for q in range(frozen, c):
+                share[q] += reach * (multiplier[q] * side[pivot[q]] - share[q])
+            if leaves < 0:
+                break
+            kind[pivot[leaves]] = HARD
+            for q in range(leaves, c - 1):
+                share[q] = share[q + 1]
+            remove(leaves, c, problem, work)
+            working -= 1
+    return working
+
+
+@inner
+def best_step(first, end, v, slope, lo, hi):
+    r"""The a >= 0 that minimises :math:`\sum_i \operatorname{dist}(v_i + a\,s_i, [l_i, u_i])^2` over rows first .. end.
+
+    The derivative is piecewise linear and increasing: from kink to kink, until it changes sign.
+    """
+    start = initial = 0.0
+    for turn in range(2 * (end - first) + 2):
+        value, rate, kink = 0.0, 0.0, math.inf  # derivative at `start`, its slope beyond, and the next kink
+        for i in range(first, end):
+            s = slope[i]
+            if s == 0.0:
+                continue
+            at_low, at_high = (lo[i] - v[i]) / s, (hi[i] - v[i]) / s
+            if start < at_low < kink:
+                kink = at_low
+            if start < at_high < kink:
+                kink = at_high
+            if (start >= at_high) if s > 0.0 else (start < at_high):
+                value += s * (v[i] + start * s - hi[i])
+                rate += s * s
+            elif (start < at_low) if s > 0.0 else (start >= at_low):
+                value += s * (v[i] + start * s - lo[i])
+                rate += s * s
+        if turn == 0:
+            initial = value
+        if value >= -MOVES * abs(initial):
+            return start
+        if rate > 0.0:
+            stop = start - value / rate
+            if stop <= kink:
+                return 1.0 if abs(stop - 1.0) < 1e-9 else stop
+        if kink == math.inf:
+            return start
+        start = kink
+    return start
+
+
+@part
+def active_set(problem, work, last, budget):
+    """Solve levels 0 .. last from ``work.x``, one after the other, within so many iterations.
+
+    On return ``work.side`` is the active set at ``work.x``.
+
+    Returns
+    -------
+    status, level, iterations : int
+        The level is that of the first status which is not OPTIMAL.
+    """
+    n, ptr, tol, tau = problem.n, problem.ptr, problem.tol, problem.tau
+    col, lo, hi, norm, x0 = problem.col, problem.lo, problem.hi, problem.norm, problem.x0
+    x, w, v, g, d, y = work.x, work.w, work.v, work.g, work.d, work.y
+    kind, side, held, low, high, allowed, slope = (
+        work.kind, work.side, work.held, work.low, work.high, work.allowed, work.slope,
+    )  # fmt: skip
+    V, L, pivot, ids, rhs, multiplier = work.V, work.L, work.pivot, work.ids, work.rhs, work.multiplier
+    frozen = working = 0
+    iterations = 0
+    status, where = OPTIMAL, last + 1
+    for i in range(ptr[last]):
+        kind[i] = FUTURE
+        held[i] = 0
+        side[i] = INACTIVE
+    for k in range(last + 1):
+        first = ptr[k] if k < last else 0
+        end = ptr[k + 1] if k < last else 0
+        hard_end = ptr[k]
+        still = 0  # zero-length steps in a row
+        full = False
+        lowest, since = math.inf, 0
+        forces = 0.0
+        while True:
+            size = length(x, n)
+            for i in range(ptr[min(k + 1, last)]):
+                if kind[i] != FROZEN:
+                    v[i] = value_of(i, x, problem)
+            if iterations >= budget:
+                if where > k:
+                    status, where = SUBOPTIMAL, k
+                forces = 0.0
+                break
+            iterations += 1
+
+            # Which rows pull, and how much.
+            count = 0
+            forces = wanted = pull = 0.0
+            for j in range(n):
+                g[j] = 0.0
+            if k == last:
+                for j in range(n):
+                    d[j] = x0[j] - x[j]
+                    g[j] = -d[j]
+                    pull += d[j] * d[j]
+                    wanted += abs(x0[j]) + size
+                    if abs(d[j]) > tol * (abs(x0[j]) + size):
+                        forces += abs(d[j])
+                for q in range(frozen + working):
+                    work.scratch[q] = 0.0
+                project(d, n, V, frozen + working, work.scratch)
+                project(d, n, V, frozen + working, work.scratch)
+                gain = length(d, n)
+            else:
+                for i in range(first, end):
+                    if norm[i] == 0.0:
+                        continue
+                    near = tol * norm[i] * size
+                    t_low, t_high = tol * abs(lo[i]) + near, tol * abs(hi[i]) + near
+                    if lo[i] == hi[i]:
+                        bound = lo[i]
+                    elif v[i] > hi[i] + t_high or (held[i] > 0 and v[i] >= hi[i] - t_high):
+                        bound = hi[i]
+                        held[i] = 1
+                    elif v[i] < lo[i] - t_low or (held[i] < 0 and v[i] <= lo[i] + t_low):
+                        bound = lo[i]
+                        held[i] = -1
+                    else:
+                        continue
+                    r = bound - v[i]
+                    ids[count] = i
+                    rhs[count] = r
+                    slope[i] = r
+                    count += 1
+                    pull += r * r
+                    wanted += abs(bound) + norm[i] * size
+                    if abs(r) > tol * abs(bound) + near:
+                        forces += norm[i] * abs(r)
+                        if col[i] >= 0:
+                            g[col[i]] -= norm[i] * r
+                        else:
+                            given = problem.B[problem.row_of[i]]
+                            for j in range(n):
+                                g[j] -= given[j] * r
+                gain = 0.0
+                if not full and forces > 0.0:
+                    c = frozen + working
+                    for r in range(count):
+                        copy_row(ids[r], work.R[r], problem)
+                    rank = factor(ids, count, work.slots, work.lengths, work.R, norm, V, L, c, n, tau)
+                    for r in range(count):
+                        rhs[r] = slope[ids[r]]
+                    level_least_squares(ids, count, rank, L, c, rhs, y, w, work.H)
+                    for j in range(n):
+                        d[j] = 0.0
+                    for q in range(c, c + rank):
+                        here, step = V[q], y[q]
+                        for j in range(n):
+                            d[j] += step * here[j]
+                    for r in range(count):
+                        change = slope[ids[r]] + w[ids[r]]
+                        gain += change * change
+                    gain = math.sqrt(gain)
+
+            if forces == 0.0:
+                break
+            if pull < lowest * (1.0 - 1e-14):
+                lowest, since = pull, 0
+            else:
+                since += 1
+                if since > 2 * (n + hard_end) + 20:
+                    if where > k:
+                        status, where = STALLED, k
+                    forces = 0.0
+                    break
+            if full or gain <= 1e-11 * math.sqrt(pull) or gain <= 1e-13 * wanted:
+                full = False
+                if working == 0:
+                    break
+                balance(frozen, frozen + working, n, work)
+                worst, leaves = -DUAL * forces, -1
+                for q in range(frozen, frozen + working):
+                    i = pivot[q]
+                    says = multiplier[q] * side[i] * norm[i]
+                    if says < worst:
+                        worst, leaves = says, q
+                if leaves < 0:
+                    break
+                if still <= 3 + working:
+                    kind[pivot[leaves]] = HARD
+                    remove(leaves, frozen + working, problem, work)
+                    working -= 1
+                    continue
+                still = 0
+                working = escape(problem, work, forces, frozen, working, hard_end)
+                if length(d, n) == 0.0:
+                    balance(frozen, frozen + working, n, work)
+                    break
+
+            # How far: to the minimum, or to the first hard row in the way (two passes: Harris).
+            steep = length(d, n)
+            for i in range(ptr[min(k + 1, last)]):
+                slope[i] = 0.0
+                if norm[i] > 0.0 and (kind[i] == HARD or (i >= first and kind[i] == FUTURE)):
+                    s = value_of(i, d, problem)
+                    if abs(s) > MOVES * norm[i] * steep:
+                        slope[i] = s
+            nearest = math.inf
+            for i in range(hard_end):
+                if kind[i] == HARD and slope[i] != 0.0:
+                    room = (high[i] if slope[i] > 0.0 else low[i]) - v[i]
+                    nearest = min(nearest, (room + math.copysign(0.1 * allowed[i], slope[i])) / slope[i])
+            limit, blocks, steepest = math.inf, -1, -1.0
+            for i in range(hard_end):
+                if kind[i] == HARD and slope[i] != 0.0:
+                    ratio = ((high[i] if slope[i] > 0.0 else low[i]) - v[i]) / slope[i]
+                    if ratio <= nearest and abs(slope[i]) / norm[i] > steepest:
+                        limit, blocks, steepest = max(ratio, 0.0), i, abs(slope[i]) / norm[i]
+            if k == last:
+                reach = 0.0  # the minimum along d
+                for j in range(n):
+                    reach += d[j] * (x0[j] - x[j])
+                reach /= steep * steep
+                if abs(reach - 1.0) < 1e-9:
+                    reach = 1.0
+            else:
+                reach = best_step(first, end, v, slope, lo, hi)
+            blocked = blocks >= 0 and limit < reach
+            step = limit if blocked else reach
+            for j in range(n):
+                x[j] += step * d[j]
+            still = still + 1 if step * steep <= 1e-14 * (size + step * steep) else 0
+            if blocked and append(blocks, frozen + working, problem, work, 1e-14):
+                kind[blocks] = WORKING
+                side[blocks] = UPPER if slope[blocks] > 0.0 else LOWER
+                working += 1
+            full = not blocked and reach == 1.0
+            for i in range(first, end):
+                if norm[i] == 0.0 or lo[i] == hi[i]:
+                    continue
+                now = value_of(i, x, problem)
+                near = tol * norm[i] * size
+                t_low, t_high = tol * abs(lo[i]) + near, tol * abs(hi[i]) + near
+                was = held[i]
+                pulled = v[i] > hi[i] + t_high or v[i] < lo[i] - t_low or was != 0
+                held[i] = 0
+                if abs(now - hi[i]) <= t_high and (slope[i] > 0.0 or was > 0):
+                    held[i] = 1
+                elif abs(now - lo[i]) <= t_low and (slope[i] < 0.0 or was < 0):
+                    held[i] = -1
+                outside = now > hi[i] + t_high or now < lo[i] - t_low
+                if outside != pulled and not (pulled and held[i] != 0):
+                    full = False
+        if k == last:
+            break
+
+        # Freeze the level: what is violated or an equality keeps its value, the rest becomes hard.
+        c, candidates, count = frozen, working, 0
+        for q in range(c, c + candidates):
+            i = pivot[q]
+            work.queue[q - c] = i
+            kind[i] = HARD
+            if forces > 0.0 and multiplier[q] * side[i] * norm[i] > CLEAR * forces:  # an implicit equality
+                kind[i] = FROZEN
+                ids[count] = i
+                count += 1
+        size = length(x, n)
+        for i in range(first, end):
+            w[i] = 0.0
+            kind[i] = FROZEN
+            if norm[i] == 0.0:
+                continue
+            near = tol * norm[i] * size
+            over, under = v[i] - hi[i], v[i] - lo[i]
+            if lo[i] == hi[i]:
+                side[i] = EQUALITY
+                if abs(over) > near + tol * abs(hi[i]):
+                    w[i] = over
+            elif over > near + tol * abs(hi[i]):
+                side[i] = UPPER
+                w[i] = over
+            elif under < -near - tol * abs(lo[i]):
+                side[i] = LOWER
+                w[i] = under
+            else:
+                kind[i] = HARD
+                high[i], low[i] = max(hi[i], v[i]), min(lo[i], v[i])
+                allowed[i] = near + tol * abs(v[i])
+                continue
+            ids[count] = i
+            count += 1
+        for r in range(count):
+            copy_row(ids[r], work.R[r], problem)
+        frozen += factor(ids, count, work.slots, work.lengths, work.R, norm, V, L, c, n, tau)
+        for r in range(frozen - c):
+            pivot[c + r] = ids[r]
+        working = 0
+        for q in range(candidates):
+            i = work.queue[q]
+            if kind[i] == HARD and append(i, frozen + working, problem, work, tau):
+                kind[i] = WORKING
+                working += 1
+    for i in range(ptr[last]):
+        if kind[i] == HARD:
+            side[i] = INACTIVE
+    return status, where, iterations

@@ -1,0 +1,32 @@
+"""How kernels are compiled: one decorator, so that all agree.
+
+Plain loops over rows, which are one-dimensional slices that start at 0: this is what LLVM vectorises.
+Sums may be reordered (``reassoc``), NaN and infinities keep their meaning. No allocation, no
+exception, no ``numpy.linalg``: each would cost time when compiled and when run.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+from numba import njit
+
+FAST = {"reassoc", "contract", "nsz"}
+
+#: For what other kernels call: no wrapper to call it from Python.
+inner = njit(fastmath=FAST, error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
+#: For what is called in one place: becomes part of its caller, whose fifty arrays it need not be handed.
+part = njit(fastmath=FAST, error_model="numpy", nogil=True, inline="always", _nrt=False)
+#: For what Python calls: kept on disk, and run without the interpreter's lock.
+entry = njit(fastmath=FAST, error_model="numpy", nogil=True, cache=True, _nrt=False)
+
+
+def stamp(kernel):
+    """Tie what is kept on disk to the sources of *all* kernels; Numba alone looks at the kernel's own file."""
+    sources = sorted(Path(__file__).parent.glob("*.py"))
+    digest = hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
+    index = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
+    if hasattr(index, "_source_stamp"):
+        index._source_stamp = digest
+    return kernel

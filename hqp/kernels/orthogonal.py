@@ -1,0 +1,212 @@
+r"""Rows made orthonormal, and the least squares that this leaves: the numerics of every level.
+
+The rows V[0:c] are orthonormal and span what the levels above fix. A row a of the next level is split into
+:math:`a = L V + R`: coefficients along V, and what is left. Gram-Schmidt with pivoting by *relative* length
+:math:`\|R\| / \|a\|` turns what is left into new rows of V, until only dependent rows remain; then
+
+.. math:: A_k x = L_k y, \qquad x = x_0 + V^T y
+
+with L lower triangular in its pivot rows. Projecting again where cancellation ate the first decimal keeps V
+orthonormal to round-off ("twice is enough": Giraud, Langou, Rozloznik 2005).
+"""
+
+from __future__ import annotations
+
+import math
+
+from .compile import inner
+
+#: Below this share of its length, what a projection left is projected again.
+CANCELLED = 0.1
+
+
+@inner
+def project(row, f, V, c, coefficients):
+    """Take from row[:f] its part along V[:c]; *add* the coefficients, shape (c,), to those given."""
+    q = 0
+    while q + 3 < c:  # four rows at a time: one pass over `row` serves them all
+        v0, v1, v2, v3 = V[q], V[q + 1], V[q + 2], V[q + 3]
+        d0 = d1 = d2 = d3 = 0.0
+        for t in range(f):
+            d0 += row[t] * v0[t]
+            d1 += row[t] * v1[t]
+            d2 += row[t] * v2[t]
+            d3 += row[t] * v3[t]
+        for t in range(f):
+            row[t] -= d0 * v0[t] + d1 * v1[t] + d2 * v2[t] + d3 * v3[t]
+        coefficients[q] += d0
+        coefficients[q + 1] += d1
+        coefficients[q + 2] += d2
+        coefficients[q + 3] += d3
+        q += 4
+    while q < c:
+        v0 = V[q]
+        d0 = 0.0
+        for t in range(f):
+            d0 += row[t] * v0[t]
+        for t in range(f):
+            row[t] -= d0 * v0[t]
+        coefficients[q] += d0
+        q += 1
+
+
+@inner
+def length(row, f):
+    """Euclidean norm of row[:f]."""
+    total = 0.0
+    for t in range(f):
+        total += row[t] * row[t]
+    return math.sqrt(total)
+
+
+@inner
+def factor(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
+    """Pivoted Gram-Schmidt of the rows of one level, on top of V[:c].
+
+    Parameters
+    ----------
+    ids : int (count,)
+        Row numbers; reordered, the pivots first.
+    slots, sizes : work (count,)
+        Where in R each row stands, and its length there.
+    R : (count, f)
+        On entry the rows themselves; overwritten.
+    norm : (m,)
+        Lengths of the rows, by row number: the scale of the rank decision.
+    V : (n, n)
+        Rows c, c + 1, ... are written.
+    L : (m, n)
+        By row number; columns 0 .. c + rank are written.
+
+    Returns
+    -------
+    rank : int
+    """
+    for r in range(count):
+        slots[r] = r
+        row, coefficients = R[r], L[ids[r]]
+        for q in range(c):
+            coefficients[q] = 0.0
+        project(row, f, V, c, coefficients)
+        sizes[r] = length(row, f)
+    rank = 0
+    renewed = -1  # the row that was just projected again
+    while rank < count and c + rank < f:
+        best, most = rank, -1.0
+        for r in range(rank, count):
+            share = sizes[r] / norm[ids[r]]
+            if share > most:
+                best, most = r, share
+        if not most > tau:
+            break
+        i, slot = ids[best], slots[best]
+        row, coefficients = R[slot], L[i]
+        if most < CANCELLED and renewed != slot:
+            project(row, f, V, c + rank, coefficients)
+            sizes[best] = length(row, f)
+            renewed = slot
+            continue
+        renewed = -1
+        ids[best], slots[best], sizes[best] = ids[rank], slots[rank], sizes[rank]
+        size = length(row, f)
+        ids[rank], slots[rank], sizes[rank] = i, slot, size
+        here = V[c + rank]
+        for t in range(f):
+            here[t] = row[t] / size
+        coefficients[c + rank] = size
+        for r in range(rank + 1, count):
+            other = R[slots[r]]
+            along = 0.0
+            for t in range(f):
+                along += other[t] * here[t]
+            for t in range(f):
+                other[t] -= along * here[t]
+            L[ids[r]][c + rank] = along
+            sizes[r] = length(other, f)
+        rank += 1
+    return rank
+
+
+@inner
+def level_least_squares(ids, count, rank, L, c, rhs, y, slack, H):
+    r"""Minimise ``||L_k y - rhs||`` over y[c : c + rank].
+
+    `L_k` are the rows `ids` of L in the columns c .. c + rank, a trapezoid: lower triangular in its first
+    `rank` rows. Without dependent rows it is solved as it stands and the slack is 0 *exactly*. Else by
+    Householder reflections, and the slack is taken from them, :math:`w = -Q (0, \text{tail})`: orthogonal
+    to the rows whatever the size of w.
+
+    Parameters
+    ----------
+    rhs : (count,)
+        In the order of ids; overwritten.
+    slack : (m,)
+        By row number; ``L_k y - rhs``.
+    H : work (n, most rows of a level)
+    """
+    if count == rank:
+        for r in range(rank):
+            row = L[ids[r]]
+            total = rhs[r]
+            for q in range(r):
+                total -= row[c + q] * y[c + q]
+            y[c + r] = total / row[c + r]
+            slack[ids[r]] = 0.0
+        return
+    for j in range(rank):
+        column = H[j]
+        for r in range(j):  # above the diagonal of the trapezoid
+            column[r] = 0.0
+        for r in range(j, count):
+            column[r] = L[ids[r]][c + j]
+    # From the last column to the first: the triangle that is there already costs next to nothing.
+    for j in range(rank - 1, -1, -1):
+        column = H[j]
+        total = column[j] * column[j]
+        for r in range(rank, count):
+            total += column[r] * column[r]
+        size = math.sqrt(total)
+        if column[j] > 0.0:
+            size = -size
+        # reflect e_j and the dependent rows: u = (u_j, u_tail), H = I - u u^T / (size * ...)
+        head = column[j] - size
+        scale = -1.0 / (size * head)  # 2 / ||u||^2
+        for i in range(j):
+            other = H[i]
+            along = other[j] * head
+            for r in range(rank, count):
+                along += other[r] * column[r]
+            along *= scale
+            other[j] -= along * head
+            for r in range(rank, count):
+                other[r] -= along * column[r]
+        along = rhs[j] * head
+        for r in range(rank, count):
+            along += rhs[r] * column[r]
+        along *= scale
+        rhs[j] -= along * head
+        for r in range(rank, count):
+            rhs[r] -= along * column[r]
+        column[j] = head
+        y[c + j] = size  # the diagonal, for the substitution below
+    for j in range(rank):  # what is left is lower triangular again
+        total = rhs[j]
+        for q in range(j):
+            total -= H[q][j] * y[c + q]
+        y[c + j] = total / y[c + j]
+        rhs[j] = 0.0
+    for j in range(rank):
+        column = H[j]
+        head = column[j]
+        size_head = head * head
+        for r in range(rank, count):
+            size_head += column[r] * column[r]
+        along = rhs[j] * head
+        for r in range(rank, count):
+            along += rhs[r] * column[r]
+        along *= 2.0 / size_head
+        rhs[j] -= along * head
+        for r in range(rank, count):
+            rhs[r] -= along * column[r]
+    for r in range(count):
+        slack[ids[r]] = -rhs[r]

@@ -1,0 +1,157 @@
+r"""The whole solver: guess, solve the equalities, verify, repair; and where repair fails, the safe method.
+
+From one tick of a control loop to the next the active rows hardly change, so that the last ones are the guess and
+one sweep is the answer, with its proof. All rows that contradict a guess change sides at once; when that stops
+making progress, one row at a time, the first of the highest level. Where this does not end either, the safe method
+decides, and one more sweep gives its answer the same proof.
+"""
+
+from __future__ import annotations
+
+import math
+
+from .active_set import OPTIMAL, active_set
+from .compile import entry, part, stamp
+from .layout import BUDGET, FAULTS, ITERATIONS, LEVEL, MARKS_HEAD, MEMORY_HEAD, SWEEPS, TRUSTED, WARM, unpack
+from .memory import floats, ints
+from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep
+
+#: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; proved at once.
+SUSPECT, CLEAR = 3, 4
+
+#: As :data:`hqp.hierarchy.LARGEST`: a row that is longer has an entry to be looked at.
+LARGEST = 1e30
+
+#: Rounds of repair, and how many of them in a row may fail to bring the number of faults down.
+ROUNDS, PATIENCE = 8, 2
+
+
+@part
+def load(problem, work, warm, trusted):
+    """Weight the rows, measure them, and make the guess fit them; False if a number may mean nothing."""
+    n, col, side = problem.n, problem.col, work.side
+    lower, upper, lo, hi, norm = problem.lower, problem.upper, problem.lo, problem.hi, problem.norm
+    for i in range(problem.m):
+        weight = problem.weights[i]
+        size = 1.0
+        if col[i] < 0:
+            given, row = problem.A[problem.row_of[i]], problem.B[problem.row_of[i]]
+            total = 0.0
+            for j in range(n):
+                row[j] = weight * given[j]
+                total += given[j] * given[j]
+            size = math.sqrt(total)
+        below, above = lower[i], upper[i]
+        fits = abs(below) <= LARGEST or below == -math.inf
+        fits = fits and (abs(above) <= LARGEST or above == math.inf)
+        fits = fits and below <= above and 1.0 / LARGEST <= weight <= LARGEST
+        if not (fits and (trusted or size <= LARGEST)):
+            return False
+        norm[i] = weight * size if size >= 1.0 / LARGEST else 0.0
+        lo[i], hi[i] = weight * below, weight * above
+        if norm[i] == 0.0:
+            side[i] = INACTIVE
+        elif below == above:
+            side[i] = EQUALITY
+        elif (
+            not warm
+            or side[i] == EQUALITY
+            or (side[i] == LOWER and below == -math.inf)
+            or (side[i] == UPPER and above == math.inf)
+        ):
+            side[i] = INACTIVE
+    return True
+
+
+@part
+def levels_that_count(problem):
+    """A level of equalities on every variable, all of one weight, is a last level: nothing below can move x.
+
+    It is what ``min ||x - x0||`` says, with its own x0.
+    """
+    for j in range(problem.n):
+        problem.x0[j] = problem.x_ref[j]
+    for k in range(problem.levels):
+        if problem.whole[k] == 0:
+            continue
+        first, end = problem.ptr[k], problem.ptr[k + 1]
+        alike = True
+        for i in range(first, end):
+            alike = alike and problem.lower[i] == problem.upper[i] and problem.norm[i] == problem.norm[first]
+        if alike:
+            for i in range(first, end):
+                problem.x0[problem.col[i]] = problem.lower[i]
+            return k
+    return problem.levels
+
+
+@part
+def repair(problem, work, last, all_at_once):
+    """Let rows that contradict the guess change sides."""
+    for i in range(problem.ptr[last]):
+        if work.side[i] != work.follow[i]:
+            work.side[i] = work.follow[i]
+            if not all_at_once:
+                return
+
+
+@part
+def start(problem, x):
+    """Where the safe method starts: at what the last level wants, within the bounds of level 0."""
+    for j in range(problem.n):
+        x[j] = problem.x0[j]
+    if problem.boxed:
+        for i in range(problem.ptr[0], problem.ptr[1]):
+            j = problem.col[i]
+            x[j] = min(max(x[j], problem.lower[i]), problem.upper[i])
+
+
+@stamp
+@entry
+def solve(layout, memory, marks, numbers):
+    """Solve the hierarchy at the address `numbers`; x is left in `memory`, sides and counts in `marks`.
+
+    Returns
+    -------
+    outcome : int
+        A status of :mod:`.active_set`, or CLEAR, or SUSPECT.
+    """
+    report, option = ints(marks, 0, MARKS_HEAD), floats(memory, 0, MEMORY_HEAD)
+    problem, work = unpack(numbers, layout, memory, marks)
+    warm = report[WARM] != 0
+    report[WARM] = 0
+    if not load(problem, work, warm, report[TRUSTED] != 0):
+        return SUSPECT
+    last = levels_that_count(problem)
+
+    status, level, iterations, sweeps = OPTIMAL, last, 0, 0
+    fewest, patience = problem.m + 1, PATIENCE
+    safe = False
+    while True:
+        faults = sweep(problem, work, last)
+        sweeps += 1
+        if faults == 0 or safe:
+            break
+        patience = PATIENCE if faults < fewest else patience - 1
+        fewest = min(fewest, faults)
+        if sweeps < ROUNDS:
+            repair(problem, work, last, patience > 0)
+            continue
+        safe = True
+        start(problem, work.x)
+        status, level, iterations = active_set(problem, work, last, int(option[BUDGET]))
+        for j in range(problem.n):
+            work.safe[j] = work.x[j]
+        if status != OPTIMAL:
+            break
+    if safe and faults > 0:  # round-off decides what the sweep says: the safe method has the last word
+        for j in range(problem.n):
+            work.x[j] = work.safe[j]
+    report[LEVEL], report[SWEEPS], report[ITERATIONS], report[FAULTS], report[WARM] = (
+        level,
+        sweeps,
+        iterations,
+        faults,
+        1,
+    )
+    return CLEAR if sweeps == 1 and not safe else status

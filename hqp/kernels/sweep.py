@@ -1,0 +1,212 @@
+r"""One pass: guess on which side every row is active, solve the equalities, judge the whole certificate.
+
+With the rows of the guess as equalities, the hierarchy is a lexicographic least squares, solved in one sweep
+from the highest level to the lowest. Bounds of the highest level that are active fix their variable: its column
+leaves the problem. The implicit last level costs nothing: :math:`x = x_0 + V^T y` *is* the point next to
+:math:`x_0` that solves the levels. Then the certificate (:mod:`hqp.certificate`): rows outside the guess must be
+inside their bounds, and what holds each level back must push the right way,
+
+.. math:: g = \sum_i w_i a_i, \qquad g + \sum_i \lambda_i a_i = 0, \qquad \lambda_i \ge 0\;(\le 0)
+   \text{ at an upper (lower) bound,}
+
+by back substitution in the triangle that the sweep leaves behind. A row answers for its own level first, by the
+sign of its slack, then for the levels below it, one after the other; the first clear answer decides.
+"""
+
+from __future__ import annotations
+
+from .compile import inner, part
+from .orthogonal import factor, length, level_least_squares
+
+LOWER, INACTIVE, UPPER, EQUALITY = -1, 0, 1, 2
+
+#: Multipliers below this share of the forces in their level are zero.
+DUAL = 1e-9
+
+
+@inner
+def target(side, low, high):
+    """The bound that a row on this side is held to."""
+    return low if side == LOWER else high
+
+
+@part
+def sweep(problem, work, last):
+    """Solve for the guess ``work.side``, levels 0 .. last, and say how many rows contradict it; 0 is a proof.
+
+    ``work.follow`` is what the contradictions suggest, ``work.x`` the point, ``work.w`` the weighted slack of the rows.
+    """
+    n, ptr, boxed, tol = problem.n, problem.ptr, problem.boxed, problem.tol
+    col, row_of, B, lo, hi, norm, x0 = (
+        problem.col, problem.row_of, problem.B, problem.lo, problem.hi, problem.norm, problem.x0,
+    )  # fmt: skip
+    x, w, side, follow, decided, V, L = work.x, work.w, work.side, work.follow, work.decided, work.V, work.L
+    y, g, G, pinned, free, cut, pivot = work.y, work.g, work.G, work.pinned, work.free, work.cut, work.pivot
+    ids, rhs, given_rhs, forces_of = work.ids, work.rhs, work.v, work.forces
+
+    # Fixed and free variables.
+    for j in range(n):
+        pinned[j] = -1
+        x[j] = x0[j]
+    first = 1 if boxed else 0
+    if boxed:
+        for i in range(ptr[0], ptr[1]):
+            w[i] = 0.0
+            if side[i] != INACTIVE:
+                pinned[col[i]] = i
+                x[col[i]] = target(side[i], lo[i], hi[i]) / norm[i]
+    f = 0
+    for j in range(n):
+        if pinned[j] < 0:
+            free[f] = j
+            f += 1
+
+    # Equalities, level by level.
+    c = 0
+    for k in range(first, last):
+        cut[k] = c
+        count = 0
+        for i in range(ptr[k], ptr[k + 1]):
+            w[i] = 0.0
+            if side[i] == INACTIVE:
+                continue
+            row = work.R[count]
+            bound = target(side[i], lo[i], hi[i])
+            if col[i] >= 0:
+                for t in range(f):
+                    row[t] = 0.0
+                    if free[t] == col[i]:
+                        row[t] = norm[i]
+                rhs[count] = bound - norm[i] * x[col[i]]
+            else:
+                given = B[row_of[i]]
+                total = 0.0
+                for j in range(n):
+                    total += given[j] * x[j]
+                rhs[count] = bound - total
+                for t in range(f):
+                    row[t] = given[free[t]]
+            ids[count] = i
+            given_rhs[i] = rhs[count]  # by row number, while the rows are put in order
+            count += 1
+        rank = 0
+        if count > 0:
+            rank = factor(ids, count, work.slots, work.lengths, work.R, norm, V, L, c, f, problem.tau)
+            for r in range(count):
+                i = ids[r]
+                row = L[i]
+                total = given_rhs[i]
+                for q in range(c):
+                    total -= row[q] * y[q]
+                rhs[r] = total
+            level_least_squares(ids, count, rank, L, c, rhs, y, w, work.H)
+        for r in range(rank):
+            pivot[c + r] = ids[r]
+        c += rank
+    cut[last] = c
+    for q in range(c):
+        here, step = V[q], y[q]
+        for t in range(f):
+            x[free[t]] += step * here[t]
+
+    # Primal: rows stay inside, slacks are on the side of their bound.
+    size = length(x, n)
+    faults = 0
+    undecided = 0
+    for k in range(last):
+        forces_of[k] = 0.0
+        for i in range(ptr[k], ptr[k + 1]):
+            follow[i] = side[i]
+            decided[i] = 1
+            if norm[i] == 0.0:
+                continue
+            if side[i] == INACTIVE:
+                if col[i] >= 0:
+                    value = norm[i] * x[col[i]]
+                else:
+                    given = B[row_of[i]]
+                    value = 0.0
+                    for j in range(n):
+                        value += given[j] * x[j]
+                room = tol * norm[i] * size
+                if value > hi[i] + tol * abs(hi[i]) + room:
+                    follow[i] = UPPER
+                    faults += 1
+                elif value < lo[i] - tol * abs(lo[i]) - room:
+                    follow[i] = LOWER
+                    faults += 1
+                continue
+            if abs(w[i]) <= tol * (abs(target(side[i], lo[i], hi[i])) + norm[i] * size):
+                w[i] = 0.0
+                if side[i] != EQUALITY:
+                    decided[i] = 0
+                    undecided += 1
+            elif side[i] != EQUALITY and w[i] * side[i] < 0.0:
+                follow[i] = INACTIVE
+                faults += 1
+            forces_of[k] += norm[i] * abs(w[i])
+
+    # Dual: what holds each level back pushes the right way.
+    for k in range(last + 1):
+        if undecided == 0:
+            break
+        forces = 0.0
+        if k < last:
+            forces = forces_of[k]
+            if forces == 0.0:
+                continue
+            c = cut[k]
+            for q in range(c):
+                g[q] = 0.0
+            for j in range(n):
+                G[j] = 0.0
+            for i in range(ptr[k], ptr[k + 1]):
+                if w[i] != 0.0:
+                    push(i, w[i], c, col, row_of, B, norm, L, g, G, n)
+        else:
+            c = cut[last]
+            for q in range(c):
+                g[q] = y[q]
+            for j in range(n):
+                G[j] = x[j] - x0[j]
+                forces += abs(G[j])
+        clear = DUAL * forces
+        for q in range(c - 1, -1, -1):
+            i = pivot[q]
+            multiplier = -g[q] / L[i][q]
+            if multiplier == 0.0:
+                continue
+            push(i, multiplier, q, col, row_of, B, norm, L, g, G, n)
+            if decided[i] == 0:
+                says = multiplier * side[i] * norm[i]
+                if abs(says) > clear:
+                    decided[i] = 1
+                    undecided -= 1
+                    if says < 0.0:
+                        follow[i] = INACTIVE
+                        faults += 1
+        if boxed:
+            for i in range(ptr[0], ptr[1]):
+                if decided[i] == 0:
+                    says = -G[col[i]] * side[i]
+                    if abs(says) > clear:
+                        decided[i] = 1
+                        undecided -= 1
+                        if says < 0.0:
+                            follow[i] = INACTIVE
+                            faults += 1
+    return faults
+
+
+@inner
+def push(i, force, c, col, row_of, B, norm, L, g, G, n):
+    """Add ``force`` times row i to the balance: along the basis, g[:c], and on the variables, G."""
+    row = L[i]
+    for q in range(c):
+        g[q] += force * row[q]
+    if col[i] >= 0:
+        G[col[i]] += force * norm[i]
+    else:
+        given = B[row_of[i]]
+        for j in range(n):
+            G[j] += force * given[j]
