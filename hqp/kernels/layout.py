@@ -41,15 +41,17 @@ Problem = namedtuple(
 Work = namedtuple(
     "Work",
     "x w side follow decided V L R H pivot ids slots lengths rhs y g G pinned free cut forces"
-    " v slope low high allowed kind held queue d multiplier share scratch safe",
+    " v slope low high allowed kind held queue d multiplier share scratch safe"
+    " rows gram chol z wanted",
 )
 
 
 def sizes(n, levels, m, dense, widest):
     """Lengths of the float and of the integer memory."""
     deep = widest + n
-    reals = MEMORY_HEAD + (dense + n + m + 2 * deep + 12) * n + 9 * m + 2 * deep + levels
-    marks = MARKS_HEAD + 5 * m + 4 * n + 2 * deep + levels + 1
+    many = min(m, 2 * n + 8)
+    reals = MEMORY_HEAD + 2 * many * (many + 1) + (dense + n + m + 2 * deep + 12) * n + 9 * m + 2 * deep + levels
+    marks = MARKS_HEAD + 5 * m + 4 * n + 2 * deep + levels + 1 + many
     return reals, marks
 
 
@@ -92,6 +94,12 @@ def unpack(numbers, layout, memory, marks):
     o += 3 * m
     lengths, rhs, forces = floats(memory, o, deep), floats(memory, o + deep, deep), floats(memory, o + 2 * deep, levels)
 
+    o += 2 * deep + levels
+    many = min(m, 2 * n + 8)
+    gram, chol = matrix(memory, o, many, many), matrix(memory, o + many * many, many, many)
+    o += 2 * many * many
+    z, wanted = floats(memory, o, many), floats(memory, o + many, many)
+
     o = MARKS_HEAD
     side, follow, decided = ints(marks, o, m), ints(marks, o + m, m), ints(marks, o + 2 * m, m)
     o += 3 * m
@@ -106,6 +114,8 @@ def unpack(numbers, layout, memory, marks):
     o += 4 * n
     ids, slots, cut = ints(marks, o, deep), ints(marks, o + deep, deep), ints(marks, o + 2 * deep, levels + 1)
 
+    rows = ints(marks, o + 2 * deep + levels + 1, many)
+
     problem = Problem(
         n, m, levels, ptr, head[BOXED] != 0, whole, col, row_of, A, lower, upper, weights, B, lo, hi, norm,
         x_ref, x0, option[TAU], option[TOL],
@@ -113,5 +123,6 @@ def unpack(numbers, layout, memory, marks):
     work = Work(
         x, w, side, follow, decided, V, L, R, H, pivot, ids, slots, lengths, rhs, y, g, G, pinned, free, cut, forces,
         v, slope, low, high, allowed, kind, held, queue, d, multiplier, share, scratch, safe,
+        rows, gram, chol, z, wanted,
     )  # fmt: skip
     return problem, work

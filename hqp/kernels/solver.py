@@ -1,9 +1,9 @@
 r"""The whole solver: guess, solve the equalities, verify, repair; and where repair fails, the safe method.
 
 From one tick of a control loop to the next the active rows hardly change, so that the last ones are the guess and
-one sweep is the answer, with its proof. All rows that contradict a guess change sides at once; when that stops
-making progress, one row at a time, the first of the highest level. Where this does not end either, the safe method
-decides, and one more sweep gives its answer the same proof.
+one sweep is the answer, with its proof (:mod:`.sweep`). Without a last one, or where repair gets nowhere, a weighted
+problem makes the guess (:mod:`.dual`). All rows that contradict a guess change sides at once. When that stops making
+progress the safe method decides (:mod:`.active_set`), and one more sweep gives its answer the same proof.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import math
 
 from .active_set import OPTIMAL, active_set
 from .compile import entry, part, stamp
+from .dual import weighted_guess
 from .layout import BUDGET, FAULTS, ITERATIONS, LEVEL, MARKS_HEAD, MEMORY_HEAD, SWEEPS, TRUSTED, WARM, unpack
 from .memory import floats, ints
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep
@@ -22,8 +23,8 @@ SUSPECT, CLEAR = 3, 4
 #: As :data:`hqp.hierarchy.LARGEST`: a row that is longer has an entry to be looked at.
 LARGEST = 1e30
 
-#: Rounds of repair, and how many of them in a row may fail to bring the number of faults down.
-ROUNDS, PATIENCE = 8, 2
+#: How many rounds of repair in a row may fail to bring the number of contradictions down.
+PATIENCE = 2
 
 
 @part
@@ -86,13 +87,10 @@ def levels_that_count(problem):
 
 
 @part
-def repair(problem, work, last, all_at_once):
-    """Let rows that contradict the guess change sides."""
+def repair(problem, work, last):
+    """Let all rows that contradict the guess change sides."""
     for i in range(problem.ptr[last]):
-        if work.side[i] != work.follow[i]:
-            work.side[i] = work.follow[i]
-            if not all_at_once:
-                return
+        work.side[i] = work.follow[i]
 
 
 @part
@@ -125,25 +123,32 @@ def solve(layout, memory, marks, numbers):
     last = levels_that_count(problem)
 
     status, level, iterations, sweeps = OPTIMAL, last, 0, 0
+    guessed = safe = False
+    wanted = not warm
     fewest, patience = problem.m + 1, PATIENCE
-    safe = False
     while True:
+        if wanted:
+            weighted_guess(problem, work, last)
+            wanted, guessed = False, True
+            fewest, patience = problem.m + 1, PATIENCE
         faults = sweep(problem, work, last)
         sweeps += 1
         if faults == 0 or safe:
             break
         patience = PATIENCE if faults < fewest else patience - 1
         fewest = min(fewest, faults)
-        if sweeps < ROUNDS:
-            repair(problem, work, last, patience > 0)
-            continue
-        safe = True
-        start(problem, work.x)
-        status, level, iterations = active_set(problem, work, last, int(option[BUDGET]))
-        for j in range(problem.n):
-            work.safe[j] = work.x[j]
-        if status != OPTIMAL:
-            break
+        if patience > 0:
+            repair(problem, work, last)
+        elif not guessed:
+            wanted = True
+        else:
+            safe = True
+            start(problem, work.x)
+            status, level, iterations = active_set(problem, work, last, int(option[BUDGET]))
+            for j in range(problem.n):
+                work.safe[j] = work.x[j]
+            if status != OPTIMAL:
+                break
     if safe and faults > 0:  # round-off decides what the sweep says: the safe method has the last word
         for j in range(problem.n):
             work.x[j] = work.safe[j]

@@ -1,0 +1,158 @@
+r"""A guess from nothing: the active rows of a weighted problem, by a dual active set.
+
+With softness :math:`\delta_i > 0` instead of priorities, many decades from level to level, the hierarchy becomes one
+strictly convex problem that always has an answer,
+
+.. math:: \min_x \tfrac12 \|x - x_0\|^2 + \sum_i \frac{w_i^2}{2 \delta_i},
+   \qquad (A_W A_W^T + \operatorname{diag} \delta_W)\, \lambda = A_W x_0 - b_W, \qquad x = x_0 - A_W^T \lambda,
+
+with W the rows at a bound. Starting with the equalities, the row that is violated most joins W, and rows whose
+multiplier comes to push the wrong way leave it (Goldfarb and Idnani 1983; in this form Arnstrom, Bemporad and Axehill
+2022). Joining appends one row to a Cholesky factor. The answer is not exact, but which rows are active it mostly
+gets right; the sweep decides.
+"""
+
+from __future__ import annotations
+
+import math
+
+from .active_set import value_of
+from .compile import part
+from .sweep import EQUALITY, INACTIVE, LOWER, UPPER
+
+#: Softness of the highest and of the lowest level, relative to the longest row of the level.
+HARDEST, SOFTEST = 1e-17, 1e-5
+#: What counts as violated, relative to the bound and the length of x.
+VIOLATED = 1e-9
+
+
+@part
+def weighted_guess(problem, work, last):
+    """Set ``work.side`` to the active rows of the weighted problem; False if they are more than fit."""
+    n, ptr, col, row_of, B = problem.n, problem.ptr, problem.col, problem.row_of, problem.B
+    lo, hi, norm, x0 = problem.lo, problem.hi, problem.norm, problem.x0
+    side, x, soft, multiplier = work.side, work.x, work.v, work.w
+    gram, chol, rows, z, d = work.gram, work.chol, work.rows, work.z, work.wanted
+    most = len(rows)
+
+    # How soft each row is, and which are there from the start.
+    count = 0
+    first = 1 if problem.boxed else 0
+    for k in range(last):
+        longest = 0.0
+        for i in range(ptr[k], ptr[k + 1]):
+            longest = max(longest, norm[i])
+        decades = (k - first) / max(last - first - 1, 1)
+        delta = HARDEST * (SOFTEST / HARDEST) ** decades * longest * longest if k >= first else 0.0
+        for i in range(ptr[k], ptr[k + 1]):
+            soft[i] = delta
+            side[i] = INACTIVE
+            multiplier[i] = 0.0
+            if norm[i] > 0.0 and lo[i] == hi[i]:
+                if count == most:
+                    return False
+                side[i] = EQUALITY
+                rows[count] = i
+                count += 1
+    for j in range(n):
+        x[j] = x0[j]
+
+    entered = 0  # rows of W that are in the factor
+    for _ in range(4 * most + 4):
+        # The factor, from the first row that is new.
+        for c in range(entered, count):
+            i = rows[c]
+            mine, factor = gram[c], chol[c]
+            if col[i] >= 0:
+                for r in range(c):
+                    other = rows[r]
+                    if col[other] >= 0:
+                        mine[r] = norm[i] * norm[other] if col[other] == col[i] else 0.0
+                    else:
+                        mine[r] = norm[i] * B[row_of[other]][col[i]]
+            else:
+                given = B[row_of[i]]
+                for r in range(c):
+                    other = rows[r]
+                    if col[other] >= 0:
+                        mine[r] = norm[other] * given[col[other]]
+                    else:
+                        theirs = B[row_of[other]]
+                        total = 0.0
+                        for j in range(n):
+                            total += given[j] * theirs[j]
+                        mine[r] = total
+            bound = lo[i] if side[i] == LOWER else hi[i]
+            right = value_of(i, x0, problem) - bound
+            square = norm[i] * norm[i] + soft[i]
+            for r in range(c):
+                upper = chol[r]
+                total = mine[r]
+                for q in range(r):
+                    total -= factor[q] * upper[q]
+                factor[r] = total / upper[r]
+                square -= factor[r] * factor[r]
+                right -= factor[r] * z[r]
+            factor[c] = math.sqrt(max(square, 0.1 * soft[i], 1e-15 * norm[i] * norm[i]))
+            z[c] = right / factor[c]
+        entered = count
+
+        # What W wants, and how far on the way there all multipliers push the right way.
+        for c in range(count):
+            d[c] = z[c]
+        for c in range(count - 1, -1, -1):
+            factor = chol[c]
+            d[c] /= factor[c]
+            for r in range(c):
+                d[r] -= factor[r] * d[c]
+        reach, leaves = 1.0, -1
+        for c in range(count):
+            i = rows[c]
+            if side[i] != EQUALITY and d[c] * side[i] < 0.0:
+                ratio = multiplier[i] / (multiplier[i] - d[c])
+                if ratio < reach:
+                    reach, leaves = ratio, c
+        for c in range(count):
+            i = rows[c]
+            multiplier[i] += reach * (d[c] - multiplier[i])
+        if leaves >= 0:
+            side[rows[leaves]] = INACTIVE
+            multiplier[rows[leaves]] = 0.0
+            for c in range(leaves, count - 1):
+                rows[c] = rows[c + 1]
+            count -= 1
+            entered = leaves
+            continue
+
+        # The row that is violated most joins.
+        for j in range(n):
+            x[j] = x0[j]
+        for c in range(count):
+            i = rows[c]
+            if col[i] >= 0:
+                x[col[i]] -= multiplier[i] * norm[i]
+            else:
+                given, much = B[row_of[i]], multiplier[i]
+                for j in range(n):
+                    x[j] -= much * given[j]
+        size = 0.0
+        for j in range(n):
+            size = max(size, abs(x[j]))
+        worst, joins, at = 0.0, -1, INACTIVE
+        for i in range(ptr[last]):
+            if side[i] != INACTIVE or norm[i] == 0.0:
+                continue
+            value = value_of(i, x, problem)
+            over, under = value - hi[i], lo[i] - value
+            if over > worst * norm[i] and over > VIOLATED * (abs(hi[i]) + norm[i] * size):
+                worst, joins, at = over / norm[i], i, UPPER
+            if under > worst * norm[i] and under > VIOLATED * (abs(lo[i]) + norm[i] * size):
+                worst, joins, at = under / norm[i], i, LOWER
+        if joins < 0:
+            return True
+        if count == most:
+            return False
+        side[joins] = at
+        rows[count] = joins
+        count += 1
+    return True
