@@ -17,13 +17,37 @@ from __future__ import annotations
 import math
 
 from .active_set import value_of
-from .compile import part
+from .compile import inner, part
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER
 
 #: Softness of the highest and of the lowest level, relative to the longest row of the level.
 HARDEST, SOFTEST = 1e-17, 1e-5
 #: What counts as violated, relative to the bound and the length of x.
 VIOLATED = 1e-9
+#: Rows join together if they are violated by at least this share of the worst.
+SHARE = 0.75
+
+
+@inner
+def products(rows, c, out, problem):
+    """Inner products of row number c of W with those before it."""
+    n, col, row_of, B, norm = problem.n, problem.col, problem.row_of, problem.B, problem.norm
+    i = rows[c]
+    for r in range(c):
+        other = rows[r]
+        total = 0.0
+        if col[i] >= 0 and col[other] >= 0:
+            if col[i] == col[other]:
+                total = norm[i] * norm[other]
+        elif col[i] >= 0:
+            total = norm[i] * B[row_of[other]][col[i]]
+        elif col[other] >= 0:
+            total = norm[other] * B[row_of[i]][col[other]]
+        else:
+            mine, theirs = B[row_of[i]], B[row_of[other]]
+            for j in range(n):
+                total += mine[j] * theirs[j]
+        out[r] = total
 
 
 @part
@@ -31,8 +55,9 @@ def weighted_guess(problem, work, last):
     """Set ``work.side`` to the active rows of the weighted problem; False if they are more than fit."""
     n, ptr, col, row_of, B = problem.n, problem.ptr, problem.col, problem.row_of, problem.B
     lo, hi, norm, x0 = problem.lo, problem.hi, problem.norm, problem.x0
-    side, x, soft, multiplier = work.side, work.x, work.v, work.w
-    gram, chol, rows, z, d = work.gram, work.chol, work.rows, work.z, work.wanted
+    side, x, soft, multiplier, excess = work.side, work.x, work.v, work.w, work.slope
+    gram, chol, across, diagonal = work.gram, work.chol, work.across, work.diagonal
+    rows, z, d = work.rows, work.z, work.wanted
     most = len(rows)
 
     # How soft each row is, and which are there from the start.
@@ -57,44 +82,29 @@ def weighted_guess(problem, work, last):
     for j in range(n):
         x[j] = x0[j]
 
-    entered = 0  # rows of W that are in the factor
+    known = entered = 0  # rows of W that are in the Gram matrix, and in its factor
     for _ in range(4 * most + 4):
-        # The factor, from the first row that is new.
+        for c in range(known, count):
+            products(rows, c, gram[c], problem)
+        known = count
         for c in range(entered, count):
             i = rows[c]
             mine, factor = gram[c], chol[c]
-            if col[i] >= 0:
-                for r in range(c):
-                    other = rows[r]
-                    if col[other] >= 0:
-                        mine[r] = norm[i] * norm[other] if col[other] == col[i] else 0.0
-                    else:
-                        mine[r] = norm[i] * B[row_of[other]][col[i]]
-            else:
-                given = B[row_of[i]]
-                for r in range(c):
-                    other = rows[r]
-                    if col[other] >= 0:
-                        mine[r] = norm[other] * given[col[other]]
-                    else:
-                        theirs = B[row_of[other]]
-                        total = 0.0
-                        for j in range(n):
-                            total += given[j] * theirs[j]
-                        mine[r] = total
             bound = lo[i] if side[i] == LOWER else hi[i]
             right = value_of(i, x0, problem) - bound
             square = norm[i] * norm[i] + soft[i]
             for r in range(c):
-                upper = chol[r]
-                total = mine[r]
-                for q in range(r):
-                    total -= factor[q] * upper[q]
-                factor[r] = total / upper[r]
-                square -= factor[r] * factor[r]
-                right -= factor[r] * z[r]
-            factor[c] = math.sqrt(max(square, 0.1 * soft[i], 1e-15 * norm[i] * norm[i]))
-            z[c] = right / factor[c]
+                factor[r] = mine[r]
+            for r in range(c):
+                entry = factor[r] / diagonal[r]
+                below = across[r]
+                for q in range(r + 1, c):
+                    factor[q] -= entry * below[q]
+                factor[r] = below[c] = entry
+                square -= entry * entry
+                right -= entry * z[r]
+            diagonal[c] = math.sqrt(max(square, 0.1 * soft[i], 1e-15 * norm[i] * norm[i]))
+            z[c] = right / diagonal[c]
         entered = count
 
         # What W wants, and how far on the way there all multipliers push the right way.
@@ -102,7 +112,7 @@ def weighted_guess(problem, work, last):
             d[c] = z[c]
         for c in range(count - 1, -1, -1):
             factor = chol[c]
-            d[c] /= factor[c]
+            d[c] /= diagonal[c]
             for r in range(c):
                 d[r] -= factor[r] * d[c]
         reach, leaves = 1.0, -1
@@ -120,8 +130,13 @@ def weighted_guess(problem, work, last):
             multiplier[rows[leaves]] = 0.0
             for c in range(leaves, count - 1):
                 rows[c] = rows[c + 1]
+                mine, next_one = gram[c], gram[c + 1]
+                for r in range(leaves):
+                    mine[r] = next_one[r]
+                for r in range(leaves, c):
+                    mine[r] = next_one[r + 1]
             count -= 1
-            entered = leaves
+            known, entered = count, leaves
             continue
 
         # The row that is violated most joins.
@@ -138,21 +153,25 @@ def weighted_guess(problem, work, last):
         size = 0.0
         for j in range(n):
             size = max(size, abs(x[j]))
-        worst, joins, at = 0.0, -1, INACTIVE
+        worst = 0.0
         for i in range(ptr[last]):
+            excess[i] = 0.0
             if side[i] != INACTIVE or norm[i] == 0.0:
                 continue
             value = value_of(i, x, problem)
             over, under = value - hi[i], lo[i] - value
-            if over > worst * norm[i] and over > VIOLATED * (abs(hi[i]) + norm[i] * size):
-                worst, joins, at = over / norm[i], i, UPPER
-            if under > worst * norm[i] and under > VIOLATED * (abs(lo[i]) + norm[i] * size):
-                worst, joins, at = under / norm[i], i, LOWER
-        if joins < 0:
+            if over > VIOLATED * (abs(hi[i]) + norm[i] * size):
+                excess[i] = over / norm[i]
+            elif under > VIOLATED * (abs(lo[i]) + norm[i] * size):
+                excess[i] = -under / norm[i]
+            worst = max(worst, abs(excess[i]))
+        if worst == 0.0:
             return True
-        if count == most:
-            return False
-        side[joins] = at
-        rows[count] = joins
-        count += 1
+        for i in range(ptr[last]):
+            if abs(excess[i]) >= SHARE * worst:
+                if count == most:
+                    return False
+                side[i] = UPPER if excess[i] > 0.0 else LOWER
+                rows[count] = i
+                count += 1
     return True

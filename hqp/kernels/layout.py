@@ -42,7 +42,7 @@ Work = namedtuple(
     "Work",
     "x w side follow decided V L R H pivot ids slots lengths rhs y g G pinned free cut forces"
     " v slope low high allowed kind held queue d multiplier share scratch safe"
-    " rows gram chol z wanted",
+    " rows gram chol across diagonal z wanted",
 )
 
 
@@ -50,7 +50,7 @@ def sizes(n, levels, m, dense, widest):
     """Lengths of the float and of the integer memory."""
     deep = widest + n
     many = min(m, 2 * n + 8)
-    reals = MEMORY_HEAD + 2 * many * (many + 1) + (dense + n + m + 2 * deep + 12) * n + 9 * m + 2 * deep + levels
+    reals = MEMORY_HEAD + 3 * many * (many + 1) + (dense + n + m + 2 * deep + 12) * n + 9 * m + 2 * deep + levels
     marks = MARKS_HEAD + 5 * m + 4 * n + 2 * deep + levels + 1 + many
     return reals, marks
 
@@ -98,6 +98,8 @@ def unpack(numbers, layout, memory, marks):
     many = min(m, 2 * n + 8)
     gram, chol = matrix(memory, o, many, many), matrix(memory, o + many * many, many, many)
     o += 2 * many * many
+    across, diagonal = matrix(memory, o, many, many), floats(memory, o + many * many, many)
+    o += many * (many + 1)
     z, wanted = floats(memory, o, many), floats(memory, o + many, many)
 
     o = MARKS_HEAD
@@ -123,6 +125,6 @@ def unpack(numbers, layout, memory, marks):
     work = Work(
         x, w, side, follow, decided, V, L, R, H, pivot, ids, slots, lengths, rhs, y, g, G, pinned, free, cut, forces,
         v, slope, low, high, allowed, kind, held, queue, d, multiplier, share, scratch, safe,
-        rows, gram, chol, z, wanted,
+        rows, gram, chol, across, diagonal, z, wanted,
     )  # fmt: skip
     return problem, work
