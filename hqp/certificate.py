@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .arrays import Array, finite_vector
+from .arrays import Array, finite_vector, length, lengths
 from .checks import of_type, positive_number
 from .errors import InvalidInput
 from .hierarchy import Hierarchy
@@ -41,6 +41,8 @@ FURTHEST = 1e60
 #: Stationarity asked of a level, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``, where the slacks of
 #: its rows may shift within their tolerances.
 STATIONARITY = 1e-10
+#: What is asked at the least, however badly conditioned the rows are that hold the level back.
+BLURRED = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,18 +234,23 @@ def _judge(pull: _Pull, units: Array, rows: RowStates, radius: float) -> LevelCe
     mu = _nonnegative(normals, -held)
     left = held + normals.T @ mu
     stationarity = float(np.linalg.norm(left))
-    # What the projection itself may leave: round-off, magnified where free normals are nearly dependent.
-    exact = float(np.clip(64 * ROUND_OFF / smallest, STATIONARITY, 1e-8))
+    # What a perfect x leaves: round-off, magnified where the normals that balance the level are nearly dependent.
+    pressing = normals[mu > 0.0]
+    if len(pressing):
+        smallest = min(smallest, row_space(pressing / lengths(pressing)[:, None], FREE_RANK)[2], *lengths(pressing))
+    exact = float(np.clip(16 * ROUND_OFF / smallest, STATIONARITY, BLURRED))
     ok = stationarity <= exact
     if not ok:
         carriers = np.flatnonzero(violated | (pull.sides != Side.INACTIVE))
         own = project(pull.units[carriers])
         # A direction in which the level hardly moves may count as none: a rank decision that could go either way.
         moves, _, _ = row_space(own, OWN_RANK)
-        left = moves @ (moves.T @ held) + normals.T @ mu
+        held = moves @ (moves.T @ held)
+        mu = _nonnegative(normals, -held)
+        left = held + normals.T @ mu
         carried = (pull.force * pull.tolerance / scale)[carriers, None] * own
         side = np.where(violated, Side.EQUALITY, pull.sides)[carriers]
-        ok = _carried(left, normals, mu, carried, side) <= exact
+        ok = length(left) <= exact or _carried(left, normals, mu, carried, side) <= exact
 
     force = gradient + outward.T @ mu
     multipliers[signed] = scale * mu * sides[signed] / rows.norms[signed]

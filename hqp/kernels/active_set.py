@@ -28,6 +28,8 @@ OPTIMAL, SUBOPTIMAL, STALLED = 0, 1, 2
 
 #: Multipliers below this share of the forces are zero; implicit equalities are those clearly above.
 DUAL, CLEAR = 1e-9, 1e-8
+#: In a level that is not met, what a row misses carries a multiplier if it is more than this share of its tolerance.
+CARRIES = 1e-4
 #: A step changes a row if it does so by more than round-off.
 MOVES = 1e-12
 
@@ -268,7 +270,7 @@ def active_set(problem, work, last, budget):
             iterations += 1
 
             # Which rows pull, and how much.
-            count = 0
+            count, met = 0, True
             forces = wanted = pull = 0.0
             for j in range(n):
                 g[j] = 0.0
@@ -308,7 +310,8 @@ def active_set(problem, work, last, budget):
                     count += 1
                     pull += r * r
                     wanted += abs(bound) + norm[i] * size
-                    if abs(r) > tol * abs(bound) + near:
+                    met = met and abs(r) <= tol * abs(bound) + near
+                    if abs(r) > CARRIES * (tol * abs(bound) + near):
                         forces += norm[i] * abs(r)
                         if col[i] >= 0:
                             g[col[i]] -= norm[i] * r
@@ -316,6 +319,8 @@ def active_set(problem, work, last, budget):
                             given = problem.B[problem.row_of[i]]
                             for j in range(n):
                                 g[j] -= given[j] * r
+                if met:
+                    forces = 0.0
                 gain = 0.0
                 if not full and forces > 0.0:
                     c = frozen + working

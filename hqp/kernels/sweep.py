@@ -109,42 +109,49 @@ def sweep(problem, work, last):
         for t in range(f):
             x[free[t]] += step * here[t]
 
-    # Primal: rows stay inside, slacks are on the side of their bound.
+    # Primal: rows outside the guess stay inside their bounds, slacks are on the side of theirs.
     size = length(x, n)
-    faults = 0
-    undecided = 0
+    faults = undecided = 0
     for k in range(last):
-        forces_of[k] = 0.0
+        pull, met = 0.0, True
         for i in range(ptr[k], ptr[k + 1]):
             follow[i] = side[i]
             decided[i] = 1
             if norm[i] == 0.0:
                 continue
-            if side[i] == INACTIVE:
-                if col[i] >= 0:
-                    value = norm[i] * x[col[i]]
-                else:
-                    given = B[row_of[i]]
-                    value = 0.0
-                    for j in range(n):
-                        value += given[j] * x[j]
-                room = tol * norm[i] * size
-                if value > hi[i] + tol * abs(hi[i]) + room:
-                    follow[i] = UPPER
-                    faults += 1
-                elif value < lo[i] - tol * abs(lo[i]) - room:
-                    follow[i] = LOWER
-                    faults += 1
+            near = tol * norm[i] * size
+            if side[i] != INACTIVE:
+                met = met and abs(w[i]) <= near + tol * abs(target(side[i], lo[i], hi[i]))
+                pull += norm[i] * abs(w[i])
                 continue
-            if abs(w[i]) <= tol * (abs(target(side[i], lo[i], hi[i])) + norm[i] * size):
+            if col[i] >= 0:
+                value = norm[i] * x[col[i]]
+            else:
+                given = B[row_of[i]]
+                value = 0.0
+                for j in range(n):
+                    value += given[j] * x[j]
+            if value > hi[i] + tol * abs(hi[i]) + near:
+                follow[i] = UPPER
+                faults += 1
+            elif value < lo[i] - tol * abs(lo[i]) - near:
+                follow[i] = LOWER
+                faults += 1
+        forces_of[k] = 0.0 if met else pull
+        for i in range(ptr[k], ptr[k + 1]):
+            if side[i] == INACTIVE:
+                continue
+            if met:
                 w[i] = 0.0
-                if side[i] != EQUALITY:
-                    decided[i] = 0
-                    undecided += 1
-            elif side[i] != EQUALITY and w[i] * side[i] < 0.0:
+            if side[i] == EQUALITY:
+                continue
+            says = w[i] * side[i] * norm[i]
+            if abs(says) <= DUAL * pull:
+                decided[i] = 0
+                undecided += 1
+            elif says < 0.0:
                 follow[i] = INACTIVE
                 faults += 1
-            forces_of[k] += norm[i] * abs(w[i])
 
     # Dual: what holds each level back pushes the right way.
     for k in range(last + 1):
