@@ -235,19 +235,20 @@ def _judge(pull: _Pull, units: Array, rows: RowStates, radius: float) -> LevelCe
     left = held + normals.T @ mu
     stationarity = float(np.linalg.norm(left))
     # What a perfect x leaves: round-off, magnified where the normals that balance the level are nearly dependent.
-    pressing = normals[mu > 0.0]
+    pressing, kept = normals[mu > 0.0], np.zeros((len(held), 0))
     if len(pressing):
-        smallest = min(smallest, row_space(pressing / lengths(pressing)[:, None], FREE_RANK)[2], *lengths(pressing))
+        sizes = lengths(pressing)
+        kept, _, least = row_space(pressing / sizes[:, None], FREE_RANK)
+        smallest = min(smallest, least, float(sizes.min()))
     exact = float(np.clip(16 * ROUND_OFF / smallest, STATIONARITY, BLURRED))
     ok = stationarity <= exact
     if not ok:
         carriers = np.flatnonzero(violated | (pull.sides != Side.INACTIVE))
         own = project(pull.units[carriers])
-        # A direction in which the level hardly moves may count as none: a rank decision that could go either way.
-        moves, _, _ = row_space(own, OWN_RANK)
-        held = moves @ (moves.T @ held)
-        mu = _nonnegative(normals, -held)
-        left = held + normals.T @ mu
+        # A direction in which the level hardly moves while those rows press may count as none: a rank decision that
+        # could go either way.
+        moves, _, _ = row_space(own - (own @ kept) @ kept.T, OWN_RANK)
+        left = moves @ (moves.T @ left)
         carried = (pull.force * pull.tolerance / scale)[carriers, None] * own
         side = np.where(violated, Side.EQUALITY, pull.sides)[carriers]
         ok = length(left) <= exact or _carried(left, normals, mu, carried, side) <= exact

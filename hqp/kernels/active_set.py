@@ -30,6 +30,8 @@ OPTIMAL, SUBOPTIMAL, STALLED = 0, 1, 2
 DUAL, CLEAR = 1e-9, 1e-8
 #: In a level that is not met, what a row misses carries a multiplier if it is more than this share of its tolerance.
 CARRIES = 1e-4
+#: A gain below this share of all targets is round-off.
+ROUND_OFF = 1e-15
 #: A step changes a row if it does so by more than round-off.
 MOVES = 1e-12
 
@@ -224,6 +226,22 @@ def best_step(first, end, v, slope, lo, hi):
     return start
 
 
+@inner
+def release(count, forces, problem, work):
+    """Let go of the row of this level that is held at its bound from within and pulls most; False if there is none."""
+    worst, leaves = DUAL * forces, -1
+    for r in range(count):
+        i = work.ids[r]
+        if problem.lo[i] != problem.hi[i]:
+            bound = problem.hi[i] if work.held[i] > 0 else problem.lo[i]
+            inward = (bound - work.v[i]) * work.held[i] * problem.norm[i]
+            if inward > worst:
+                worst, leaves = inward, i
+    if leaves >= 0:
+        work.held[leaves] = 0
+    return leaves >= 0
+
+
 @part
 def active_set(problem, work, last, budget):
     """Solve levels 0 .. last from ``work.x``, one after the other, within so many iterations.
@@ -295,10 +313,10 @@ def active_set(problem, work, last, budget):
                     t_low, t_high = tol * abs(lo[i]) + near, tol * abs(hi[i]) + near
                     if lo[i] == hi[i]:
                         bound = lo[i]
-                    elif v[i] > hi[i] + t_high or (held[i] > 0 and v[i] >= hi[i] - t_high):
+                    elif v[i] > hi[i] + CARRIES * t_high or (held[i] > 0 and v[i] >= hi[i] - t_high):
                         bound = hi[i]
                         held[i] = 1
-                    elif v[i] < lo[i] - t_low or (held[i] < 0 and v[i] <= lo[i] + t_low):
+                    elif v[i] < lo[i] - CARRIES * t_low or (held[i] < 0 and v[i] <= lo[i] + t_low):
                         bound = lo[i]
                         held[i] = -1
                     else:
@@ -352,8 +370,10 @@ def active_set(problem, work, last, budget):
                         status, where = STALLED, k
                     forces = 0.0
                     break
-            if full or gain <= 1e-11 * math.sqrt(pull) or gain <= 1e-13 * wanted:
+            if full or gain <= 1e-11 * math.sqrt(pull) or gain <= ROUND_OFF * wanted:
                 full = False
+                if release(count, forces, problem, work):
+                    continue
                 if working == 0:
                     break
                 balance(frozen, frozen + working, n, work)
@@ -421,13 +441,13 @@ def active_set(problem, work, last, budget):
                 near = tol * norm[i] * size
                 t_low, t_high = tol * abs(lo[i]) + near, tol * abs(hi[i]) + near
                 was = held[i]
-                pulled = v[i] > hi[i] + t_high or v[i] < lo[i] - t_low or was != 0
+                pulled = v[i] > hi[i] + CARRIES * t_high or v[i] < lo[i] - CARRIES * t_low or was != 0
                 held[i] = 0
                 if abs(now - hi[i]) <= t_high and (slope[i] > 0.0 or was > 0):
                     held[i] = 1
                 elif abs(now - lo[i]) <= t_low and (slope[i] < 0.0 or was < 0):
                     held[i] = -1
-                outside = now > hi[i] + t_high or now < lo[i] - t_low
+                outside = now > hi[i] + CARRIES * t_high or now < lo[i] - CARRIES * t_low
                 if outside != pulled and not (pulled and held[i] != 0):
                     full = False
         if k == last:

@@ -1,8 +1,8 @@
 r"""Rows made orthonormal, and the least squares that this leaves: the numerics of every level.
 
 The rows V[0:c] are orthonormal and span what the levels above fix. A row a of the next level is split into
-:math:`a = L V + R`: coefficients along V, and what is left. Gram-Schmidt with pivoting by *relative* length
-:math:`\|R\| / \|a\|` turns what is left into new rows of V, until only dependent rows remain; then
+:math:`a = L V + R`: coefficients along V, and what is left. Gram-Schmidt turns that into new rows of V, the
+longest first, until only dependent rows remain, of which no more is left than a small share of their own length; then
 
 .. math:: A_k x = L_k y, \qquad x = x_0 + V^T y
 
@@ -92,16 +92,15 @@ def factor(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
     rank = 0
     renewed = -1  # the row that was just projected again
     while rank < count and c + rank < f:
-        best, most = rank, -1.0
+        best, most = -1, 0.0
         for r in range(rank, count):
-            share = sizes[r] / norm[ids[r]]
-            if share > most:
-                best, most = r, share
-        if not most > tau:
+            if sizes[r] > most and sizes[r] > tau * norm[ids[r]]:
+                best, most = r, sizes[r]
+        if best < 0:
             break
         i, slot = ids[best], slots[best]
         row, coefficients = R[slot], L[i]
-        if most < CANCELLED and renewed != slot:
+        if most < CANCELLED * norm[i] and renewed != slot:
             project(row, f, V, c + rank, coefficients)
             sizes[best] = length(row, f)
             renewed = slot
