@@ -127,8 +127,12 @@ def warm_up() -> bool:
     if kernel.solve.signatures:
         return False
     listener = _Announcement()
-    with event.install_listener("numba:compile", listener):
-        kernel.solve.compile("int64(int64, int64, int64, int64)")
+    try:
+        with event.install_listener("numba:compile", listener):
+            kernel.solve.compile("int64(int64, int64, int64, int64)")
+    except OSError:  # a full disk: compiled, but not kept
+        if not kernel.solve.signatures:
+            raise
     return listener.said
 
 

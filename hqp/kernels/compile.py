@@ -18,8 +18,15 @@ FAST = {"reassoc", "contract", "nsz"}
 inner = njit(fastmath=FAST, error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
 #: For what is called in one place: becomes part of its caller, whose fifty arrays it need not be handed.
 part = njit(fastmath=FAST, error_model="numpy", nogil=True, inline="always", _nrt=False)
-#: For what Python calls: kept on disk, and run without the interpreter's lock.
-entry = njit(fastmath=FAST, error_model="numpy", nogil=True, cache=True, _nrt=False)
+
+
+def entry(function):
+    """For what Python calls: kept on disk, if anywhere, and run without the interpreter's lock."""
+    options = {"fastmath": FAST, "error_model": "numpy", "nogil": True, "_nrt": False}
+    try:
+        return njit(cache=True, **options)(function)
+    except RuntimeError:  # there is no folder that Numba may write to: compiled by every process for itself
+        return njit(**options)(function)
 
 
 def stamp(kernel):
