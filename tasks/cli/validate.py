@@ -33,7 +33,7 @@ def validate(
     from rich.console import Console
     from rich.progress import track
 
-    from hqp import available_backends, backend_info
+    from hqp import Solver, available_backends, backend_info
     from hqp.errors import InvalidInput
     from hqp.problems import equality_cases
     from hqp.validation import FORMULAS, merge, validate_case
@@ -42,6 +42,8 @@ def validate(
         raise InvalidInput("--jobs 0: give a number of processes, or -1 for one a core")
     names = [backend_info(name).name for name in backend or available_backends()]
     work = [(name, case) for name in names for case in equality_cases()]
+    for name in names:
+        Solver(name)  # what has to be compiled is compiled once, not by every process
     parallel = Parallel(n_jobs=jobs, return_as="generator")
     done = parallel(delayed(validate_case)(name, case, count, seed) for name, case in work)
     out = console(120 if cases else 80)

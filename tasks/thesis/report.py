@@ -107,6 +107,8 @@ def report(
 
     missing = [job for job in dict.fromkeys(job for picture in pictures for job in picture.jobs) if job not in store]
     missing.sort(key=lambda job: job.ticks, reverse=True)  # the longest first
+    if missing:
+        hqp.Solver(chosen)  # what has to be compiled is compiled once, not by every process
     parallel = Parallel(n_jobs=processes, return_as="generator")
     findings: list[Finding] = []
     made = 0

@@ -19,7 +19,7 @@ from .runs import CERTIFY, SPEED_CAP, Job
 MOVING = ("thesis/laws.py", "thesis/runs.py", "thesis/scenarios.py")
 #: Law, sources, job.
 NAME = re.compile(r"[a-z-]+-([0-9a-f]{8})-[0-9a-f]{16}\.npz")
-NUMERICS = ("numpy", "scipy", "qpsolvers", "proxsuite", "osqp", "daqp", "quadprog", "clarabel", "piqp")
+NUMERICS = ("numpy", "numba", "scipy", "qpsolvers", "proxsuite", "osqp", "daqp", "quadprog", "clarabel", "piqp")
 
 
 class Store:
