@@ -166,7 +166,10 @@ class Solution:
 
     @cached_property
     def gap(self) -> float:
-        """By how much the residual norm of ``level`` could at most still fall; 0 where the status is OPTIMAL."""
+        """By how much the residual norm of ``level`` could at most still fall; 0 where the status is OPTIMAL.
+
+        As ``certify().levels[level].shortfall``: a bound if an optimum is within ``certify().radius`` of x.
+        """
         if self.level is None or self.status is Status.INVALID:
             return 0.0
         return self.certify().levels[self.level].shortfall

@@ -1,0 +1,65 @@
+"""The native solver stopped early: what is finished is exact, and it goes on from there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_native import BACKEND, fresh, proved
+
+from hqp import Hierarchy, Settings, Solver, Status
+from hqp.families import hierarchies
+
+
+def hard() -> list[tuple[str, Hierarchy]]:
+    """Hierarchies which repairing the guess does not solve."""
+    made = [
+        (f"{name} {k}", h)
+        for name in ("vertex", "one point", "single point", "bounds")
+        for k, h in enumerate(hierarchies(name, 25))
+    ]
+    return [(name, h) for name, h in made if fresh(h).counts.iterations > 0]
+
+
+@pytest.mark.parametrize("iterations", [1, 2, 3, 5, 8])
+def test_what_a_small_budget_leaves_is_exact_above_the_level_where_it_stopped(iterations: int) -> None:
+    cases, stopped, below = hard(), 0, 0
+    assert len(cases) >= 20
+    for name, h in cases:
+        solution = Solver(BACKEND, Settings(iterations=iterations)).solve(h)
+        if solution.counts.iterations < iterations:
+            assert proved(solution), name
+            continue
+        if solution.ok:
+            assert solution.certify().ok, name
+            continue
+        assert solution.status is Status.SUBOPTIMAL, name
+        assert solution.counts.iterations == iterations
+        assert f"after {iterations} iterations; the levels above are exact" in solution.message
+        assert np.isfinite(solution.x).all()
+        assert solution.level is not None
+        certificate = solution.certify()
+        assert all(level.ok for level in certificate.levels[: solution.level]), f"{name}\n{certificate}"
+        stopped += 1
+        below += solution.level > 0
+
+        # What can still be gained, and how far away that is.
+        k = solution.level
+        nearest = fresh(Hierarchy(h.levels[: k + 1], n=h.n), solution.x)
+        assert proved(nearest), name
+        best = nearest.certify().levels[k].residual_norm if k < len(h.levels) else np.linalg.norm(nearest.x)
+        if np.linalg.norm(nearest.x - solution.x) <= certificate.radius:
+            gained = certificate.levels[k].residual_norm - best
+            assert gained <= solution.gap + 1e-9 * (1.0 + best), name
+    assert stopped >= 15
+    assert below >= 5
+
+
+def test_a_solver_goes_on_after_its_budget_ran_out() -> None:
+    """The active rows where it stopped are the next guess; sooner or later they are right."""
+    for name, h in hard():
+        solver = Solver(BACKEND, Settings(iterations=3))
+        for _ in range(4):
+            solution = solver.solve(h)
+            assert np.isfinite(solution.x).all()
+            assert solution.status in (Status.OPTIMAL, Status.SUBOPTIMAL), name
+            assert not solution.ok or solution.certify().ok, name
