@@ -1,4 +1,4 @@
-"""Shared by all tests: reproducible hypothesis runs, and one solver a backend."""
+"""Shared by all tests: reproducible hypothesis runs, a compiled kernel, and one solver a backend."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import pytest
 from hypothesis import settings
 
 from hqp import available_backends, backend_info
+from hqp.backends import native
 
 # The machines are shared: no deadline. Derandomised: a red run is red again.
 settings.register_profile("hqp", deadline=None, derandomize=True, max_examples=60)
@@ -15,6 +16,14 @@ settings.load_profile("hqp")
 
 # pytest-xdist tells its workers a width; the tests mean a pipe that has none.
 os.environ.pop("COLUMNS", None)
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Before pytest-xdist starts its workers, compile what all of them then load from disk."""
+    if not hasattr(session.config, "workerinput"):
+        native.warm_up()
+
 
 #: Backends which take any hierarchy and promise its optimum.
 GENERAL = [

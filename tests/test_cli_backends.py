@@ -12,6 +12,7 @@ def test_backends_lists_all_and_how_to_get_the_rest(capsys: pytest.CaptureFixtur
 
     assert run(["backends"]) == 0
     text = capsys.readouterr().out
+    assert "native exact yes the project's own: compiled, exact, warm (the default)" in " ".join(text.split())
     for info in BACKENDS.values():
         assert info.name in text
         if not info.installed:

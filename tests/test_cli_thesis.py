@@ -91,7 +91,7 @@ def test_laws_that_a_backend_cannot_show_are_left_out_aloud(short_figures, tmp_p
         (["thesis", "--law", "magic"], "law 'magic' is unknown; available: thesis, strict, limits, damped"),
         (["thesis", "--format", "bmp"], "format 'bmp' is unknown; available: png, pdf, svg"),
         (["thesis", "--jobs", "0"], "processes = 0"),
-        (["thesis", "--backend", "magic"], "unknown backend 'magic'; installed here: pseudoinverse"),
+        (["thesis", "--backend", "magic"], "unknown backend 'magic'; installed here: native, pseudoinverse"),
         (["thesis", "--out", "/dev/null/here"], "cannot write to the folder '/dev/null/here'"),
         (["thesis", "--out", ""], "'--out' / '-o': it is empty; the current folder is '.'"),
         (["thesis", "--colour", "red"], "No such option"),

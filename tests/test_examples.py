@@ -16,7 +16,7 @@ SAYS = {
     "01_levels": "NOT optimal: level 1 (sum) falls short",
     "02_planar_arm": "150 of 150 checked ticks certified",
     "03_which_limit": "held back by the velocity limit of joint 2, at its upper bound",
-    "04_compare_backends": "cascade:proxsuite           exact          40/40     40/40",
+    "04_compare_backends": "native                      exact          40/40     40/40",
     "05_joint_limits": "afterwards a joint is at most 0.000000 deg outside",
 }
 

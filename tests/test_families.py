@@ -11,7 +11,7 @@ from hqp import FAMILIES, Hierarchy, InvalidInput, Level, Solver, Status, solve
 from hqp.families import hierarchies
 
 COUNT = 60
-#: What the default backend certifies always; elsewhere it may lose rows that are short beside others of their level.
+#: What the cascade certifies always; elsewhere it may lose rows that are short beside others of their level.
 EASY = [name for name, family in FAMILIES.items() if family.expect == "certified" and name != "weights"]
 
 #: Made of inequality rows and of equalities which pull against them, and of nothing else.
@@ -276,6 +276,6 @@ def test_bad_numbers_are_refused_and_their_place_is_named() -> None:
 
 
 @pytest.mark.parametrize("name", EASY)
-def test_the_default_backend_is_certified(name: str) -> None:
-    solver = Solver()
+def test_the_cascade_is_certified(name: str) -> None:
+    solver = Solver("cascade:proxsuite")
     assert [k for k, h in enumerate(hierarchies(name, 20)) if not solver.solve(h).certify().ok] == []

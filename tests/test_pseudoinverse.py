@@ -89,7 +89,7 @@ def test_weights_are_honoured_and_free_rows_ignored() -> None:
 @pytest.mark.parametrize("backend", ["pseudoinverse", "pseudoinverse:joint"])
 def test_an_inequality_is_refused_with_a_way_out(backend: str) -> None:
     h = Hierarchy([Level.equality(np.eye(2), 0.0), Level([[1.0, 0.0], [0.0, 1.0]], [0.0, 1.0], [0.0, 2.0], name="box")])
-    message = r'level 1 \(\'box\'\), row 1 is an inequality.*use backend="cascade:proxsuite"'
+    message = r'level 1 \(\'box\'\), row 1 is an inequality.*use backend="native"'
     with pytest.raises(Unsupported, match=message):
         solve(h, backend=backend)
     solution = Solver(backend).solve(h)

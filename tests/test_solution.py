@@ -77,7 +77,7 @@ def test_a_solution_is_frozen() -> None:
 
 def test_repr_is_worth_reading() -> None:
     text = repr(solve(reach()))
-    assert "optimal by cascade:proxsuite" in text
+    assert "optimal by native" in text
     assert "'reach': residual_norm=2" in text
     assert "2 of 2 rows at a bound" in text
 
