@@ -249,9 +249,9 @@ def _judge(pull: _Pull, units: Array, rows: RowStates, radius: float) -> LevelCe
         # could go either way.
         moves, _, _ = row_space(own - (own @ kept) @ kept.T, OWN_RANK)
         left = moves @ (moves.T @ left)
-        carried = (pull.force * pull.tolerance / scale)[carriers, None] * own
+        capacity = (pull.force * pull.tolerance / scale)[carriers]
         side = np.where(violated, Side.EQUALITY, pull.sides)[carriers]
-        ok = length(left) <= exact or _carried(left, normals, mu, carried, side) <= exact
+        ok = length(left) <= exact or _carried(left, normals, mu, own, capacity, side) <= exact
 
     force = gradient + outward.T @ mu
     multipliers[signed] = scale * mu * sides[signed] / rows.norms[signed]
@@ -278,18 +278,20 @@ def _nonnegative(rows: Array, target: Array) -> Array:
     return solution
 
 
-def _carried(left: Array, normals: Array, mu: Array, carried: Array, sides: NDArray[np.int8]) -> float:
+def _carried(left: Array, normals: Array, mu: Array, own: Array, capacity: Array, sides: NDArray[np.int8]) -> float:
     """What remains of `left` when every row of the level may shift its slack within its tolerance.
 
-    A backward error: is the point exact for slacks that round-off cannot tell from its own? The shifts
-    are in units of the tolerance, -1 to 1, one-sided at a bound; the multipliers may follow.
+    A backward error: is the point exact for slacks that round-off cannot tell from its own? A shift moves the balance
+    along the row of `own`, by up to its `capacity` either way, at a bound one way; the multipliers may follow.
     """
     from scipy.optimize import lsq_linear
 
     unit = float(np.linalg.norm(left)) or 1.0
-    matrix = np.concatenate([carried / unit, normals]).T
-    low = np.concatenate([np.where(sides == Side.UPPER, 0.0, -1.0), -mu / unit])
-    high = np.concatenate([np.where(sides == Side.LOWER, 0.0, 1.0), np.full(len(mu), np.inf)])
+    sizes = np.maximum(lengths(own), 1e-300)  # directions of length one, whatever the rows are worth
+    matrix = np.concatenate([own / sizes[:, None], normals]).T
+    reach = np.minimum(capacity * sizes / unit, 1e6)
+    low = np.concatenate([np.where(sides == Side.UPPER, 0.0, -reach), -mu / unit])
+    high = np.concatenate([np.where(sides == Side.LOWER, 0.0, reach), np.full(len(mu), np.inf)])
     try:
         found = lsq_linear(matrix, -left / unit, bounds=(low, np.maximum(high, low + 1e-300)), method="bvls", tol=1e-13)
     except (np.linalg.LinAlgError, ValueError):

@@ -24,6 +24,9 @@ class Settings:
     iterations
         The most iterations of the native solver's safe method. When they are spent, the levels
         that are finished stay exact, and the status is SUBOPTIMAL.
+    time_limit
+        The longest [s] that the native solver may take before it ends in the same way; looked at between
+        iterations. Infinite by default; kept where the system has POSIX clocks.
     proximal_weight
         The rho of the cascade: each level minimises ``1/2 ||A x - b||^2 + rho/2 ||y - y_prev||^2``,
         with the rows of the level scaled so that the largest has norm one.
@@ -45,6 +48,7 @@ class Settings:
     tolerance: float = 1e-10
     rank_tolerance: float = 1e-9
     iterations: int = 10_000
+    time_limit: float = math.inf
     proximal_weight: float = 1e-7
     proximal_steps: int = 5
     polish: bool = True
@@ -59,5 +63,7 @@ class Settings:
             elif field.type == "int":
                 value = whole_number(value, what, least=1)
             else:
+                if field.name == "time_limit" and value == math.inf:
+                    continue
                 value = positive_number(value, what, below=1.0 if "tolerance" in field.name else math.inf)
             object.__setattr__(self, field.name, value)

@@ -15,7 +15,7 @@ def hard() -> list[tuple[str, Hierarchy]]:
     made = [
         (f"{name} {k}", h)
         for name in ("vertex", "one point", "single point", "bounds")
-        for k, h in enumerate(hierarchies(name, 25))
+        for k, h in enumerate(hierarchies(name, 100))
     ]
     return [(name, h) for name, h in made if fresh(h).counts.iterations > 0]
 

@@ -83,7 +83,7 @@ class Native:
         layout, floats, ints = _layout(hierarchy.structure)
         self._layout, self._memory, self._marks = layout, np.zeros(floats), np.zeros(ints, dtype=np.int64)
         given = self._settings
-        self._memory[: at.BUDGET + 1] = given.rank_tolerance, given.tolerance, given.iterations
+        self._memory[: at.LIMIT + 1] = given.rank_tolerance, given.tolerance, given.iterations, given.time_limit
         self._x_ref, self._x = self._memory[at.MEMORY_HEAD :][: 2 * hierarchy.n].reshape(2, hierarchy.n)
         self._reference = None
         self._kernel = partial(kernel.solve, *(array.ctypes.data for array in (layout, self._memory, self._marks)))

@@ -20,12 +20,15 @@ from __future__ import annotations
 import math
 
 from .compile import inner, part
+from .memory import clock
 from .orthogonal import CANCELLED, factor, length, level_least_squares, project
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER
 
 FUTURE, HARD, WORKING, FROZEN = 0, 1, 2, 3
 OPTIMAL, SUBOPTIMAL, STALLED = 0, 1, 2
 
+#: A deadline that never comes.
+NEVER = -1
 #: Multipliers below this share of the forces are zero; implicit equalities are those clearly above.
 DUAL, CLEAR = 1e-9, 1e-8
 #: In a level that is not met, what a row misses carries a multiplier if it is more than this share of its tolerance.
@@ -243,8 +246,8 @@ def release(count, forces, problem, work):
 
 
 @part
-def active_set(problem, work, last, budget):
-    """Solve levels 0 .. last from ``work.x``, one after the other, within so many iterations.
+def active_set(problem, work, last, budget, deadline):
+    """Solve levels 0 .. last from ``work.x``, one after the other, within so many iterations and by the deadline.
 
     On return ``work.side`` is the active set at ``work.x``.
 
@@ -280,7 +283,7 @@ def active_set(problem, work, last, budget):
             for i in range(ptr[min(k + 1, last)]):
                 if kind[i] != FROZEN:
                     v[i] = value_of(i, x, problem)
-            if iterations >= budget:
+            if iterations >= budget or (deadline != NEVER and clock() > deadline):
                 if where > k:
                     status, where = SUBOPTIMAL, k
                 forces = 0.0

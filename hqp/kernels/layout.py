@@ -14,9 +14,9 @@ from .memory import floats, ints, matrix
 #: Head of the layout.
 N, LEVELS, ROWS, DENSE, WIDEST, BOXED, LAYOUT_HEAD = 0, 1, 2, 3, 4, 5, 8
 #: Head of the float memory, before x_ref and x, each (n,).
-TAU, TOL, BUDGET, MEMORY_HEAD = 0, 1, 2, 4
+TAU, TOL, BUDGET, LIMIT, MEMORY_HEAD = 0, 1, 2, 3, 4
 #: Head of the integer memory, before the side of every row.
-LEVEL, SWEEPS, ITERATIONS, FAULTS, WARM, TRUSTED, MARKS_HEAD = 0, 1, 2, 3, 4, 5, 8
+LEVEL, SWEEPS, ITERATIONS, WARM, TRUSTED, MARKS_HEAD = 0, 1, 2, 3, 4, 8
 
 #: The hierarchy as it is solved.
 #:

@@ -89,6 +89,10 @@ def factor(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
             coefficients[q] = 0.0
         project(row, f, V, c, coefficients)
         sizes[r] = length(row, f)
+        if not sizes[r] > tau * norm[ids[r]]:  # nothing left but round-off, which a large slack would magnify
+            sizes[r] = 0.0
+            for t in range(f):
+                row[t] = 0.0
     rank = 0
     renewed = -1  # the row that was just projected again
     while rank < count and c + rank < f:

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import math
 
-from .active_set import OPTIMAL, active_set
+from .active_set import NEVER, OPTIMAL, STALLED, active_set
 from .compile import entry, part, stamp
 from .dual import weighted_guess
-from .layout import BUDGET, FAULTS, ITERATIONS, LEVEL, MARKS_HEAD, MEMORY_HEAD, SWEEPS, TRUSTED, WARM, unpack
-from .memory import floats, ints
+from .layout import BUDGET, ITERATIONS, LEVEL, LIMIT, MARKS_HEAD, MEMORY_HEAD, SWEEPS, TRUSTED, WARM, unpack
+from .memory import clock, floats, ints
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep
 
 #: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; proved at once.
@@ -25,6 +25,8 @@ LARGEST = 1e30
 
 #: How many rounds of repair in a row may fail to bring the number of contradictions down.
 PATIENCE = 2
+#: Where a row that counts as dependent shows that it is not, less of it has to be left, down to round-off.
+SHARPER, SHARPEST = 0.1, 2e-12
 
 
 @part
@@ -94,6 +96,16 @@ def repair(problem, work, last):
 
 
 @part
+def first_contradiction(problem, work, last):
+    """The highest level with a row that contradicts its side."""
+    for k in range(last):
+        for i in range(problem.ptr[k], problem.ptr[k + 1]):
+            if work.side[i] != work.follow[i]:
+                return k
+    return last
+
+
+@part
 def start(problem, x):
     """Where the safe method starts: at what the last level wants, within the bounds of level 0."""
     for j in range(problem.n):
@@ -122,41 +134,46 @@ def solve(layout, memory, marks, numbers):
         return SUSPECT
     last = levels_that_count(problem)
 
+    deadline = NEVER if option[LIMIT] == math.inf else clock() + int(1e9 * option[LIMIT])
+
     status, level, iterations, sweeps = OPTIMAL, last, 0, 0
     guessed = safe = False
     wanted = not warm
-    fewest, patience = problem.m + 1, PATIENCE
+    fewest, patience, tau = problem.m + 1, PATIENCE, problem.tau
     while True:
         if wanted:
             weighted_guess(problem, work, last)
             wanted, guessed = False, True
             fewest, patience = problem.m + 1, PATIENCE
-        faults = sweep(problem, work, last)
+        faults, blurred = sweep(problem, work, last, tau)
         sweeps += 1
-        if faults == 0 or safe:
+        if faults == 0 and blurred and tau > SHARPEST:
+            tau *= SHARPER
+            continue
+        if faults == 0:
             break
         patience = PATIENCE if faults < fewest else patience - 1
         fewest = min(fewest, faults)
-        if patience > 0:
+        if safe and patience <= 0:
+            break
+        late = deadline != NEVER and clock() > deadline
+        if patience > 0 and (safe or not late):
             repair(problem, work, last)
-        elif not guessed:
+        elif not guessed and not late:
             wanted = True
         else:
             safe = True
             start(problem, work.x)
-            status, level, iterations = active_set(problem, work, last, int(option[BUDGET]))
+            status, level, iterations = active_set(problem, work, last, int(option[BUDGET]), deadline)
             for j in range(problem.n):
                 work.safe[j] = work.x[j]
             if status != OPTIMAL:
                 break
+            fewest, patience = problem.m + 1, PATIENCE
     if safe and faults > 0:  # round-off decides what the sweep says: the safe method has the last word
         for j in range(problem.n):
             work.x[j] = work.safe[j]
-    report[LEVEL], report[SWEEPS], report[ITERATIONS], report[FAULTS], report[WARM] = (
-        level,
-        sweeps,
-        iterations,
-        faults,
-        1,
-    )
+        if status == OPTIMAL:  # and no proof
+            status, level = STALLED, first_contradiction(problem, work, last)
+    report[LEVEL], report[SWEEPS], report[ITERATIONS], report[WARM] = level, sweeps, iterations, 1
     return CLEAR if sweeps == 1 and not safe else status

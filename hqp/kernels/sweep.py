@@ -31,10 +31,17 @@ def target(side, low, high):
 
 
 @part
-def sweep(problem, work, last):
+def sweep(problem, work, last, tau):
     """Solve for the guess ``work.side``, levels 0 .. last, and say how many rows contradict it; 0 is a proof.
 
     ``work.follow`` is what the contradictions suggest, ``work.x`` the point, ``work.w`` the weighted slack of the rows.
+
+    Returns
+    -------
+    faults : int
+    blurred : bool
+        Whether a row that counts as dependent, by the share `tau` of its length, shows that it is not: the little
+        of it that was left out moves it by more than its tolerance.
     """
     n, ptr, boxed, tol = problem.n, problem.ptr, problem.boxed, problem.tol
     col, row_of, B, lo, hi, norm, x0 = (
@@ -42,7 +49,7 @@ def sweep(problem, work, last):
     )  # fmt: skip
     x, w, side, follow, decided, V, L = work.x, work.w, work.side, work.follow, work.decided, work.V, work.L
     y, g, G, pinned, free, cut, pivot = work.y, work.g, work.G, work.pinned, work.free, work.cut, work.pivot
-    ids, rhs, given_rhs, forces_of = work.ids, work.rhs, work.v, work.forces
+    ids, rhs, given_rhs, forces_of, dependent = work.ids, work.rhs, work.v, work.forces, work.kind
 
     # Fixed and free variables.
     for j in range(n):
@@ -91,7 +98,7 @@ def sweep(problem, work, last):
             count += 1
         rank = 0
         if count > 0:
-            rank = factor(ids, count, work.slots, work.lengths, work.R, norm, V, L, c, f, problem.tau)
+            rank = factor(ids, count, work.slots, work.lengths, work.R, norm, V, L, c, f, tau)
             for r in range(count):
                 i = ids[r]
                 row = L[i]
@@ -102,6 +109,9 @@ def sweep(problem, work, last):
             level_least_squares(ids, count, rank, L, c, rhs, y, w, work.H)
         for r in range(rank):
             pivot[c + r] = ids[r]
+            dependent[ids[r]] = 0
+        for r in range(rank, count):
+            dependent[ids[r]] = 1
         c += rank
     cut[last] = c
     for q in range(c):
@@ -112,6 +122,7 @@ def sweep(problem, work, last):
     # Primal: rows outside the guess stay inside their bounds, slacks are on the side of theirs.
     size = length(x, n)
     faults = undecided = 0
+    blurred = False
     for k in range(last):
         pull, met = 0.0, True
         for i in range(ptr[k], ptr[k + 1]):
@@ -121,9 +132,11 @@ def sweep(problem, work, last):
                 continue
             near = tol * norm[i] * size
             if side[i] != INACTIVE:
-                met = met and abs(w[i]) <= near + tol * abs(target(side[i], lo[i], hi[i]))
+                bound = target(side[i], lo[i], hi[i])
+                met = met and abs(w[i]) <= near + tol * abs(bound)
                 pull += norm[i] * abs(w[i])
-                continue
+                if k < first or dependent[i] == 0:
+                    continue
             if col[i] >= 0:
                 value = norm[i] * x[col[i]]
             else:
@@ -131,7 +144,10 @@ def sweep(problem, work, last):
                 value = 0.0
                 for j in range(n):
                     value += given[j] * x[j]
-            if value > hi[i] + tol * abs(hi[i]) + near:
+            if side[i] != INACTIVE:
+                bound = target(side[i], lo[i], hi[i])
+                blurred = blurred or abs(value - bound - w[i]) > near + tol * abs(bound)
+            elif value > hi[i] + tol * abs(hi[i]) + near:
                 follow[i] = UPPER
                 faults += 1
             elif value < lo[i] - tol * abs(lo[i]) - near:
@@ -202,7 +218,7 @@ def sweep(problem, work, last):
                         if says < 0.0:
                             follow[i] = INACTIVE
                             faults += 1
-    return faults
+    return faults, blurred
 
 
 @inner
