@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import sys
 from functools import lru_cache, partial
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numba.core import event
 
-from ..arrays import Array, Indices
+from ..arrays import Array
 from ..hierarchy import Hierarchy
 from ..kernels import layout as at
 from ..kernels import solver as kernel
@@ -37,73 +36,81 @@ class Native:
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
-        self._layout: Indices | None = None
+        self._memory: Memory | None = None
         self._reference: Array | None = None
 
     def solve(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
-        if self._layout is None:
-            self._lay_out(hierarchy)
+        memory = self._memory
+        if memory is None:
+            memory = self._memory = Memory(hierarchy.structure, self._settings)
+            self._reference = None
         if x_ref is not self._reference:  # the solver's own zero is always the same array
-            self._x_ref[:] = x_ref
+            memory.x_ref[:] = x_ref
             self._reference = x_ref if not x_ref.flags.writeable else None
-        outcome = self._kernel(hierarchy.address)
+        outcome = memory.run(hierarchy.address)
         if outcome == kernel.CLEAR:
-            return Answer(self._x.copy(), counts=ONE_SWEEP)
+            return Answer(memory.x.copy(), counts=ONE_SWEEP)
         if outcome == kernel.SUSPECT:
-            return self._look_closer(hierarchy, x_ref)
-        report = self._marks[: at.MARKS_HEAD].tolist()
-        counts = Counts(sweeps=report[at.SWEEPS], iterations=report[at.ITERATIONS])
-        status = STATUSES[outcome]
+            return self._look_closer(hierarchy, x_ref, memory)
+        head = memory.head.tolist()
+        counts = Counts(sweeps=head[at.SWEEPS], iterations=head[at.ITERATIONS])
+        status, level = STATUSES[outcome], head[at.LEVEL]
         if status is Status.OPTIMAL:
-            return Answer(self._x.copy(), counts=counts)
-        level = report[at.LEVEL]
-        return Answer(self._x.copy(), status, self._why(hierarchy, status, level, counts), level, counts)
+            return Answer(memory.x.copy(), counts=counts)
+        return Answer(memory.x.copy(), status, why(hierarchy, status, level, counts.iterations), level, counts)
 
     def reset(self) -> None:
-        self._layout = None
+        self._memory = None
 
-    def _look_closer(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
+    def _look_closer(self, hierarchy: Hierarchy, x_ref: Array, memory: Memory) -> Answer:
         """A number is out of range, or a row is so long that one of its entries could be."""
         fault = hierarchy.find_fault()
         if fault is not None:
             return Answer(x_ref.copy(), Status.INVALID, fault)
-        self._marks[at.TRUSTED] = 1
+        memory.head[at.TRUSTED] = 1
         answer = self.solve(hierarchy, x_ref)
-        self._marks[at.TRUSTED] = 0
+        memory.head[at.TRUSTED] = 0
         return answer
 
-    @staticmethod
-    def _why(hierarchy: Hierarchy, status: Status, level: int, counts: Counts) -> str:
-        where = hierarchy.label(level) if level < len(hierarchy.levels) else "min ||x - x_ref||"
-        what = "the budget ran out" if status is Status.SUBOPTIMAL else "no more progress"
-        return f"{what} at {where}, after {counts.iterations} iterations; the levels above are exact"
 
-    def _lay_out(self, hierarchy: Hierarchy) -> None:
-        """Memory for hierarchies of this structure."""
-        layout, floats, ints = _layout(hierarchy.structure)
-        self._layout, self._memory, self._marks = layout, np.zeros(floats), np.zeros(ints, dtype=np.int64)
-        given = self._settings
-        self._memory[: at.LIMIT + 1] = given.rank_tolerance, given.tolerance, given.iterations, given.time_limit
-        self._x_ref, self._x = self._memory[at.MEMORY_HEAD :][: 2 * hierarchy.n].reshape(2, hierarchy.n)
-        self._reference = None
-        self._kernel = partial(kernel.solve, *(array.ctypes.data for array in (layout, self._memory, self._marks)))
+def why(hierarchy: Hierarchy, status: Status, level: int, iterations: int) -> str:
+    """What to say of a status that is not OPTIMAL."""
+    where = hierarchy.label(level) if level < len(hierarchy.levels) else "min ||x - x_ref||"
+    what = "the budget ran out" if status is Status.SUBOPTIMAL else "no more progress"
+    return f"{what} at {where}, after {iterations} iterations; the levels above are exact"
 
 
-@lru_cache(maxsize=64)
-def _layout(structure: tuple[Any, ...]) -> tuple[Indices, int, int]:
-    """A structure as the kernel reads it, see :mod:`hqp.kernels.layout`, and the memory that it takes."""
-    n, cuts, has_rows, indices = structure
-    columns = np.frombuffer(indices, dtype=np.intp)
-    owned = [columns[a:b] for a, b in pairwise(cuts)]
-    distinct = [not rows and len(np.unique(own)) == len(own) for rows, own in zip(has_rows, owned, strict=True)]
-    whole = [alone and len(own) == n for alone, own in zip(distinct, owned, strict=True)]
-    dense = columns < 0
-    widest = max(map(len, owned), default=0)
-    head = np.zeros(at.LAYOUT_HEAD, dtype=np.int64)
-    head[: at.BOXED + 1] = n, len(owned), len(columns), dense.sum(), widest, distinct[:1] == [True]
-    rows = np.where(dense, np.cumsum(dense) - 1, -1)
-    parts = [np.asarray(part, dtype=np.int64) for part in (head, cuts, whole, columns, rows)]
-    return np.concatenate(parts), *at.sizes(n, len(owned), len(columns), int(dense.sum()), widest)
+class Memory:
+    """What the kernel works in: one structure, and the active rows of the last hierarchy.
+
+    Attributes
+    ----------
+    head : int64 array
+        What the kernel is told, and what it reports; see :mod:`hqp.kernels.layout`.
+    x, x_ref : array, shape (n,)
+        Views: the next run overwrites them.
+    """
+
+    def __init__(self, structure: tuple[Any, ...], settings: Settings) -> None:
+        directory, owned, sizes = _layout(structure)
+        self._directory, self._owned = directory.copy(), owned
+        self._blocks = np.zeros(sizes[0], dtype=np.int64), np.zeros(sizes[1])
+        entries = self._directory[at.HEAD :].reshape(-1, 3)
+        for block, places in zip(self._blocks, at.PLACES, strict=True):
+            entries[places, 0] = block.ctypes.data + 8 * entries[places, 0]
+        for place, array in owned.items():
+            entries[place, 0] = array.ctypes.data
+        self.head = self._directory[: at.HEAD]
+        n = int(self.head[at.N])
+        self.x, self.x_ref, option = (
+            self._blocks[1][(entries[place, 0] - self._blocks[1].ctypes.data) // 8 :][:size]
+            for place, size in ((at.X, n), (at.X_REF, n), (at.OPTION, 4))
+        )
+        option[:] = settings.rank_tolerance, settings.tolerance, settings.iterations, settings.time_limit
+        self.run = partial(kernel.solve, int(self._directory.ctypes.data))
+
+
+_layout = lru_cache(maxsize=64)(at.lay_out)
 
 
 class _Announcement(event.Listener):
@@ -129,7 +136,7 @@ def warm_up() -> bool:
     listener = _Announcement()
     try:
         with event.install_listener("numba:compile", listener):
-            kernel.solve.compile("int64(int64, int64, int64, int64)")
+            kernel.solve.compile("int64(int64, int64)")
     except OSError:  # a full disk: compiled, but not kept
         if not kernel.solve.signatures:
             raise

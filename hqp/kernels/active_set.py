@@ -19,8 +19,9 @@ from __future__ import annotations
 
 import math
 
-from .compile import inner, part
-from .memory import clock
+from . import layout as at
+from .compile import inner
+from .memory import clock, ints, marks, matrix, vector
 from .orthogonal import CANCELLED, factor, length, level_least_squares, project
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER
 
@@ -40,12 +41,14 @@ MOVES = 1e-12
 
 
 @inner
-def value_of(i, x, problem):
+def value_of(i, x, here):
     """a_i x."""
-    col, n = problem.col, problem.n
+    head = ints(here, 0, at.HEAD)
+    n = head[at.N]
+    col, norm, B, row_of = marks(here, at.COL), vector(here, at.NORM), matrix(here, at.B), marks(here, at.ROW_OF)
     if col[i] >= 0:
-        return problem.norm[i] * x[col[i]]
-    row = problem.B[problem.row_of[i]]
+        return norm[i] * x[col[i]]
+    row = B[row_of[i]]
     total = 0.0
     for j in range(n):
         total += row[j] * x[j]
@@ -53,60 +56,66 @@ def value_of(i, x, problem):
 
 
 @inner
-def copy_row(i, out, problem):
+def copy_row(i, out, here):
     """a_i as a dense vector."""
-    n = problem.n
-    if problem.col[i] >= 0:
+    head = ints(here, 0, at.HEAD)
+    n = head[at.N]
+    col, norm, B, row_of = marks(here, at.COL), vector(here, at.NORM), matrix(here, at.B), marks(here, at.ROW_OF)
+    if col[i] >= 0:
         for j in range(n):
             out[j] = 0.0
-        out[problem.col[i]] = problem.norm[i]
+        out[col[i]] = norm[i]
     else:
-        row = problem.B[problem.row_of[i]]
+        row = B[row_of[i]]
         for j in range(n):
             out[j] = row[j]
 
 
 @inner
-def append(i, c, problem, work, tau):
+def append(i, c, here, tau):
     """Put row i on top of the basis V[:c]; False, and nothing changed, if it depends on it."""
-    n = problem.n
+    head = ints(here, 0, at.HEAD)
+    n = head[at.N]
+    V, L, norm, pivot = matrix(here, at.V), matrix(here, at.L), vector(here, at.NORM), marks(here, at.PIVOT)
     if c >= n:
         return False
-    row, coefficients = work.V[c], work.L[i]
-    copy_row(i, row, problem)
+    row, coefficients = V[c], L[i]
+    copy_row(i, row, here)
     for q in range(c):
         coefficients[q] = 0.0
-    size = problem.norm[i]
+    size = norm[i]
     for _ in range(3):
-        project(row, n, work.V, c, coefficients)
+        project(row, n, V, c, coefficients)
         before, size = size, length(row, n)
-        if not size > tau * problem.norm[i]:
+        if not size > tau * norm[i]:
             return False
         if size > CANCELLED * before:
             break
     for j in range(n):
         row[j] /= size
     coefficients[c] = size
-    work.pivot[c] = i
+    pivot[c] = i
     return True
 
 
 @inner
-def remove(at, c, problem, work):
-    """Take the row at position `at` from the basis of c rows, and build the part above it anew."""
-    for q in range(at, c - 1):
-        append(work.pivot[q + 1], q, problem, work, 0.0)
+def remove(place, c, here):
+    """Take the row at position `place` from the basis of c rows, and build the part above it anew."""
+    pivot = marks(here, at.PIVOT)
+    for q in range(place, c - 1):
+        append(pivot[q + 1], q, here, 0.0)
 
 
 @inner
-def balance(low, high, n, work):
+def balance(low, high, n, here):
     """Multipliers of the rows at low .. high of the basis: ``g + sum multiplier_i a_i`` is orthogonal to them."""
-    V, L, pivot, multiplier = work.V, work.L, work.pivot, work.multiplier
+    V, L, pivot, multiplier = matrix(here, at.V), matrix(here, at.L), marks(here, at.PIVOT), vector(here, at.MULTIPLIER)
+    g = vector(here, at.G)
     for q in range(low, high):
-        here = V[q]
+        direction = V[q]
         total = 0.0
         for j in range(n):
-            total += here[j] * work.g[j]
+            total += direction[j] * g[j]
         multiplier[q] = -total
     for q in range(high - 1, low - 1, -1):
         row = L[pivot[q]]
@@ -116,7 +125,7 @@ def balance(low, high, n, work):
 
 
 @inner
-def escape(problem, work, forces, frozen, working, hard_end):
+def escape(here, forces, frozen, working, hard_end):
     """A direction of descent that no row at its bound blocks, by non-negative least squares (Lawson, Hanson).
 
     Minimises ``||g + sum mu_i s_i a_i||``, mu >= 0, over the hard rows at a bound, s_i = 1 at the upper one, within
@@ -127,9 +136,18 @@ def escape(problem, work, forces, frozen, working, hard_end):
     -------
     working : int
     """
-    n, norm = problem.n, problem.norm
-    g, d, V, pivot, kind, side = work.g, work.d, work.V, work.pivot, work.kind, work.side
-    v, low, high, allowed, share, multiplier = work.v, work.low, work.high, work.allowed, work.share, work.multiplier
+    head = ints(here, 0, at.HEAD)
+    n = head[at.N]
+    norm, g, d, V, pivot = (
+        vector(here, at.NORM),
+        vector(here, at.G),
+        vector(here, at.D),
+        matrix(here, at.V),
+        marks(here, at.PIVOT),
+    )
+    kind, side, v, low = marks(here, at.KIND), marks(here, at.SIDE), vector(here, at.VALUE), vector(here, at.LOW)
+    high, allowed, share = vector(here, at.HIGH), vector(here, at.ALLOWED), vector(here, at.SHARE)
+    multiplier, scratch = vector(here, at.MULTIPLIER), vector(here, at.SCRATCH)
     for q in range(frozen, frozen + working):
         kind[pivot[q]] = HARD
     working = 0
@@ -138,15 +156,15 @@ def escape(problem, work, forces, frozen, working, hard_end):
         for j in range(n):
             d[j] = -g[j]
         for q in range(c):
-            work.scratch[q] = 0.0
-        project(d, n, V, c, work.scratch)
-        project(d, n, V, c, work.scratch)
+            scratch[q] = 0.0
+        project(d, n, V, c, scratch)
+        project(d, n, V, c, scratch)
         steep = length(d, n)
         if steep <= DUAL * forces:
             for j in range(n):
                 d[j] = 0.0
             return working
-        worst, enters, at = 1e-9 * steep, -1, 0
+        worst, enters, bound = 1e-9 * steep, -1, 0
         for i in range(hard_end):
             if kind[i] != HARD or norm[i] == 0.0:
                 continue
@@ -154,24 +172,24 @@ def escape(problem, work, forces, frozen, working, hard_end):
             if v[i] >= high[i] - 10.0 * allowed[i]:
                 where = UPPER
             if v[i] <= low[i] + 10.0 * allowed[i]:
-                where = LOWER if where == 0 or value_of(i, d, problem) < 0.0 else UPPER
+                where = LOWER if where == 0 or value_of(i, d, here) < 0.0 else UPPER
             if where == 0:
                 continue
-            outward = where * value_of(i, d, problem) / norm[i]
+            outward = where * value_of(i, d, here) / norm[i]
             if outward > worst:
-                worst, enters, at = outward, i, where
+                worst, enters, bound = outward, i, where
         if enters < 0:
             return working
-        if not append(enters, c, problem, work, 1e-13):
+        if not append(enters, c, here, 1e-13):
             for j in range(n):  # a row in the way that depends on those that are kept: nothing can be gained
                 d[j] = 0.0
             return working
-        kind[enters], side[enters] = WORKING, at
+        kind[enters], side[enters] = WORKING, bound
         share[c] = 0.0
         working += 1
         while working > 0:  # back to where all shares are positive
             c = frozen + working
-            balance(frozen, c, n, work)
+            balance(frozen, c, n, here)
             reach, leaves = 1.0, -1
             for q in range(frozen, c):
                 wanted = multiplier[q] * side[pivot[q]]
@@ -186,7 +204,7 @@ def escape(problem, work, forces, frozen, working, hard_end):
             kind[pivot[leaves]] = HARD
             for q in range(leaves, c - 1):
                 share[q] = share[q + 1]
-            remove(leaves, c, problem, work)
+            remove(leaves, c, here)
             working -= 1
     return working
 
@@ -230,39 +248,79 @@ def best_step(first, end, v, slope, lo, hi):
 
 
 @inner
-def release(count, forces, problem, work):
+def release(count, forces, here):
     """Let go of the row of this level that is held at its bound from within and pulls most; False if there is none."""
+    ids, lo, hi, held = marks(here, at.IDS), vector(here, at.LO), vector(here, at.HI), marks(here, at.HELD)
+    v, norm = vector(here, at.VALUE), vector(here, at.NORM)
     worst, leaves = DUAL * forces, -1
     for r in range(count):
-        i = work.ids[r]
-        if problem.lo[i] != problem.hi[i]:
-            bound = problem.hi[i] if work.held[i] > 0 else problem.lo[i]
-            inward = (bound - work.v[i]) * work.held[i] * problem.norm[i]
+        i = ids[r]
+        if lo[i] != hi[i]:
+            bound = hi[i] if held[i] > 0 else lo[i]
+            inward = (bound - v[i]) * held[i] * norm[i]
             if inward > worst:
                 worst, leaves = inward, i
     if leaves >= 0:
-        work.held[leaves] = 0
+        held[leaves] = 0
     return leaves >= 0
 
 
-@part
-def active_set(problem, work, last, budget, deadline):
-    """Solve levels 0 .. last from ``work.x``, one after the other, within so many iterations and by the deadline.
+@inner
+def active_set(here, last, budget, deadline):
+    """Solve levels 0 .. last from ``x``, one after the other, within so many iterations and by the deadline.
 
-    On return ``work.side`` is the active set at ``work.x``.
+    On return ``side`` is the active set at ``x``.
 
     Returns
     -------
     status, level, iterations : int
         The level is that of the first status which is not OPTIMAL.
     """
-    n, ptr, tol, tau = problem.n, problem.ptr, problem.tol, problem.tau
-    col, lo, hi, norm, x0 = problem.col, problem.lo, problem.hi, problem.norm, problem.x0
-    x, w, v, g, d, y = work.x, work.w, work.v, work.g, work.d, work.y
-    kind, side, held, low, high, allowed, slope = (
-        work.kind, work.side, work.held, work.low, work.high, work.allowed, work.slope,
-    )  # fmt: skip
-    V, L, pivot, ids, rhs, multiplier = work.V, work.L, work.pivot, work.ids, work.rhs, work.multiplier
+    head = ints(here, 0, at.HEAD)
+    n = head[at.N]
+    option = vector(here, at.OPTION)
+    tol, tau = option[at.TOL], option[at.TAU]
+    kind, side, held, low = marks(here, at.KIND), marks(here, at.SIDE), marks(here, at.HELD), vector(here, at.LOW)
+    high, allowed, slope, ptr = (
+        vector(here, at.HIGH),
+        vector(here, at.ALLOWED),
+        vector(here, at.SLOPE),
+        marks(here, at.PTR),
+    )
+    col, lo, hi, norm, x0 = (
+        marks(here, at.COL),
+        vector(here, at.LO),
+        vector(here, at.HI),
+        vector(here, at.NORM),
+        vector(here, at.X0),
+    )
+    x, w, v, g, d = (
+        vector(here, at.X),
+        vector(here, at.W),
+        vector(here, at.VALUE),
+        vector(here, at.G),
+        vector(here, at.D),
+    )
+    y, V, L, pivot, ids = (
+        vector(here, at.Y),
+        matrix(here, at.V),
+        matrix(here, at.L),
+        marks(here, at.PIVOT),
+        marks(here, at.IDS),
+    )
+    rhs, multiplier, scratch, B = (
+        vector(here, at.RHS),
+        vector(here, at.MULTIPLIER),
+        vector(here, at.SCRATCH),
+        matrix(here, at.B),
+    )
+    row_of, R, slots, lengths = (
+        marks(here, at.ROW_OF),
+        matrix(here, at.R),
+        marks(here, at.SLOTS),
+        vector(here, at.LENGTHS),
+    )
+    H, queue = matrix(here, at.H), marks(here, at.QUEUE)
     frozen = working = 0
     iterations = 0
     status, where = OPTIMAL, last + 1
@@ -282,7 +340,7 @@ def active_set(problem, work, last, budget, deadline):
             size = length(x, n)
             for i in range(ptr[min(k + 1, last)]):
                 if kind[i] != FROZEN:
-                    v[i] = value_of(i, x, problem)
+                    v[i] = value_of(i, x, here)
             if iterations >= budget or (deadline != NEVER and clock() > deadline):
                 if where > k:
                     status, where = SUBOPTIMAL, k
@@ -304,9 +362,9 @@ def active_set(problem, work, last, budget, deadline):
                     if abs(d[j]) > tol * (abs(x0[j]) + size):
                         forces += abs(d[j])
                 for q in range(frozen + working):
-                    work.scratch[q] = 0.0
-                project(d, n, V, frozen + working, work.scratch)
-                project(d, n, V, frozen + working, work.scratch)
+                    scratch[q] = 0.0
+                project(d, n, V, frozen + working, scratch)
+                project(d, n, V, frozen + working, scratch)
                 gain = length(d, n)
             else:
                 for i in range(first, end):
@@ -337,7 +395,7 @@ def active_set(problem, work, last, budget, deadline):
                         if col[i] >= 0:
                             g[col[i]] -= norm[i] * r
                         else:
-                            given = problem.B[problem.row_of[i]]
+                            given = B[row_of[i]]
                             for j in range(n):
                                 g[j] -= given[j] * r
                 if met:
@@ -346,17 +404,17 @@ def active_set(problem, work, last, budget, deadline):
                 if not full and forces > 0.0:
                     c = frozen + working
                     for r in range(count):
-                        copy_row(ids[r], work.R[r], problem)
-                    rank = factor(ids, count, work.slots, work.lengths, work.R, norm, V, L, c, n, tau)
+                        copy_row(ids[r], R[r], here)
+                    rank = factor(ids, count, slots, lengths, R, norm, V, L, c, n, tau)
                     for r in range(count):
                         rhs[r] = slope[ids[r]]
-                    level_least_squares(ids, count, rank, L, c, rhs, y, w, work.H)
+                    level_least_squares(ids, count, rank, L, c, rhs, y, w, H)
                     for j in range(n):
                         d[j] = 0.0
                     for q in range(c, c + rank):
-                        here, step = V[q], y[q]
+                        direction, step = V[q], y[q]
                         for j in range(n):
-                            d[j] += step * here[j]
+                            d[j] += step * direction[j]
                     for r in range(count):
                         change = slope[ids[r]] + w[ids[r]]
                         gain += change * change
@@ -375,11 +433,11 @@ def active_set(problem, work, last, budget, deadline):
                     break
             if full or gain <= 1e-11 * math.sqrt(pull) or gain <= ROUND_OFF * wanted:
                 full = False
-                if release(count, forces, problem, work):
+                if release(count, forces, here):
                     continue
                 if working == 0:
                     break
-                balance(frozen, frozen + working, n, work)
+                balance(frozen, frozen + working, n, here)
                 worst, leaves = -DUAL * forces, -1
                 for q in range(frozen, frozen + working):
                     i = pivot[q]
@@ -390,13 +448,13 @@ def active_set(problem, work, last, budget, deadline):
                     break
                 if still <= 3 + working:
                     kind[pivot[leaves]] = HARD
-                    remove(leaves, frozen + working, problem, work)
+                    remove(leaves, frozen + working, here)
                     working -= 1
                     continue
                 still = 0
-                working = escape(problem, work, forces, frozen, working, hard_end)
+                working = escape(here, forces, frozen, working, hard_end)
                 if length(d, n) == 0.0:
-                    balance(frozen, frozen + working, n, work)
+                    balance(frozen, frozen + working, n, here)
                     break
 
             # How far: to the minimum, or to the first hard row in the way (two passes: Harris).
@@ -404,7 +462,7 @@ def active_set(problem, work, last, budget, deadline):
             for i in range(ptr[min(k + 1, last)]):
                 slope[i] = 0.0
                 if norm[i] > 0.0 and (kind[i] == HARD or (i >= first and kind[i] == FUTURE)):
-                    s = value_of(i, d, problem)
+                    s = value_of(i, d, here)
                     if abs(s) > MOVES * norm[i] * steep:
                         slope[i] = s
             nearest = math.inf
@@ -432,7 +490,7 @@ def active_set(problem, work, last, budget, deadline):
             for j in range(n):
                 x[j] += step * d[j]
             still = still + 1 if step * steep <= 1e-14 * (size + step * steep) else 0
-            if blocked and append(blocks, frozen + working, problem, work, 1e-14):
+            if blocked and append(blocks, frozen + working, here, 1e-14):
                 kind[blocks] = WORKING
                 side[blocks] = UPPER if slope[blocks] > 0.0 else LOWER
                 working += 1
@@ -440,7 +498,7 @@ def active_set(problem, work, last, budget, deadline):
             for i in range(first, end):
                 if norm[i] == 0.0 or lo[i] == hi[i]:
                     continue
-                now = value_of(i, x, problem)
+                now = value_of(i, x, here)
                 near = tol * norm[i] * size
                 t_low, t_high = tol * abs(lo[i]) + near, tol * abs(hi[i]) + near
                 was = held[i]
@@ -460,7 +518,7 @@ def active_set(problem, work, last, budget, deadline):
         c, candidates, count = frozen, working, 0
         for q in range(c, c + candidates):
             i = pivot[q]
-            work.queue[q - c] = i
+            queue[q - c] = i
             kind[i] = HARD
             if forces > 0.0 and multiplier[q] * side[i] * norm[i] > CLEAR * forces:  # an implicit equality
                 kind[i] = FROZEN
@@ -492,14 +550,14 @@ def active_set(problem, work, last, budget, deadline):
             ids[count] = i
             count += 1
         for r in range(count):
-            copy_row(ids[r], work.R[r], problem)
-        frozen += factor(ids, count, work.slots, work.lengths, work.R, norm, V, L, c, n, tau)
+            copy_row(ids[r], R[r], here)
+        frozen += factor(ids, count, slots, lengths, R, norm, V, L, c, n, tau)
         for r in range(frozen - c):
             pivot[c + r] = ids[r]
         working = 0
         for q in range(candidates):
-            i = work.queue[q]
-            if kind[i] == HARD and append(i, frozen + working, problem, work, tau):
+            i = queue[q]
+            if kind[i] == HARD and append(i, frozen + working, here, tau):
                 kind[i] = WORKING
                 working += 1
     for i in range(ptr[last]):

@@ -16,8 +16,6 @@ FAST = {"reassoc", "contract", "nsz"}
 
 #: For what other kernels call: no wrapper to call it from Python.
 inner = njit(fastmath=FAST, error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
-#: For what is called in one place: becomes part of its caller, whose fifty arrays it need not be handed.
-part = njit(fastmath=FAST, error_model="numpy", nogil=True, inline="always", _nrt=False)
 
 
 def entry(function):

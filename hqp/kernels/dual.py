@@ -16,8 +16,10 @@ from __future__ import annotations
 
 import math
 
+from . import layout as at
 from .active_set import value_of
-from .compile import inner, part
+from .compile import inner
+from .memory import ints, marks, matrix, vector
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER
 
 #: Softness of the highest and of the lowest level, relative to the longest row of the level.
@@ -29,9 +31,11 @@ SHARE = 0.75
 
 
 @inner
-def products(rows, c, out, problem):
+def products(rows, c, out, here):
     """Inner products of row number c of W with those before it."""
-    n, col, row_of, B, norm = problem.n, problem.col, problem.row_of, problem.B, problem.norm
+    head = ints(here, 0, at.HEAD)
+    n = head[at.N]
+    col, row_of, B, norm = marks(here, at.COL), marks(here, at.ROW_OF), matrix(here, at.B), vector(here, at.NORM)
     i = rows[c]
     for r in range(c):
         other = rows[r]
@@ -50,19 +54,31 @@ def products(rows, c, out, problem):
         out[r] = total
 
 
-@part
-def weighted_guess(problem, work, last):
-    """Set ``work.side`` to the active rows of the weighted problem; False if they are more than fit."""
-    n, ptr, col, row_of, B = problem.n, problem.ptr, problem.col, problem.row_of, problem.B
-    lo, hi, norm, x0 = problem.lo, problem.hi, problem.norm, problem.x0
-    side, x, soft, multiplier, excess = work.side, work.x, work.v, work.w, work.slope
-    gram, chol, across, diagonal = work.gram, work.chol, work.across, work.diagonal
-    rows, z, d = work.rows, work.z, work.wanted
+@inner
+def weighted_guess(here, last):
+    """Set ``side`` to the active rows of the weighted here; False if they are more than fit."""
+    head = ints(here, 0, at.HEAD)
+    n, boxed = head[at.N], head[at.BOXED] != 0
+    ptr, col, row_of, B = marks(here, at.PTR), marks(here, at.COL), marks(here, at.ROW_OF), matrix(here, at.B)
+    lo, hi, norm, x0 = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X0)
+    side, x, soft, multiplier = marks(here, at.SIDE), vector(here, at.X), vector(here, at.VALUE), vector(here, at.W)
+    excess, gram, chol, across = (
+        vector(here, at.SLOPE),
+        matrix(here, at.GRAM),
+        matrix(here, at.CHOLESKY),
+        matrix(here, at.ACROSS),
+    )
+    diagonal, rows, z, d = (
+        vector(here, at.DIAGONAL),
+        marks(here, at.MEMBERS),
+        vector(here, at.Z),
+        vector(here, at.WANTED),
+    )
     most = len(rows)
 
     # How soft each row is, and which are there from the start.
     count = 0
-    first = 1 if problem.boxed else 0
+    first = 1 if boxed else 0
     for k in range(last):
         longest = 0.0
         for i in range(ptr[k], ptr[k + 1]):
@@ -85,13 +101,13 @@ def weighted_guess(problem, work, last):
     known = entered = 0  # rows of W that are in the Gram matrix, and in its factor
     for _ in range(4 * most + 4):
         for c in range(known, count):
-            products(rows, c, gram[c], problem)
+            products(rows, c, gram[c], here)
         known = count
         for c in range(entered, count):
             i = rows[c]
             mine, factor = gram[c], chol[c]
             bound = lo[i] if side[i] == LOWER else hi[i]
-            right = value_of(i, x0, problem) - bound
+            right = value_of(i, x0, here) - bound
             square = norm[i] * norm[i] + soft[i]
             for r in range(c):
                 factor[r] = mine[r]
@@ -158,7 +174,7 @@ def weighted_guess(problem, work, last):
             excess[i] = 0.0
             if side[i] != INACTIVE or norm[i] == 0.0:
                 continue
-            value = value_of(i, x, problem)
+            value = value_of(i, x, here)
             over, under = value - hi[i], lo[i] - value
             if over > VIOLATED * (abs(hi[i]) + norm[i] * size):
                 excess[i] = over / norm[i]

@@ -1,130 +1,94 @@
-"""What kernels work on: a problem and the memory to solve it, cut from four blocks that the caller keeps.
+"""The one address that kernels are handed: a directory of everything they work on.
 
-The layout of a structure is written once, in integers: sizes, then for every level where its rows begin and whether
-it bounds each variable once, then for every row the variable that it bounds, or -1, and its place in A, or -1.
+Fifty arrays as arguments cost more than a small solve, and most of the time of compilation. So the arrays lie in
+memory that the caller keeps, and a directory of integers says where: first some numbers, then for every array its
+address, rows and columns. A kernel asks for the arrays that it uses, by name (:mod:`.memory`).
 """
 
 from __future__ import annotations
 
-from collections import namedtuple
+from itertools import pairwise
 
-from .compile import part
-from .memory import floats, ints, matrix
+import numpy as np
 
-#: Head of the layout.
-N, LEVELS, ROWS, DENSE, WIDEST, BOXED, LAYOUT_HEAD = 0, 1, 2, 3, 4, 5, 8
-#: Head of the float memory, before x_ref and x, each (n,).
-TAU, TOL, BUDGET, LIMIT, MEMORY_HEAD = 0, 1, 2, 3, 4
-#: Head of the integer memory, before the side of every row.
-LEVEL, SWEEPS, ITERATIONS, WARM, TRUSTED, MARKS_HEAD = 0, 1, 2, 3, 4, 8
+#: Numbers at the head of the directory: the structure,
+N, LEVELS, ROWS, BOXED = 0, 1, 2, 3
+#: what a solve is told (whether the sides are a guess; that long rows were looked at), and what it reports,
+WARM, TRUSTED, LEVEL, SWEEPS, ITERATIONS = 4, 5, 6, 7, 8
+#: and for many hierarchies in one call their number (0: one), how many numbers each has, and the addresses of their
+#: x_ref (0: the same for all), x, sides and outcomes.
+COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES, HEAD = 9, 10, 11, 12, 13, 14, 16
 
-#: The hierarchy as it is solved.
-#:
-#: n, m, levels: sizes; ptr (levels + 1,): rows of level k are ptr[k] .. ptr[k + 1]
-#: boxed: whether level 0 bounds distinct variables; whole (levels,): whether a level bounds every variable once
-#: col, row_of (m,): variable of a plain bound, or -1; row of B, or -1
-#: A (dense, n), lower, upper, weights (m,): as given
-#: B (dense, n), lo, hi, norm (m,): weighted rows, bounds and lengths; the weight of a plain bound is its length
-#: x_ref, x0 (n,): as given, and what the last level that counts wants
-#: tau, tol: relative tolerances on rank and on rows
-Problem = namedtuple(
-    "Problem", "n m levels ptr boxed whole col row_of A lower upper weights B lo hi norm x_ref x0 tau tol"
-)
+#: Places in OPTION: relative tolerances on rank and on rows, most iterations, most seconds.
+TAU, TOL, BUDGET, LIMIT = 0, 1, 2, 3
 
-#: Where it is solved.
-#:
-#: x (n,), w (m,): the point, and the slack of the rows
-#: side, follow (m,): a guess, and what contradicts it; decided (m,): rows whose multiplier has a clear sign
-#: V (n, n), L (m, n), R (deep, n), H (n, deep), pivot (n,): see :mod:`.orthogonal`; deep = n + most rows of a level
-#: ids, slots, lengths, rhs (deep,): rows of one level, in order
-#: the rest: scratch of its kernel, of length n if it goes by variables, m if by rows
-Work = namedtuple(
-    "Work",
-    "x w side follow decided V L R H pivot ids slots lengths rhs y g G pinned free cut forces"
-    " v slope low high allowed kind held queue d multiplier share scratch safe"
-    " rows gram chol across diagonal z wanted",
-)
+# The structure. PTR: rows of level k are PTR[k] .. PTR[k + 1]. WHOLE: whether level k bounds every variable once.
+# COL: variable of a plain bound, or -1. ROW_OF: row of A, or -1.
+# The hierarchy as given (A, LOWER, UPPER, WEIGHTS, X_REF), and as it is solved: weighted rows B, bounds LO, HI,
+# lengths NORM (a plain bound's is its weight), and what the last level that counts wants, X0.
+(PTR, WHOLE, COL, ROW_OF, A, LOWER, UPPER, WEIGHTS, B, LO, HI, NORM, X_REF, X0, OPTION) = range(15)
+# The point X and the slack W of the rows; a guess SIDE, what contradicts it, FOLLOW, and rows whose multiplier has a
+# clear sign, DECIDED. The basis V, the coefficients L of the rows, what is left of them, R, reflections H, and the
+# rows PIVOT that the basis was made of: see :mod:`.orthogonal`. IDS .. RHS: rows of one level, in order.
+(X, W, SIDE, FOLLOW, DECIDED, V, L, R, H, PIVOT, IDS, SLOTS, LENGTHS, RHS) = range(15, 29)
+# Scratch, by variable,
+(Y, G, BALANCE, PINNED, FREE, QUEUE, D, MULTIPLIER, SHARE, SCRATCH, SAFE) = range(29, 40)
+# by level, by row,
+(CUT, FORCES, VALUE, SLOPE, LOW, HIGH, ALLOWED, KIND, HELD) = range(40, 49)
+# and of the weighted problem, see :mod:`.dual`.
+(MEMBERS, GRAM, CHOLESKY, ACROSS, DIAGONAL, Z, WANTED) = range(49, 56)
 
 
-def sizes(n, levels, m, dense, widest):
-    """Lengths of the float and of the integer memory."""
-    deep = widest + n
-    many = min(m, 2 * n + 8)
-    reals = MEMORY_HEAD + 3 * many * (many + 1) + (dense + n + m + 2 * deep + 12) * n + 9 * m + 2 * deep + levels
-    marks = MARKS_HEAD + 5 * m + 4 * n + 2 * deep + levels + 1 + many
-    return reals, marks
+def shapes(n, levels, m, dense, widest):
+    """Shape of every array that is not the caller's own, integers and numbers apart: two dicts by place."""
+    deep, many = widest + n, min(m, 2 * n + 8)
+    ints = dict.fromkeys((SIDE, FOLLOW, DECIDED, KIND, HELD), (m, 1))
+    ints |= dict.fromkeys((PINNED, FREE, PIVOT, QUEUE), (n, 1))
+    ints |= dict.fromkeys((IDS, SLOTS), (deep, 1)) | {CUT: (levels + 1, 1), MEMBERS: (many, 1)}
+    reals = dict.fromkeys((LO, HI, NORM, W, VALUE, SLOPE, LOW, HIGH, ALLOWED), (m, 1))
+    reals |= dict.fromkeys((X_REF, X0, X, Y, G, BALANCE, D, MULTIPLIER, SHARE, SCRATCH, SAFE), (n, 1))
+    reals |= {B: (dense, n), V: (n, n), L: (m, n), R: (deep, n), H: (n, deep), FORCES: (levels, 1), OPTION: (4, 1)}
+    reals |= dict.fromkeys((LENGTHS, RHS), (deep, 1))
+    reals |= dict.fromkeys((GRAM, CHOLESKY, ACROSS), (many, many)) | dict.fromkeys((DIAGONAL, Z, WANTED), (many, 1))
+    return ints, reals
 
 
-@part
-def unpack(numbers, layout, memory, marks):
-    """The problem and the work space at these addresses."""
-    head = ints(layout, 0, LAYOUT_HEAD)
-    n, levels, m, dense, widest = head[N], head[LEVELS], head[ROWS], head[DENSE], head[WIDEST]
-    deep = widest + n
-    o = LAYOUT_HEAD
-    ptr, whole = ints(layout, o, levels + 1), ints(layout, o + levels + 1, levels)
-    o += 2 * levels + 1
-    col, row_of = ints(layout, o, m), ints(layout, o + m, m)
+#: Places of all integer arrays in memory, and of all arrays of numbers.
+PLACES = tuple(list(block) for block in shapes(0, 0, 0, 0, 0))
 
-    o = dense * n
-    A, lower = matrix(numbers, 0, dense, n), floats(numbers, o, m)
-    upper, weights = floats(numbers, o + m, m), floats(numbers, o + 2 * m, m)
 
-    option = floats(memory, 0, MEMORY_HEAD)
-    o = MEMORY_HEAD
-    x_ref, x, x0 = floats(memory, o, n), floats(memory, o + n, n), floats(memory, o + 2 * n, n)
-    o += 3 * n
-    y, g, G = floats(memory, o, n), floats(memory, o + n, n), floats(memory, o + 2 * n, n)
-    o += 3 * n
-    d, multiplier, share = floats(memory, o, n), floats(memory, o + n, n), floats(memory, o + 2 * n, n)
-    o += 3 * n
-    scratch, safe = floats(memory, o, n), floats(memory, o + n, n)
-    o += 3 * n
-    B, V = matrix(memory, o, dense, n), matrix(memory, o + dense * n, n, n)
-    o += (dense + n) * n
-    L, R = matrix(memory, o, m, n), matrix(memory, o + m * n, deep, n)
-    o += (m + deep) * n
-    H = matrix(memory, o, n, deep)
-    o += n * deep
-    lo, hi, norm = floats(memory, o, m), floats(memory, o + m, m), floats(memory, o + 2 * m, m)
-    o += 3 * m
-    w, v, slope = floats(memory, o, m), floats(memory, o + m, m), floats(memory, o + 2 * m, m)
-    o += 3 * m
-    low, high, allowed = floats(memory, o, m), floats(memory, o + m, m), floats(memory, o + 2 * m, m)
-    o += 3 * m
-    lengths, rhs, forces = floats(memory, o, deep), floats(memory, o + deep, deep), floats(memory, o + 2 * deep, levels)
+def lay_out(structure):
+    """A directory without addresses, the structure's own arrays, and the sizes of the memory for integers and numbers.
 
-    o += 2 * deep + levels
-    many = min(m, 2 * n + 8)
-    gram, chol = matrix(memory, o, many, many), matrix(memory, o + many * many, many, many)
-    o += 2 * many * many
-    across, diagonal = matrix(memory, o, many, many), floats(memory, o + many * many, many)
-    o += many * (many + 1)
-    z, wanted = floats(memory, o, many), floats(memory, o + many, many)
+    Returns
+    -------
+    directory : int64 array
+        Of every array in memory, instead of its address, where it begins there.
+    owned : dict
+        Place -> int64 array of the structure.
+    sizes : (int, int)
+    """
+    n, cuts, has_rows, indices = structure
+    columns = np.frombuffer(indices, dtype=np.intp)
+    levels = [columns[a:b] for a, b in pairwise(cuts)]
+    distinct = [not rows and len(np.unique(own)) == len(own) for rows, own in zip(has_rows, levels, strict=True)]
+    whole = [alone and len(own) == n for alone, own in zip(distinct, levels, strict=True)]
+    dense = columns < 0
+    owned = {PTR: cuts, WHOLE: whole, COL: columns, ROW_OF: np.where(dense, np.cumsum(dense) - 1, -1)}
+    owned = {place: np.array(given, dtype=np.int64) for place, given in owned.items()}
 
-    o = MARKS_HEAD
-    side, follow, decided = ints(marks, o, m), ints(marks, o + m, m), ints(marks, o + 2 * m, m)
-    o += 3 * m
-    kind, held = ints(marks, o, m), ints(marks, o + m, m)
-    o += 2 * m
-    pinned, free, pivot, queue = (
-        ints(marks, o, n),
-        ints(marks, o + n, n),
-        ints(marks, o + 2 * n, n),
-        ints(marks, o + 3 * n, n),
-    )
-    o += 4 * n
-    ids, slots, cut = ints(marks, o, deep), ints(marks, o + deep, deep), ints(marks, o + 2 * deep, levels + 1)
-
-    rows = ints(marks, o + 2 * deep + levels + 1, many)
-
-    problem = Problem(
-        n, m, levels, ptr, head[BOXED] != 0, whole, col, row_of, A, lower, upper, weights, B, lo, hi, norm,
-        x_ref, x0, option[TAU], option[TOL],
-    )  # fmt: skip
-    work = Work(
-        x, w, side, follow, decided, V, L, R, H, pivot, ids, slots, lengths, rhs, y, g, G, pinned, free, cut, forces,
-        v, slope, low, high, allowed, kind, held, queue, d, multiplier, share, scratch, safe,
-        rows, gram, chol, across, diagonal, z, wanted,
-    )  # fmt: skip
-    return problem, work
+    m, rows = len(columns), int(dense.sum())
+    directory = np.zeros(HEAD + 3 * (WANTED + 1), dtype=np.int64)
+    directory[[N, LEVELS, ROWS, BOXED]] = n, len(levels), m, distinct[:1] == [True]
+    entries = directory[HEAD:].reshape(-1, 3)
+    for place, array in owned.items():
+        entries[place, 1:] = len(array), 1
+    entries[[A, LOWER, UPPER, WEIGHTS], 1:] = (rows, n), (m, 1), (m, 1), (m, 1)
+    sizes = []
+    for block in shapes(n, len(levels), m, rows, max(map(len, levels), default=0)):
+        begins = 0
+        for place, shape in block.items():
+            entries[place] = begins, *shape
+            begins += shape[0] * shape[1]
+        sizes.append(begins)
+    return directory, owned, tuple(sizes)

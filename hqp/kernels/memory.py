@@ -16,43 +16,91 @@ from numba.core.cgutils import alloca_once, get_or_insert_function
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
+from .layout import HEAD, LOWER, UPPER, WEIGHTS, A
 
-def _view(kind, axes):
-    """An intrinsic (address, first number, shape...) -> contiguous array."""
+
+def _array(kind, axes):
+    """An intrinsic (directory, place) -> the contiguous array there."""
     array = types.Array(kind, axes, "C")
 
     def build(context, builder, signature, arguments):
-        address, first, *shape = arguments
-        number = context.get_value_type(kind)
-        data = builder.gep(builder.inttoptr(address, number.as_pointer()), [first])
-        item = context.get_constant(types.intp, 8)
-        strides = [item] if axes == 1 else [builder.mul(shape[1], item), item]
-        view = make_array(array)(context, builder)
-        populate_array(view, data=data, shape=shape, strides=strides, itemsize=item, meminfo=None)
-        return view._getvalue()
+        here, place = arguments
+        long, number = context.get_value_type(types.int64), context.get_value_type(kind)
+        entry = builder.add(long(HEAD), builder.mul(place, long(3)))
+        directory = builder.inttoptr(here, long.as_pointer())
+        address, *shape = (builder.load(builder.gep(directory, [builder.add(entry, long(k))])) for k in range(axes + 1))
+        data = builder.inttoptr(address, number.as_pointer())
+        return _view(context, builder, array, data, shape)
 
-    return array, build
+    return array(types.int64, types.int64), build
+
+
+def _view(context, builder, array, data, shape):
+    """An array of numbers of eight bytes, without an owner."""
+    item = context.get_constant(types.intp, 8)
+    strides = [item] if array.ndim == 1 else [builder.mul(shape[1], item), item]
+    view = make_array(array)(context, builder)
+    populate_array(view, data=data, shape=shape, strides=strides, itemsize=item, meminfo=None)
+    return view._getvalue()
+
+
+@intrinsic
+def vector(typing, here, place):
+    """The float64 array of one axis at this place of the directory."""
+    return _array(types.float64, 1)
+
+
+@intrinsic
+def matrix(typing, here, place):
+    """The float64 array of two axes at this place of the directory."""
+    return _array(types.float64, 2)
+
+
+@intrinsic
+def marks(typing, here, place):
+    """The int64 array of one axis at this place of the directory."""
+    return _array(types.int64, 1)
+
+
+def _raw(kind):
+    array = types.Array(kind, 1, "C")
+
+    def build(context, builder, signature, arguments):
+        address, first, count = arguments
+        data = builder.gep(builder.inttoptr(address, context.get_value_type(kind).as_pointer()), [first])
+        return _view(context, builder, array, data, [count])
+
+    return array(types.int64, types.int64, types.int64), build
 
 
 @intrinsic
 def floats(typing, address, first, count):
-    """float64 (count,), from the first-th number on."""
-    array, build = _view(types.float64, 1)
-    return array(types.int64, types.int64, types.int64), build
+    """float64 (count,), from the first-th number after the address on."""
+    return _raw(types.float64)
 
 
 @intrinsic
 def ints(typing, address, first, count):
-    """int64 (count,), from the first-th number on."""
-    array, build = _view(types.int64, 1)
-    return array(types.int64, types.int64, types.int64), build
+    """int64 (count,), from the first-th number after the address on."""
+    return _raw(types.int64)
 
 
 @intrinsic
-def matrix(typing, address, first, rows, columns):
-    """float64 (rows, columns), from the first-th number on."""
-    array, build = _view(types.float64, 2)
-    return array(types.int64, types.int64, types.int64, types.int64), build
+def given(typing, here, numbers):
+    """Let the arrays of the hierarchy be those at this address: A, lower, upper, weights, one after the other."""
+
+    def build(context, builder, signature, arguments):
+        here, address = arguments
+        long = context.get_value_type(types.int64)
+        directory = builder.inttoptr(here, long.as_pointer())
+        for place in (A, LOWER, UPPER, WEIGHTS):
+            entry = [builder.gep(directory, [long(HEAD + 3 * place + k)]) for k in range(3)]
+            builder.store(address, entry[0])
+            count = builder.mul(builder.load(entry[1]), builder.load(entry[2]))
+            address = builder.add(address, builder.mul(count, long(8)))
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.int64), build
 
 
 #: Which clock; none where the system has no POSIX clocks, and time limits are not kept.

@@ -113,17 +113,17 @@ def factor(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
         ids[best], slots[best], sizes[best] = ids[rank], slots[rank], sizes[rank]
         size = length(row, f)
         ids[rank], slots[rank], sizes[rank] = i, slot, size
-        here = V[c + rank]
+        direction = V[c + rank]
         for t in range(f):
-            here[t] = row[t] / size
+            direction[t] = row[t] / size
         coefficients[c + rank] = size
         for r in range(rank + 1, count):
             other = R[slots[r]]
             along = 0.0
             for t in range(f):
-                along += other[t] * here[t]
+                along += other[t] * direction[t]
             for t in range(f):
-                other[t] -= along * here[t]
+                other[t] -= along * direction[t]
             L[ids[r]][c + rank] = along
             sizes[r] = length(other, f)
         rank += 1

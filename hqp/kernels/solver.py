@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import math
 
+from . import layout as at
 from .active_set import NEVER, OPTIMAL, STALLED, active_set
-from .compile import entry, part, stamp
+from .compile import entry, inner, stamp
 from .dual import weighted_guess
-from .layout import BUDGET, ITERATIONS, LEVEL, LIMIT, MARKS_HEAD, MEMORY_HEAD, SWEEPS, TRUSTED, WARM, unpack
-from .memory import clock, floats, ints
+from .memory import clock, floats, given, ints, marks, matrix, vector
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep
 
 #: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; proved at once.
@@ -29,16 +29,19 @@ PATIENCE = 2
 SHARPER, SHARPEST = 0.1, 2e-12
 
 
-@part
-def load(problem, work, warm, trusted):
+@inner
+def load(here, warm, trusted):
     """Weight the rows, measure them, and make the guess fit them; False if a number may mean nothing."""
-    n, col, side = problem.n, problem.col, work.side
-    lower, upper, lo, hi, norm = problem.lower, problem.upper, problem.lo, problem.hi, problem.norm
-    for i in range(problem.m):
-        weight = problem.weights[i]
+    head = ints(here, 0, at.HEAD)
+    n, m = head[at.N], head[at.ROWS]
+    col, side, lower, upper = marks(here, at.COL), marks(here, at.SIDE), vector(here, at.LOWER), vector(here, at.UPPER)
+    lo, hi, norm, weights = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.WEIGHTS)
+    A, row_of, B = matrix(here, at.A), marks(here, at.ROW_OF), matrix(here, at.B)
+    for i in range(m):
+        weight = weights[i]
         size = 1.0
         if col[i] < 0:
-            given, row = problem.A[problem.row_of[i]], problem.B[problem.row_of[i]]
+            given, row = A[row_of[i]], B[row_of[i]]
             total = 0.0
             for j in range(n):
                 row[j] = weight * given[j]
@@ -66,86 +69,89 @@ def load(problem, work, warm, trusted):
     return True
 
 
-@part
-def levels_that_count(problem):
+@inner
+def levels_that_count(here):
     """A level of equalities on every variable, all of one weight, is a last level: nothing below can move x.
 
     It is what ``min ||x - x0||`` says, with its own x0.
     """
-    for j in range(problem.n):
-        problem.x0[j] = problem.x_ref[j]
-    for k in range(problem.levels):
-        if problem.whole[k] == 0:
+    head = ints(here, 0, at.HEAD)
+    n, levels = head[at.N], head[at.LEVELS]
+    x0, x_ref, whole, ptr = vector(here, at.X0), vector(here, at.X_REF), marks(here, at.WHOLE), marks(here, at.PTR)
+    lower, upper, norm, col = vector(here, at.LOWER), vector(here, at.UPPER), vector(here, at.NORM), marks(here, at.COL)
+    for j in range(n):
+        x0[j] = x_ref[j]
+    for k in range(levels):
+        if whole[k] == 0:
             continue
-        first, end = problem.ptr[k], problem.ptr[k + 1]
+        first, end = ptr[k], ptr[k + 1]
         alike = True
         for i in range(first, end):
-            alike = alike and problem.lower[i] == problem.upper[i] and problem.norm[i] == problem.norm[first]
+            alike = alike and lower[i] == upper[i] and norm[i] == norm[first]
         if alike:
             for i in range(first, end):
-                problem.x0[problem.col[i]] = problem.lower[i]
+                x0[col[i]] = lower[i]
             return k
-    return problem.levels
+    return levels
 
 
-@part
-def repair(problem, work, last):
+@inner
+def repair(here, last):
     """Let all rows that contradict the guess change sides."""
-    for i in range(problem.ptr[last]):
-        work.side[i] = work.follow[i]
+    ptr, side, follow = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.FOLLOW)
+    for i in range(ptr[last]):
+        side[i] = follow[i]
 
 
-@part
-def first_contradiction(problem, work, last):
+@inner
+def first_contradiction(here, last):
     """The highest level with a row that contradicts its side."""
+    ptr, side, follow = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.FOLLOW)
     for k in range(last):
-        for i in range(problem.ptr[k], problem.ptr[k + 1]):
-            if work.side[i] != work.follow[i]:
+        for i in range(ptr[k], ptr[k + 1]):
+            if side[i] != follow[i]:
                 return k
     return last
 
 
-@part
-def start(problem, x):
+@inner
+def start(here):
     """Where the safe method starts: at what the last level wants, within the bounds of level 0."""
-    for j in range(problem.n):
-        x[j] = problem.x0[j]
-    if problem.boxed:
-        for i in range(problem.ptr[0], problem.ptr[1]):
-            j = problem.col[i]
-            x[j] = min(max(x[j], problem.lower[i]), problem.upper[i])
+    head = ints(here, 0, at.HEAD)
+    n, boxed = head[at.N], head[at.BOXED] != 0
+    x = vector(here, at.X)
+    x0, ptr, col, lower = vector(here, at.X0), marks(here, at.PTR), marks(here, at.COL), vector(here, at.LOWER)
+    upper = vector(here, at.UPPER)
+    for j in range(n):
+        x[j] = x0[j]
+    if boxed:
+        for i in range(ptr[0], ptr[1]):
+            j = col[i]
+            x[j] = min(max(x[j], lower[i]), upper[i])
 
 
-@stamp
-@entry
-def solve(layout, memory, marks, numbers):
-    """Solve the hierarchy at the address `numbers`; x is left in `memory`, sides and counts in `marks`.
-
-    Returns
-    -------
-    outcome : int
-        A status of :mod:`.active_set`, or CLEAR, or SUSPECT.
-    """
-    report, option = ints(marks, 0, MARKS_HEAD), floats(memory, 0, MEMORY_HEAD)
-    problem, work = unpack(numbers, layout, memory, marks)
-    warm = report[WARM] != 0
-    report[WARM] = 0
-    if not load(problem, work, warm, report[TRUSTED] != 0):
+@inner
+def solve_one(here):
+    """Solve the hierarchy of the directory; see :func:`solve`."""
+    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
+    n, m = head[at.N], head[at.ROWS]
+    x, safe_x = vector(here, at.X), vector(here, at.SAFE)
+    warm = head[at.WARM] != 0
+    head[at.WARM] = 0
+    if not load(here, warm, head[at.TRUSTED] != 0):
         return SUSPECT
-    last = levels_that_count(problem)
-
-    deadline = NEVER if option[LIMIT] == math.inf else clock() + int(1e9 * option[LIMIT])
+    last = levels_that_count(here)
+    deadline = NEVER if option[at.LIMIT] == math.inf else clock() + int(1e9 * option[at.LIMIT])
 
     status, level, iterations, sweeps = OPTIMAL, last, 0, 0
-    guessed = safe = False
-    wanted = not warm
-    fewest, patience, tau = problem.m + 1, PATIENCE, problem.tau
+    wanted, guessed, safe = not warm, False, False
+    fewest, patience, tau = m + 1, PATIENCE, option[at.TAU]
     while True:
         if wanted:
-            weighted_guess(problem, work, last)
+            weighted_guess(here, last)
             wanted, guessed = False, True
-            fewest, patience = problem.m + 1, PATIENCE
-        faults, blurred = sweep(problem, work, last, tau)
+            fewest, patience = m + 1, PATIENCE
+        faults, blurred = sweep(here, last, tau)
         sweeps += 1
         if faults == 0 and blurred and tau > SHARPEST:
             tau *= SHARPER
@@ -158,22 +164,61 @@ def solve(layout, memory, marks, numbers):
             break
         late = deadline != NEVER and clock() > deadline
         if patience > 0 and (safe or not late):
-            repair(problem, work, last)
+            repair(here, last)
         elif not guessed and not late:
             wanted = True
         else:
             safe = True
-            start(problem, work.x)
-            status, level, iterations = active_set(problem, work, last, int(option[BUDGET]), deadline)
-            for j in range(problem.n):
-                work.safe[j] = work.x[j]
+            start(here)
+            status, level, iterations = active_set(here, last, int(option[at.BUDGET]), deadline)
+            for j in range(n):
+                safe_x[j] = x[j]
             if status != OPTIMAL:
                 break
-            fewest, patience = problem.m + 1, PATIENCE
+            fewest, patience = m + 1, PATIENCE
     if safe and faults > 0:  # round-off decides what the sweep says: the safe method has the last word
-        for j in range(problem.n):
-            work.x[j] = work.safe[j]
+        for j in range(n):
+            x[j] = safe_x[j]
         if status == OPTIMAL:  # and no proof
-            status, level = STALLED, first_contradiction(problem, work, last)
-    report[LEVEL], report[SWEEPS], report[ITERATIONS], report[WARM] = level, sweeps, iterations, 1
+            status, level = STALLED, first_contradiction(here, last)
+    head[at.LEVEL], head[at.SWEEPS], head[at.ITERATIONS], head[at.WARM] = level, sweeps, iterations, 1
     return CLEAR if sweeps == 1 and not safe else status
+
+
+@stamp
+@entry
+def solve(here, numbers):
+    """Solve the hierarchy at the address `numbers`, in the memory of this directory.
+
+    Or many hierarchies of one structure, one after the other, each warm from its own sides of the last time.
+
+    Returns
+    -------
+    outcome : int
+        A status of :mod:`.active_set`, or CLEAR, or SUSPECT; of many, that of the last.
+    """
+    head = ints(here, 0, at.HEAD)
+    n, m, count, warm = head[at.N], head[at.ROWS], head[at.COUNT], head[at.WARM]
+    if count == 0:
+        given(here, numbers)
+        return solve_one(here)
+    x, x_ref, side = vector(here, at.X), vector(here, at.X_REF), marks(here, at.SIDE)
+    outcome = OPTIMAL
+    for b in range(count):
+        given(here, numbers + 8 * b * head[at.STRIDE])
+        point, sides = floats(head[at.POINTS], b * n, n), ints(head[at.SIDES], b * m, m)
+        for i in range(m):
+            side[i] = sides[i]
+        if head[at.REFERENCES] != 0:
+            reference = floats(head[at.REFERENCES], b * n, n)
+            for j in range(n):
+                x_ref[j] = reference[j]
+        head[at.WARM] = warm
+        outcome = solve_one(here)
+        for j in range(n):
+            point[j] = x[j]
+        for i in range(m):
+            sides[i] = side[i]
+        said = ints(head[at.OUTCOMES], 4 * b, 4)
+        said[0], said[1], said[2], said[3] = outcome, head[at.LEVEL], head[at.SWEEPS], head[at.ITERATIONS]
+    return outcome

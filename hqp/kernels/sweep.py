@@ -15,7 +15,9 @@ sign of its slack, then for the levels below it, one after the other; the first 
 
 from __future__ import annotations
 
-from .compile import inner, part
+from . import layout as at
+from .compile import inner
+from .memory import ints, marks, matrix, vector
 from .orthogonal import factor, length, level_least_squares
 
 LOWER, INACTIVE, UPPER, EQUALITY = -1, 0, 1, 2
@@ -30,11 +32,11 @@ def target(side, low, high):
     return low if side == LOWER else high
 
 
-@part
-def sweep(problem, work, last, tau):
-    """Solve for the guess ``work.side``, levels 0 .. last, and say how many rows contradict it; 0 is a proof.
+@inner
+def sweep(here, last, tau):
+    """Solve for the guess ``side``, levels 0 .. last, and say how many rows contradict it; 0 is a proof.
 
-    ``work.follow`` is what the contradictions suggest, ``work.x`` the point, ``work.w`` the weighted slack of the rows.
+    ``follow`` is what the contradictions suggest, ``x`` the point, ``w`` the weighted slack of the rows.
 
     Returns
     -------
@@ -43,14 +45,40 @@ def sweep(problem, work, last, tau):
         Whether a row that counts as dependent, by the share `tau` of its length, shows that it is not: the little
         of it that was left out moves it by more than its tolerance.
     """
-    n, ptr, boxed, tol = problem.n, problem.ptr, problem.boxed, problem.tol
-    col, row_of, B, lo, hi, norm, x0 = (
-        problem.col, problem.row_of, problem.B, problem.lo, problem.hi, problem.norm, problem.x0,
-    )  # fmt: skip
-    x, w, side, follow, decided, V, L = work.x, work.w, work.side, work.follow, work.decided, work.V, work.L
-    y, g, G, pinned, free, cut, pivot = work.y, work.g, work.G, work.pinned, work.free, work.cut, work.pivot
-    ids, rhs, given_rhs, forces_of, dependent = work.ids, work.rhs, work.v, work.forces, work.kind
-
+    head = ints(here, 0, at.HEAD)
+    n, boxed = head[at.N], head[at.BOXED] != 0
+    option = vector(here, at.OPTION)
+    tol = option[at.TOL]
+    col, row_of, B, lo = marks(here, at.COL), marks(here, at.ROW_OF), matrix(here, at.B), vector(here, at.LO)
+    hi, norm, x0, ptr, x = (
+        vector(here, at.HI),
+        vector(here, at.NORM),
+        vector(here, at.X0),
+        marks(here, at.PTR),
+        vector(here, at.X),
+    )
+    w, side, follow, decided = vector(here, at.W), marks(here, at.SIDE), marks(here, at.FOLLOW), marks(here, at.DECIDED)
+    V, L, y, g, G = (
+        matrix(here, at.V),
+        matrix(here, at.L),
+        vector(here, at.Y),
+        vector(here, at.G),
+        vector(here, at.BALANCE),
+    )
+    pinned, free, cut, pivot = marks(here, at.PINNED), marks(here, at.FREE), marks(here, at.CUT), marks(here, at.PIVOT)
+    ids, rhs, given_rhs, forces_of = (
+        marks(here, at.IDS),
+        vector(here, at.RHS),
+        vector(here, at.VALUE),
+        vector(here, at.FORCES),
+    )
+    dependent, R, slots, lengths = (
+        marks(here, at.KIND),
+        matrix(here, at.R),
+        marks(here, at.SLOTS),
+        vector(here, at.LENGTHS),
+    )
+    H = matrix(here, at.H)
     # Fixed and free variables.
     for j in range(n):
         pinned[j] = -1
@@ -77,7 +105,7 @@ def sweep(problem, work, last, tau):
             w[i] = 0.0
             if side[i] == INACTIVE:
                 continue
-            row = work.R[count]
+            row = R[count]
             bound = target(side[i], lo[i], hi[i])
             if col[i] >= 0:
                 for t in range(f):
@@ -98,7 +126,7 @@ def sweep(problem, work, last, tau):
             count += 1
         rank = 0
         if count > 0:
-            rank = factor(ids, count, work.slots, work.lengths, work.R, norm, V, L, c, f, tau)
+            rank = factor(ids, count, slots, lengths, R, norm, V, L, c, f, tau)
             for r in range(count):
                 i = ids[r]
                 row = L[i]
@@ -106,7 +134,7 @@ def sweep(problem, work, last, tau):
                 for q in range(c):
                     total -= row[q] * y[q]
                 rhs[r] = total
-            level_least_squares(ids, count, rank, L, c, rhs, y, w, work.H)
+            level_least_squares(ids, count, rank, L, c, rhs, y, w, H)
         for r in range(rank):
             pivot[c + r] = ids[r]
             dependent[ids[r]] = 0
@@ -115,9 +143,9 @@ def sweep(problem, work, last, tau):
         c += rank
     cut[last] = c
     for q in range(c):
-        here, step = V[q], y[q]
+        direction, step = V[q], y[q]
         for t in range(f):
-            x[free[t]] += step * here[t]
+            x[free[t]] += step * direction[t]
 
     # Primal: rows outside the guess stay inside their bounds, slacks are on the side of theirs.
     size = length(x, n)
