@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 
 from . import layout as at
-from .compile import inner
+from .compile import inner, integer
 from .memory import clock, ints, marks, matrix, vector
 from .orthogonal import CANCELLED, factor, length, level_least_squares, project
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER
@@ -150,7 +150,7 @@ def escape(here, forces, frozen, working, hard_end):
     multiplier, scratch = vector(here, at.MULTIPLIER), vector(here, at.SCRATCH)
     for q in range(frozen, frozen + working):
         kind[pivot[q]] = HARD
-    working = 0
+    working = integer(0)
     for _ in range(3 * hard_end + 10):
         c = frozen + working
         for j in range(n):
@@ -164,7 +164,7 @@ def escape(here, forces, frozen, working, hard_end):
             for j in range(n):
                 d[j] = 0.0
             return working
-        worst, enters, bound = 1e-9 * steep, -1, 0
+        worst, enters, bound = 1e-9 * steep, integer(-1), integer(0)
         for i in range(hard_end):
             if kind[i] != HARD or norm[i] == 0.0:
                 continue
@@ -190,7 +190,7 @@ def escape(here, forces, frozen, working, hard_end):
         while working > 0:  # back to where all shares are positive
             c = frozen + working
             balance(frozen, c, n, here)
-            reach, leaves = 1.0, -1
+            reach, leaves = 1.0, integer(-1)
             for q in range(frozen, c):
                 wanted = multiplier[q] * side[pivot[q]]
                 if wanted <= 0.0 and q != c - 1:
@@ -252,7 +252,7 @@ def release(count, forces, here):
     """Let go of the row of this level that is held at its bound from within and pulls most; False if there is none."""
     ids, lo, hi, held = marks(here, at.IDS), vector(here, at.LO), vector(here, at.HI), marks(here, at.HELD)
     v, norm = vector(here, at.VALUE), vector(here, at.NORM)
-    worst, leaves = DUAL * forces, -1
+    worst, leaves = DUAL * forces, integer(-1)
     for r in range(count):
         i = ids[r]
         if lo[i] != hi[i]:
@@ -321,7 +321,7 @@ def active_set(here, last, budget, deadline):
         vector(here, at.LENGTHS),
     )
     H, queue = matrix(here, at.H), marks(here, at.QUEUE)
-    frozen = working = 0
+    frozen = working = integer(0)
     iterations = 0
     status, where = OPTIMAL, last + 1
     for i in range(ptr[last]):
@@ -349,7 +349,7 @@ def active_set(here, last, budget, deadline):
             iterations += 1
 
             # Which rows pull, and how much.
-            count, met = 0, True
+            count, met = integer(0), True
             forces = wanted = pull = 0.0
             for j in range(n):
                 g[j] = 0.0
@@ -438,7 +438,7 @@ def active_set(here, last, budget, deadline):
                 if working == 0:
                     break
                 balance(frozen, frozen + working, n, here)
-                worst, leaves = -DUAL * forces, -1
+                worst, leaves = -DUAL * forces, integer(-1)
                 for q in range(frozen, frozen + working):
                     i = pivot[q]
                     says = multiplier[q] * side[i] * norm[i]
@@ -470,7 +470,7 @@ def active_set(here, last, budget, deadline):
                 if kind[i] == HARD and slope[i] != 0.0:
                     room = (high[i] if slope[i] > 0.0 else low[i]) - v[i]
                     nearest = min(nearest, (room + math.copysign(0.1 * allowed[i], slope[i])) / slope[i])
-            limit, blocks, steepest = math.inf, -1, -1.0
+            limit, blocks, steepest = math.inf, integer(-1), -1.0
             for i in range(hard_end):
                 if kind[i] == HARD and slope[i] != 0.0:
                     ratio = ((high[i] if slope[i] > 0.0 else low[i]) - v[i]) / slope[i]
@@ -515,7 +515,7 @@ def active_set(here, last, budget, deadline):
             break
 
         # Freeze the level: what is violated or an equality keeps its value, the rest becomes hard.
-        c, candidates, count = frozen, working, 0
+        c, candidates, count = frozen, working, integer(0)
         for q in range(c, c + candidates):
             i = pivot[q]
             queue[q - c] = i
@@ -554,7 +554,7 @@ def active_set(here, last, budget, deadline):
         frozen += factor(ids, count, slots, lengths, R, norm, V, L, c, n, tau)
         for r in range(frozen - c):
             pivot[c + r] = ids[r]
-        working = 0
+        working = integer(0)
         for q in range(candidates):
             i = queue[q]
             if kind[i] == HARD and append(i, frozen + working, here, tau):

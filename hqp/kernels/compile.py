@@ -10,10 +10,12 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-from numba import njit
+from numba import int64, njit
 
 FAST = {"reassoc", "contract", "nsz"}
 
+#: Counters start with it: a literal would have a variant of its own compiled of every kernel that it is handed to.
+integer = int64
 #: For what other kernels call: no wrapper to call it from Python.
 inner = njit(fastmath=FAST, error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
 

@@ -18,7 +18,7 @@ import math
 
 from . import layout as at
 from .active_set import value_of
-from .compile import inner
+from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER
 
@@ -77,7 +77,7 @@ def weighted_guess(here, last):
     most = len(rows)
 
     # How soft each row is, and which are there from the start.
-    count = 0
+    count = integer(0)
     first = 1 if boxed else 0
     for k in range(last):
         longest = 0.0

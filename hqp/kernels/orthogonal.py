@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from .compile import inner
+from .compile import inner, integer
 
 #: Below this share of its length, what a projection left is projected again.
 CANCELLED = 0.1
@@ -93,7 +93,7 @@ def factor(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
             sizes[r] = 0.0
             for t in range(f):
                 row[t] = 0.0
-    rank = 0
+    rank = integer(0)
     renewed = -1  # the row that was just projected again
     while rank < count and c + rank < f:
         best, most = -1, 0.0

@@ -16,7 +16,7 @@ sign of its slack, then for the levels below it, one after the other; the first 
 from __future__ import annotations
 
 from . import layout as at
-from .compile import inner
+from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .orthogonal import factor, length, level_least_squares
 
@@ -90,17 +90,17 @@ def sweep(here, last, tau):
             if side[i] != INACTIVE:
                 pinned[col[i]] = i
                 x[col[i]] = target(side[i], lo[i], hi[i]) / norm[i]
-    f = 0
+    f = integer(0)
     for j in range(n):
         if pinned[j] < 0:
             free[f] = j
             f += 1
 
     # Equalities, level by level.
-    c = 0
+    c = integer(0)
     for k in range(first, last):
         cut[k] = c
-        count = 0
+        count = integer(0)
         for i in range(ptr[k], ptr[k + 1]):
             w[i] = 0.0
             if side[i] == INACTIVE:
@@ -124,7 +124,7 @@ def sweep(here, last, tau):
             ids[count] = i
             given_rhs[i] = rhs[count]  # by row number, while the rows are put in order
             count += 1
-        rank = 0
+        rank = integer(0)
         if count > 0:
             rank = factor(ids, count, slots, lengths, R, norm, V, L, c, f, tau)
             for r in range(count):
