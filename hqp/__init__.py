@@ -19,6 +19,7 @@ from .families import FAMILIES, Family
 from .hierarchy import Hierarchy
 from .io import load, save
 from .level import Level
+from .nearest import nearest
 from .rows import Side
 from .settings import Settings
 from .solution import Counts, LevelSolution, Solution, Status
@@ -53,6 +54,7 @@ __all__ = [
     "backend_info",
     "certify",
     "load",
+    "nearest",
     "save",
     "solve",
 ]
