@@ -14,12 +14,15 @@ from __future__ import annotations
 
 from .backends.registry import ACCURACY, BACKENDS, BackendInfo, available_backends, backend_info
 from .certificate import Certificate, LevelCertificate, certify
+from .damping import DampingRule, FixedDamping, ManipulabilityDamping, NumericalFiltering, SingularValueDamping
 from .errors import HqpError, InvalidInput, MissingPackage, UnknownBackend, Unsupported
 from .families import FAMILIES, Family
 from .hierarchy import Hierarchy
 from .io import load, save
 from .level import Level
 from .nearest import nearest
+from .regularisation import RegularisedSolver, solve_regularised
+from .relaxation import RegularisedSolution, Relaxation, StageCertificates
 from .rows import Side
 from .settings import Settings
 from .solution import Counts, LevelSolution, Solution, Status
@@ -35,18 +38,27 @@ __all__ = [
     "BackendInfo",
     "Certificate",
     "Counts",
+    "DampingRule",
     "Family",
+    "FixedDamping",
     "Hierarchy",
     "HqpError",
     "InvalidInput",
     "Level",
     "LevelCertificate",
     "LevelSolution",
+    "ManipulabilityDamping",
     "MissingPackage",
+    "NumericalFiltering",
+    "RegularisedSolution",
+    "RegularisedSolver",
+    "Relaxation",
     "Settings",
     "Side",
+    "SingularValueDamping",
     "Solution",
     "Solver",
+    "StageCertificates",
     "Status",
     "UnknownBackend",
     "Unsupported",
@@ -57,4 +69,5 @@ __all__ = [
     "nearest",
     "save",
     "solve",
+    "solve_regularised",
 ]

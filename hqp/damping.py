@@ -1,0 +1,153 @@
+r"""How strongly a level is damped: rules, from the singular values of what is left of its rows to a lambda.
+
+A damped level minimises, within what the levels above it leave,
+
+.. math:: \|D_k w_k\|^2 + \lambda^2 \|x - x_\text{ref}\|^2,
+
+see :mod:`hqp.regularisation`. The :math:`\sigma_i` are the singular values of its *projected rows*
+:math:`\hat J = D_k A_k Z`: its equality and active rows, weighted, in the null space Z of the equality
+and active rows above. Active are the rows that are at a bound, or beyond it, where the levels above
+leave off.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, fields
+from typing import ClassVar
+
+from .arrays import Array
+from .checks import positive_number
+from .hierarchy import LARGEST
+
+
+@dataclass(frozen=True)
+class DampingRule(ABC):
+    """What every rule looks like; a subclass with a `damping` of its own is a rule, too.
+
+    Attributes
+    ----------
+    looks : bool
+        Whether it wants to see the singular values; they cost one more solve where inequalities are in play.
+    mixes : bool
+        Whether it weighs a combination of rows (see `filtering`), which only equality rows permit.
+
+    Raises
+    ------
+    InvalidInput
+        If a number is not positive, or not below 1e30; a threshold may be infinite.
+    """
+
+    looks: ClassVar[bool] = True
+    mixes: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value, what = getattr(self, field.name), f"{type(self).__name__}: {field.name}"
+            if field.name != "threshold" or value != math.inf:
+                object.__setattr__(self, field.name, positive_number(value, what, below=LARGEST))
+
+    @abstractmethod
+    def damping(self, singular: Array) -> float:
+        """The lambda, given one singular value for each row, largest first; 0 leaves the level strict."""
+
+    def filtering(self, singular: Array) -> float:
+        """The beta by which the weakest combination of rows is damped beyond lambda."""
+        return 0.0
+
+
+@dataclass(frozen=True)
+class FixedDamping(DampingRule):
+    """The same lambda everywhere: the damped least squares of Wampler (1986).
+
+    Parameters
+    ----------
+    factor : float
+        The lambda, in the unit of the weighted rows.
+    """
+
+    looks: ClassVar[bool] = False
+    factor: float
+
+    def damping(self, singular: Array) -> float:
+        return self.factor
+
+
+@dataclass(frozen=True)
+class ManipulabilityDamping(DampingRule):
+    r""":math:`\lambda = \lambda_0 (1 - w / w_0)` where the manipulability w is below :math:`w_0`, 0 elsewhere.
+
+    :math:`w = \sqrt{\det \hat J \hat J^T} = \prod \sigma_i`, Nakamura and Hanafusa (1986). A level with more rows
+    than there are unknowns left for it has w = 0.
+
+    Parameters
+    ----------
+    largest : float
+        :math:`\lambda_0`, the damping of a singular level.
+    threshold : float
+        :math:`w_0`.
+    """
+
+    largest: float
+    threshold: float
+
+    def damping(self, singular: Array) -> float:
+        w = math.prod(singular.tolist()) if len(singular) else math.inf
+        return self.largest * max(1.0 - w / self.threshold, 0.0)
+
+
+@dataclass(frozen=True)
+class SingularValueDamping(DampingRule):
+    r""":math:`\lambda^2 = \lambda_0^2 (1 - (\sigma / \epsilon)^2)` where the smallest singular value is below epsilon.
+
+    Elsewhere 0; Maciejewski and Klein (1988), Chiaverini, Siciliano and Egeland (1994).
+
+    Parameters
+    ----------
+    largest : float
+        :math:`\lambda_0`, the damping of a singular level.
+    threshold : float
+        :math:`\epsilon`.
+    """
+
+    largest: float
+    threshold: float
+
+    def damping(self, singular: Array) -> float:
+        return self.largest * _fade(singular, self.threshold)
+
+
+@dataclass(frozen=True)
+class NumericalFiltering(DampingRule):
+    r"""Little damping everywhere, more for the weakest combination of rows: :math:`\lambda^2 I + \beta^2 u u^T`.
+
+    u is the left singular vector of the smallest singular value (Maciejewski and Klein 1988). It takes levels of
+    equality rows, which alone can be combined.
+
+    Parameters
+    ----------
+    factor : float
+        The lambda.
+    extra : float
+        The beta.
+    threshold : float, optional
+        The smallest singular value below which beta sets in, as in :class:`SingularValueDamping` (default: always).
+    """
+
+    mixes: ClassVar[bool] = True
+    factor: float
+    extra: float
+    threshold: float = math.inf
+
+    def damping(self, singular: Array) -> float:
+        return self.factor
+
+    def filtering(self, singular: Array) -> float:
+        return self.extra * _fade(singular, self.threshold)
+
+
+def _fade(singular: Array, threshold: float) -> float:
+    """From 1 where the smallest singular value is 0 to 0 where it reaches the threshold."""
+    share = min(float(singular.min(initial=math.inf)) / threshold, 1.0) if len(singular) else 1.0
+    return math.sqrt(1.0 - share * share)
