@@ -1,4 +1,4 @@
-"""``python -m benchmarks backends`` and ``python -m benchmarks solve``: one small file each, beside this one."""
+"""``python -m benchmarks backends``, ``solve`` and ``batch``: one small file each, beside this one."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import typer
 from tasks.cli.command import run
 
 from .backends import backends
+from .batch import batch
 from .solve import solve
 
 app = typer.Typer(
@@ -19,6 +20,7 @@ app = typer.Typer(
 )
 app.command()(backends)
 app.command()(solve)
+app.command()(batch)
 
 
 @app.callback(invoke_without_command=True)

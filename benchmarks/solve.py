@@ -70,7 +70,7 @@ def solve(
             if out is not None:
                 save(out, rows)
     printer.print(
-        f"{COLD}: nothing remembered; 2 %: warm, the targets moved by so much since the problem just solved\n"
+        f"{COLD}: nothing remembered but the sizes; 2 %: warm, targets moved by so much since the problem just solved\n"
         f"us: best of {REPETITIONS} calls from Python; ratio: median of the ratios, draw by draw\n"
         f"error: largest relative distance from a certified answer; cascades are slow: {FEW} draws at most"
     )

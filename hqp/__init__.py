@@ -13,6 +13,7 @@
 from __future__ import annotations
 
 from .backends.registry import ACCURACY, BACKENDS, BackendInfo, available_backends, backend_info
+from .batch import Batch, BatchSolution, BatchSolver, solve_batch
 from .certificate import Certificate, LevelCertificate, certify
 from .damping import DampingRule, FixedDamping, ManipulabilityDamping, NumericalFiltering, SingularValueDamping
 from .errors import HqpError, InvalidInput, MissingPackage, UnknownBackend, Unsupported
@@ -36,6 +37,9 @@ __all__ = [
     "DEFAULT_BACKEND",
     "FAMILIES",
     "BackendInfo",
+    "Batch",
+    "BatchSolution",
+    "BatchSolver",
     "Certificate",
     "Counts",
     "DampingRule",
@@ -69,5 +73,6 @@ __all__ = [
     "nearest",
     "save",
     "solve",
+    "solve_batch",
     "solve_regularised",
 ]

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from numba.core import event
+from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..hierarchy import Hierarchy
@@ -29,6 +30,8 @@ STATUSES = {
     STALLED: Status.STALLED,
 }
 CLEAR = kernel.CLEAR
+#: Outcomes that mean OPTIMAL.
+PROVED = (OPTIMAL, CLEAR)
 
 
 class Native:
@@ -114,6 +117,25 @@ class Memory:
         )
         option[:] = settings.rank_tolerance, settings.tolerance, settings.iterations, settings.time_limit
         self.run = partial(kernel.solve, int(self._directory.ctypes.data))
+
+    def run_many(
+        self,
+        ends: tuple[int, int],
+        numbers: Array,
+        references: Array | None,
+        x: Array,
+        sides: NDArray[np.int64],
+        said: NDArray[np.int64],
+        warm: bool,
+    ) -> None:
+        """Solve rows ends[0] .. ends[1] of `numbers`; all arrays have one row a hierarchy, see :mod:`hqp.batch`."""
+        first, end = ends
+        self.head[at.COUNT], self.head[at.STRIDE], self.head[at.WARM] = end - first, numbers.shape[1], warm
+        self.head[at.REFERENCES] = 0 if references is None else references[first:end].ctypes.data
+        for place, array in ((at.POINTS, x), (at.SIDES, sides), (at.OUTCOMES, said)):
+            self.head[place] = array[first:end].ctypes.data
+        self.run(numbers[first:end].ctypes.data)
+        self.head[at.COUNT] = self.head[at.WARM] = 0
 
 
 _layout = lru_cache(maxsize=64)(at.lay_out)

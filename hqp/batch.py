@@ -1,0 +1,326 @@
+"""Many hierarchies of one structure at once: on all cores, each exact, each warm from its own last time.
+
+For sampling, for learning, for the worlds of a simulation: the numbers of all hierarchies lie in one array, a
+compiled loop solves them one after the other without the interpreter, and several threads share them. No answer
+depends on the number of threads, nor on its neighbours.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from queue import SimpleQueue
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .arrays import Array, real_array
+from .checks import of_type, whole_number
+from .errors import InvalidInput
+from .hierarchy import LARGEST, Hierarchy
+from .settings import Settings
+from .solution import Counts, Solution, Status
+from .solve import Solver
+
+if TYPE_CHECKING:
+    from .backends.native import Memory
+
+#: Pieces of work a thread: small enough that none waits long for the last.
+PIECES = 4
+
+
+class LevelNumbers(NamedTuple):
+    """One level of all hierarchies of a batch: views, to be refilled in place.
+
+    A : array, shape (B, m_k, n), or None for plain bounds; lower, upper, weights : array, shape (B, m_k).
+    """
+
+    A: Array | None
+    lower: Array
+    upper: Array
+    weights: Array
+
+
+class Batch:
+    """B hierarchies of one structure, all numbers in one array.
+
+    Parameters
+    ----------
+    template : Hierarchy
+        Its structure and, to begin with, its numbers are those of every one.
+    count : int
+        B.
+
+    Attributes
+    ----------
+    numbers : array, shape (B, numbers of one hierarchy)
+        See :class:`Hierarchy`.
+    levels : tuple of LevelNumbers
+        Views: ``batch.levels[1].lower[:] = ...``.
+
+    Raises
+    ------
+    InvalidInput
+        If the template is no hierarchy, or count no integer of at least 0.
+    """
+
+    def __init__(self, template: Hierarchy, count: int) -> None:
+        self._template = of_type(template, Hierarchy, "the template of a batch")
+        self.numbers: Array = np.tile(template.numbers, (whole_number(count, "count"), 1))
+        self.levels = tuple(self._views())
+
+    @classmethod
+    def of(cls, hierarchies: Iterable[Hierarchy]) -> Batch:
+        """The batch of these hierarchies; their numbers are copied.
+
+        Raises
+        ------
+        InvalidInput
+            If there is none, or two differ in structure.
+        """
+        given = list(hierarchies)
+        if not given:
+            raise InvalidInput("a batch of no hierarchies has no structure; use Batch(template, 0)")
+        batch = cls(given[0], len(given))
+        for b, hierarchy in enumerate(given):
+            if of_type(hierarchy, Hierarchy, f"hierarchy {b} of the batch").structure != batch.structure:
+                raise InvalidInput(f"hierarchy {b} of the batch has another structure than hierarchy 0")
+            batch.numbers[b] = hierarchy.numbers
+        return batch
+
+    def _views(self) -> Iterator[LevelNumbers]:
+        count, n, m = len(self.numbers), self._template.n, self._template.m
+        dense = self._template.A.size
+        A = self.numbers[:, :dense].reshape(count, dense // n if n else 0, n)
+        lower, upper, weights = (self.numbers[:, dense + k * m : dense + (k + 1) * m] for k in range(3))
+        row = 0
+        for level, first in zip(self._template.levels, self._template.pointers, strict=False):
+            own, rows = slice(first, first + len(level)), 0 if level.A is None else len(level)
+            yield LevelNumbers(
+                None if level.A is None else A[:, row : row + rows], lower[:, own], upper[:, own], weights[:, own]
+            )
+            row += rows
+
+    @property
+    def structure(self) -> tuple[object, ...]:
+        """Of every one of them, see :class:`Hierarchy`."""
+        return self._template.structure
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    def __getitem__(self, b: int) -> Hierarchy:
+        """One of them, on the numbers of the batch: no copy."""
+        return self._template.with_numbers(self.numbers[b])
+
+    def __repr__(self) -> str:
+        return f"Batch of {len(self)} x {self._template!r}"
+
+
+@dataclass(frozen=True, eq=False)
+class BatchSolution:
+    """The answers to a batch.
+
+    Attributes
+    ----------
+    batch : Batch
+        The same object: where its numbers change, judge before.
+    x : array, shape (B, n)
+    statuses : tuple of Status
+    messages : dict
+        b -> why, where the status is not OPTIMAL.
+    levels : int array, shape (B,)
+        Where a status other than OPTIMAL arose; the number of levels for the implicit last one, -1 otherwise.
+    sweeps, iterations : int array, shape (B,)
+        See :class:`Counts`.
+    x_ref : array, shape (n,) or (B, n)
+    settings : Settings
+    """
+
+    batch: Batch
+    x: Array
+    statuses: tuple[Status, ...]
+    messages: dict[int, str]
+    levels: NDArray[np.int64]
+    sweeps: NDArray[np.int64]
+    iterations: NDArray[np.int64]
+    x_ref: Array
+    settings: Settings
+
+    @property
+    def ok(self) -> NDArray[np.bool_]:
+        """Which of them the solver calls optimal, shape (B,). The proof is ``solution[b].certify()``."""
+        return np.array([status is Status.OPTIMAL for status in self.statuses], dtype=bool)
+
+    def __len__(self) -> int:
+        return len(self.x)
+
+    def __getitem__(self, b: int) -> Solution:
+        """The answer to one of them."""
+        level = int(self.levels[b])
+        return Solution(
+            x=self.x[b].copy(),
+            status=self.statuses[b],
+            backend="native",
+            hierarchy=self.batch[b].copy(),
+            x_ref=self.x_ref if self.x_ref.ndim == 1 else self.x_ref[b],
+            message=self.messages.get(range(len(self))[b], ""),
+            level=level if level >= 0 else None,
+            counts=Counts(sweeps=int(self.sweeps[b]), iterations=int(self.iterations[b])),
+            tolerance=10 * self.settings.tolerance,
+            rank_tolerance=self.settings.rank_tolerance,
+        )
+
+
+class BatchSolver:
+    """Solves batches with the native solver, each hierarchy warm from its own last time.
+
+    Parameters
+    ----------
+    settings : Settings, optional
+    threads : int, optional
+        Default: as many as there are cores for this process.
+
+    Raises
+    ------
+    InvalidInput
+        If the settings are none, or threads is no positive integer.
+    """
+
+    def __init__(self, settings: Settings | None = None, threads: int | None = None) -> None:
+        from .backends.native import warm_up
+
+        warm_up()
+        self.settings = Settings() if settings is None else of_type(settings, Settings, "settings")
+        self.threads = _cores() if threads is None else whole_number(threads, "threads", least=1)
+        self._structure: tuple[object, ...] | None = None
+        self._sides = np.zeros((0, 0), dtype=np.int64)
+        self._memories: SimpleQueue[Memory] = SimpleQueue()
+        self._warm = False
+        self._pool: ThreadPoolExecutor | None = None
+
+    def forget(self) -> None:
+        """Make the next call a cold one."""
+        self._warm = False
+
+    def solve(self, batch: Batch, x_ref: ArrayLike | None = None) -> BatchSolution:
+        """Solve all of them; numbers never raise, see :class:`Solver`.
+
+        Parameters
+        ----------
+        batch : Batch
+        x_ref : array, shape (n,) or (B, n), optional
+            Reference of the implicit last level (default: zero).
+
+        Raises
+        ------
+        InvalidInput
+            If `batch` is none, or x_ref is no such array.
+        """
+        from .backends.native import PROVED, STATUSES, why
+
+        of_type(batch, Batch, "what a BatchSolver solves")
+        count, n, m = len(batch), batch._template.n, batch._template.m
+        reference = _reference(x_ref, count, n)
+        if batch.structure != self._structure or self._sides.shape != (count, m):
+            self._prepare(batch)
+        x, said = np.zeros((count, n)), np.zeros((count, 4), dtype=np.int64)
+
+        def piece(ends: tuple[int, int]) -> None:
+            memory = self._memories.get()
+            memory.run_many(
+                ends, batch.numbers, reference if reference.ndim == 2 else None, x, self._sides, said, self._warm
+            )
+            self._memories.put(memory)
+
+        if reference.ndim == 1:
+            self._share(reference)
+        cuts = np.linspace(0, count, min(count, 1 if self.threads == 1 else PIECES * self.threads) + 1).astype(int)
+        pieces = list(zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True))
+        if self.threads == 1:
+            for ends in pieces:
+                piece(ends)
+        else:
+            self._pool = self._pool or ThreadPoolExecutor(self.threads)
+            list(self._pool.map(piece, pieces))
+        self._warm = True
+
+        statuses, levels, messages = [Status.OPTIMAL] * count, np.full(count, -1, dtype=np.int64), {}
+        for b in np.flatnonzero(~np.isin(said[:, 0], PROVED)).tolist():
+            outcome, level, _, iterations = said[b].tolist()
+            if outcome in STATUSES:
+                statuses[b], levels[b] = STATUSES[outcome], level
+                messages[b] = why(batch[b], statuses[b], level, iterations)
+            else:  # a number is out of range, or only looked as if
+                own = reference if reference.ndim == 1 else reference[b]
+                alone = Solver("native", self.settings).solve(batch[b], own)
+                x[b], statuses[b], said[b, 2:], self._sides[b] = alone.x, alone.status, alone.counts[:2], 0
+                if not alone.ok:
+                    levels[b], messages[b] = -1 if alone.level is None else alone.level, alone.message
+        return BatchSolution(
+            batch, x, tuple(statuses), messages, levels, said[:, 2], said[:, 3], reference, self.settings
+        )
+
+    def _prepare(self, batch: Batch) -> None:
+        from .backends.native import Memory
+
+        self._structure, self._warm = batch.structure, False
+        self._sides = np.zeros((len(batch), batch._template.m), dtype=np.int64)
+        self._memories = SimpleQueue()
+        for _ in range(self.threads):
+            self._memories.put(Memory(batch.structure, self.settings))
+
+    def _share(self, reference: Array) -> None:
+        """Tell every thread the x_ref of all."""
+        for _ in range(self.threads):
+            memory = self._memories.get()
+            memory.x_ref[:] = reference
+            self._memories.put(memory)
+
+
+def solve_batch(
+    batch: Batch | Iterable[Hierarchy],
+    *,
+    x_ref: ArrayLike | None = None,
+    settings: Settings | None = None,
+    threads: int | None = None,
+) -> BatchSolution:
+    """Solve many hierarchies of one structure once, on all cores.
+
+    Parameters
+    ----------
+    batch : Batch, or hierarchies
+    x_ref : array, shape (n,) or (B, n), optional
+    settings : Settings, optional
+    threads : int, optional
+
+    Raises
+    ------
+    InvalidInput
+        If the hierarchies differ in structure, or a number of one cannot mean anything; names hierarchy, level and row.
+    """
+    whole = batch if isinstance(batch, Batch) else Batch.of(batch)
+    solution = BatchSolver(settings, threads).solve(whole, x_ref)
+    for b, message in solution.messages.items():
+        if solution.statuses[b] is Status.INVALID:
+            raise InvalidInput(f"hierarchy {b} of the batch: {message}")
+    return solution
+
+
+def _cores() -> int:
+    affinity = getattr(os, "sched_getaffinity", None)
+    return len(affinity(0)) if affinity is not None else os.cpu_count() or 1
+
+
+def _reference(x_ref: ArrayLike | None, count: int, n: int) -> Array:
+    if x_ref is None:
+        return np.zeros(n)
+    reference = real_array(x_ref, "x_ref")
+    if reference.shape not in ((n,), (count, n)):
+        raise InvalidInput(f"x_ref has shape {reference.shape}; it must be ({n},) or ({count}, {n})")
+    if not (np.abs(reference) <= LARGEST).all():
+        raise InvalidInput(f"x_ref must be finite, and at most {LARGEST:g} in size")
+    return np.ascontiguousarray(reference)
