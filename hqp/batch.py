@@ -170,8 +170,7 @@ class BatchSolution:
             message=self.messages.get(range(len(self))[b], ""),
             level=level if level >= 0 else None,
             counts=Counts(sweeps=int(self.sweeps[b]), iterations=int(self.iterations[b])),
-            tolerance=10 * self.settings.tolerance,
-            rank_tolerance=self.settings.rank_tolerance,
+            settings=self.settings,
         )
 
 

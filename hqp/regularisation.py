@@ -160,8 +160,7 @@ class RegularisedSolver:
             message=f"{where}{last.message}" if last.message else "",
             level=last.level,
             counts=Counts(*map(sum, zip(*(stage.counts for stage in stages), strict=True))),
-            tolerance=last.tolerance,
-            rank_tolerance=last.rank_tolerance,
+            settings=last.settings,
         )
         return RegularisedSolution(plain, work, stages, dampings, self.settings)
 

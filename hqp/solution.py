@@ -14,7 +14,8 @@ from .arrays import Array
 from .certificate import Certificate, certify
 from .hierarchy import Hierarchy
 from .rows import RowStates, Side, row_states
-from .subspace import split
+from .settings import Settings
+from .subspace import row_space
 
 
 class Status(Enum):
@@ -79,6 +80,7 @@ class Counts(NamedTuple):
 
 
 NO_COUNTS = Counts()
+DEFAULTS = Settings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +97,8 @@ class LevelSolution:
     rank : int
         Directions of x which this level fixes among those that the levels above left open: the
         rank of its equality and violated rows in the null space of theirs.
+    smallest : float
+        How clearly: the smallest singular value of those rows there, in units of their norms; 1 if the rank is 0.
     active : array of int8, shape (m_k,)
         :class:`hqp.Side` of each row: -1 at (or below) its lower bound, 0 inside, 1 at (or
         above) its upper bound, 2 equality.
@@ -106,6 +110,7 @@ class LevelSolution:
     name: str
     slack: Array
     rank: int
+    smallest: float
     active: NDArray[np.int8]
     residual_norm: float
     multipliers: Array
@@ -136,8 +141,8 @@ class Solution:
     hierarchy : Hierarchy
         Snapshot of the numbers that were solved.
     x_ref : array, shape (n,)
-    tolerance, rank_tolerance : float
-        By which `levels` tells sides and ranks, see :class:`hqp.Settings`.
+    settings : Settings
+        By whose tolerances `levels` tells sides and ranks.
     """
 
     x: Array
@@ -148,8 +153,7 @@ class Solution:
     message: str = ""
     level: int | None = None
     counts: Counts = NO_COUNTS
-    tolerance: float = 1e-9
-    rank_tolerance: float = 1e-9
+    settings: Settings = DEFAULTS
 
     def __getattr__(self, name: str) -> Any:
         # A control loop takes x and goes on: the copied numbers become a hierarchy when they are asked for.
@@ -185,7 +189,8 @@ class Solution:
             LevelSolution(
                 name=level.name,
                 slack=rows.slack[a:b],
-                rank=ranks[k],
+                rank=ranks[k][0],
+                smallest=ranks[k][1],
                 active=rows.sides[a:b],
                 residual_norm=judged[k].residual_norm,
                 multipliers=judged[k].multipliers,
@@ -195,15 +200,17 @@ class Solution:
 
     @cached_property
     def _rows(self) -> RowStates:
-        return row_states(self.hierarchy, self.x, self.tolerance)
+        return row_states(self.hierarchy, self.x, 10 * self.settings.tolerance)
 
-    def _ranks(self, rows: RowStates) -> list[int]:
+    def _ranks(self, rows: RowStates) -> list[tuple[int, float]]:
+        """Of every level, rank and smallest singular value of what it fixes, its rows in units of their norms."""
         h, ranks, Z = self.hierarchy, [], np.eye(self.hierarchy.n)
         for k in range(len(h.levels)):
             own = slice(h.pointers[k], h.pointers[k + 1])
-            frozen = (rows.sides[own] == Side.EQUALITY) | rows.violated[own]
-            range_, null = split(h.matrix(k)[frozen] @ Z, rows.norms[own][frozen], self.rank_tolerance)
-            ranks.append(range_.shape[1])
+            frozen = ((rows.sides[own] == Side.EQUALITY) | rows.violated[own]) & (rows.norms[own] > 0)
+            units = h.matrix(k)[frozen] @ Z / rows.norms[own][frozen, None]
+            range_, null, smallest = row_space(units, self.settings.rank_tolerance)
+            ranks.append((range_.shape[1], smallest))
             Z = Z @ null
         return ranks
 

@@ -23,6 +23,11 @@ DEFAULT_BACKEND = "native"
 OPTIMAL = Status.OPTIMAL
 #: What almost every tick of a control loop takes.
 ONE_SWEEP = Counts(sweeps=1)
+new = object.__new__
+
+
+def _nothing(hierarchy: Hierarchy, x_ref: Array) -> None:
+    """The short way of a backend that has none."""
 
 
 class Solver:
@@ -52,8 +57,9 @@ class Solver:
         self.backend = backend
         self.settings = Settings() if settings is None else of_type(settings, Settings, "settings")
         self._backend = make_backend(backend, self.settings)
-        self._quick = getattr(self._backend, "quick", None)  # the native solver's, which looks at the numbers itself
-        self._tolerance = 10 * self.settings.tolerance
+        # The native solver has a short way for what its first sweep proves, and looks at the numbers on it.
+        self._checks = not hasattr(self._backend, "quick")
+        self._quick = getattr(self._backend, "quick", _nothing)
         self._structure: tuple[Any, ...] | None = None
         self._zero = np.zeros(0)
 
@@ -76,13 +82,12 @@ class Solver:
         if hierarchy.structure is not self._structure:
             self._adopt(hierarchy)
         fault, reference = (None, self._zero) if x_ref is None else self._reference(x_ref)
-        x = self._quick(hierarchy, reference) if self._quick is not None and fault is None else None
-        solution = object.__new__(Solution)  # at a third of the price of a frozen dataclass's __init__
+        x = self._quick(hierarchy, reference) if fault is None else None
+        solution = new(Solution)  # and its fields, at a third of the price of a frozen dataclass's __init__
         fields = solution.__dict__
         fields["backend"] = self.backend
+        fields["settings"] = self.settings
         fields["x_ref"] = reference
-        fields["tolerance"] = self._tolerance
-        fields["rank_tolerance"] = self.settings.rank_tolerance
         fields["_snapshot"] = hierarchy, hierarchy.numbers.copy()
         if x is not None:
             fields["x"], fields["status"], fields["counts"] = x, OPTIMAL, ONE_SWEEP
@@ -98,7 +103,7 @@ class Solver:
 
     def _answer(self, hierarchy: Hierarchy, reference: Array, fault: str | None) -> Answer:
         """What the backend says, or why it is not asked."""
-        if self._quick is None:
+        if self._checks:
             fault = hierarchy.find_fault() or fault
         if fault is not None:
             return Answer(reference.copy(), Status.INVALID, fault)

@@ -87,7 +87,8 @@ def factor(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
         row, coefficients = R[r], L[ids[r]]
         for q in range(c):
             coefficients[q] = 0.0
-        project(row, f, V, c, coefficients)
+        if c > 0:
+            project(row, f, V, c, coefficients)
         sizes[r] = length(row, f)
         if not sizes[r] > tau * norm[ids[r]]:  # nothing left but round-off, which a large slack would magnify
             sizes[r] = 0.0
@@ -111,21 +112,25 @@ def factor(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
             continue
         renewed = -1
         ids[best], slots[best], sizes[best] = ids[rank], slots[rank], sizes[rank]
-        size = length(row, f)
+        size = most
         ids[rank], slots[rank], sizes[rank] = i, slot, size
         direction = V[c + rank]
+        scale = 1.0 / size
         for t in range(f):
-            direction[t] = row[t] / size
+            direction[t] = row[t] * scale
         coefficients[c + rank] = size
         for r in range(rank + 1, count):
             other = R[slots[r]]
             along = 0.0
             for t in range(f):
                 along += other[t] * direction[t]
+            total = 0.0
             for t in range(f):
-                other[t] -= along * direction[t]
+                left = other[t] - along * direction[t]
+                other[t] = left
+                total += left * left
             L[ids[r]][c + rank] = along
-            sizes[r] = length(other, f)
+            sizes[r] = math.sqrt(total)
         rank += 1
     return rank
 
