@@ -17,6 +17,7 @@ from .backends import backends
 from .solve import solve
 from .thesis import thesis
 from .validate import validate
+from .warmup import warmup
 
 app = typer.Typer(
     name="hqp",
@@ -29,6 +30,7 @@ app.command()(thesis)
 app.command()(validate)
 app.command()(backends)
 app.command()(solve)
+app.command()(warmup)
 
 
 @app.callback(invoke_without_command=True)

@@ -1,0 +1,52 @@
+"""``hqp warmup`` at the command: compiled once, found afterwards, and what happened told in one line."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from hqp.kernels import solver
+from tasks.cli import run
+
+
+def test_what_is_compiled_is_found_and_its_place_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["warmup"]) == 0
+    told = capsys.readouterr()
+    folder = solver.solve.stats.cache_path
+    assert re.fullmatch(rf"native: already compiled, ready in \d+\.\d s; kept in {re.escape(str(folder))}\n", told.out)
+    assert told.err == ""
+
+
+def test_a_solver_that_cannot_be_kept_is_told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    unkept = SimpleNamespace(signatures=["int64(int64, int64)"], stats=SimpleNamespace(cache_path=None))
+    monkeypatch.setattr(solver, "solve", unkept)
+    assert run(["warmup"]) == 0
+    assert capsys.readouterr().out.endswith("s; not kept: there is no folder that can be written to\n")
+
+
+@pytest.mark.sweep
+def test_an_empty_folder_is_filled_once(tmp_path: Path) -> None:
+    """In processes of their own: this one has the solver already."""
+    done = [
+        subprocess.run(
+            [sys.executable, "-c", "from tasks.cli import main; main()", "warmup"],
+            env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        for _ in range(2)
+    ]
+    for one, said in zip(done, ("compiled", "already compiled, ready"), strict=True):
+        assert re.fullmatch(rf"native: {said} in \d+\.\d s; kept in {re.escape(str(tmp_path))}.*\n", one.stdout)
+    assert done[0].stderr.startswith("hqp: compiling the native solver, once ")
+    assert done[1].stderr == ""
+    assert list(tmp_path.rglob("*.nbc"))
