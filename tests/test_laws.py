@@ -74,15 +74,18 @@ def test_weights_are_row_scalings(seed: int, factor: float) -> None:
 
 
 @given(seeds)
-def test_an_orthogonal_change_of_equality_rows_does_not_matter(seed: int) -> None:
+def test_an_orthogonal_change_of_the_equality_rows_of_a_level_does_not_matter(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    levels, turned = [], []
-    for _ in range(3):
-        A, b = rng.standard_normal((3, 7)), rng.standard_normal(3)
-        Q = np.linalg.qr(rng.standard_normal((3, 3)))[0]
-        levels.append(Level.equality(A, b))
-        turned.append(Level.equality(Q @ A, Q @ b))
-    close(solve(Hierarchy(turned)).x, solve(Hierarchy(levels)).x, 10.0)
+    h = random_hierarchy(rng)
+
+    def turn(k, A, lower, upper, weights):
+        rows = np.flatnonzero(lower == upper)
+        Q = np.linalg.qr(rng.standard_normal((len(rows), len(rows))))[0] * weights[rows]
+        A[rows], lower[rows], weights[rows] = Q @ A[rows], Q @ lower[rows], 1.0
+        upper[rows] = lower[rows]
+        return A, lower, upper, weights
+
+    close(solve(rebuilt(h.copy(), turn)).x, solve(h).x, 10.0)
 
 
 @given(seeds, st.sampled_from([1e-3, 1e3]))
@@ -110,3 +113,24 @@ def test_adding_a_free_row_changes_nothing(seed: int) -> None:
     h = random_hierarchy(rng)
     free = Level(rng.standard_normal((2, h.n)), -np.inf, np.inf, name="free")
     close(solve(Hierarchy([free, *h.levels, free])).x, solve(h).x, 10.0)
+
+
+@given(seeds)
+def test_x_ref_is_the_origin_of_x(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    h = random_hierarchy(rng)
+    x_ref = rng.standard_normal(h.n)
+    from_there = h.copy()
+    for k, level in enumerate(from_there.levels):
+        level.lower[:] -= h.matrix(k) @ x_ref
+        level.upper[:] -= h.matrix(k) @ x_ref
+    close(x_ref + solve(from_there).x, solve(h, x_ref=x_ref).x, 10.0)
+
+
+@given(seeds)
+def test_x_ref_changes_no_residual_and_an_optimum_is_its_own(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    h = random_hierarchy(rng)
+    elsewhere = solve(h, x_ref=10.0 * rng.standard_normal(h.n))
+    close(np.array([level.residual_norm for level in elsewhere.levels]), residuals(h))
+    close(solve(h, x_ref=elsewhere.x).x, elsewhere.x, 10.0)
