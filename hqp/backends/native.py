@@ -11,6 +11,7 @@ from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
+from numba import int64
 from numba.core import event
 from numpy.typing import NDArray
 
@@ -30,6 +31,8 @@ STATUSES = {
     STALLED: Status.STALLED,
 }
 CLEAR = kernel.CLEAR
+#: Of the kernel: two addresses, an outcome.
+SIGNATURE = int64(int64, int64)
 #: Outcomes that mean OPTIMAL.
 PROVED = (OPTIMAL, CLEAR)
 
@@ -116,7 +119,8 @@ class Memory:
             for place, size in ((at.X, n), (at.X_REF, n), (at.OPTION, 4))
         )
         option[:] = settings.rank_tolerance, settings.tolerance, settings.iterations, settings.time_limit
-        self.run = partial(kernel.solve, int(self._directory.ctypes.data))
+        # The compiled function itself: there is one, and nothing to dispatch.
+        self.run = partial(kernel.solve.get_overload(SIGNATURE), int(self._directory.ctypes.data))
 
     def run_many(
         self,
@@ -164,7 +168,7 @@ def warm_up() -> bool:
     listener = _Announcement()
     try:
         with event.install_listener("numba:compile", listener):
-            kernel.solve.compile("int64(int64, int64)")
+            kernel.solve.compile(SIGNATURE)
     except OSError:  # a full disk: compiled, but not kept
         if not kernel.solve.signatures:
             raise

@@ -17,7 +17,6 @@ from __future__ import annotations
 import math
 
 from . import layout as at
-from .active_set import value_of
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER
@@ -79,12 +78,16 @@ def weighted_guess(here, last):
     # How soft each row is, and which are there from the start.
     count = integer(0)
     first = 1 if boxed else 0
+    softness = HARDEST
+    step = (SOFTEST / HARDEST) ** (1.0 / max(last - first - 1, 1))
     for k in range(last):
         longest = 0.0
         for i in range(ptr[k], ptr[k + 1]):
             longest = max(longest, norm[i])
-        decades = (k - first) / max(last - first - 1, 1)
-        delta = HARDEST * (SOFTEST / HARDEST) ** decades * longest * longest if k >= first else 0.0
+        delta = 0.0  # bounds on distinct variables are hard
+        if k >= first:
+            delta = softness * longest * longest
+            softness *= step
         for i in range(ptr[k], ptr[k + 1]):
             soft[i] = delta
             side[i] = INACTIVE
@@ -107,7 +110,13 @@ def weighted_guess(here, last):
             i = rows[c]
             mine, factor = gram[c], chol[c]
             bound = lo[i] if side[i] == LOWER else hi[i]
-            right = value_of(i, x0, here) - bound
+            right = -bound
+            if col[i] >= 0:
+                right += norm[i] * x0[col[i]]
+            else:
+                given = B[row_of[i]]
+                for j in range(n):
+                    right += given[j] * x0[j]
             square = norm[i] * norm[i] + soft[i]
             for r in range(c):
                 factor[r] = mine[r]
@@ -174,7 +183,12 @@ def weighted_guess(here, last):
             excess[i] = 0.0
             if side[i] != INACTIVE or norm[i] == 0.0:
                 continue
-            value = value_of(i, x, here)
+            if col[i] >= 0:
+                value = norm[i] * x[col[i]]
+            else:
+                given, value = B[row_of[i]], 0.0
+                for j in range(n):
+                    value += given[j] * x[j]
             over, under = value - hi[i], lo[i] - value
             if over > VIOLATED * (abs(hi[i]) + norm[i] * size):
                 excess[i] = over / norm[i]
