@@ -26,8 +26,9 @@ ONE_SWEEP = Counts(sweeps=1)
 new = object.__new__
 
 
-def _nothing(hierarchy: Hierarchy, x_ref: Array) -> None:
+def _nothing(hierarchy: Hierarchy, x_ref: Array | None) -> Array | None:
     """The short way of a backend that has none."""
+    return None
 
 
 class Solver:
@@ -58,8 +59,8 @@ class Solver:
         self.settings = Settings() if settings is None else of_type(settings, Settings, "settings")
         self._backend = make_backend(backend, self.settings)
         # The native solver has a short way for what its first sweep proves, and looks at the numbers on it.
-        self._checks = not hasattr(self._backend, "quick")
-        self._quick = getattr(self._backend, "quick", _nothing)
+        self._prepare = getattr(self._backend, "prepare", None)
+        self._quick = _nothing
         self._structure: tuple[Any, ...] | None = None
         self._zero = np.zeros(0)
 
@@ -77,12 +78,20 @@ class Solver:
         InvalidInput
             If x_ref is no array of real numbers, or has the wrong shape.
         """
-        if not isinstance(hierarchy, Hierarchy):
-            raise InvalidInput(f"solve takes a hqp.Hierarchy, not a {type(hierarchy).__name__}")
-        if hierarchy.structure is not self._structure:
+        try:
+            structure = hierarchy.structure
+        except AttributeError:
+            structure = None
+        if structure is None or structure is not self._structure:
             self._adopt(hierarchy)
-        fault, reference = (None, self._zero) if x_ref is None else self._reference(x_ref)
-        x = self._quick(hierarchy, reference) if fault is None else None
+        x = fault = None
+        if x_ref is None:
+            reference = self._zero
+            x = self._quick(hierarchy, None)
+        else:
+            fault, reference = self._reference(x_ref)
+            if fault is None:
+                x = self._quick(hierarchy, reference)
         solution = new(Solution)  # and its fields, at a third of the price of a frozen dataclass's __init__
         fields = solution.__dict__
         fields["backend"] = self.backend
@@ -103,7 +112,7 @@ class Solver:
 
     def _answer(self, hierarchy: Hierarchy, reference: Array, fault: str | None) -> Answer:
         """What the backend says, or why it is not asked."""
-        if self._checks:
+        if self._prepare is None:
             fault = hierarchy.find_fault() or fault
         if fault is not None:
             return Answer(reference.copy(), Status.INVALID, fault)
@@ -112,8 +121,12 @@ class Solver:
 
     def _adopt(self, hierarchy: Hierarchy) -> None:
         """Start afresh if the structure is another one, and not just another object that says the same."""
+        if not isinstance(hierarchy, Hierarchy):
+            raise InvalidInput(f"solve takes a hqp.Hierarchy, not a {type(hierarchy).__name__}")
         if hierarchy.structure != self._structure:
             self._backend.reset()
+            if self._prepare is not None:
+                self._quick = self._prepare(hierarchy.structure)
             self._zero = np.zeros(hierarchy.n)
             self._zero.flags.writeable = False
         self._structure = hierarchy.structure

@@ -7,6 +7,7 @@ a structure, and remembers in it which rows were active. What it does is told in
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import Any
 
@@ -36,6 +37,8 @@ SIGNATURE = int64(int64, int64)
 #: Outcomes that mean OPTIMAL.
 PROVED = (OPTIMAL, CLEAR)
 
+Quick = Callable[[Hierarchy, Array | None], Array | None]
+
 
 class Native:
     """The kernel, its memory, and the active rows of the last call."""
@@ -43,35 +46,41 @@ class Native:
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
         self._memory: Memory | None = None
-        self._reference: Array | None = None
-        self._outcome = OPTIMAL
 
-    def quick(self, hierarchy: Hierarchy, x_ref: Array) -> Array | None:
-        """The optimum if the first sweep proves it, as it mostly does in a control loop; else ask :meth:`solve`."""
-        memory = self._memory
-        if memory is None:
-            memory = self._memory = Memory(hierarchy.structure, self._settings)
-            self._reference = None
-        if x_ref is not self._reference:  # the solver's own zero is always the same array
-            memory.x_ref[:] = x_ref
-            self._reference = x_ref if not x_ref.flags.writeable else None
-        self._outcome = memory.run(hierarchy.address)
-        return memory.x.copy() if self._outcome == CLEAR else None
+    def prepare(self, structure: tuple[Any, ...]) -> Quick:
+        """The short way for hierarchies of this structure.
+
+        It takes a hierarchy and x_ref, None for zero, and gives the optimum if the first sweep proves it, as it mostly
+        does in a control loop. If it does not, :meth:`solve` tells what came out.
+        """
+        memory = self._memory = Memory(structure, self._settings)
+        run, copy, reference, zero = memory.run, memory.x.copy, memory.x_ref, True
+
+        def quick(hierarchy: Hierarchy, x_ref: Array | None) -> Array | None:
+            nonlocal zero
+            if x_ref is not None:
+                reference[:], zero = x_ref, False
+            elif not zero:
+                reference[:], zero = 0.0, True
+            return copy() if run(hierarchy.address) == CLEAR else None
+
+        return quick
 
     def solve(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
-        """What :meth:`quick` has just found, in full."""
+        """What the short way has just found, in full."""
         memory = self._memory
         assert memory is not None
-        if self._outcome == kernel.SUSPECT:  # out of range, or a row so long that one of its entries could be
+        outcome = int(memory.head[at.OUTCOME])
+        if outcome == kernel.SUSPECT:  # out of range, or a row so long that one of its entries could be
             fault = hierarchy.find_fault()
             if fault is not None:
                 return Answer(x_ref.copy(), Status.INVALID, fault)
             memory.head[at.TRUSTED] = 1
-            self._outcome = memory.run(hierarchy.address)
+            outcome = memory.run(hierarchy.address)
             memory.head[at.TRUSTED] = 0
         head = memory.head.tolist()
         counts = Counts(sweeps=head[at.SWEEPS], iterations=head[at.ITERATIONS])
-        status, level = STATUSES[self._outcome], head[at.LEVEL]
+        status, level = STATUSES[outcome], head[at.LEVEL]
         if status is Status.OPTIMAL:
             return Answer(memory.x.copy(), counts=counts)
         return Answer(memory.x.copy(), status, why(hierarchy, status, level, counts.iterations), level, counts)

@@ -54,8 +54,11 @@ def products(rows, c, out, here):
 
 
 @inner
-def weighted_guess(here, last):
-    """Set ``side`` to the active rows of the weighted here; False if they are more than fit."""
+def weighted_guess(here, last, cold):
+    """Set ``side`` to the active rows of the weighted problem; False if they are more than fit.
+
+    W starts with the equalities and, unless `cold`, with the rows of the guess that is there.
+    """
     head = ints(here, 0, at.HEAD)
     n, boxed = head[at.N], head[at.BOXED] != 0
     ptr, col, row_of, B = marks(here, at.PTR), marks(here, at.COL), marks(here, at.ROW_OF), matrix(here, at.B)
@@ -67,7 +70,7 @@ def weighted_guess(here, last):
         matrix(here, at.CHOLESKY),
         matrix(here, at.ACROSS),
     )
-    diagonal, rows, z, d = (
+    inverse, rows, z, d = (
         vector(here, at.DIAGONAL),
         marks(here, at.MEMBERS),
         vector(here, at.Z),
@@ -90,12 +93,12 @@ def weighted_guess(here, last):
             softness *= step
         for i in range(ptr[k], ptr[k + 1]):
             soft[i] = delta
-            side[i] = INACTIVE
             multiplier[i] = 0.0
-            if norm[i] > 0.0 and lo[i] == hi[i]:
+            if norm[i] == 0.0 or (cold and lo[i] < hi[i]):
+                side[i] = INACTIVE
+            if side[i] != INACTIVE:
                 if count == most:
                     return False
-                side[i] = EQUALITY
                 rows[count] = i
                 count += 1
     for j in range(n):
@@ -121,15 +124,15 @@ def weighted_guess(here, last):
             for r in range(c):
                 factor[r] = mine[r]
             for r in range(c):
-                entry = factor[r] / diagonal[r]
+                entry = factor[r] * inverse[r]
                 below = across[r]
                 for q in range(r + 1, c):
                     factor[q] -= entry * below[q]
                 factor[r] = below[c] = entry
                 square -= entry * entry
                 right -= entry * z[r]
-            diagonal[c] = math.sqrt(max(square, 0.1 * soft[i], 1e-15 * norm[i] * norm[i]))
-            z[c] = right / diagonal[c]
+            inverse[c] = 1.0 / math.sqrt(max(square, 0.1 * soft[i], 1e-15 * norm[i] * norm[i]))
+            z[c] = right * inverse[c]
         entered = count
 
         # What W wants, and how far on the way there all multipliers push the right way.
@@ -137,7 +140,7 @@ def weighted_guess(here, last):
             d[c] = z[c]
         for c in range(count - 1, -1, -1):
             factor = chol[c]
-            d[c] /= diagonal[c]
+            d[c] *= inverse[c]
             for r in range(c):
                 d[r] -= factor[r] * d[c]
         reach, leaves = 1.0, -1

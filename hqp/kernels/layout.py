@@ -14,7 +14,7 @@ import numpy as np
 #: Numbers at the head of the directory: the structure,
 N, LEVELS, ROWS, BOXED = 0, 1, 2, 3
 #: what a solve is told (whether the sides are a guess; that long rows were looked at), and what it reports,
-WARM, TRUSTED, LEVEL, SWEEPS, ITERATIONS = 4, 5, 6, 7, 8
+WARM, TRUSTED, LEVEL, SWEEPS, ITERATIONS, OUTCOME = 4, 5, 6, 7, 8, 15
 #: and for many hierarchies in one call their number (0: one), how many numbers each has, and the addresses of their
 #: x_ref (0: the same for all), x, sides and outcomes.
 COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES, HEAD = 9, 10, 11, 12, 13, 14, 16

@@ -141,16 +141,21 @@ def solve_one(here):
     if not load(here, warm, head[at.TRUSTED] != 0):
         return SUSPECT
     last = levels_that_count(here)
+    side, before = marks(here, at.SIDE), marks(here, at.HELD)
     deadline = NEVER if option[at.LIMIT] == math.inf else clock() + int(1e9 * option[at.LIMIT])
 
     status, level, iterations, sweeps = OPTIMAL, last, 0, 0
-    wanted, guessed, safe = not warm, False, False
+    wanted, guesses, safe = not warm, 0, False
     fewest, patience, tau = m + 1, PATIENCE, option[at.TAU]
     while True:
         if wanted:
-            weighted_guess(here, last)
-            wanted, guessed = False, True
-            fewest, patience = m + 1, PATIENCE
+            guesses += 1
+            fresh = not warm or guesses == 2  # a last guess is a good start, but not always
+            if not fresh:
+                for i in range(m):
+                    side[i] = before[i]
+            weighted_guess(here, last, fresh)
+            wanted, fewest, patience = False, m + 1, PATIENCE
         faults, blurred = sweep(here, last, tau)
         sweeps += 1
         if faults == 0 and blurred and tau > SHARPEST:
@@ -163,9 +168,12 @@ def solve_one(here):
         if safe and patience <= 0:
             break
         late = deadline != NEVER and clock() > deadline
+        if sweeps == 1:
+            for i in range(m):
+                before[i] = side[i]
         if patience > 0 and (safe or not late):
             repair(here, last)
-        elif not guessed and not late:
+        elif guesses < (2 if warm else 1) and not late:
             wanted = True
         else:
             safe = True
@@ -201,7 +209,8 @@ def solve(here, numbers):
     n, m, count, warm = head[at.N], head[at.ROWS], head[at.COUNT], head[at.WARM]
     if count == 0:
         given(here, numbers)
-        return solve_one(here)
+        head[at.OUTCOME] = solve_one(here)
+        return head[at.OUTCOME]
     x, x_ref, side = vector(here, at.X), vector(here, at.X_REF), marks(here, at.SIDE)
     outcome = OPTIMAL
     for b in range(count):
