@@ -9,6 +9,8 @@ from itertools import cycle, islice
 import numpy as np
 
 from hqp import BackendInfo, Hierarchy, InvalidInput
+from hqp.families import FAMILIES as ADVERSARIES
+from hqp.families import hierarchies
 from hqp.problems import equality_cases, random_hierarchy
 
 
@@ -55,7 +57,19 @@ def _mixed(count: int, seed: int) -> Iterator[Hierarchy]:
         yield random_hierarchy(np.random.default_rng([seed, k]))
 
 
+def _adversarial(count: int, seed: int) -> Iterator[Hierarchy]:
+    streams = [hierarchies(name, count, seed) for name, family in ADVERSARIES.items() if family.expect == "certified"]
+    for _, stream in zip(range(count), cycle(streams), strict=False):
+        yield next(stream)
+
+
 FAMILIES = (
     Family("equalities", "the shapes and rank cases of hqp validate, in turn", False, _equalities),
     Family("mixed", "inequalities, conflicts, duplicates, weights; n 2-12, up to 6 levels", True, _mixed),
+    Family(
+        "adversarial",
+        "what breaks solvers and can be certified, the families of hqp.families in turn",
+        True,
+        _adversarial,
+    ),
 )

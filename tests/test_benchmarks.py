@@ -55,6 +55,8 @@ def test_a_small_run_fills_table_and_csv(tmp_path: Path) -> None:
         ("equalities", "cascade:osqp"),
         ("mixed", "cascade:proxsuite"),
         ("mixed", "cascade:osqp"),
+        ("adversarial", "cascade:proxsuite"),
+        ("adversarial", "cascade:osqp"),
     ]
     for row in rows:
         assert row["certified"] == row["rejected"] == "100.00%"

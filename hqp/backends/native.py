@@ -113,21 +113,22 @@ class Memory:
     """
 
     def __init__(self, structure: tuple[Any, ...], settings: Settings) -> None:
-        directory, owned, sizes = _layout(structure)
-        self._directory, self._owned = directory.copy(), owned
-        self._blocks = np.zeros(sizes[0], dtype=np.int64), np.zeros(sizes[1])
+        directory, self._owned, (ints, floats) = _layout(structure)
+        self._directory = directory.copy()
+        self._blocks = np.zeros(ints, dtype=np.int64), np.zeros(floats)
         entries = self._directory[at.HEAD :].reshape(-1, 3)
+        begins = {place: int(entries[place, 0]) for place in (at.X, at.X_REF, at.OPTION)}
         for block, places in zip(self._blocks, at.PLACES, strict=True):
             entries[places, 0] = block.ctypes.data + 8 * entries[places, 0]
-        for place, array in owned.items():
-            entries[place, 0] = array.ctypes.data
         self.head = self._directory[: at.HEAD]
-        n = int(self.head[at.N])
-        self.x, self.x_ref, option = (
-            self._blocks[1][(entries[place, 0] - self._blocks[1].ctypes.data) // 8 :][:size]
-            for place, size in ((at.X, n), (at.X_REF, n), (at.OPTION, 4))
+        n, memory = int(self.head[at.N]), self._blocks[1]
+        self.x, self.x_ref = memory[begins[at.X] :][:n], memory[begins[at.X_REF] :][:n]
+        memory[begins[at.OPTION] :][:4] = (
+            settings.rank_tolerance,
+            settings.tolerance,
+            settings.iterations,
+            settings.time_limit,
         )
-        option[:] = settings.rank_tolerance, settings.tolerance, settings.iterations, settings.time_limit
         # The compiled function itself: there is one, and nothing to dispatch.
         self.run = partial(kernel.solve.get_overload(SIGNATURE), int(self._directory.ctypes.data))
 

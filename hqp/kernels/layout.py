@@ -54,18 +54,18 @@ def shapes(n, levels, m, dense, widest):
 
 
 #: Places of all integer arrays in memory, and of all arrays of numbers.
-PLACES = tuple(list(block) for block in shapes(0, 0, 0, 0, 0))
+PLACES = tuple(np.array(list(block)) for block in shapes(0, 0, 0, 0, 0))
 
 
 def lay_out(structure):
-    """A directory without addresses, the structure's own arrays, and the sizes of the memory for integers and numbers.
+    """A directory for hierarchies of this structure, and the sizes of the memory for integers and numbers.
 
     Returns
     -------
     directory : int64 array
         Of every array in memory, instead of its address, where it begins there.
     owned : dict
-        Place -> int64 array of the structure.
+        Place -> int64 array of the structure, whose addresses are in the directory: to be kept.
     sizes : (int, int)
     """
     n, cuts, has_rows, indices = structure
@@ -82,7 +82,7 @@ def lay_out(structure):
     directory[[N, LEVELS, ROWS, BOXED]] = n, len(levels), m, distinct[:1] == [True]
     entries = directory[HEAD:].reshape(-1, 3)
     for place, array in owned.items():
-        entries[place, 1:] = len(array), 1
+        entries[place] = array.ctypes.data, len(array), 1
     entries[[A, LOWER, UPPER, WEIGHTS], 1:] = (rows, n), (m, 1), (m, 1), (m, 1)
     sizes = []
     for block in shapes(n, len(levels), m, rows, max(map(len, levels), default=0)):
