@@ -80,7 +80,6 @@ class Counts(NamedTuple):
 
 
 NO_COUNTS = Counts()
-DEFAULTS = Settings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,18 +149,19 @@ class Solution:
     backend: str
     hierarchy: Hierarchy
     x_ref: Array
+    settings: Settings
     message: str = ""
     level: int | None = None
     counts: Counts = NO_COUNTS
-    settings: Settings = DEFAULTS
 
     def __getattr__(self, name: str) -> Any:
-        # A control loop takes x and goes on: the copied numbers become a hierarchy when they are asked for.
-        if name == "hierarchy" and "_snapshot" in self.__dict__:
-            template, numbers = self._snapshot
-            hierarchy = self.__dict__["hierarchy"] = template.with_numbers(numbers)
-            return hierarchy
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        # A control loop takes x and goes on; what else was noted down is looked up when it is asked for.
+        noted = self.__dict__.get("_noted")
+        if noted is None or name not in ("hierarchy", "x_ref", "backend", "settings"):
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        template, numbers, x_ref, (backend, settings) = noted
+        self.__dict__.update(hierarchy=template.with_numbers(numbers), x_ref=x_ref, backend=backend, settings=settings)
+        return self.__dict__[name]
 
     @property
     def ok(self) -> bool:

@@ -61,6 +61,7 @@ class Solver:
         # The native solver has a short way for what its first sweep proves, and looks at the numbers on it.
         self._prepare = getattr(self._backend, "prepare", None)
         self._quick = _nothing
+        self._always = self.backend, self.settings
         self._structure: tuple[Any, ...] | None = None
         self._zero = np.zeros(0)
 
@@ -94,10 +95,7 @@ class Solver:
                 x = self._quick(hierarchy, reference)
         solution = new(Solution)  # and its fields, at a third of the price of a frozen dataclass's __init__
         fields = solution.__dict__
-        fields["backend"] = self.backend
-        fields["settings"] = self.settings
-        fields["x_ref"] = reference
-        fields["_snapshot"] = hierarchy, hierarchy.numbers.copy()
+        fields["_noted"] = hierarchy, hierarchy.numbers.copy(), reference, self._always
         if x is not None:
             fields["x"], fields["status"], fields["counts"] = x, OPTIMAL, ONE_SWEEP
         else:
