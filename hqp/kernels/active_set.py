@@ -45,7 +45,9 @@ def value_of(i, x, here):
     """a_i x."""
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
-    col, norm, B, row_of = marks(here, at.COL), vector(here, at.NORM), matrix(here, at.B), marks(here, at.ROW_OF)
+    col, row_of = marks(here, at.COL), marks(here, at.ROW_OF)
+    norm = vector(here, at.NORM)
+    B = matrix(here, at.B)
     if col[i] >= 0:
         return norm[i] * x[col[i]]
     row = B[row_of[i]]
@@ -60,7 +62,9 @@ def copy_row(i, out, here):
     """a_i as a dense vector."""
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
-    col, norm, B, row_of = marks(here, at.COL), vector(here, at.NORM), matrix(here, at.B), marks(here, at.ROW_OF)
+    col, row_of = marks(here, at.COL), marks(here, at.ROW_OF)
+    norm = vector(here, at.NORM)
+    B = matrix(here, at.B)
     if col[i] >= 0:
         for j in range(n):
             out[j] = 0.0
@@ -76,7 +80,9 @@ def append(i, c, here, tau):
     """Put row i on top of the basis V[:c]; False, and nothing changed, if it depends on it."""
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
-    V, L, norm, pivot = matrix(here, at.V), matrix(here, at.L), vector(here, at.NORM), marks(here, at.PIVOT)
+    pivot = marks(here, at.PIVOT)
+    norm = vector(here, at.NORM)
+    V, L = matrix(here, at.V), matrix(here, at.L)
     if c >= n:
         return False
     row, coefficients = V[c], L[i]
@@ -109,8 +115,9 @@ def remove(place, c, here):
 @inner
 def balance(low, high, n, here):
     """Multipliers of the rows at low .. high of the basis: ``g + sum multiplier_i a_i`` is orthogonal to them."""
-    V, L, pivot, multiplier = matrix(here, at.V), matrix(here, at.L), marks(here, at.PIVOT), vector(here, at.MULTIPLIER)
-    g = vector(here, at.G)
+    pivot = marks(here, at.PIVOT)
+    multiplier, g = vector(here, at.MULTIPLIER), vector(here, at.G)
+    V, L = matrix(here, at.V), matrix(here, at.L)
     for q in range(low, high):
         direction = V[q]
         total = 0.0
@@ -138,16 +145,11 @@ def escape(here, forces, frozen, working, hard_end):
     """
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
-    norm, g, d, V, pivot = (
-        vector(here, at.NORM),
-        vector(here, at.G),
-        vector(here, at.D),
-        matrix(here, at.V),
-        marks(here, at.PIVOT),
-    )
-    kind, side, v, low = marks(here, at.KIND), marks(here, at.SIDE), vector(here, at.VALUE), vector(here, at.LOW)
-    high, allowed, share = vector(here, at.HIGH), vector(here, at.ALLOWED), vector(here, at.SHARE)
-    multiplier, scratch = vector(here, at.MULTIPLIER), vector(here, at.SCRATCH)
+    pivot, kind, side = marks(here, at.PIVOT), marks(here, at.KIND), marks(here, at.SIDE)
+    norm, g, d, v = vector(here, at.NORM), vector(here, at.G), vector(here, at.D), vector(here, at.VALUE)
+    low, high, allowed = vector(here, at.LOW), vector(here, at.HIGH), vector(here, at.ALLOWED)
+    share, multiplier, scratch = vector(here, at.SHARE), vector(here, at.MULTIPLIER), vector(here, at.SCRATCH)
+    V = matrix(here, at.V)
     for q in range(frozen, frozen + working):
         kind[pivot[q]] = HARD
     working = integer(0)
@@ -217,7 +219,11 @@ def best_step(first, end, v, slope, lo, hi):
     """
     start = initial = 0.0
     for turn in range(2 * (end - first) + 2):
-        value, rate, kink = 0.0, 0.0, math.inf  # derivative at `start`, its slope beyond, and the next kink
+        value, rate, kink = (
+            0.0,
+            0.0,
+            math.inf,
+        )  # derivative at `start`, its slope beyond, and the next kink
         for i in range(first, end):
             s = slope[i]
             if s == 0.0:
@@ -250,8 +256,8 @@ def best_step(first, end, v, slope, lo, hi):
 @inner
 def release(count, forces, here):
     """Let go of the row of this level that is held at its bound from within and pulls most; False if there is none."""
-    ids, lo, hi, held = marks(here, at.IDS), vector(here, at.LO), vector(here, at.HI), marks(here, at.HELD)
-    v, norm = vector(here, at.VALUE), vector(here, at.NORM)
+    ids, held = marks(here, at.IDS), marks(here, at.HELD)
+    lo, hi, v, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.VALUE), vector(here, at.NORM)
     worst, leaves = DUAL * forces, integer(-1)
     for r in range(count):
         i = ids[r]
@@ -280,47 +286,15 @@ def active_set(here, last, budget, deadline):
     n = head[at.N]
     option = vector(here, at.OPTION)
     tol, tau = option[at.TOL], option[at.TAU]
-    kind, side, held, low = marks(here, at.KIND), marks(here, at.SIDE), marks(here, at.HELD), vector(here, at.LOW)
-    high, allowed, slope, ptr = (
-        vector(here, at.HIGH),
-        vector(here, at.ALLOWED),
-        vector(here, at.SLOPE),
-        marks(here, at.PTR),
-    )
-    col, lo, hi, norm, x0 = (
-        marks(here, at.COL),
-        vector(here, at.LO),
-        vector(here, at.HI),
-        vector(here, at.NORM),
-        vector(here, at.X0),
-    )
-    x, w, v, g, d = (
-        vector(here, at.X),
-        vector(here, at.W),
-        vector(here, at.VALUE),
-        vector(here, at.G),
-        vector(here, at.D),
-    )
-    y, V, L, pivot, ids = (
-        vector(here, at.Y),
-        matrix(here, at.V),
-        matrix(here, at.L),
-        marks(here, at.PIVOT),
-        marks(here, at.IDS),
-    )
-    rhs, multiplier, scratch, B = (
-        vector(here, at.RHS),
-        vector(here, at.MULTIPLIER),
-        vector(here, at.SCRATCH),
-        matrix(here, at.B),
-    )
-    row_of, R, slots, lengths = (
-        marks(here, at.ROW_OF),
-        matrix(here, at.R),
-        marks(here, at.SLOTS),
-        vector(here, at.LENGTHS),
-    )
-    H, queue = matrix(here, at.H), marks(here, at.QUEUE)
+    kind, side, held, ptr = marks(here, at.KIND), marks(here, at.SIDE), marks(here, at.HELD), marks(here, at.PTR)
+    col, pivot, ids, row_of = marks(here, at.COL), marks(here, at.PIVOT), marks(here, at.IDS), marks(here, at.ROW_OF)
+    slots, queue = marks(here, at.SLOTS), marks(here, at.QUEUE)
+    low, high, allowed = vector(here, at.LOW), vector(here, at.HIGH), vector(here, at.ALLOWED)
+    slope, lo, hi, norm = vector(here, at.SLOPE), vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
+    x0, x, w, v = vector(here, at.X0), vector(here, at.X), vector(here, at.W), vector(here, at.VALUE)
+    g, d, y, rhs = vector(here, at.G), vector(here, at.D), vector(here, at.Y), vector(here, at.RHS)
+    multiplier, scratch, lengths = vector(here, at.MULTIPLIER), vector(here, at.SCRATCH), vector(here, at.LENGTHS)
+    V, L, B, R, H = matrix(here, at.V), matrix(here, at.L), matrix(here, at.B), matrix(here, at.R), matrix(here, at.H)
     frozen = working = integer(0)
     iterations = 0
     status, where = OPTIMAL, last + 1
@@ -469,13 +443,20 @@ def active_set(here, last, budget, deadline):
             for i in range(hard_end):
                 if kind[i] == HARD and slope[i] != 0.0:
                     room = (high[i] if slope[i] > 0.0 else low[i]) - v[i]
-                    nearest = min(nearest, (room + math.copysign(0.1 * allowed[i], slope[i])) / slope[i])
+                    nearest = min(
+                        nearest,
+                        (room + math.copysign(0.1 * allowed[i], slope[i])) / slope[i],
+                    )
             limit, blocks, steepest = math.inf, integer(-1), -1.0
             for i in range(hard_end):
                 if kind[i] == HARD and slope[i] != 0.0:
                     ratio = ((high[i] if slope[i] > 0.0 else low[i]) - v[i]) / slope[i]
                     if ratio <= nearest and abs(slope[i]) / norm[i] > steepest:
-                        limit, blocks, steepest = max(ratio, 0.0), i, abs(slope[i]) / norm[i]
+                        limit, blocks, steepest = (
+                            max(ratio, 0.0),
+                            i,
+                            abs(slope[i]) / norm[i],
+                        )
             if k == last:
                 reach = 0.0  # the minimum along d
                 for j in range(n):

@@ -34,7 +34,9 @@ def products(rows, c, out, here):
     """Inner products of row number c of W with those before it."""
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
-    col, row_of, B, norm = marks(here, at.COL), marks(here, at.ROW_OF), matrix(here, at.B), vector(here, at.NORM)
+    col, row_of = marks(here, at.COL), marks(here, at.ROW_OF)
+    norm = vector(here, at.NORM)
+    B = matrix(here, at.B)
     i = rows[c]
     for r in range(c):
         other = rows[r]
@@ -61,21 +63,14 @@ def weighted_guess(here, last, cold):
     """
     head = ints(here, 0, at.HEAD)
     n, boxed = head[at.N], head[at.BOXED] != 0
-    ptr, col, row_of, B = marks(here, at.PTR), marks(here, at.COL), marks(here, at.ROW_OF), matrix(here, at.B)
+    ptr, col, row_of, side = marks(here, at.PTR), marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.SIDE)
+    rows = marks(here, at.MEMBERS)
     lo, hi, norm, x0 = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X0)
-    side, x, soft, multiplier = marks(here, at.SIDE), vector(here, at.X), vector(here, at.VALUE), vector(here, at.W)
-    excess, gram, chol, across = (
-        vector(here, at.SLOPE),
-        matrix(here, at.GRAM),
-        matrix(here, at.CHOLESKY),
-        matrix(here, at.ACROSS),
-    )
-    inverse, rows, z, d = (
-        vector(here, at.DIAGONAL),
-        marks(here, at.MEMBERS),
-        vector(here, at.Z),
-        vector(here, at.WANTED),
-    )
+    x, soft, multiplier = vector(here, at.X), vector(here, at.VALUE), vector(here, at.W)
+    excess, inverse, z = vector(here, at.SLOPE), vector(here, at.DIAGONAL), vector(here, at.Z)
+    d = vector(here, at.WANTED)
+    B, gram, chol = matrix(here, at.B), matrix(here, at.GRAM), matrix(here, at.CHOLESKY)
+    across = matrix(here, at.ACROSS)
     most = len(rows)
 
     # How soft each row is, and which are there from the start.

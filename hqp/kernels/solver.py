@@ -34,9 +34,10 @@ def load(here, warm, trusted):
     """Weight the rows, measure them, and make the guess fit them; False if a number may mean nothing."""
     head = ints(here, 0, at.HEAD)
     n, m = head[at.N], head[at.ROWS]
-    col, side, lower, upper = marks(here, at.COL), marks(here, at.SIDE), vector(here, at.LOWER), vector(here, at.UPPER)
-    lo, hi, norm, weights = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.WEIGHTS)
-    A, row_of, B = matrix(here, at.A), marks(here, at.ROW_OF), matrix(here, at.B)
+    col, side, row_of = marks(here, at.COL), marks(here, at.SIDE), marks(here, at.ROW_OF)
+    lower, upper, lo, hi = vector(here, at.LOWER), vector(here, at.UPPER), vector(here, at.LO), vector(here, at.HI)
+    norm, weights = vector(here, at.NORM), vector(here, at.WEIGHTS)
+    A, B = matrix(here, at.A), matrix(here, at.B)
     for i in range(m):
         weight = weights[i]
         size = 1.0
@@ -77,8 +78,9 @@ def levels_that_count(here):
     """
     head = ints(here, 0, at.HEAD)
     n, levels = head[at.N], head[at.LEVELS]
-    x0, x_ref, whole, ptr = vector(here, at.X0), vector(here, at.X_REF), marks(here, at.WHOLE), marks(here, at.PTR)
-    lower, upper, norm, col = vector(here, at.LOWER), vector(here, at.UPPER), vector(here, at.NORM), marks(here, at.COL)
+    whole, ptr, col = marks(here, at.WHOLE), marks(here, at.PTR), marks(here, at.COL)
+    x0, x_ref, lower = vector(here, at.X0), vector(here, at.X_REF), vector(here, at.LOWER)
+    upper, norm = vector(here, at.UPPER), vector(here, at.NORM)
     for j in range(n):
         x0[j] = x_ref[j]
     for k in range(levels):
@@ -119,9 +121,8 @@ def start(here):
     """Where the safe method starts: at what the last level wants, within the bounds of level 0."""
     head = ints(here, 0, at.HEAD)
     n, boxed = head[at.N], head[at.BOXED] != 0
-    x = vector(here, at.X)
-    x0, ptr, col, lower = vector(here, at.X0), marks(here, at.PTR), marks(here, at.COL), vector(here, at.LOWER)
-    upper = vector(here, at.UPPER)
+    ptr, col = marks(here, at.PTR), marks(here, at.COL)
+    x, x0, lower, upper = vector(here, at.X), vector(here, at.X0), vector(here, at.LOWER), vector(here, at.UPPER)
     for j in range(n):
         x[j] = x0[j]
     if boxed:
@@ -189,7 +190,12 @@ def solve_one(here):
             x[j] = safe_x[j]
         if status == OPTIMAL:  # and no proof
             status, level = STALLED, first_contradiction(here, last)
-    head[at.LEVEL], head[at.SWEEPS], head[at.ITERATIONS], head[at.WARM] = level, sweeps, iterations, 1
+    head[at.LEVEL], head[at.SWEEPS], head[at.ITERATIONS], head[at.WARM] = (
+        level,
+        sweeps,
+        iterations,
+        1,
+    )
     return CLEAR if sweeps == 1 and not safe else status
 
 
@@ -211,7 +217,8 @@ def solve(here, numbers):
         given(here, numbers)
         head[at.OUTCOME] = solve_one(here)
         return head[at.OUTCOME]
-    x, x_ref, side = vector(here, at.X), vector(here, at.X_REF), marks(here, at.SIDE)
+    side = marks(here, at.SIDE)
+    x, x_ref = vector(here, at.X), vector(here, at.X_REF)
     outcome = OPTIMAL
     for b in range(count):
         given(here, numbers + 8 * b * head[at.STRIDE])
@@ -229,5 +236,10 @@ def solve(here, numbers):
         for i in range(m):
             sides[i] = side[i]
         said = ints(head[at.OUTCOMES], 4 * b, 4)
-        said[0], said[1], said[2], said[3] = outcome, head[at.LEVEL], head[at.SWEEPS], head[at.ITERATIONS]
+        said[0], said[1], said[2], said[3] = (
+            outcome,
+            head[at.LEVEL],
+            head[at.SWEEPS],
+            head[at.ITERATIONS],
+        )
     return outcome

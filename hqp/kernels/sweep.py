@@ -45,40 +45,27 @@ def sweep(here, last, tau):
         Whether a row that counts as dependent, by the share `tau` of its length, shows that it is not: the little
         of it that was left out moves it by more than its tolerance.
     """
+    solve_equalities(here, last, tau)
+    faults, undecided, blurred = judge_rows(here, last)
+    if undecided > 0:
+        faults += judge_multipliers(here, last, undecided)
+    return faults, blurred
+
+
+@inner
+def solve_equalities(here, last, tau):
+    """With the rows of the guess as equalities: x, the slacks w, and the basis with its pivot rows, level by level."""
     head = ints(here, 0, at.HEAD)
     n, boxed = head[at.N], head[at.BOXED] != 0
-    option = vector(here, at.OPTION)
-    tol = option[at.TOL]
-    col, row_of, B, lo = marks(here, at.COL), marks(here, at.ROW_OF), matrix(here, at.B), vector(here, at.LO)
-    hi, norm, x0, ptr, x = (
-        vector(here, at.HI),
-        vector(here, at.NORM),
-        vector(here, at.X0),
-        marks(here, at.PTR),
-        vector(here, at.X),
-    )
-    w, side, follow, decided = vector(here, at.W), marks(here, at.SIDE), marks(here, at.FOLLOW), marks(here, at.DECIDED)
-    V, L, y, g, G = (
-        matrix(here, at.V),
-        matrix(here, at.L),
-        vector(here, at.Y),
-        vector(here, at.G),
-        vector(here, at.BALANCE),
-    )
-    pinned, free, cut, pivot = marks(here, at.PINNED), marks(here, at.FREE), marks(here, at.CUT), marks(here, at.PIVOT)
-    ids, rhs, given_rhs, forces_of = (
-        marks(here, at.IDS),
-        vector(here, at.RHS),
-        vector(here, at.VALUE),
-        vector(here, at.FORCES),
-    )
-    dependent, R, slots, lengths = (
-        marks(here, at.KIND),
-        matrix(here, at.R),
-        marks(here, at.SLOTS),
-        vector(here, at.LENGTHS),
-    )
-    H = matrix(here, at.H)
+    col, row_of, ptr, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.PTR), marks(here, at.SIDE)
+    pinned, free, cut = marks(here, at.PINNED), marks(here, at.FREE), marks(here, at.CUT)
+    pivot, ids, dependent = marks(here, at.PIVOT), marks(here, at.IDS), marks(here, at.KIND)
+    slots = marks(here, at.SLOTS)
+    lo, hi, norm, x0 = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X0)
+    x, w, y, rhs = vector(here, at.X), vector(here, at.W), vector(here, at.Y), vector(here, at.RHS)
+    given_rhs, lengths = vector(here, at.VALUE), vector(here, at.LENGTHS)
+    B, V, L, R, H = matrix(here, at.B), matrix(here, at.V), matrix(here, at.L), matrix(here, at.R), matrix(here, at.H)
+
     # Fixed and free variables.
     for j in range(n):
         pinned[j] = -1
@@ -147,7 +134,25 @@ def sweep(here, last, tau):
         for t in range(f):
             x[free[t]] += step * direction[t]
 
-    # Primal: rows outside the guess stay inside their bounds, slacks are on the side of theirs.
+
+@inner
+def judge_rows(here, last):
+    """Rows outside the guess stay inside their bounds, slacks are on the side of theirs.
+
+    Returns
+    -------
+    faults : int
+    undecided : int
+        Rows whose own level says nothing of them: they answer for the levels below.
+    blurred : bool
+    """
+    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
+    n, tol, first = head[at.N], option[at.TOL], 1 if head[at.BOXED] != 0 else 0
+    col, row_of, ptr, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.PTR), marks(here, at.SIDE)
+    follow, decided, dependent = marks(here, at.FOLLOW), marks(here, at.DECIDED), marks(here, at.KIND)
+    lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
+    w, forces_of = vector(here, at.W), vector(here, at.FORCES)
+    B = matrix(here, at.B)
     size = length(x, n)
     faults = undecided = 0
     blurred = False
@@ -196,8 +201,21 @@ def sweep(here, last, tau):
             elif says < 0.0:
                 follow[i] = INACTIVE
                 faults += 1
+    return faults, undecided, blurred
 
-    # Dual: what holds each level back pushes the right way.
+
+@inner
+def judge_multipliers(here, last, undecided):
+    """What holds each level back pushes the right way: the number of undecided rows that do not."""
+    head = ints(here, 0, at.HEAD)
+    n, boxed = head[at.N], head[at.BOXED] != 0
+    col, row_of, ptr, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.PTR), marks(here, at.SIDE)
+    follow, decided, cut = marks(here, at.FOLLOW), marks(here, at.DECIDED), marks(here, at.CUT)
+    pivot = marks(here, at.PIVOT)
+    norm, x0, x, w = vector(here, at.NORM), vector(here, at.X0), vector(here, at.X), vector(here, at.W)
+    y, g, G, forces_of = vector(here, at.Y), vector(here, at.G), vector(here, at.BALANCE), vector(here, at.FORCES)
+    B, L = matrix(here, at.B), matrix(here, at.L)
+    faults = 0
     for k in range(last + 1):
         if undecided == 0:
             break
@@ -246,7 +264,7 @@ def sweep(here, last, tau):
                         if says < 0.0:
                             follow[i] = INACTIVE
                             faults += 1
-    return faults, blurred
+    return faults
 
 
 @inner
