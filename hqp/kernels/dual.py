@@ -26,7 +26,7 @@ HARDEST, SOFTEST = 1e-17, 1e-5
 #: What counts as violated, relative to the bound and the length of x.
 VIOLATED = 1e-9
 #: Rows join together if they are violated by at least this share of the worst.
-SHARE = 0.75
+SHARE = 0.95
 
 
 @inner
