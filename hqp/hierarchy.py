@@ -153,7 +153,18 @@ class Hierarchy:
         return self.with_numbers(self.numbers.copy())
 
     def with_numbers(self, numbers: Array) -> Hierarchy:
-        """A hierarchy of this structure on this buffer."""
+        """A hierarchy of this structure on this buffer, not a copy of it.
+
+        Raises
+        ------
+        InvalidInput
+            If it is no contiguous array of float64 of the size of ``self.numbers``.
+        """
+        if numbers.shape != self.numbers.shape or numbers.dtype != np.float64 or not numbers.flags.c_contiguous:
+            raise InvalidInput(
+                f"numbers of shape {numbers.shape} and type {numbers.dtype}; they must be contiguous,"
+                f" of shape {self.numbers.shape} and type float64"
+            )
         twin = object.__new__(Hierarchy)
         twin.__setstate__((self._form, numbers))
         return twin

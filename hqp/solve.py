@@ -52,6 +52,7 @@ class Solver:
     A call never raises on *numbers*: a hierarchy that holds NaN, an infinite row or crossed bounds
     comes back with status INVALID and a message naming level and row, x_ref (or zero) in the place
     of an answer. When the structure (sizes, bounded variables) changes, the solver starts afresh.
+    A solver serves one thread at a time: it works in memory of its own, without the interpreter's lock.
     """
 
     def __init__(self, backend: str = DEFAULT_BACKEND, settings: Settings | None = None) -> None:

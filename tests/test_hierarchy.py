@@ -248,3 +248,13 @@ def test_x_ref_is_checked() -> None:
     assert Solver().solve(h, [1.0, np.nan, 0.0]).status is Status.INVALID
     with pytest.raises(InvalidInput, match=r"takes a hqp\.Hierarchy, not a list"):
         solve([Level.equality(np.eye(2), 0.0)])  # type: ignore[arg-type]
+
+
+def test_numbers_of_another_size_or_kind_are_refused():
+    h = small()
+    for wrong in (h.numbers[:-1], h.numbers.astype(np.float32), np.repeat(h.numbers, 2)[::2]):
+        with pytest.raises(InvalidInput, match="they must be contiguous, of shape"):
+            h.with_numbers(wrong)
+    twin = h.with_numbers(h.numbers.copy())
+    twin.levels[1].A[0, 0] = 9.0
+    assert h.levels[1].A[0, 0] == 1.0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from test_native import BACKEND, fresh, proved
 
-from hqp import Hierarchy, Settings, Solver, Status
+from hqp import Hierarchy, InvalidInput, Settings, Solver, Status
 from hqp.families import hierarchies
 
 
@@ -63,3 +63,24 @@ def test_a_solver_goes_on_after_its_budget_ran_out() -> None:
             assert np.isfinite(solution.x).all()
             assert solution.status in (Status.OPTIMAL, Status.SUBOPTIMAL), name
             assert not solution.ok or solution.certify().ok, name
+
+
+def test_a_deadline_that_has_passed_leaves_what_is_finished_exact() -> None:
+    stopped = 0
+    for name, h in hard():
+        solution = Solver(BACKEND, Settings(time_limit=1e-9)).solve(h)
+        if solution.ok:
+            assert solution.certify().ok, name
+            continue
+        assert solution.status is Status.SUBOPTIMAL, name
+        assert np.isfinite(solution.x).all()
+        assert all(level.ok for level in solution.certify().levels[: solution.level]), name
+        assert Solver(BACKEND, Settings(time_limit=60.0)).solve(h).status is not Status.SUBOPTIMAL
+        stopped += 1
+    assert stopped >= 10
+
+
+@pytest.mark.parametrize("wrong", [0.0, -1.0, np.nan, "soon"])
+def test_a_time_limit_is_positive(wrong: object) -> None:
+    with pytest.raises(InvalidInput, match="settings: time_limit"):
+        Settings(time_limit=wrong)  # type: ignore[arg-type]
