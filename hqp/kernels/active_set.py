@@ -12,7 +12,7 @@ degenerate vertex, where steps have length zero, a non-negative least squares ov
 direction that none of them blocks, or proves that there is none: no cycles.
 
 So the method is *anytime*: stopped at level k, all levels above are exactly optimal, and x is feasible for them.
-The basis V holds the frozen rows, then those of W; L holds the coefficients of both (:mod:`.orthogonal`).
+W is kept by :mod:`.working_set`, and left by :mod:`.escape` where it blocks itself.
 """
 
 from __future__ import annotations
@@ -21,194 +21,24 @@ import math
 
 from . import layout as at
 from .compile import inner, integer
+from .escape import escape
 from .memory import clock, ints, marks, matrix, vector
-from .orthogonal import CANCELLED, factor, length, level_least_squares, project
-from .sweep import EQUALITY, INACTIVE, LOWER, UPPER
+from .orthogonal import factor, length, level_least_squares, project
+from .sweep import DUAL, EQUALITY, INACTIVE, LOWER, UPPER
+from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance, copy_row, remove, value_of
 
-FUTURE, HARD, WORKING, FROZEN = 0, 1, 2, 3
 OPTIMAL, SUBOPTIMAL, STALLED = 0, 1, 2
 
 #: A deadline that never comes.
 NEVER = -1
-#: Multipliers below this share of the forces are zero; implicit equalities are those clearly above.
-DUAL, CLEAR = 1e-9, 1e-8
+#: Rows whose multiplier is above this share of the forces keep their bound for good: implicit equalities.
+CLEAR = 1e-8
 #: In a level that is not met, what a row misses carries a multiplier if it is more than this share of its tolerance.
 CARRIES = 1e-4
 #: A gain below this share of all targets is round-off.
 ROUND_OFF = 1e-15
 #: A step changes a row if it does so by more than round-off.
 MOVES = 1e-12
-
-
-@inner
-def value_of(i, x, here):
-    """a_i x."""
-    head = ints(here, 0, at.HEAD)
-    n = head[at.N]
-    col, row_of = marks(here, at.COL), marks(here, at.ROW_OF)
-    norm = vector(here, at.NORM)
-    B = matrix(here, at.B)
-    if col[i] >= 0:
-        return norm[i] * x[col[i]]
-    row = B[row_of[i]]
-    total = 0.0
-    for j in range(n):
-        total += row[j] * x[j]
-    return total
-
-
-@inner
-def copy_row(i, out, here):
-    """a_i as a dense vector."""
-    head = ints(here, 0, at.HEAD)
-    n = head[at.N]
-    col, row_of = marks(here, at.COL), marks(here, at.ROW_OF)
-    norm = vector(here, at.NORM)
-    B = matrix(here, at.B)
-    if col[i] >= 0:
-        for j in range(n):
-            out[j] = 0.0
-        out[col[i]] = norm[i]
-    else:
-        row = B[row_of[i]]
-        for j in range(n):
-            out[j] = row[j]
-
-
-@inner
-def append(i, c, here, tau):
-    """Put row i on top of the basis V[:c]; False, and nothing changed, if it depends on it."""
-    head = ints(here, 0, at.HEAD)
-    n = head[at.N]
-    pivot = marks(here, at.PIVOT)
-    norm = vector(here, at.NORM)
-    V, L = matrix(here, at.V), matrix(here, at.L)
-    if c >= n:
-        return False
-    row, coefficients = V[c], L[i]
-    copy_row(i, row, here)
-    for q in range(c):
-        coefficients[q] = 0.0
-    size = norm[i]
-    for _ in range(3):
-        project(row, n, V, c, coefficients)
-        before, size = size, length(row, n)
-        if not size > tau * norm[i]:
-            return False
-        if size > CANCELLED * before:
-            break
-    for j in range(n):
-        row[j] /= size
-    coefficients[c] = size
-    pivot[c] = i
-    return True
-
-
-@inner
-def remove(place, c, here):
-    """Take the row at position `place` from the basis of c rows, and build the part above it anew."""
-    pivot = marks(here, at.PIVOT)
-    for q in range(place, c - 1):
-        append(pivot[q + 1], q, here, 0.0)
-
-
-@inner
-def balance(low, high, n, here):
-    """Multipliers of the rows at low .. high of the basis: ``g + sum multiplier_i a_i`` is orthogonal to them."""
-    pivot = marks(here, at.PIVOT)
-    multiplier, g = vector(here, at.MULTIPLIER), vector(here, at.G)
-    V, L = matrix(here, at.V), matrix(here, at.L)
-    for q in range(low, high):
-        direction = V[q]
-        total = 0.0
-        for j in range(n):
-            total += direction[j] * g[j]
-        multiplier[q] = -total
-    for q in range(high - 1, low - 1, -1):
-        row = L[pivot[q]]
-        multiplier[q] /= row[q]
-        for t in range(low, q):
-            multiplier[t] -= multiplier[q] * row[t]
-
-
-@inner
-def escape(here, forces, frozen, working, hard_end):
-    """A direction of descent that no row at its bound blocks, by non-negative least squares (Lawson, Hanson).
-
-    Minimises ``||g + sum mu_i s_i a_i||``, mu >= 0, over the hard rows at a bound, s_i = 1 at the upper one, within
-    what the frozen rows leave. Its residual, turned round, is the direction; the support is the new working set.
-    `d` is zero if there is none: x is optimal.
-
-    Returns
-    -------
-    working : int
-    """
-    head = ints(here, 0, at.HEAD)
-    n = head[at.N]
-    pivot, kind, side = marks(here, at.PIVOT), marks(here, at.KIND), marks(here, at.SIDE)
-    norm, g, d, v = vector(here, at.NORM), vector(here, at.G), vector(here, at.D), vector(here, at.VALUE)
-    low, high, allowed = vector(here, at.LOW), vector(here, at.HIGH), vector(here, at.ALLOWED)
-    share, multiplier, scratch = vector(here, at.SHARE), vector(here, at.MULTIPLIER), vector(here, at.SCRATCH)
-    V = matrix(here, at.V)
-    for q in range(frozen, frozen + working):
-        kind[pivot[q]] = HARD
-    working = integer(0)
-    for _ in range(3 * hard_end + 10):
-        c = frozen + working
-        for j in range(n):
-            d[j] = -g[j]
-        for q in range(c):
-            scratch[q] = 0.0
-        project(d, n, V, c, scratch)
-        project(d, n, V, c, scratch)
-        steep = length(d, n)
-        if steep <= DUAL * forces:
-            for j in range(n):
-                d[j] = 0.0
-            return working
-        worst, enters, bound = 1e-9 * steep, integer(-1), integer(0)
-        for i in range(hard_end):
-            if kind[i] != HARD or norm[i] == 0.0:
-                continue
-            where = 0
-            if v[i] >= high[i] - 10.0 * allowed[i]:
-                where = UPPER
-            if v[i] <= low[i] + 10.0 * allowed[i]:
-                where = LOWER if where == 0 or value_of(i, d, here) < 0.0 else UPPER
-            if where == 0:
-                continue
-            outward = where * value_of(i, d, here) / norm[i]
-            if outward > worst:
-                worst, enters, bound = outward, i, where
-        if enters < 0:
-            return working
-        if not append(enters, c, here, 1e-13):
-            for j in range(n):  # a row in the way that depends on those that are kept: nothing can be gained
-                d[j] = 0.0
-            return working
-        kind[enters], side[enters] = WORKING, bound
-        share[c] = 0.0
-        working += 1
-        while working > 0:  # back to where all shares are positive
-            c = frozen + working
-            balance(frozen, c, n, here)
-            reach, leaves = 1.0, integer(-1)
-            for q in range(frozen, c):
-                wanted = multiplier[q] * side[pivot[q]]
-                if wanted <= 0.0 and q != c - 1:
-                    ratio = share[q] / (share[q] - wanted) if share[q] > wanted else 0.0
-                    if ratio < reach:
-                        reach, leaves = ratio, q
-            for q in range(frozen, c):
-                share[q] += reach * (multiplier[q] * side[pivot[q]] - share[q])
-            if leaves < 0:
-                break
-            kind[pivot[leaves]] = HARD
-            for q in range(leaves, c - 1):
-                share[q] = share[q + 1]
-            remove(leaves, c, here)
-            working -= 1
-    return working
 
 
 @inner

@@ -1,4 +1,4 @@
-r"""A guess from nothing: the active rows of a weighted problem, by a dual active set.
+r"""A guess from little or nothing: the active rows of a weighted problem, by a dual active set.
 
 With softness :math:`\delta_i > 0` instead of priorities, many decades from level to level, the hierarchy becomes one
 strictly convex problem that always has an answer,
@@ -6,10 +6,10 @@ strictly convex problem that always has an answer,
 .. math:: \min_x \tfrac12 \|x - x_0\|^2 + \sum_i \frac{w_i^2}{2 \delta_i},
    \qquad (A_W A_W^T + \operatorname{diag} \delta_W)\, \lambda = A_W x_0 - b_W, \qquad x = x_0 - A_W^T \lambda,
 
-with W the rows at a bound. Starting with the equalities, the row that is violated most joins W, and rows whose
-multiplier comes to push the wrong way leave it (Goldfarb and Idnani 1983; in this form Arnstrom, Bemporad and Axehill
-2022). Joining appends one row to a Cholesky factor. The answer is not exact, but which rows are active it mostly
-gets right; the sweep decides.
+with W the rows at a bound. Starting with the equalities, or with the last guess, the row that is violated most joins
+W, and rows whose multiplier comes to push the wrong way leave it (Goldfarb and Idnani 1983; in this form Arnstrom,
+Bemporad and Axehill 2022). Joining appends one row to a Cholesky factor. The answer is not exact, but which rows are
+active it mostly gets right; the sweep decides.
 """
 
 from __future__ import annotations
