@@ -57,7 +57,7 @@ def products(rows, c, out, here):
 
 @inner
 def weighted_guess(here, last, cold):
-    """Set ``side`` to the active rows of the weighted problem; False if they are more than fit.
+    """Set ``side`` to the active rows of the weighted problem, or to the first of them if they are more than fit.
 
     W starts with the equalities and, unless `cold`, with the rows of the guess that is there.
     """
@@ -93,7 +93,7 @@ def weighted_guess(here, last, cold):
                 side[i] = INACTIVE
             if side[i] != INACTIVE:
                 if count == most:
-                    return False
+                    return
                 rows[count] = i
                 count += 1
     for j in range(n):
@@ -194,12 +194,11 @@ def weighted_guess(here, last, cold):
                 excess[i] = -under / norm[i]
             worst = max(worst, abs(excess[i]))
         if worst == 0.0:
-            return True
+            return
         for i in range(ptr[last]):
             if abs(excess[i]) >= SHARE * worst:
                 if count == most:
-                    return False
+                    return
                 side[i] = UPPER if excess[i] > 0.0 else LOWER
                 rows[count] = i
                 count += 1
-    return True

@@ -136,6 +136,18 @@ def factor(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
 
 
 @inner
+def reflect(vector, column, j, head, scale, rank, count):
+    """``vector -= scale * u (u . vector)``, where u is `head` at j and column[rank:count], and 0 elsewhere."""
+    along = vector[j] * head
+    for r in range(rank, count):
+        along += vector[r] * column[r]
+    along *= scale
+    vector[j] -= along * head
+    for r in range(rank, count):
+        vector[r] -= along * column[r]
+
+
+@inner
 def level_least_squares(ids, count, rank, L, c, rhs, y, slack, H):
     r"""Minimise ``||L_k y - rhs||`` over y[c : c + rank].
 
@@ -176,25 +188,11 @@ def level_least_squares(ids, count, rank, L, c, rhs, y, slack, H):
         size = math.sqrt(total)
         if column[j] > 0.0:
             size = -size
-        # reflect e_j and the dependent rows: u = (u_j, u_tail), H = I - u u^T / (size * ...)
-        head = column[j] - size
+        head = column[j] - size  # u = (head, dependent rows): I - 2 u u^T / ||u||^2 turns the column into size * e_j
         scale = -1.0 / (size * head)  # 2 / ||u||^2
         for i in range(j):
-            other = H[i]
-            along = other[j] * head
-            for r in range(rank, count):
-                along += other[r] * column[r]
-            along *= scale
-            other[j] -= along * head
-            for r in range(rank, count):
-                other[r] -= along * column[r]
-        along = rhs[j] * head
-        for r in range(rank, count):
-            along += rhs[r] * column[r]
-        along *= scale
-        rhs[j] -= along * head
-        for r in range(rank, count):
-            rhs[r] -= along * column[r]
+            reflect(H[i], column, j, head, scale, rank, count)
+        reflect(rhs, column, j, head, scale, rank, count)
         column[j] = head
         y[c + j] = size  # the diagonal, for the substitution below
     for j in range(rank):  # what is left is lower triangular again
@@ -206,15 +204,9 @@ def level_least_squares(ids, count, rank, L, c, rhs, y, slack, H):
     for j in range(rank):
         column = H[j]
         head = column[j]
-        size_head = head * head
+        square = head * head
         for r in range(rank, count):
-            size_head += column[r] * column[r]
-        along = rhs[j] * head
-        for r in range(rank, count):
-            along += rhs[r] * column[r]
-        along *= 2.0 / size_head
-        rhs[j] -= along * head
-        for r in range(rank, count):
-            rhs[r] -= along * column[r]
+            square += column[r] * column[r]
+        reflect(rhs, column, j, head, 2.0 / square, rank, count)
     for r in range(count):
         slack[ids[r]] = -rhs[r]
