@@ -26,6 +26,7 @@ from .solution import Counts, Solution, Status
 from .solve import Solver
 
 if TYPE_CHECKING:
+    from .backends.base import Answer
     from .backends.native import Memory
 
 #: Pieces of work a thread: small enough that none waits long for the last.
@@ -219,7 +220,7 @@ class BatchSolver:
         InvalidInput
             If `batch` is none, or x_ref is no such array.
         """
-        from .backends.native import PROVED, STATUSES, why
+        from .backends.native import PROVED, STATUSES, judged
 
         of_type(batch, Batch, "what a BatchSolver solves")
         count, n, m = len(batch), batch._template.n, batch._template.m
@@ -249,16 +250,17 @@ class BatchSolver:
 
         statuses, levels, messages = [Status.OPTIMAL] * count, np.full(count, -1, dtype=np.int64), {}
         for b in np.flatnonzero(~np.isin(said[:, 0], PROVED)).tolist():
-            outcome, level, _, iterations = said[b].tolist()
+            outcome, level, *counts = said[b].tolist()
+            own = reference if reference.ndim == 1 else reference[b]
+            alone: Answer | Solution
             if outcome in STATUSES:
-                statuses[b], levels[b] = STATUSES[outcome], level
-                messages[b] = why(batch[b], statuses[b], level, iterations)
+                alone = judged(batch[b], x[b], own, outcome, level, Counts(*counts))
             else:  # a number is out of range, or only looked as if
-                own = reference if reference.ndim == 1 else reference[b]
                 alone = Solver("native", self.settings).solve(batch[b], own)
-                x[b], statuses[b], said[b, 2:], self._sides[b] = alone.x, alone.status, alone.counts[:2], 0
-                if not alone.ok:
-                    levels[b], messages[b] = -1 if alone.level is None else alone.level, alone.message
+                x[b], said[b, 2:], self._sides[b] = alone.x, alone.counts[:2], 0
+            statuses[b] = alone.status
+            if alone.status is not Status.OPTIMAL:
+                levels[b], messages[b] = -1 if alone.level is None else alone.level, alone.message
         return BatchSolution(
             batch, x, tuple(statuses), messages, levels, said[:, 2], said[:, 3], reference, self.settings
         )

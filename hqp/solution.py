@@ -25,8 +25,8 @@ class Status(Enum):
         As far as the backend can tell; ``solution.certify()`` proves it.
     SUBOPTIMAL, STALLED
         The budget ran out, or round-off stopped all progress, at ``solution.level``: the levels
-        above it are exact, it and those below are feasible for them. See ``solution.gap``. STALLED
-        is said where round-off decides, so that only the certificate proves what is above.
+        above it are exact, it and those below are feasible for them. See ``solution.gap``. Where a
+        stalled solver had no proof, the certificate found that level.
     FAILED
         No usable answer from there on.
     UNSUPPORTED

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from test_conformance import PROBLEMS
 
-from hqp import FAMILIES, Hierarchy, InvalidInput, Level, Solution, Solver, Status, solve
+from hqp import FAMILIES, Hierarchy, InvalidInput, Level, Solution, Solver, Status, solve, solve_batch
 from hqp.families import hierarchies
 from hqp.problems import random_hierarchy
 
@@ -309,3 +309,13 @@ def test_solvers_do_not_disturb_each_other() -> None:
     low, high = reach(-1.5), reach(1.5)
     for _ in range(3):
         assert np.array_equal(a.solve(low).x, -b.solve(high).x)
+
+
+@pytest.mark.parametrize("number", [223, 786])  # a row disappears in the round-off of one that is 1e10 longer
+def test_rows_of_very_different_lengths_are_left_to_the_certificate(number: int) -> None:
+    h = list(hierarchies("scaled rows", number + 1))[number]
+    for solution in (Solver("native").solve(h), solve_batch([h])[0]):
+        failed = solution.certify().failed
+        assert failed is not None, "solved by now: choose another case"
+        assert (solution.status, solution.level) == (Status.STALLED, failed.level)
+        assert "no more progress" in solution.message and h.label(failed.level) in solution.message

@@ -17,6 +17,7 @@ from numba.core import event
 from numpy.typing import NDArray
 
 from ..arrays import Array
+from ..certificate import certify
 from ..hierarchy import Hierarchy
 from ..kernels import layout as at
 from ..kernels import solver as kernel
@@ -30,6 +31,7 @@ STATUSES = {
     kernel.CLEAR: Status.OPTIMAL,
     SUBOPTIMAL: Status.SUBOPTIMAL,
     STALLED: Status.STALLED,
+    kernel.UNEVEN: Status.STALLED,  # until the certificate says better
 }
 CLEAR = kernel.CLEAR
 #: Of the kernel: two addresses, an outcome.
@@ -80,10 +82,7 @@ class Native:
             memory.head[at.TRUSTED] = 0
         head = memory.head.tolist()
         counts = Counts(sweeps=head[at.SWEEPS], iterations=head[at.ITERATIONS])
-        status, level = STATUSES[outcome], head[at.LEVEL]
-        if status is Status.OPTIMAL:
-            return Answer(memory.x.copy(), counts=counts)
-        return Answer(memory.x.copy(), status, why(hierarchy, status, level, counts.iterations), level, counts)
+        return judged(hierarchy, memory.x.copy(), x_ref, outcome, head[at.LEVEL], counts)
 
     def reset(self) -> None:
         self._memory = None
@@ -94,11 +93,21 @@ class Native:
             self._memory.head[at.WARM] = 0
 
 
-def why(hierarchy: Hierarchy, status: Status, level: int, iterations: int) -> str:
-    """What to say of a status that is not OPTIMAL."""
+def judged(hierarchy: Hierarchy, x: Array, x_ref: Array, outcome: int, level: int, counts: Counts) -> Answer:
+    """What is claimed of x. Where the kernel has no proof of its own, the certificate says up to where x is exact."""
+    status = STATUSES[outcome]
+    if status is Status.STALLED:
+        failed = certify(hierarchy, x, x_ref).failed
+        if failed is None:
+            status = Status.OPTIMAL
+        else:
+            level = failed.level
+    if status is Status.OPTIMAL:
+        return Answer(x, counts=counts)
     where = hierarchy.label(level) if level < len(hierarchy.levels) else "min ||x - x_ref||"
     what = "the budget ran out" if status is Status.SUBOPTIMAL else "no more progress"
-    return f"{what} at {where}, after {iterations} iterations; the levels above are exact"
+    message = f"{what} at {where}, after {counts.iterations} iterations; the levels above are exact"
+    return Answer(x, status, message, level, counts)
 
 
 class Memory:

@@ -17,11 +17,15 @@ from .dual import weighted_guess
 from .memory import clock, floats, given, ints, marks, matrix, vector
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep
 
-#: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; proved at once.
-SUSPECT, CLEAR = 3, 4
+#: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; proved at once; proved
+#: as far as one tolerance goes for rows of very different lengths.
+SUSPECT, CLEAR, UNEVEN = 3, 4, 5
 
 #: As :data:`hqp.hierarchy.LARGEST`: a row that is longer has an entry to be looked at.
 LARGEST = 1e30
+
+#: A row that is this much shorter than another of its level may disappear in the round-off of that one.
+EVEN = 1e-8
 
 #: How many rounds of repair in a row may fail to bring the number of contradictions down.
 PATIENCE = 2
@@ -95,6 +99,20 @@ def levels_that_count(here):
                 x0[col[i]] = lower[i]
             return k
     return levels
+
+
+@inner
+def is_even(here):
+    """Whether the rows of each level are of comparable length, weights included."""
+    head, ptr, norm = ints(here, 0, at.HEAD), marks(here, at.PTR), vector(here, at.NORM)
+    for k in range(head[at.LEVELS]):
+        shortest, longest = math.inf, 0.0
+        for i in range(ptr[k], ptr[k + 1]):
+            if norm[i] > 0.0:
+                shortest, longest = min(shortest, norm[i]), max(longest, norm[i])
+        if shortest < EVEN * longest:
+            return False
+    return True
 
 
 @inner
@@ -196,6 +214,8 @@ def solve_one(here):
         iterations,
         1,
     )
+    if status == OPTIMAL and not is_even(here):
+        return UNEVEN
     return CLEAR if sweeps == 1 and not safe else status
 
 
@@ -209,7 +229,7 @@ def solve(here, numbers):
     Returns
     -------
     outcome : int
-        A status of :mod:`.active_set`, or CLEAR, or SUSPECT; of many, that of the last.
+        A status of :mod:`.active_set`, or SUSPECT, CLEAR, UNEVEN; of many, that of the last.
     """
     head = ints(here, 0, at.HEAD)
     n, m, count, warm = head[at.N], head[at.ROWS], head[at.COUNT], head[at.WARM]
