@@ -69,7 +69,8 @@ def test_of_1000_that_may_stall_none_claims_what_is_refuted(name: str) -> None:
     assert len(doubted) <= 20
     for k, solution in doubted.items():
         failed = solution.certify().failed
-        assert failed is not None and failed.level == solution.level, k
+        assert failed is not None, k
+        assert failed.level == solution.level, k
 
 
 @pytest.mark.parametrize("name", families("refused"))

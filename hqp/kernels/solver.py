@@ -17,8 +17,8 @@ from .dual import weighted_guess
 from .memory import clock, floats, given, ints, marks, matrix, vector
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep
 
-#: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; proved at once; proved
-#: as far as one tolerance goes for rows of very different lengths.
+#: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; proved at once;
+#: proved as far as one tolerance goes for rows of very different lengths.
 SUSPECT, CLEAR, UNEVEN = 3, 4, 5
 
 #: As :data:`hqp.hierarchy.LARGEST`: a row that is longer has an entry to be looked at.
