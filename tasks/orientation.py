@@ -1,32 +1,73 @@
-"""Which way the tip points."""
+"""How a frame is turned."""
 
 from __future__ import annotations
 
-from ._checks import Array
-from .robots.robot import RobotState
-from .task import TargetTask
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from .frame_task import FrameTask, Mask, Reference, chosen
+from .motion.trajectories import Trajectory
+from .motion.turns import AboutZ, RotationTrajectory, as_rotation
+from .position import AXES
 
 
-class OrientationTask(TargetTask):
-    """Turn the last link to phi [rad] against the x axis: the second task of the thesis, r2 of Eq. 4.3.
+class OrientationTask(FrameTask):
+    """Turn a frame to a rotation, the shortest way; or by one angle about z: the second task of the thesis, Eq. 4.3.
 
-    phi is the plain sum of the joint angles, unwrapped: a target 2 pi away is a full turn away.
+    The angle of a planar arm is the plain sum of its joint angles, unwrapped: a target 2 pi away is a full turn away.
 
     Parameters
     ----------
-    target : float, array of shape (1,), or Trajectory
-        phi [rad], counter-clockwise.
+    target : array, shape (3, 3), or RotationTrajectory; or float, or Trajectory of one number
+        The rotation, its columns the axes that the frame is to have; or the angle about z [rad], counter-clockwise, which
+        leaves the other axes free.
+    frame, relative_to, reference
+        See :class:`~tasks.frame_task.FrameTask`.
+    mask : str or sequence of bool, optional
+        The axes about which to turn, as in ``"xy"``; see :class:`tasks.AxisTask` for a tool that may spin.
     gain, damping_ratio, weight, name
         See :class:`tasks.Task`.
+
+    Raises
+    ------
+    InvalidInput
+        If the target is no rotation, or a mask stands beside one angle; and, with a robot, if it has no such frame.
     """
 
-    rows = 1
+    def __init__(
+        self,
+        target: ArrayLike | RotationTrajectory | Trajectory,
+        *,
+        frame: str | None = None,
+        relative_to: str | None = None,
+        mask: Mask | None = None,
+        reference: Reference = "world",
+        gain: ArrayLike,
+        damping_ratio: float = 1.0,
+        weight: ArrayLike = 1.0,
+        name: str | None = None,
+    ) -> None:
+        self._call(name)
+        rotation = as_rotation(target, self.label())
+        one = isinstance(rotation, AboutZ)
+        if one and mask is not None:
+            raise InvalidInput(f"{self.label()}: one angle turns about z; a mask needs a rotation of shape (3, 3)")
+        self.target = rotation.angle if isinstance(rotation, AboutZ) else rotation
+        super().__init__(
+            None,
+            rotation,
+            frame=frame,
+            relative_to=relative_to,
+            mask=(2,) if one else chosen(mask, AXES, self.label()),
+            reference=reference,
+            gain=gain,
+            damping_ratio=damping_ratio,
+            weight=weight,
+            name=name,
+        )
 
-    def measure(self, state: RobotState) -> Array:
-        return state.pose[2:3]
-
-    def jacobian(self, state: RobotState) -> Array:
-        return state.jacobian[2:3]
-
-    def drift(self, state: RobotState) -> Array:
-        return state.drift[2:3]
+    def _shown(self) -> list[str]:
+        mask = "".join(AXES[i] for i in self.mask)
+        shown = isinstance(self.rotation, AboutZ) or mask == "xyz"
+        return [repr(self.target), *super()._shown(), *([] if shown else [f"mask={mask!r}"])]

@@ -5,6 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
+from hqp.checks import whole_number
+
 from ._checks import Array
 from .robots.robot import Robot, RobotState
 
@@ -53,6 +58,14 @@ class Part:
     plain: ClassVar[bool] = False
     name: str
     weight: Array
+
+    def size(self, robot: Robot) -> int:
+        """Number of rows on this robot."""
+        return robot.nv if self.rows is None else whole_number(self.rows, f"{self.label()}: rows", least=1)
+
+    def variables(self, robot: Robot) -> NDArray[np.intp]:
+        """The joint velocities that plain rows bound, shape (rows,)."""
+        return np.arange(robot.nv)
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         """Refuse, once and before the first tick, what cannot work with this robot.

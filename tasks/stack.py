@@ -7,7 +7,6 @@ from collections.abc import Iterator
 import numpy as np
 
 from hqp import Hierarchy, InvalidInput, Level
-from hqp.checks import whole_number
 
 from ._checks import Array, per_row
 from .limits.envelope import Envelope
@@ -118,12 +117,12 @@ class Rows:
         self._robot, self._order, self._dt = robot, order, dt
         for part in stack:
             part.check(robot, order, dt)
-        self.hierarchy = Hierarchy([_empty_level(level, robot.nv) for level in stack.levels], n=robot.nv)
+        self.hierarchy = Hierarchy([_empty_level(level, robot) for level in stack.levels], n=robot.nv)
         self._views: list[tuple[Part, Array | None, Array, Array]] = []
         for view, parts in zip(self.hierarchy.levels, stack.levels, strict=True):
             row = 0
             for part in parts:
-                own = slice(row, row + count(part, robot.nv))
+                own = slice(row, row + part.size(robot))
                 row = own.stop
                 self._views.append((part, None if view.A is None else view.A[own], view.lower[own], view.upper[own]))
         self._envelope = Envelope(((part, lower, upper) for part, _, lower, upper in self._views), robot, order)
@@ -141,20 +140,18 @@ class Rows:
         return self.hierarchy
 
 
-def count(part: Part, nv: int) -> int:
-    """Rows of a part on a robot with nv joint velocities."""
-    return nv if part.rows is None else whole_number(part.rows, f"{part.label()}: rows", least=1)
-
-
-def _empty_level(parts: tuple[Part, ...], nv: int) -> Level:
+def _empty_level(parts: tuple[Part, ...], robot: Robot) -> Level:
     """One level without numbers yet: plain bounds if all its parts are plain, rows otherwise."""
     name = " + ".join(part.name for part in parts)
-    weights = np.concatenate([per_row(p.weight, count(p, nv), f"{p.label()}: weight") for p in parts])
+    weights = np.concatenate([per_row(p.weight, p.size(robot), f"{p.label()}: weight") for p in parts])
     zeros = np.zeros(len(weights))
     if all(part.plain for part in parts):
-        return Level.bounds(zeros, zeros, indices=np.tile(np.arange(nv), len(parts)), weights=weights, name=name)
-    A = np.concatenate([np.eye(nv) if part.plain else np.zeros((count(part, nv), nv)) for part in parts])
-    return Level(A, zeros, zeros, weights=weights, name=name)
+        return Level.bounds(
+            zeros, zeros, indices=np.concatenate([p.variables(robot) for p in parts]), weights=weights, name=name
+        )
+    identity = np.eye(robot.nv)
+    A = [identity[p.variables(robot)] if p.plain else np.zeros((p.size(robot), robot.nv)) for p in parts]
+    return Level(np.concatenate(A), zeros, zeros, weights=weights, name=name)
 
 
 def _levels_of(part: Part | Stack) -> tuple[tuple[Part, ...], ...]:

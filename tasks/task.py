@@ -27,7 +27,7 @@ from hqp.checks import of_type, whole_number
 from ._checks import Array, numbers, per_row, positive, positive_scalar
 from .motion.trajectories import Trajectory, as_trajectory
 from .part import Part, Tick
-from .robots.robot import Robot, RobotState
+from .robots.robot import Robot, RobotState, neutral
 
 
 class Task(Part):
@@ -64,8 +64,7 @@ class Task(Part):
     def __init__(
         self, *, gain: ArrayLike, damping_ratio: float = 1.0, weight: ArrayLike = 1.0, name: str | None = None
     ) -> None:
-        default = type(self).__name__.removesuffix("Task").lower()
-        self.name = default if name is None else of_type(name, str, f"name of a {type(self).__name__}")
+        self._call(name)
         self.gain = positive(gain, f"{self.label()}: gain", unit="1/s")
         self.weight = positive(weight, f"{self.label()}: weight")
         self.damping_ratio = positive_scalar(damping_ratio, f"{self.label()}: damping ratio")
@@ -75,6 +74,11 @@ class Task(Part):
             per_row(self.weight, self.rows, f"{self.label()}: weight")
         self._c1 = 2.0 * self.damping_ratio * self.gain
         self._c2 = self.gain**2
+
+    def _call(self, name: str | None) -> None:
+        """Take this name, before anything is refused in it."""
+        default = type(self).__name__.removesuffix("Task").lower()
+        self.name = default if name is None else of_type(name, str, f"name of a {type(self).__name__}")
 
     def error(self, state: RobotState, t: float) -> Array:
         """``e = desired - actual`` (Eq. 4.6) at time t [s], shape (rows,), in [m] or [rad]."""
@@ -92,11 +96,15 @@ class Task(Part):
         """Velocity and acceleration of the desired value at time t [s]; zero for one that stands still."""
         return 0.0, 0.0
 
+    def rates(self, state: RobotState, t: float) -> tuple[Array | float, Array | float]:
+        """The feed-forward as the rows have it, where their axes turn with the robot."""
+        return self.feedforward(t)
+
     def control(self, tick: Tick) -> tuple[Array, Array]:
         """The rows J x = h of this tick, shapes (rows, nv) and (rows,), by the law of the module's docstring."""
         J = np.asarray(self.jacobian(tick.state))
         e = self.error(tick.state, tick.t)
-        rd_dot, rd_ddot = self.feedforward(tick.t)
+        rd_dot, rd_ddot = self.rates(tick.state, tick.t)
         if tick.order == "velocity":
             return J, rd_dot + self.gain * e
         e_dot = rd_dot - J @ tick.state.v
@@ -110,10 +118,10 @@ class Task(Part):
         upper[:] = h
 
     def check(self, robot: Robot, order: str, dt: float | None) -> None:
-        """Try the task once at q = 0: what does not fit is refused here, not in the loop."""
-        rows = robot.nv if self.rows is None else self.rows
+        """Try the task once at the neutral configuration: what does not fit is refused here, not in the loop."""
+        rows = self.size(robot)
         per_row(self.gain, rows, f"{self.label()}: gain")
-        state = robot.at(np.zeros(robot.nq), np.zeros(robot.nv))
+        state = robot.at(neutral(robot), np.zeros(robot.nv))
         feedforward = self.feedforward(0.0)
         if not (isinstance(feedforward, tuple) and len(feedforward) == 2):
             raise InvalidInput(f"{self.label()}: feedforward = {brief(feedforward)} must be (velocity, acceleration)")

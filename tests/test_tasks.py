@@ -167,7 +167,7 @@ def test_joint_motion_of_a_singular_task_stays_bounded():
         (lambda: OrientationTask(0.0, gain=1.0, weight=[1.0, 1.0]), r"weight has shape \(2,\)"),
         (lambda: OrientationTask(0.0, gain=1.0, damping_ratio=-1.0), "damping ratio = -1.0"),
         (lambda: OrientationTask(0.0, gain=1.0, damping_ratio=[1.0]), "damping ratio has shape"),
-        (lambda: OrientationTask([0.0, 1.0], gain=1.0), r"target has shape \(2,\); it must be \(1,\)"),
+        (lambda: OrientationTask([0.0, 1.0], gain=1.0), r"target has shape \(2,\); it must be \(3, 3\), or \(1,\)"),
         (lambda: PositionTask([1, 0], gain=1e200), r"gain = 1e\+200 1/s must be positive and at most 1e\+15"),
         (lambda: PositionTask([1, 0], gain=[1.0, 1e16]), r"gain\[1\] = 1e\+16 1/s must be positive and at most 1e\+15"),
         (lambda: PositionTask([1, 0], gain=1.0, name=5), "name of a PositionTask = 5 is a int; it must be a str"),

@@ -6,6 +6,7 @@ in :mod:`~tasks.motion.polynomial`, from boundary conditions; a function of your
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -71,3 +72,16 @@ def as_trajectory(target: ArrayLike | Trajectory, rows: int | None, what: str) -
             f" it must give position, velocity and acceleration, each ({size},)"
         )
     return trajectory
+
+
+def spread(trajectory: Trajectory, axes: Sequence[int]) -> Trajectory:
+    """The same among three coordinates, the others zero."""
+
+    def whole(part: Array) -> Array:
+        full = np.zeros(3)
+        full[list(axes)] = part
+        return full
+
+    if isinstance(trajectory, Fixed):
+        return Fixed(whole(trajectory.target))
+    return lambda t: tuple(map(whole, trajectory(t)))  # type: ignore[return-value]

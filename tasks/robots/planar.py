@@ -23,10 +23,13 @@ from hqp.checks import of_type
 
 from .._checks import Array, numbers, per_row, position_range, positive
 from . import planar_dynamics as dynamics
+from .frame import FixedFrame
 from .manipulability import manipulability
 
 #: Mass per length of a link that names none [kg/m].
 DENSITY = 1.0
+#: The frame at the end of the last link.
+TIP = "tip"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -45,6 +48,8 @@ class PlanarState:
         Rows x, y [m/rad] and phi [1].
     twist, drift : array, shape (3,)
         ``J v`` [m/s, m/s, rad/s] and ``Jdot v`` [m/s^2, m/s^2, rad/s^2].
+    tip : Frame
+        The same once more, as tasks ask for it.
     """
 
     q: Array
@@ -54,6 +59,27 @@ class PlanarState:
     jacobian: Array
     twist: Array
     drift: Array
+    tip: FixedFrame
+
+    def frame(self, name: str | None = None) -> FixedFrame:
+        """The tip, or ``"link1"``, ``"link2"``, ...: the end of that link, counted from the base.
+
+        Raises
+        ------
+        InvalidInput
+            If there is no such frame.
+        """
+        if name is None or name == TIP:
+            return self.tip
+        links = _link_names(len(self.q))
+        if name not in links:
+            raise InvalidInput(f"{name!r} is no frame of this arm; there are {TIP}, {', '.join(links)}")
+        end = links.index(name) + 1
+        pose = np.array([*self.points[end], self.q[:end].sum()])
+        J, drift = np.zeros((3, len(self.q))), np.zeros(3)
+        J[:, :end] = _jacobian(self.points[: end + 1])
+        drift[:2] = -(self.v[:end].cumsum() ** 2) @ np.diff(self.points[: end + 1], axis=0)
+        return _in_space(pose, J, drift)
 
 
 class PlanarArm:
@@ -122,6 +148,11 @@ class PlanarArm:
         if acceleration_limit is not None:
             self.acceleration_limit = self._per_joint(acceleration_limit, "acceleration limit", "rad/s^2")
 
+    @property
+    def frame_names(self) -> tuple[str, ...]:
+        """``"tip"``, and ``"link1"``, ...: the ends of the links."""
+        return (TIP, *_link_names(self.nv))
+
     def _per_joint(self, value: ArrayLike, what: str, unit: str, of: str = "joint") -> Array:
         return per_row(positive(value, f"{self!r}: {what}", unit=unit), self.nv, f"{self!r}: {what}", of)
 
@@ -185,7 +216,7 @@ class PlanarArm:
         # Jdot v: every link pulls its end towards its beginning at length * rate^2.
         drift = np.zeros(3)
         drift[:2] = -(v.cumsum() ** 2) @ (points[1:] - points[:-1])
-        return PlanarState(q, v, points, pose, J, J @ v, drift)
+        return PlanarState(q, v, points, pose, J, J @ v, drift, _in_space(pose, J, drift))
 
     def _points(self, q: Array) -> tuple[Array, Array]:
         """Angles of the links against the x axis, shape (..., n), and the points between them."""
@@ -209,6 +240,19 @@ class PlanarArm:
     def __repr__(self) -> str:
         label = f", name={self.name!r}" if self.name else ""
         return f"PlanarArm({self.lengths.tolist()}{label})"
+
+
+def _in_space(pose: Array, J: Array, drift: Array) -> FixedFrame:
+    """A frame of the arm as one of space, where the arm lies in the plane z = 0 and turns about z."""
+    parts = np.zeros((6, J.shape[1] + 2))
+    for row, own in (0, 0), (1, 1), (5, 2):
+        parts[row, :-2], parts[row, -2], parts[row, -1] = J[own], pose[own], drift[own]
+    J, place, drift = parts[:, :-2], parts[:, -2], parts[:, -1]
+    return FixedFrame(place[:3], pose[2:], J[:3], J[3:], drift[:3], drift[3:])
+
+
+def _link_names(count: int) -> list[str]:
+    return [f"link{i + 1}" for i in range(count)]
 
 
 def _is_own(value: ArrayLike) -> TypeGuard[Array]:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from difflib import get_close_matches
 from reprlib import repr as brief
 from typing import Protocol
+
+import numpy as np
 
 from hqp import InvalidInput
 from hqp.checks import whole_number
 
 from .._checks import Array
+from .frame import Frame
 
 
 class RobotState(Protocol):
@@ -17,31 +22,25 @@ class RobotState(Protocol):
     Attributes
     ----------
     q : array, shape (nq,)
-        Joint positions [rad].
+        Configuration: joint positions [rad, m], and whatever else the robot needs to say where it is.
     v : array, shape (nv,)
-        Joint velocities [rad/s].
-    pose : array
-        What the tip is doing, in the coordinates of the robot: (x [m], y [m], phi [rad]) if planar.
-    jacobian : array, shape (len(pose), nv)
-        Rows of ``d pose / dt = J v``.
-    twist : array, shape (len(pose),)
-        ``J v``.
-    drift : array, shape (len(pose),)
-        ``Jdot v``, the acceleration of the tip while the joints do not accelerate (Eq. 4.4).
+        Joint velocities [rad/s, m/s].
+
+    Notes
+    -----
+    A state may have more. A robot of which nq and nv differ has ``joints``, shape (nv,): the positions of the joints that
+    have one, 0 elsewhere. A record of its motion tells ``pose``, an array of any length, where there is one; and tasks of
+    the centre of mass ask for ``center_of_mass``, a :class:`~tasks.robots.frame.Frame` without rotation.
     """
 
     @property
     def q(self) -> Array: ...
     @property
     def v(self) -> Array: ...
-    @property
-    def pose(self) -> Array: ...
-    @property
-    def jacobian(self) -> Array: ...
-    @property
-    def twist(self) -> Array: ...
-    @property
-    def drift(self) -> Array: ...
+
+    def frame(self, name: str | None = None) -> Frame:
+        """The frame of that name, by default the tip of the robot."""
+        ...
 
 
 class Robot(Protocol):
@@ -50,7 +49,7 @@ class Robot(Protocol):
     Attributes
     ----------
     nq, nv : int
-        Number of joint positions and of joint velocities.
+        Numbers of a configuration, and of joint velocities.
     position_limit : array, shape (2, nv), or None
         Lowest and highest joint positions [rad]; infinite where a joint turns freely.
     velocity_limit : array, shape (nv,), or None
@@ -60,7 +59,17 @@ class Robot(Protocol):
 
     Notes
     -----
-    A robot may have more, which a record of its motion then tells. All take leading axes:
+    A robot may have more. Where a configuration is more than a number a joint, so that ``q + v dt`` means nothing:
+
+    ``neutral``
+        A configuration, shape (nq,), to try tasks at; zero where there is none.
+    ``integrate(q, dq)``
+        The configuration after a step dq, shape (nv,); the sum where there is none.
+    ``difference(a, b)``
+        The step, shape (nv,), that leads from a to b; what the two differ by where there is none.
+
+    Names for messages and tasks: ``joint_names``, one a velocity, and ``frame_names``. And what a record of its motion
+    tells, with leading axes:
 
     ``inverse_dynamics(q, v, a)``
         Joint torques [N m], shape (..., nv), which accelerations a [rad/s^2] take (Eq. 4.1).
@@ -82,6 +91,63 @@ class Robot(Protocol):
     def at(self, q: Array, v: Array) -> RobotState:
         """The state at joint positions q [rad] and velocities v [rad/s]."""
         ...
+
+
+def neutral(robot: Robot) -> Array:
+    """A configuration to try tasks at, shape (nq,)."""
+    return np.asarray(getattr(robot, "neutral", np.zeros(robot.nq)))
+
+
+def integrate(robot: Robot, q: Array, step: Array) -> Array:
+    """The configuration after a step of the joints, shape (nq,)."""
+    own = getattr(robot, "integrate", None)
+    return q + step if own is None else np.asarray(own(q, step))
+
+
+def difference(robot: Robot, start: Array, end: Array) -> Array:
+    """The step of the joints that leads from one configuration to another, shape (nv,)."""
+    own = getattr(robot, "difference", None)
+    return end - start if own is None else np.asarray(own(start, end))
+
+
+def joint_positions(state: RobotState) -> Array:
+    """The position of each joint that has one, 0 elsewhere, shape (nv,)."""
+    return np.asarray(getattr(state, "joints", state.q))
+
+
+def joint_names(robot: Robot) -> tuple[str, ...]:
+    """One name a joint velocity."""
+    own = getattr(robot, "joint_names", None)
+    return tuple(f"joint {i}" for i in range(robot.nv)) if own is None else tuple(own)
+
+
+def joint_index(robot: Robot, joint: str | int, what: str) -> int:
+    """Which joint velocity a joint is, by name or by number.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no such joint; tells the nearest names.
+    """
+    if isinstance(joint, str):
+        names = joint_names(robot)
+        if joint not in names:
+            raise InvalidInput(f"{what} {joint!r} is no joint of the robot{nearest(joint, names)}")
+        return names.index(joint)
+    index = whole_number(joint, what)
+    if index >= robot.nv:
+        raise InvalidInput(f"{what} = {index}; the robot has the joints 0 .. {robot.nv - 1}")
+    return index
+
+
+def nearest(name: str, names: Iterable[str]) -> str:
+    """What to add to the refusal of a name: those that are like it, or all, if they are few."""
+    known = list(names)
+    close = get_close_matches(name, known, n=3, cutoff=0.5)
+    close = close or [other for other in known if name.lower() in other.lower()][:3]
+    if close:
+        return f"; did you mean {' or '.join(map(repr, close))}?"
+    return f"; there are {', '.join(known)}" if 0 < len(known) <= 40 else f"; it has {len(known)} others"
 
 
 def as_robot(value: Robot) -> Robot:

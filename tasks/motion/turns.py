@@ -1,0 +1,123 @@
+"""How to be turned when: rotations that stand still or move, with the angular velocity and acceleration they need."""
+
+from __future__ import annotations
+
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from .._checks import Array, finite, numbers, positive_scalar
+from ..rotations import about, exp, log, rotation_matrix
+from .timing import Timing, as_timing, quintic
+from .trajectories import Fixed, Trajectory
+
+
+@runtime_checkable
+class RotationTrajectory(Protocol):
+    """A rotation in time: ``trajectory(t)`` gives R (3, 3), and omega [rad/s] and its rate [rad/s^2], each (3,).
+
+    Both in the axes of the world, as R is.
+    """
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]: ...
+
+
+class FixedRotation:
+    """A rotation that stands still.
+
+    Parameters
+    ----------
+    R : array, shape (3, 3)
+    """
+
+    def __init__(self, R: ArrayLike) -> None:
+        self.R = rotation_matrix(R, "rotation")
+        self._sample = (self.R, np.zeros(3), np.zeros(3))
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        return self._sample
+
+    def __repr__(self) -> str:
+        return f"rotation by {log(self.R).round(4).tolist()}"
+
+
+class AboutZ:
+    """A rotation about z by an angle in time: all that a planar arm can do.
+
+    Parameters
+    ----------
+    angle : Trajectory
+        Of one number [rad], which may go on beyond a full turn.
+    """
+
+    def __init__(self, angle: Trajectory) -> None:
+        self.angle = angle
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        angle, rate, change = (float(part[0]) for part in self.angle(t))
+        return about(2, angle), np.array([0.0, 0.0, rate]), np.array([0.0, 0.0, change])
+
+    def __repr__(self) -> str:
+        return repr(self.angle)
+
+
+class Turn:
+    """From one rotation to another the shortest way, about a fixed axis, by a timing law.
+
+    Parameters
+    ----------
+    start, end : array, shape (3, 3)
+    duration : float
+        [s]; before it begins, and after, the rotation stands still.
+    law : callable
+        One of ``cubic``, ``quintic``, ``harmonic``, ``cycloid``.
+    """
+
+    def __init__(self, start: ArrayLike, end: ArrayLike, duration: float, law: Timing = quintic) -> None:
+        self.start, self.end = rotation_matrix(start, "start"), rotation_matrix(end, "end")
+        self.duration, self.law = positive_scalar(duration, "duration", unit="s"), as_timing(law, "law")
+        self._vector = log(self.end @ self.start.T)
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        s, ds, dds = self.law(t / self.duration)
+        rate, change = ds / self.duration, dds / self.duration**2
+        return exp(s * self._vector) @ self.start, rate * self._vector, change * self._vector
+
+    def __repr__(self) -> str:
+        return f"Turn of {np.linalg.norm(self._vector):.4g} rad in {self.duration:g} s"
+
+
+def as_rotation(target: ArrayLike | RotationTrajectory | Trajectory, what: str) -> RotationTrajectory:
+    """`target` as a rotation in time: a matrix stands still, one angle turns about z, functions of time move.
+
+    Raises
+    ------
+    InvalidInput
+        If it is neither, or (at t = 0) gives no rotation.
+    """
+    if not callable(target):
+        array = finite(target, f"{what}: target")
+        if array.size == 1:
+            return AboutZ(Fixed(array))
+        if array.ndim != 2:
+            raise InvalidInput(f"{what}: target has shape {array.shape}; it must be (3, 3), or (1,), an angle about z")
+        return FixedRotation(rotation_matrix(array, f"{what}: target"))
+    try:
+        sample = [numbers(part, f"{what}: target(0.0)") for part in target(0.0)]
+    except InvalidInput:
+        raise
+    except Exception as error:
+        raise InvalidInput(f"{what}: target(0.0) raised {type(error).__name__}: {error}") from error
+    shapes = [part.shape for part in sample]
+    if shapes == [(1,)] * 3:
+        return AboutZ(target)
+    if shapes != [(3, 3), (3,), (3,)]:
+        raise InvalidInput(
+            f"{what}: target(0.0) gives shapes {shapes}; it must give rotation, angular velocity and acceleration,"
+            " (3, 3), (3,), (3,), or an angle and its derivatives, each (1,)"
+        )
+    rotation_matrix(sample[0], f"{what}: target(0.0)")
+    return target

@@ -1,0 +1,361 @@
+r"""Spatial robots, with their kinematics and dynamics by Pinocchio: arms, mobile bases, humanoids.
+
+A configuration q lies on the manifold of the robot: a joint that turns without end is a point on a circle, a floating
+base a position and a quaternion. Velocities v have nv <= nq numbers: those of a floating base are its linear and
+angular velocity along its own axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput, MissingPackage
+from hqp.checks import of_type
+
+from .._checks import LARGEST, Array, numbers, per_row, position_range, positive
+from .frame import FixedFrame
+from .robot import joint_index, nearest
+
+try:
+    import pinocchio as pin
+except ImportError as error:  # pragma: no cover
+    raise MissingPackage("spatial robots need Pinocchio: pip install 'hqp[robots]'") from error
+
+
+class PinocchioRobot:
+    """A robot with a Pinocchio model. One robot serves one thread; copies share the model.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+    tip : str, optional
+        The frame that tasks mean which name none.
+    name : str, optional
+        Default: the model's own.
+    position_limit : pair of float or array, shape (nv,), optional
+        Lowest and highest joint positions [rad], [m] (default: the model's).
+    velocity_limit : float or array, shape (nv,), optional
+        Largest joint speed [rad/s], [m/s] (default: the model's).
+    acceleration_limit : float or array, shape (nv,), optional
+        Largest joint acceleration [rad/s^2], [m/s^2]; a model has none.
+
+    Attributes
+    ----------
+    joint_names : tuple of str
+        One a velocity; a joint of several has them numbered, as in ``"root_joint[0]"``.
+    frame_names : tuple of str
+    neutral : array, shape (nq,)
+        The neutral configuration, moved into the position limits where it lies outside.
+    home : array, shape (nq,)
+        A configuration to start from: that of the library, or the neutral one.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no such frame, or a limit is not positive, or lowest above highest; names the joint.
+    """
+
+    def __init__(
+        self,
+        model: pin.Model,
+        *,
+        tip: str | None = None,
+        name: str | None = None,
+        position_limit: tuple[ArrayLike, ArrayLike] | None = None,
+        velocity_limit: ArrayLike | None = None,
+        acceleration_limit: ArrayLike | None = None,
+    ) -> None:
+        self.model = of_type(model, pin.Model, "model")
+        self.data = self.model.createData()
+        self.nq, self.nv = int(model.nq), int(model.nv)
+        self.name = str(model.name) if name is None else of_type(name, str, "name of a robot")
+        self.joint_names = tuple(_joint_names(model))
+        self.frame_names = tuple(dict.fromkeys(frame.name for frame in model.frames))
+        self._columns, self._places = _single_joints(model)
+        self._frames: dict[str | None, int] = {}
+        self._state: PinocchioState | None = None  # whose kinematics the data holds
+        self._accelerated = False
+        self.position_limit = self._position_limit(position_limit)
+        self.velocity_limit = self._velocity_limit(velocity_limit)
+        self.acceleration_limit = None
+        if acceleration_limit is not None:
+            self.acceleration_limit = self._per_joint(acceleration_limit, "acceleration limit", "rad/s^2")
+        self.tip = None if tip is None else self.check_frame(tip)
+        self.neutral = self._inside(pin.neutral(model))
+        self.home = self.neutral
+
+    # Limits.
+
+    def _per_joint(self, value: ArrayLike, what: str, unit: str) -> Array:
+        return per_row(positive(value, f"{self!r}: {what}", unit=unit), self.nv, f"{self!r}: {what}", "joint")
+
+    def _position_limit(self, given: tuple[ArrayLike, ArrayLike] | None) -> Array | None:
+        """Lowest and highest positions of the joints that have one; None if none is limited."""
+        limits = np.array([[-np.inf], [np.inf]]).repeat(self.nv, axis=1)
+        if given is not None:
+            return position_range(given, self.nv, f"{self!r}: position limit")
+        for joint, place in zip(self._columns, self._places, strict=True):
+            low, high = float(self.model.lowerPositionLimit[place]), float(self.model.upperPositionLimit[place])
+            if not low < high:
+                raise InvalidInput(
+                    f"{self!r}: position limit of {self.joint_names[joint]} from {low:g} to {high:g};"
+                    " the lowest must be below the highest"
+                )
+            limits[:, joint] = low if low > -LARGEST else -np.inf, high if high < LARGEST else np.inf
+        return limits if np.isfinite(limits).any() else None
+
+    def _velocity_limit(self, given: ArrayLike | None) -> Array | None:
+        """Largest speeds; infinite, or none at all, where the model names none."""
+        if given is not None:
+            return self._per_joint(given, "velocity limit", "rad/s")
+        own = np.array(self.model.velocityLimit)
+        own[(own <= 0.0) | (own > LARGEST)] = np.inf  # a model writes 0 where it knows nothing
+        return own if np.isfinite(own).any() else None
+
+    def _inside(self, q: Array) -> Array:
+        """The same configuration with every joint inside its range."""
+        q = np.array(q)
+        if self.position_limit is not None:
+            low, high = self.position_limit[:, self._columns]
+            q[self._places] = np.clip(q[self._places], low, high)
+        q.flags.writeable = False
+        return q
+
+    # The configuration.
+
+    def integrate(self, q: Array, step: Array) -> Array:
+        """The configuration after a step of the joints."""
+        return np.asarray(pin.integrate(self.model, q, step))
+
+    def difference(self, start: Array, end: Array) -> Array:
+        """The step, shape (nv,), that leads from one configuration to another."""
+        return np.asarray(pin.difference(self.model, start, end))
+
+    def configuration(self, joints: Mapping[str, float]) -> Array:
+        """The neutral configuration with these joints at these positions [rad], [m].
+
+        Raises
+        ------
+        InvalidInput
+            If a joint is unknown, or has more than one number.
+        """
+        q = np.array(self.neutral)
+        columns = self._columns.tolist()
+        for name, position in joints.items():
+            column = joint_index(self, name, "joint")
+            if column not in columns:
+                raise InvalidInput(f"joint {name!r} has no single position")
+            q[self._places[columns.index(column)]] = position
+        return q
+
+    def random(self, rng: np.random.Generator) -> Array:
+        """A configuration from the whole range of every joint; half a turn to either side where there is none."""
+        low, high = np.full(self.nq, -1.0), np.full(self.nq, 1.0)
+        if self.position_limit is None:
+            ends = np.array([[-np.pi], [np.pi]]).repeat(len(self._columns), axis=1)
+        else:
+            ends = self.position_limit[:, self._columns]
+            ends = np.where(np.isfinite(ends), ends, [[-np.pi], [np.pi]])
+        low[self._places], high[self._places] = ends
+        pin.seed(int(rng.integers(2**31)))
+        return np.asarray(pin.randomConfiguration(self.model, low, high))
+
+    # The state.
+
+    def check_frame(self, name: str) -> str:
+        """`name`, which must be a frame of this robot.
+
+        Raises
+        ------
+        InvalidInput
+            Tells the nearest names.
+        """
+        if name not in self.frame_names:
+            raise InvalidInput(f"{name!r} is no frame of {self!r}{nearest(str(name), self.frame_names)}")
+        return name
+
+    def frame_index(self, name: str | None) -> int:
+        """Pinocchio's number of a frame; of the tip, if no name is given."""
+        found = self._frames.get(name)
+        if found is None:
+            if name is None and self.tip is None:
+                raise InvalidInput(f"{self!r} has no tip; name a frame")
+            found = self._frames[name] = int(self.model.getFrameId(self.check_frame(name or str(self.tip))))
+        return found
+
+    def at(self, q: ArrayLike, v: ArrayLike) -> PinocchioState:
+        """Everything that tasks ask for at (q, v), each quantity computed when first asked for.
+
+        Raises
+        ------
+        InvalidInput
+            If q or v has not the numbers of this robot. NaN passes: the solver reports it.
+        """
+        position = q if type(q) is np.ndarray and q.dtype == np.float64 else numbers(q, "q")
+        velocity = v if type(v) is np.ndarray and v.dtype == np.float64 else numbers(v, "v")
+        if position.shape != (self.nq,) or velocity.shape != (self.nv,):
+            what, given, size = ("q", position, self.nq) if position.shape != (self.nq,) else ("v", velocity, self.nv)
+            raise InvalidInput(f"{what} has shape {given.shape}; {self!r} takes ({size},)")
+        return PinocchioState(self, position, velocity)
+
+    def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
+        """Joint torques [N m], forces [N] for accelerations a, gravity included, shape (..., nv)."""
+        q, v, a = (np.asarray(value, dtype=np.float64) for value in (q, v, a))
+        rows = [
+            pin.rnea(self.model, self.data, *row)
+            for row in zip(q.reshape(-1, self.nq), v.reshape(-1, self.nv), a.reshape(-1, self.nv), strict=True)
+        ]
+        self._state = None
+        return np.array(rows).reshape(a.shape)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "data": None, "_state": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.data = self.model.createData()
+
+    def __repr__(self) -> str:
+        return f"PinocchioRobot({self.name!r}, {self.nv} degrees of freedom)"
+
+
+class PinocchioState:
+    """A robot at one instant; see :class:`tasks.robots.robot.RobotState`."""
+
+    def __init__(self, robot: PinocchioRobot, q: Array, v: Array) -> None:
+        self.robot, self.q, self.v = robot, q, v
+        self._frames: dict[str | None, PinocchioFrame] = {}
+
+    @cached_property
+    def joints(self) -> Array:
+        """The position of each joint that has one, 0 elsewhere, shape (nv,)."""
+        robot = self.robot
+        if robot.nq == robot.nv:
+            return self.q
+        joints = np.zeros(robot.nv)
+        joints[robot._columns] = self.q[robot._places]
+        return joints
+
+    def frame(self, name: str | None = None) -> PinocchioFrame:
+        """The frame of that name, by default the tip.
+
+        Raises
+        ------
+        InvalidInput
+            If there is no such frame; tells the nearest names.
+        """
+        found = self._frames.get(name)
+        if found is None:
+            found = self._frames[name] = PinocchioFrame(self, self.robot.frame_index(name))
+        return found
+
+    @cached_property
+    def pose(self) -> Array:
+        """Of the tip, for records: its position [m] and rotation vector [rad], shape (6,); empty without a tip."""
+        if self.robot.tip is None:
+            return np.zeros(0)
+        tip = self.frame()
+        return np.concatenate([tip.position, pin.log3(tip.rotation)])
+
+    @cached_property
+    def center_of_mass(self) -> FixedFrame:
+        """The centre of mass: a frame along the axes of the world."""
+        model, data = self.robot.model, self.robot.data
+        pin.centerOfMass(model, data, self.q, self.v, np.zeros(model.nv))
+        position, drift = np.array(data.com[0]), np.array(data.acom[0])
+        linear = np.array(pin.jacobianCenterOfMass(model, data, self.q))
+        self.robot._state = None  # the data was overwritten
+        return FixedFrame(position, np.eye(3), linear, np.zeros_like(linear), drift, np.zeros(3))
+
+    def ready(self) -> pin.Data:
+        """Pinocchio's data with the joint Jacobians of this state: computed once, while no other state is asked."""
+        robot = self.robot
+        if robot._state is not self:
+            pin.computeJointJacobians(robot.model, robot.data, self.q)
+            robot._state, robot._accelerated = self, False
+        return robot.data
+
+    def accelerated(self) -> pin.Data:
+        """The same, and the accelerations while the joints do not accelerate."""
+        data, robot = self.ready(), self.robot
+        if not robot._accelerated:
+            pin.forwardKinematics(robot.model, data, self.q, self.v, np.zeros(robot.nv))
+            robot._accelerated = True
+        return data
+
+
+class PinocchioFrame:
+    """A frame at one instant; see :class:`tasks.robots.frame.Frame`."""
+
+    def __init__(self, state: PinocchioState, index: int) -> None:
+        self._state, self._index = state, index
+        model, data = state.robot.model, state.ready()
+        place = pin.updateFramePlacement(model, data, index)
+        self.position, self.rotation = np.array(place.translation), np.array(place.rotation)
+        self._jacobian = np.asarray(pin.getFrameJacobian(model, data, index, pin.LOCAL_WORLD_ALIGNED))
+
+    @property
+    def linear(self) -> Array:
+        return self._jacobian[:3]
+
+    @property
+    def angular(self) -> Array:
+        return self._jacobian[3:]
+
+    @cached_property
+    def _drift(self) -> Array:
+        robot, data = self._state.robot, self._state.accelerated()
+        return np.array(
+            pin.getFrameClassicalAcceleration(robot.model, data, self._index, pin.LOCAL_WORLD_ALIGNED).vector
+        )
+
+    @property
+    def linear_drift(self) -> Array:
+        return self._drift[:3]
+
+    @property
+    def angular_drift(self) -> Array:
+        return self._drift[3:]
+
+
+def reduced(model: pin.Model, lock: Iterable[str] | Mapping[str, float], what: str) -> pin.Model:
+    """The model with these joints held where they are: at a given position, or neutral.
+
+    Raises
+    ------
+    InvalidInput
+        If a joint is unknown; tells the nearest names.
+    """
+    positions = lock if isinstance(lock, Mapping) else dict.fromkeys(lock)
+    q, held = pin.neutral(model), []
+    names = list(model.names)[1:]
+    for name, position in positions.items():
+        if name not in names:
+            raise InvalidInput(f"{what}: {name!r} is no joint{nearest(str(name), names)}")
+        index = int(model.getJointId(name))
+        joint = model.joints[index]
+        if position is not None:
+            if joint.nq != 1:
+                raise InvalidInput(f"{what}: {name!r} has {joint.nq} numbers; it can only be held at its neutral place")
+            q[joint.idx_q] = float(position)
+        held.append(index)
+    return pin.buildReducedModel(model, held, q) if held else model
+
+
+def _joint_names(model: pin.Model) -> Iterable[str]:
+    for joint, name in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):  # the first is the universe
+        yield from [name] if joint.nv == 1 else (f"{name}[{i}]" for i in range(joint.nv))
+
+
+def _single_joints(model: pin.Model) -> tuple[Any, Any]:
+    """Of the joints with one position and one velocity: which velocity, and which number of q."""
+    single = [joint for joint in list(model.joints)[1:] if joint.nq == joint.nv == 1]
+    return (
+        np.array([joint.idx_v for joint in single], dtype=np.intp),
+        np.array([joint.idx_q for joint in single], dtype=np.intp),
+    )

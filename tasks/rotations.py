@@ -1,0 +1,132 @@
+r"""Rotations of space: a matrix R whose columns are the axes of a frame, and the vector that turns one into another."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from ._checks import Array, finite
+
+#: How far R^T R may be from the identity.
+ORTHONORMAL = 1e-6
+#: Angles [rad] below which a series is more exact than a quotient.
+SMALL = 1e-4
+
+
+def rotation_matrix(value: ArrayLike, what: str) -> Array:
+    """`value` as a rotation matrix, its columns made orthonormal to round-off.
+
+    Raises
+    ------
+    InvalidInput
+        If it is no finite 3 x 3 matrix, its columns are not orthonormal to 1e-6, or it is a reflection.
+    """
+    R = finite(value, what)
+    if R.shape != (3, 3):
+        raise InvalidInput(f"{what} has shape {R.shape}; a rotation is a matrix of shape (3, 3)")
+    error = float(np.abs(R.T @ R - np.eye(3)).max())
+    if not error <= ORTHONORMAL:
+        raise InvalidInput(f"{what} is no rotation: R^T R differs from the identity by {error:.3g}")
+    if np.linalg.det(R) < 0.0:
+        raise InvalidInput(f"{what} is a reflection, not a rotation: its determinant is -1")
+    u, _, vt = np.linalg.svd(R)
+    nearest: Array = u @ vt
+    nearest.flags.writeable = False
+    return nearest
+
+
+def exp(vector: ArrayLike) -> Array:
+    """The rotation about the direction of `vector` by its length [rad] (Rodrigues), shape (3, 3)."""
+    x, y, z = np.asarray(vector, dtype=np.float64)
+    angle = math.sqrt(x * x + y * y + z * z)
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    if angle < SMALL:
+        a, b = 1.0 - angle * angle / 6.0, 0.5 - angle * angle / 24.0
+    else:
+        a, b = math.sin(angle) / angle, 2.0 * (math.sin(0.5 * angle) / angle) ** 2
+    return np.asarray(np.eye(3) + a * K + b * (K @ K))
+
+
+def log(R: Array) -> Array:
+    """The rotation vector of R [rad], shape (3,), of length 0 .. pi: ``exp(log(R)) = R``.
+
+    Its quaternion (Shepperd's method) is exact at every angle; at half a turn either sign is right, and one is taken.
+    """
+    (a, b, c), (d, e, f), (g, h, i) = R.tolist()
+    trace = a + e + i
+    largest = max(trace, a, e, i)
+    if largest == trace:
+        w, x, y, z = 1.0 + trace, h - f, c - g, d - b
+    elif largest == a:
+        w, x, y, z = h - f, 1.0 + a - e - i, b + d, c + g
+    elif largest == e:
+        w, x, y, z = c - g, b + d, 1.0 + e - a - i, f + h
+    else:
+        w, x, y, z = d - b, c + g, f + h, 1.0 + i - a - e
+    sine = math.sqrt(x * x + y * y + z * z)
+    if w < 0.0:
+        sine, w = -sine, -w
+    if sine == 0.0:
+        return np.zeros(3)
+    if not abs(sine) > SMALL * w:
+        scale = 2.0 / w * (1.0 - (sine / w) ** 2 / 3.0)
+        return np.array([scale * x, scale * y, scale * z])
+    scale = 2.0 * math.atan2(abs(sine), w) / sine
+    return np.array([scale * x, scale * y, scale * z])
+
+
+def about(axis: int, angle: float) -> Array:
+    """The rotation by `angle` [rad] about axis 0, 1 or 2 (x, y or z), shape (3, 3)."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    R = np.eye(3)
+    first, second = (axis + 1) % 3, (axis + 2) % 3
+    R[first, first] = R[second, second] = cosine
+    R[first, second], R[second, first] = -sine, sine
+    return R
+
+
+def from_rpy(roll: float, pitch: float, yaw: float) -> Array:
+    """Turned about the axes of the world by roll (x), then pitch (y), then yaw (z) [rad]: URDF's ``rpy``."""
+    return np.asarray(about(2, yaw) @ about(1, pitch) @ about(0, roll))
+
+
+def from_quaternion(x: float, y: float, z: float, w: float) -> Array:
+    """The rotation of a quaternion, its scalar part w last, of any length but 0.
+
+    Raises
+    ------
+    InvalidInput
+        If a number is not finite, or all are 0.
+    """
+    q = finite([x, y, z, w], "quaternion (x, y, z, w)")
+    norm = float(np.linalg.norm(q))
+    if norm == 0.0:
+        raise InvalidInput("quaternion (x, y, z, w) is zero; it must have a direction")
+    x, y, z, w = (q / norm).tolist()
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def cross(vector: Array, columns: Array) -> Array:
+    """``vector x column`` for every column, shape (3, k)."""
+    x, y, z = vector
+    a, b, c = columns
+    return np.array([y * c - z * b, z * a - x * c, x * b - y * a])
+
+
+def perpendicular(axis: Array) -> Array:
+    """Two unit vectors which with the unit vector `axis` make a right-handed frame: the rows, shape (2, 3)."""
+    first = np.zeros(3)
+    first[np.argmin(np.abs(axis))] = 1.0
+    first -= axis * (axis @ first)
+    first /= np.linalg.norm(first)
+    return np.array([first, np.cross(axis, first)])
