@@ -1,8 +1,7 @@
-"""Which limit holds which task back? The multipliers of a level answer, row by row."""
+"""Which limit holds which task back? The solution explains itself, in the words of the stack."""
 
 import numpy as np
 
-from hqp import Side
 from tasks import (
     Controller,
     JointAccelerationLimit,
@@ -15,7 +14,7 @@ from tasks import (
 
 arm = PlanarArm([0.4, 0.4, 0.4, 0.3])
 stack = (
-    JointVelocityLimit(1.0) + JointAccelerationLimit(20.0)
+    JointVelocityLimit(1.0, name="velocity limit") + JointAccelerationLimit(20.0, name="acceleration limit")
     >> PositionTask([0.9, 0.8], gain=2.0)
     >> OrientationTask(np.pi / 4, gain=2.0)
     >> PostureTask(np.zeros(4), gain=1.0)
@@ -25,16 +24,12 @@ step = controller(np.radians([45.0, 35.0, -70.0, -30.0]), v=np.array([0.1, 0.8, 
 solution = step.solution
 print("joint velocities", step.v.round(4) + 0.0, "rad/s; proved:", solution.certify().ok)
 
-limits = [f"{what} limit of joint {joint}" for what in ("velocity", "acceleration") for joint in (1, 2, 3, 4)]
-sides = {Side.LOWER: "at its lower bound", Side.UPPER: "at its upper bound", Side.EQUALITY: "an equality"}
+explanation = solution.explain()
+print(f"\n{explanation}")
 
-for k, level in enumerate(solution.levels[1:], start=1):
-    print(f"\nlevel {k}, {level.name}: residual {level.residual_norm:.4f}")
-    holding = np.flatnonzero(np.abs(level.multipliers) > 1e-6)
-    for row in holding:
-        above, inside = solution.hierarchy.locate(int(row))
-        holder = solution.levels[above]
-        name = limits[inside] if above == 0 else f"{holder.name}, row {inside}"
-        print(f"    held back by the {name}, {sides[Side(holder.active[inside])]}: {level.multipliers[row]:+.4f}")
-    if not len(holding):
+for level in explanation.levels[1:]:
+    print(f"\nlevel {level.level}, {level.name}: {'met' if level.met else 'not met'}, by rank {level.rank}")
+    for cause in level.causes:
+        print(f"    held back by {cause}: {cause.share:.0%}")
+    if not level.causes:
         print("    held back by nothing")

@@ -17,15 +17,17 @@ from .batch import Batch, BatchSolution, BatchSolver, solve_batch
 from .certificate import Certificate, LevelCertificate, certify
 from .damping import DampingRule, FixedDamping, ManipulabilityDamping, NumericalFiltering, SingularValueDamping
 from .errors import HqpError, InvalidInput, MissingPackage, UnknownBackend, Unsupported
+from .explanation import Cause, Explanation, LevelExplanation, PartExplanation
 from .families import FAMILIES, Family
 from .hierarchy import Hierarchy
 from .io import load, save
+from .label import Label
 from .level import Level
 from .nearest import nearest
 from .regularisation import RegularisedSolver, solve_regularised
 from .relaxation import RegularisedSolution, Relaxation, StageCertificates
-from .rows import Side
 from .settings import Settings
+from .side import Side
 from .solution import Counts, LevelSolution, Solution, Status
 from .solve import DEFAULT_BACKEND, Solver, solve
 
@@ -40,20 +42,25 @@ __all__ = [
     "Batch",
     "BatchSolution",
     "BatchSolver",
+    "Cause",
     "Certificate",
     "Counts",
     "DampingRule",
+    "Explanation",
     "Family",
     "FixedDamping",
     "Hierarchy",
     "HqpError",
     "InvalidInput",
+    "Label",
     "Level",
     "LevelCertificate",
+    "LevelExplanation",
     "LevelSolution",
     "ManipulabilityDamping",
     "MissingPackage",
     "NumericalFiltering",
+    "PartExplanation",
     "RegularisedSolution",
     "RegularisedSolver",
     "Relaxation",

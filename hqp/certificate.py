@@ -29,7 +29,8 @@ from .arrays import Array, finite_vector, length, lengths
 from .checks import of_type, positive_number
 from .errors import InvalidInput
 from .hierarchy import Hierarchy
-from .rows import ROUND_OFF, RowStates, Side, row_states
+from .rows import ROUND_OFF, RowStates, row_states
+from .side import Side
 from .subspace import row_space
 
 #: Rank decision among free normals: the weak choice, so that either answer to a near-singular one passes.

@@ -14,8 +14,9 @@ from .arrays import Array
 from .errors import InvalidInput
 from .hierarchy import Hierarchy
 from .level import Level
-from .rows import Side, row_states
+from .rows import row_states
 from .settings import Settings
+from .side import Side
 from .subspace import split
 
 

@@ -29,6 +29,7 @@ import numpy as np
 from .arrays import Array, Indices, lengths
 from .checks import whole_number
 from .errors import InvalidInput
+from .label import Label
 from .level import Level
 
 #: Most unknowns that indices alone may tell: beyond, a slip of the pen is likelier than so many.
@@ -92,6 +93,7 @@ class Hierarchy:
             or [np.zeros(0, dtype=np.intp)]
         ).astype(np.intp)
         self._names = tuple(level.name for level in given)
+        self._labels = tuple(level.labels for level in given)
         self._has_rows = tuple(level.A is not None for level in given)
         self._dense = np.flatnonzero(self.columns < 0)
         self.structure = (self.n, self.pointers, self._has_rows, self.columns.tobytes())
@@ -145,7 +147,8 @@ class Hierarchy:
             else:
                 indices = self.columns[own]
             view = object.__new__(Level)
-            levels.append(view._hold(A, self.lower[own], self.upper[own], self.weights[own], indices, name))
+            numbers = A, self.lower[own], self.upper[own], self.weights[own], indices
+            levels.append(view._hold(*numbers, name, self._labels[k]))
         return tuple(levels)
 
     def copy(self) -> Hierarchy:
@@ -218,6 +221,14 @@ class Hierarchy:
     def label(self, k: int) -> str:
         """How messages call level k: ``level 2 ('hand')``."""
         return f"level {k} ({self._names[k]!r})" if self._names[k] else f"level {k}"
+
+    def label_of(self, row: int) -> Label:
+        """What row number `row` of the whole hierarchy is called; by level and number where nobody gave it a label."""
+        k, inside = self.locate(row)
+        labels, column = self._labels[k], self.columns[row]
+        if labels is not None:
+            return labels[inside]
+        return Label(self._names[k] or f"level {k}", f"x[{column}]" if column >= 0 else f"row {inside}")
 
     def locate(self, row: int) -> tuple[int, int]:
         """Level, and row inside it, of row number `row` of the whole hierarchy."""

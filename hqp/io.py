@@ -8,8 +8,8 @@ Structure, names and numbers come back to the last bit, and so do NaN and whatev
 is to be reported. ``hqp solve hard.npz`` shows what comes out.
 
 The file holds the arrays of :class:`hqp.Hierarchy` under their names (A, lower, upper, weights, columns), x_ref if
-there is one, and ``head``, JSON text: the format, n, and of every level its name, how many rows it has, and whether
-they are plain bounds.
+there is one, and ``head``, JSON text: the format, n, and of every level its name, how many rows it has, whether
+they are plain bounds, and their labels if they have any.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from .arrays import Array, real_array
 from .checks import of_type, truth, whole_number
 from .errors import InvalidInput
 from .hierarchy import Hierarchy
+from .label import Label
 from .level import Level
 
 #: What the head of a file says; the number changes with its arrays.
@@ -37,7 +38,7 @@ def save(path: str | os.PathLike[str], hierarchy: Hierarchy, x_ref: ArrayLike | 
     ----------
     path : str or path
     hierarchy : Hierarchy
-        Its numbers may be such that no solver takes them.
+        Its numbers may be such that no solver takes them. Of labels the texts are kept, not what `bound` may be.
     x_ref : array, shape (n,), optional
         Reference of the implicit last level.
 
@@ -51,9 +52,8 @@ def save(path: str | os.PathLike[str], hierarchy: Hierarchy, x_ref: ArrayLike | 
     from .files import write_arrays
 
     h = of_type(hierarchy, Hierarchy, "the hierarchy")
-    levels = [{"name": level.name, "rows": len(level), "bounds": level.indices is not None} for level in h.levels]
-    # Names are free text: they go into the head, as JSON.
-    head = np.array(json.dumps({"format": FORMAT, "n": h.n, "levels": levels}))
+    # Names and labels are free text: they go into the head, as JSON.
+    head = np.array(json.dumps({"format": FORMAT, "n": h.n, "levels": [_described(level) for level in h.levels]}))
     arrays: dict[str, NDArray[Any]] = {
         "head": head, "A": h.A, "lower": h.lower, "upper": h.upper, "weights": h.weights, "columns": h.columns,
     }  # fmt: skip
@@ -82,13 +82,14 @@ def load(path: str | os.PathLike[str]) -> tuple[Hierarchy, Array | None]:
         lower, upper, weights = (_array(arrays, name, (m,)) for name in ("lower", "upper", "weights"))
         columns = _array(arrays, "columns", (m,), "i")
         levels, first, above = [], 0, 0
-        for name, rows, bounds in kinds:
+        for (name, rows, bounds), level in zip(kinds, head["levels"], strict=True):
             own = slice(first, first + rows)
             first += rows
+            labels = _labels(level)
             if bounds:
-                levels.append(Level.bounds(lower[own], upper[own], indices=columns[own], name=name))
+                levels.append(Level.bounds(lower[own], upper[own], indices=columns[own], name=name, labels=labels))
                 continue
-            levels.append(Level(A[above : above + rows], lower[own], upper[own], name=name))
+            levels.append(Level(A[above : above + rows], lower[own], upper[own], name=name, labels=labels))
             above += rows
         hierarchy = Hierarchy(levels, n=n)
         hierarchy.weights[:] = weights  # afterwards: a Level refuses what is not positive
@@ -107,6 +108,21 @@ def _head(arrays: dict[str, NDArray[Any]]) -> dict[str, Any]:
     if lacks or not isinstance(head["levels"], list):
         raise ValueError("its head does not tell n and the list of levels")
     return dict(head)
+
+
+def _described(level: Level) -> dict[str, Any]:
+    """What the head tells of a level; labels only where somebody gave some."""
+    told: dict[str, Any] = {"name": level.name, "rows": len(level), "bounds": level.indices is not None}
+    if level.labels is not None:
+        told["labels"] = [(label.part, label.row, label.unit) for label in level.labels]
+    return told
+
+
+def _labels(level: dict[str, Any]) -> list[Label] | None:
+    """The labels of a level, as :func:`_described` told them."""
+    if "labels" not in level:
+        return None
+    return [Label(part, row, unit) for part, row, unit in level["labels"]]
 
 
 def _kind(k: int, level: Any) -> tuple[str, int, bool]:

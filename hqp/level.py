@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike
 from .arrays import Array, Indices, index_vector, real_array
 from .checks import of_type
 from .errors import InvalidInput
+from .label import Label, labels_of
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
@@ -28,6 +30,8 @@ class Level:
         weights: no weight makes a lower level touch this one.
     name : str
         Used in messages, tables and explanations.
+    labels : sequence of Label, optional
+        What each row is called in explanations.
 
     Attributes
     ----------
@@ -39,7 +43,7 @@ class Level:
     Raises
     ------
     InvalidInput
-        If shapes do not fit, or a weight is not positive and finite. The numbers in A, lower and
+        If shapes do not fit, a weight is not positive and finite, or a label is none. The numbers in A, lower and
         upper are checked when the hierarchy is solved, because a control loop refills them.
 
     Notes
@@ -54,20 +58,36 @@ class Level:
     weights: Array
     indices: Indices | None
     name: str
+    labels: tuple[Label, ...] | None
 
     def __init__(
-        self, A: ArrayLike, lower: ArrayLike, upper: ArrayLike, *, weights: ArrayLike | None = None, name: str = ""
+        self,
+        A: ArrayLike,
+        lower: ArrayLike,
+        upper: ArrayLike,
+        *,
+        weights: ArrayLike | None = None,
+        name: str = "",
+        labels: Iterable[Label] | None = None,
     ) -> None:
         rows = real_array(A, f"{_label(name)}: A")
         if rows.ndim != 2:
             raise InvalidInput(f"{_label(name)}: A has shape {rows.shape}; it must have two axes, (rows, unknowns)")
         m = len(rows)
-        self._set(rows, _column(lower, m, "lower", name), _column(upper, m, "upper", name), weights, None, name)
+        self._set(rows, _column(lower, m, "lower", name), _column(upper, m, "upper", name), weights, None, name, labels)
 
     @classmethod
-    def equality(cls, A: ArrayLike, b: ArrayLike, *, weights: ArrayLike | None = None, name: str = "") -> Level:
+    def equality(
+        cls,
+        A: ArrayLike,
+        b: ArrayLike,
+        *,
+        weights: ArrayLike | None = None,
+        name: str = "",
+        labels: Iterable[Label] | None = None,
+    ) -> Level:
         """The level ``A x = b``: equality rows, met in the least-squares sense where they conflict."""
-        return cls(A, b, b, weights=weights, name=name)
+        return cls(A, b, b, weights=weights, name=name, labels=labels)
 
     @classmethod
     def bounds(
@@ -78,6 +98,7 @@ class Level:
         indices: ArrayLike | None = None,
         weights: ArrayLike | None = None,
         name: str = "",
+        labels: Iterable[Label] | None = None,
     ) -> Level:
         """The level ``lower <= x[indices] <= upper``, without dense rows.
 
@@ -99,11 +120,20 @@ class Level:
                 raise InvalidInput(f"{label}, row {row}: index {columns[row]} is negative; count unknowns from 0")
         level = object.__new__(cls)
         m = len(columns)
-        level._set(None, _column(low, m, "lower", name), _column(high, m, "upper", name), weights, columns, name)
+        level._set(
+            None, _column(low, m, "lower", name), _column(high, m, "upper", name), weights, columns, name, labels
+        )
         return level
 
     def _set(
-        self, A: Array | None, lower: Array, upper: Array, weights: ArrayLike | None, indices: Indices | None, name: str
+        self,
+        A: Array | None,
+        lower: Array,
+        upper: Array,
+        weights: ArrayLike | None,
+        indices: Indices | None,
+        name: str,
+        labels: Iterable[Label] | None,
     ) -> None:
         m = len(lower)
         scale = np.ones(m) if weights is None else _column(weights, m, "weights", name)
@@ -111,9 +141,10 @@ class Level:
         if wrong.any():
             row = int(np.argmax(wrong))
             raise InvalidInput(f"{_label(name)}, row {row}: weight {scale[row]} must be positive and finite")
-        self._hold(A, lower, upper, scale, indices, of_type(name, str, "name of a level"))
+        called = labels_of(labels, m, f"{_label(name)}: labels")
+        self._hold(A, lower, upper, scale, indices, of_type(name, str, "name of a level"), called)
 
-    def _hold(self, *values: Array | Indices | str | None) -> Level:
+    def _hold(self, *values: Array | Indices | str | tuple[Label, ...] | None) -> Level:
         """Take these arrays as they are, unchecked and uncopied, in the order of the fields."""
         for field, value in zip(self.__dataclass_fields__, values, strict=True):
             object.__setattr__(self, field, value)

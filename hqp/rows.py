@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import IntEnum
 from itertools import pairwise
 
 import numpy as np
@@ -11,21 +10,13 @@ from numpy.typing import NDArray
 
 from .arrays import Array, length
 from .hierarchy import Hierarchy
+from .side import Side
 
 #: Round-off of A x, in units of the largest length that takes part in it.
 ROUND_OFF = 4 * np.finfo(np.float64).eps
 
 #: What a long x may add to the tolerance of a row that it hardly moves.
 LENGTH = 1e-1
-
-
-class Side(IntEnum):
-    """On which of its bounds a row sits, or which it violates."""
-
-    LOWER = -1
-    INACTIVE = 0
-    UPPER = 1
-    EQUALITY = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +30,7 @@ class RowStates:
     tolerance
         How far a row may be from a bound and still count as being on it.
     sides
-        A :class:`Side` a row. Rows whose two bounds are closer than the tolerance are equalities.
+        A :class:`hqp.Side` a row. Rows whose two bounds are closer than the tolerance are equalities.
     violated
         ``|slack| > tolerance``.
     norms

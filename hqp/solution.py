@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 
 from .arrays import Array
 from .certificate import Certificate, certify
+from .explanation import Explanation, explain
 from .hierarchy import Hierarchy
-from .rows import RowStates, Side, row_states
+from .rows import RowStates, row_states
 from .settings import Settings
+from .side import Side
 from .subspace import row_space
 
 
@@ -218,6 +220,37 @@ class Solution:
     def certify(self, *, unique: bool = True, tolerance: float = 1e-9) -> Certificate:
         """The proof of this answer, or by how much it falls short; see :func:`hqp.certify`."""
         return certify(self.hierarchy, self.x, self.x_ref, unique=unique, tolerance=tolerance)
+
+    def explain(self, *, tolerance: float = 1e-9) -> Explanation:
+        """Which row stopped which level, in the words of its labels.
+
+        Parameters
+        ----------
+        tolerance
+            As of :func:`hqp.certify`, whose multipliers these are: answers of first-order backends need what they
+            claim.
+
+        Returns
+        -------
+        Explanation
+            Where no level was solved, the message alone.
+
+        Examples
+        --------
+        >>> from hqp import Hierarchy, Level, solve
+        >>> limits = Level.bounds([-1, -1], [1, 1], name="limits")
+        >>> reach = Level.equality([[2, 1]], [4], name="reach")
+        >>> print(solve(Hierarchy([limits, reach])).explain())
+        limits met (2 of 2 rows at a bound)
+        reach short by 1: x[0] limits (upper), then x[1] limits (upper)
+        """
+        if self.status in (Status.INVALID, Status.UNSUPPORTED):
+            return Explanation((), self.message)
+        certificate = self.certify(unique=False, tolerance=tolerance)
+        rows = row_states(self.hierarchy, self.x, tolerance)
+        ranks = [rank for rank, _ in self._ranks(rows)]
+        with np.errstate(all="ignore"):  # as in the certificate: an x out of all bounds is judged, not warned about
+            return Explanation(explain(self.hierarchy, certificate, rows, ranks), self.message)
 
     def __repr__(self) -> str:
         head = f"Solution({self.status} by {self.backend}, x = {np.array2string(self.x, precision=6, threshold=8)})"

@@ -6,13 +6,13 @@ from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
-from .frame_task import FrameTask, Mask, Reference, chosen
 from .motion.trajectories import Trajectory
 from .motion.turns import AboutZ, RotationTrajectory, as_rotation
+from .place import Mask, PlaceTask, Reference, chosen
 from .position import AXES
 
 
-class OrientationTask(FrameTask):
+class OrientationTask(PlaceTask):
     """Turn a frame to a rotation, the shortest way; or by one angle about z: the second task of the thesis, Eq. 4.3.
 
     The angle of a planar arm is the plain sum of its joint angles, unwrapped: a target 2 pi away is a full turn away.
@@ -20,10 +20,10 @@ class OrientationTask(FrameTask):
     Parameters
     ----------
     target : array, shape (3, 3), or RotationTrajectory; or float, or Trajectory of one number
-        The rotation, its columns the axes that the frame is to have; or the angle about z [rad], counter-clockwise, which
-        leaves the other axes free.
+        The rotation, its columns the axes that the frame is to have; or the angle about z [rad], counter-clockwise,
+        which leaves the other axes free.
     frame, relative_to, reference
-        See :class:`~tasks.frame_task.FrameTask`.
+        See :class:`~tasks.place.PlaceTask`.
     mask : str or sequence of bool, optional
         The axes about which to turn, as in ``"xy"``; see :class:`tasks.AxisTask` for a tool that may spin.
     gain, damping_ratio, weight, name

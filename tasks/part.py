@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from hqp import Label
 from hqp.checks import whole_number
 
 from ._checks import Array
-from .robots.robot import Robot, RobotState
+from .robots.robot import Robot, RobotState, joint_names
 
 if TYPE_CHECKING:
     from .limits.envelope import Envelope
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 #: What the unknown x of the hierarchy is: joint velocities [rad/s], or joint accelerations [rad/s^2].
 Order = Literal["velocity", "acceleration"]
+#: What follows the unit of a position, in the unit of x.
+PER: dict[str, str] = {"velocity": "/s", "acceleration": "/s^2"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +69,14 @@ class Part:
     def variables(self, robot: Robot) -> NDArray[np.intp]:
         """The joint velocities that plain rows bound, shape (rows,)."""
         return np.arange(robot.nv)
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        """What explanations call the rows."""
+        names = joint_names(robot)
+        rows = (
+            [names[i] for i in self.variables(robot)] if self.plain else [f"row {i}" for i in range(self.size(robot))]
+        )
+        return [Label(self.name, row) for row in rows]
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         """Refuse, once and before the first tick, what cannot work with this robot.

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
-from .frame_task import FrameTask, Mask, Reference, chosen
 from .motion.trajectories import Trajectory, as_trajectory
 from .motion.turns import RotationTrajectory, as_rotation
+from .place import Mask, PlaceTask, Reference, chosen
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
 
 
-class PoseTask(FrameTask):
+class PoseTask(PlaceTask):
     """Bring a frame to a point and turn it to a rotation: position and orientation weighed against each other.
 
     Where they conflict neither has priority; ``PositionTask(...) >> OrientationTask(...)`` gives it to the first.
@@ -23,12 +23,12 @@ class PoseTask(FrameTask):
     rotation : array, shape (3, 3), or RotationTrajectory
         Its columns are the axes that the frame is to have.
     frame, relative_to
-        See :class:`~tasks.frame_task.FrameTask`.
+        See :class:`~tasks.place.PlaceTask`.
     mask : str or sequence of bool, optional
         The coordinates to be controlled, as in ``"x y rz"``.
     reference : {"local_world_aligned", "local", "world"}
         Pinocchio's names. Along the axes of the world, the linear rows those of the origin of the frame; along the axes
-        of the frame; or the spatial velocity, its linear rows those of the point that is passing the origin of the world.
+        of the frame; or the spatial velocity, its linear rows those of the point that is passing the world's origin.
     gain, damping_ratio, weight, name
         See :class:`tasks.Task`; a gain or a weight may be one number a row, in [m] before [rad].
     """

@@ -6,13 +6,13 @@ from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
-from .frame_task import FrameTask, Mask, Reference, chosen
 from .motion.trajectories import Trajectory, as_trajectory, spread
+from .place import Mask, PlaceTask, Reference, chosen
 
 AXES = ("x", "y", "z")
 
 
-class PositionTask(FrameTask):
+class PositionTask(PlaceTask):
     """Bring a frame to a point: the first task of the thesis, r1 of Eq. 4.2.
 
     Parameters
@@ -20,7 +20,7 @@ class PositionTask(FrameTask):
     target : array, shape (3,), or of one number a coordinate of the mask, or Trajectory
         [m]. Two numbers are x and y: all there is of a planar arm, and a line to stay on for a spatial robot.
     frame, relative_to, reference
-        See :class:`~tasks.frame_task.FrameTask`.
+        See :class:`~tasks.place.PlaceTask`.
     mask : str or sequence of bool, optional
         The coordinates to be controlled, as in ``"z"`` or ``(False, False, True)``.
     gain, damping_ratio, weight, name
@@ -50,8 +50,9 @@ class PositionTask(FrameTask):
         size = len(self.target(0.0)[0])
         axes = chosen("xy" if mask is None and size == 2 else mask, AXES, self.label())
         if size != 3 and (size != len(axes) or reference == "local"):
-            least = "" if reference == "local" else f"({len(axes)},) or "
-            raise InvalidInput(f"{self.label()}: target has shape ({size},); it must be {least}(3,)")
+            sizes = {3} if reference == "local" else {2, 3} if mask is None else {len(axes), 3}
+            allowed = " or ".join(f"({size},)" for size in sorted(sizes))
+            raise InvalidInput(f"{self.label()}: target has shape ({size},); it must be {allowed}")
         super().__init__(
             self.target if size == 3 else spread(self.target, axes),
             None,

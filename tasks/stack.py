@@ -117,7 +117,7 @@ class Rows:
         self._robot, self._order, self._dt = robot, order, dt
         for part in stack:
             part.check(robot, order, dt)
-        self.hierarchy = Hierarchy([_empty_level(level, robot) for level in stack.levels], n=robot.nv)
+        self.hierarchy = Hierarchy([_empty_level(level, robot, order) for level in stack.levels], n=robot.nv)
         self._views: list[tuple[Part, Array | None, Array, Array]] = []
         for view, parts in zip(self.hierarchy.levels, stack.levels, strict=True):
             row = 0
@@ -140,18 +140,18 @@ class Rows:
         return self.hierarchy
 
 
-def _empty_level(parts: tuple[Part, ...], robot: Robot) -> Level:
+def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order) -> Level:
     """One level without numbers yet: plain bounds if all its parts are plain, rows otherwise."""
     name = " + ".join(part.name for part in parts)
     weights = np.concatenate([per_row(p.weight, p.size(robot), f"{p.label()}: weight") for p in parts])
+    labels = [label for part in parts for label in part.labels(robot, order)]
     zeros = np.zeros(len(weights))
     if all(part.plain for part in parts):
-        return Level.bounds(
-            zeros, zeros, indices=np.concatenate([p.variables(robot) for p in parts]), weights=weights, name=name
-        )
+        indices = np.concatenate([p.variables(robot) for p in parts])
+        return Level.bounds(zeros, zeros, indices=indices, weights=weights, name=name, labels=labels)
     identity = np.eye(robot.nv)
     A = [identity[p.variables(robot)] if p.plain else np.zeros((p.size(robot), robot.nv)) for p in parts]
-    return Level(np.concatenate(A), zeros, zeros, weights=weights, name=name)
+    return Level(np.concatenate(A), zeros, zeros, weights=weights, name=name, labels=labels)
 
 
 def _levels_of(part: Part | Stack) -> tuple[tuple[Part, ...], ...]:

@@ -21,12 +21,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hqp import InvalidInput
+from hqp import InvalidInput, Label
 from hqp.checks import of_type, whole_number
 
 from ._checks import Array, numbers, per_row, positive, positive_scalar
 from .motion.trajectories import Trajectory, as_trajectory
-from .part import Part, Tick
+from .part import PER, Order, Part, Tick
 from .robots.robot import Robot, RobotState, neutral
 
 
@@ -102,13 +102,18 @@ class Task(Part):
 
     def control(self, tick: Tick) -> tuple[Array, Array]:
         """The rows J x = h of this tick, shapes (rows, nv) and (rows,), by the law of the module's docstring."""
-        J = np.asarray(self.jacobian(tick.state))
+        J, drift = self.motion(tick)
         e = self.error(tick.state, tick.t)
         rd_dot, rd_ddot = self.rates(tick.state, tick.t)
         if tick.order == "velocity":
             return J, rd_dot + self.gain * e
         e_dot = rd_dot - J @ tick.state.v
-        return J, self._c1 * e_dot + self._c2 * e - self.drift(tick.state) + rd_ddot
+        return J, self._c1 * e_dot + self._c2 * e - drift + rd_ddot
+
+    def motion(self, tick: Tick) -> tuple[Array, Array | float]:
+        """Jacobian and, at acceleration order, drift of this tick."""
+        drift = 0.0 if tick.order == "velocity" else self.drift(tick.state)
+        return np.asarray(self.jacobian(tick.state)), drift
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         J, h = self.control(tick)
@@ -117,12 +122,24 @@ class Task(Part):
         lower[:] = h
         upper[:] = h
 
-    def check(self, robot: Robot, order: str, dt: float | None) -> None:
+    def row_names(self, robot: Robot) -> list[tuple[str, str]]:
+        """Name and unit of each row, as of the error: ``("x", "m")``."""
+        return [(label.row, "") for label in super().labels(robot, "velocity")]
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        return [Label(self.name, row, unit and unit + PER[order]) for row, unit in self.row_names(robot)]
+
+    @staticmethod
+    def at_rest(robot: Robot) -> RobotState:
+        """The state that a task is tried at: neutral, without motion."""
+        return robot.at(neutral(robot), np.zeros(robot.nv))
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         """Try the task once at the neutral configuration: what does not fit is refused here, not in the loop."""
         rows = self.size(robot)
         per_row(self.gain, rows, f"{self.label()}: gain")
-        state = robot.at(neutral(robot), np.zeros(robot.nv))
-        feedforward = self.feedforward(0.0)
+        state = self.at_rest(robot)
+        feedforward = self.rates(state, 0.0)
         if not (isinstance(feedforward, tuple) and len(feedforward) == 2):
             raise InvalidInput(f"{self.label()}: feedforward = {brief(feedforward)} must be (velocity, acceleration)")
         spread: list[tuple[int, ...]] = [(rows,), ()]  # one number a row, or one for all

@@ -42,6 +42,8 @@ def test_it_prints_status_levels_x_and_certificate(file: str, capsys: pytest.Cap
     assert cells(text, "level 0 ('limits')")[3:] == ["3", "0", "0", "2"]
     assert cells(text, "level 1 ('reach')")[3:] == ["1", "1", "1", "0"]
     assert cells(text, "level 2 ('posture')")[3:] == ["1", "0.666667", "1", "0"]
+    assert f"\n{solution.explain()}\n" in text
+    assert "reach short by 1: x[0] limits (upper), then x[1] limits (upper)\n" in text
     (x,) = (line.removeprefix("x = ") for line in text.splitlines() if line.startswith("x = "))
     np.testing.assert_array_equal([float(number) for number in x.strip("[]").split(",")], solution.x)
     assert text.rstrip().endswith(str(solution.certify()))

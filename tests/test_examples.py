@@ -15,7 +15,7 @@ MOST_LINES = 60
 SAYS = {
     "01_levels": "NOT optimal: level 1 (sum) falls short",
     "02_planar_arm": "150 of 150 checked ticks certified",
-    "03_which_limit": "held back by the velocity limit of joint 2, at its upper bound",
+    "03_which_limit": "held back by joint 1 velocity limit (upper)",
     "04_compare_backends": "native                      exact          40/40     40/40",
     "05_joint_limits": "afterwards a joint is at most 0.000000 deg outside",
 }

@@ -265,7 +265,7 @@ def test_a_curve_of_ones_own_must_be_defined():
             lambda: Chain([Line([0], [1], 1.0), Line([1, 1], [2, 2], 3.0)]),
             r"ends at \[1.0\], but .* at \[1.0, 1",
         ),
-        (lambda: PositionTask(Polygon([[0], [1]], 1.0), gain=1.0), "position, velocity and acceleration, each"),
+        (lambda: PositionTask(Polygon([[0], [1]], 1.0), gain=1.0), r"target has shape \(1,\); it must be \(2,\)"),
     ],
 )
 def test_refuses_paths_that_are_none(make, named):

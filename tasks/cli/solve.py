@@ -82,6 +82,8 @@ def _show(out: Console, solution: Solution) -> None:
         cells = len(level.slack), f"{level.residual_norm:.6g}", level.rank, bound
         table.add_row(_text(solution.hierarchy.label(k)), *map(str, cells))
     out.print(table)
+    if why := solution.explain().levels:
+        _say(out, "\n".join(map(str, why)) + "\n")
     if solution.x_ref.any():
         _say(out, f"x_ref = {solution.x_ref.tolist()}")
     _say(out, f"x = {solution.x.tolist()}\n")  # every digit: it may be what is to be reported

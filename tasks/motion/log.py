@@ -46,7 +46,7 @@ class Log:
         self.t = np.empty(ticks + 1)
         self.q, self.v = np.empty((ticks + 1, nq)), np.empty((ticks + 1, nv))
         self.a = np.empty((ticks, nv))
-        self.pose = np.empty((ticks + 1, len(first.pose)))
+        self.pose = np.empty((ticks + 1, len(_pose(first))))
         self.status: list[Status] = []
         self.states = 0
         self.errors = [
@@ -67,7 +67,7 @@ class Log:
 
     def state(self, k: int, t: float, state: RobotState) -> None:
         """Where tick k began."""
-        self.t[k], self.q[k], self.v[k], self.pose[k] = t, state.q, state.v, state.pose
+        self.t[k], self.q[k], self.v[k], self.pose[k] = t, state.q, state.v, _pose(state)
         for _, error, values in self.errors:
             values[k] = error(state, t)
         self.states = k + 1
@@ -111,6 +111,11 @@ class Log:
             certified=self.certified,
             stopped=stopped,
         )
+
+
+def _pose(state: RobotState) -> Array:
+    """Of the tip; of a robot that has none, nothing."""
+    return np.asarray(getattr(state, "pose", np.zeros(0)))
 
 
 def _named(parts: Iterable[Part]) -> Iterator[tuple[str, Part]]:

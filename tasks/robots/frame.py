@@ -58,6 +58,25 @@ class FixedFrame:
     angular_drift: Array
 
 
+def planar_frame(pose: Array, jacobian: Array, drift: Array) -> FixedFrame:
+    """A frame that moves in the plane z = 0 and turns about z.
+
+    Parameters
+    ----------
+    pose : array, shape (3,)
+        x [m], y [m] and the angle [rad].
+    jacobian : array, shape (3, nv)
+        Of these three.
+    drift : array, shape (3,)
+        Their acceleration while the joints do not accelerate.
+    """
+    parts = np.zeros((6, jacobian.shape[1] + 2))
+    for row, own in (0, 0), (1, 1), (5, 2):
+        parts[row, :-2], parts[row, -2], parts[row, -1] = jacobian[own], pose[own], drift[own]
+    J, place, change = parts[:, :-2], parts[:, -2], parts[:, -1]
+    return FixedFrame(place[:3], pose[2:], J[:3], J[3:], change[:3], change[3:])
+
+
 def relative(root: Frame, frame: Frame, v: Array) -> FixedFrame:
     r"""`frame` as an observer sees it who rides on `root`: in its coordinates, and with its motion taken off.
 

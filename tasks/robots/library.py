@@ -157,8 +157,8 @@ def load_robot(
         Whether the base moves freely, with six velocities before those of the joints (default: as the library knows the
         robot; False for a file). An MJCF file says itself.
     mimic : {"lock", "follow", "free"}
-        What to do with joints that a URDF ties to another one: hold them at neutral (told once, by logging), tie them, or
-        let them move on their own.
+        What to do with joints that a URDF ties to another one: hold them at neutral (told once, by logging), tie them,
+        or let them move on their own.
     lock : names, or dict of name to position
         Joints to be held, where neutral or at a position [rad], [m].
     tip : str, optional

@@ -46,6 +46,8 @@ class PinocchioRobot:
 
     Attributes
     ----------
+    base : int
+        How many velocities are those of a floating base: 6, or 0.
     joint_names : tuple of str
         One a velocity; a joint of several has them numbered, as in ``"root_joint[0]"``.
     frame_names : tuple of str
@@ -73,6 +75,8 @@ class PinocchioRobot:
         self.model = of_type(model, pin.Model, "model")
         self.data = self.model.createData()
         self.nq, self.nv = int(model.nq), int(model.nv)
+        joints = list(model.joints)[1:]
+        self.base = 6 if joints and joints[0].nv == 6 else 0
         self.name = str(model.name) if name is None else of_type(name, str, "name of a robot")
         self.joint_names = tuple(_joint_names(model))
         self.frame_names = tuple(dict.fromkeys(frame.name for frame in model.frames))
@@ -147,7 +151,7 @@ class PinocchioRobot:
         q = np.array(self.neutral)
         columns = self._columns.tolist()
         for name, position in joints.items():
-            column = joint_index(self, name, "joint")
+            column = joint_index(self.joint_names, name, "joint")
             if column not in columns:
                 raise InvalidInput(f"joint {name!r} has no single position")
             q[self._places[columns.index(column)]] = position

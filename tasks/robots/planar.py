@@ -23,7 +23,7 @@ from hqp.checks import of_type
 
 from .._checks import Array, numbers, per_row, position_range, positive
 from . import planar_dynamics as dynamics
-from .frame import FixedFrame
+from .frame import FixedFrame, planar_frame
 from .manipulability import manipulability
 
 #: Mass per length of a link that names none [kg/m].
@@ -79,7 +79,7 @@ class PlanarState:
         J, drift = np.zeros((3, len(self.q))), np.zeros(3)
         J[:, :end] = _jacobian(self.points[: end + 1])
         drift[:2] = -(self.v[:end].cumsum() ** 2) @ np.diff(self.points[: end + 1], axis=0)
-        return _in_space(pose, J, drift)
+        return planar_frame(pose, J, drift)
 
 
 class PlanarArm:
@@ -216,7 +216,7 @@ class PlanarArm:
         # Jdot v: every link pulls its end towards its beginning at length * rate^2.
         drift = np.zeros(3)
         drift[:2] = -(v.cumsum() ** 2) @ (points[1:] - points[:-1])
-        return PlanarState(q, v, points, pose, J, J @ v, drift, _in_space(pose, J, drift))
+        return PlanarState(q, v, points, pose, J, J @ v, drift, planar_frame(pose, J, drift))
 
     def _points(self, q: Array) -> tuple[Array, Array]:
         """Angles of the links against the x axis, shape (..., n), and the points between them."""
@@ -240,15 +240,6 @@ class PlanarArm:
     def __repr__(self) -> str:
         label = f", name={self.name!r}" if self.name else ""
         return f"PlanarArm({self.lengths.tolist()}{label})"
-
-
-def _in_space(pose: Array, J: Array, drift: Array) -> FixedFrame:
-    """A frame of the arm as one of space, where the arm lies in the plane z = 0 and turns about z."""
-    parts = np.zeros((6, J.shape[1] + 2))
-    for row, own in (0, 0), (1, 1), (5, 2):
-        parts[row, :-2], parts[row, -2], parts[row, -1] = J[own], pose[own], drift[own]
-    J, place, drift = parts[:, :-2], parts[:, -2], parts[:, -1]
-    return FixedFrame(place[:3], pose[2:], J[:3], J[3:], drift[:3], drift[3:])
 
 
 def _link_names(count: int) -> list[str]:

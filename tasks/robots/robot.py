@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from reprlib import repr as brief
 from typing import Protocol
@@ -28,9 +28,9 @@ class RobotState(Protocol):
 
     Notes
     -----
-    A state may have more. A robot of which nq and nv differ has ``joints``, shape (nv,): the positions of the joints that
-    have one, 0 elsewhere. A record of its motion tells ``pose``, an array of any length, where there is one; and tasks of
-    the centre of mass ask for ``center_of_mass``, a :class:`~tasks.robots.frame.Frame` without rotation.
+    A state may have more: ``robot``, whose state it is; ``joints``, shape (nv,), where nq and nv differ: the positions
+    of the joints that have one, 0 elsewhere; ``pose``, an array of any length, which a record of the motion tells; and
+    ``center_of_mass``, a :class:`~tasks.robots.frame.Frame` along the axes of the world.
     """
 
     @property
@@ -121,8 +121,14 @@ def joint_names(robot: Robot) -> tuple[str, ...]:
     return tuple(f"joint {i}" for i in range(robot.nv)) if own is None else tuple(own)
 
 
-def joint_index(robot: Robot, joint: str | int, what: str) -> int:
-    """Which joint velocity a joint is, by name or by number.
+def towards(state: RobotState, q: Array) -> Array:
+    """The step of the joints that leads from here to a configuration, shape (nv,)."""
+    robot = getattr(state, "robot", None)
+    return q - state.q if robot is None else difference(robot, state.q, q)
+
+
+def joint_index(names: Sequence[str], joint: str | int, what: str) -> int:
+    """Which joint velocity of a robot with these joints a joint is, by name or by number.
 
     Raises
     ------
@@ -130,13 +136,12 @@ def joint_index(robot: Robot, joint: str | int, what: str) -> int:
         If there is no such joint; tells the nearest names.
     """
     if isinstance(joint, str):
-        names = joint_names(robot)
         if joint not in names:
             raise InvalidInput(f"{what} {joint!r} is no joint of the robot{nearest(joint, names)}")
-        return names.index(joint)
+        return list(names).index(joint)
     index = whole_number(joint, what)
-    if index >= robot.nv:
-        raise InvalidInput(f"{what} = {index}; the robot has the joints 0 .. {robot.nv - 1}")
+    if index >= len(names):
+        raise InvalidInput(f"{what} = {index}; the robot has the joints 0 .. {len(names) - 1}")
     return index
 
 

@@ -1,0 +1,14 @@
+"""Where a row stands between its bounds."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+
+class Side(IntEnum):
+    """On which of its bounds a row sits, or which it violates."""
+
+    LOWER = -1
+    INACTIVE = 0
+    UPPER = 1
+    EQUALITY = 2

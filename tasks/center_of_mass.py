@@ -1,0 +1,61 @@
+"""Where the weight is."""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from .motion.trajectories import Trajectory
+from .place import Mask
+from .position import PositionTask
+from .robots.frame import Frame, relative
+from .robots.robot import Robot, RobotState
+
+
+class CenterOfMassTask(PositionTask):
+    """Bring the centre of mass to a point; over its feet, with the mask ``"xy"``, a robot stands.
+
+    Parameters
+    ----------
+    target : array, shape (3,), or of one number a coordinate of the mask, or Trajectory
+        [m].
+    relative_to : str, optional
+        A frame of the robot, such as a foot, that stands for the world.
+    mask : str or sequence of bool, optional
+        The coordinates to be controlled.
+    gain, damping_ratio, weight, name
+        See :class:`tasks.Task`.
+    """
+
+    def __init__(
+        self,
+        target: ArrayLike | Trajectory,
+        *,
+        relative_to: str | None = None,
+        mask: Mask | None = None,
+        gain: ArrayLike,
+        damping_ratio: float = 1.0,
+        weight: ArrayLike = 1.0,
+        name: str | None = None,
+    ) -> None:
+        super().__init__(
+            target,
+            relative_to=relative_to,
+            mask=mask,
+            gain=gain,
+            damping_ratio=damping_ratio,
+            weight=weight,
+            name="center of mass" if name is None else name,
+        )
+
+    def seen(self, state: RobotState) -> Frame:
+        point: Frame = state.center_of_mass  # type: ignore[attr-defined]
+        return point if self.relative_to is None else relative(state.frame(self.relative_to), point, state.v)
+
+    def check_frames(self, robot: Robot) -> None:
+        state = self.at_rest(robot)
+        if not hasattr(state, "center_of_mass"):
+            raise InvalidInput(f"{self.label()}: {robot!r} does not tell its centre of mass")
+        if self.relative_to is not None:
+            super().check_frames(robot)

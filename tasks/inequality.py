@@ -1,0 +1,129 @@
+r"""A task as an inequality, at any level: stay above, below or within.
+
+The law of a task, :math:`J x = h`, brings its error to zero at the rate K. To keep :math:`e \le e_{max}` the same law
+is asked of :math:`e - e_{max}`, and only where it would grow: as h has K e in it (K^2 e at acceleration order),
+
+.. math:: h - K e_{max} \le J x \le h - K e_{min}:
+
+far from its bound the quantity moves freely, near it ever slower towards it, and from beyond it comes back at the rate
+K. At velocity order it never passes a bound that stands still (a control barrier function; with a tick dt as long as
+:math:`K dt \le 1`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hqp import InvalidInput, Label
+
+from ._checks import Array, numbers, per_row
+from .part import Order, Part, Tick
+from .robots.robot import Robot, RobotState
+from .task import Task
+
+
+class Inequality(Part):
+    """Base of the three: the actual value of a task between its target + `below` and its target + `above`."""
+
+    def __init__(self, task: Task, below: ArrayLike, above: ArrayLike) -> None:
+        if not isinstance(task, Task):
+            raise InvalidInput(f"{type(self).__name__} takes a Task, not a {type(task).__name__}")
+        self.task, self.name, self.weight, self.rows = task, task.name, task.weight, task.rows
+        self.plain = task.plain  # type: ignore[misc]
+        self.below, self.above = numbers(below, f"{self.label()}: below"), numbers(above, f"{self.label()}: above")
+        if not (self.below <= self.above).all():
+            raise InvalidInput(f"{self.label()}: below = {below!r} must not exceed above = {above!r}")
+
+    def size(self, robot: Robot) -> int:
+        return self.task.size(robot)
+
+    def variables(self, robot: Robot) -> NDArray[np.intp]:
+        return self.task.variables(robot)
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        return self.task.labels(robot, order)
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        self.task.check(robot, order, dt)
+        rows = self.size(robot)
+        for what, value in ("below", self.below), ("above", self.above):
+            per_row(value, rows, f"{self.label()}: {what}")
+        fastest = float(self.task.gain.max())
+        if dt is not None and order == "velocity" and fastest * dt > 1.0 + 1e-9:
+            raise InvalidInput(
+                f"{self.label()}: gain = {fastest:g} 1/s passes the bound within a tick of {dt:g} s;"
+                f" it must be at most {1.0 / dt:g}"
+            )
+
+    def error(self, state: RobotState, t: float) -> Array:
+        """By how much the value is beyond its bounds, and to which side it has to go, shape (rows,)."""
+        e = self.task.error(state, t)
+        return np.maximum(e + self.below, 0.0) + np.minimum(e + self.above, 0.0)
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        J, h = self.task.control(tick)
+        if A is not None:
+            A[:] = J
+        K = self.task.gain if tick.order == "velocity" else self.task.gain**2
+        lower[:] = h + K * self.below
+        upper[:] = h + K * self.above
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.task!r})"
+
+
+class AtLeast(Inequality):
+    """Keep what a task measures at its target or above, row by row.
+
+    ``AtLeast(PositionTask([0.4], frame="panda_link4", mask="z", gain=5.0))``: the elbow at 0.4 m or higher.
+
+    Parameters
+    ----------
+    task : Task
+        Its target is the bound, its gain the rate at which the bound is neared.
+
+    Raises
+    ------
+    InvalidInput
+        If it is no task; and, with a controller of velocity order, if its gain is more than 1/dt.
+    """
+
+    def __init__(self, task: Task) -> None:
+        super().__init__(task, 0.0, np.inf)
+
+
+class AtMost(Inequality):
+    """Keep what a task measures at its target or below, row by row; see :class:`AtLeast`."""
+
+    def __init__(self, task: Task) -> None:
+        super().__init__(task, -np.inf, 0.0)
+
+
+class Within(Inequality):
+    """Keep what a task measures within a tolerance of its target, row by row.
+
+    Parameters
+    ----------
+    task : Task
+    tolerance : float or array, shape (rows,)
+        In the unit of the task; a pair of arrays, below and above the target, is ``Within(task, above, below=...)``.
+    below : float or array, optional
+        How far below the target, where that differs; not negative.
+
+    Raises
+    ------
+    InvalidInput
+        If a tolerance is negative or not a number; see also :class:`AtLeast`.
+    """
+
+    def __init__(self, task: Task, tolerance: ArrayLike, *, below: ArrayLike | None = None) -> None:
+        above = numbers(tolerance, "tolerance")
+        under = above if below is None else numbers(below, "tolerance below")
+        for value in above, under:
+            if not (value >= 0.0).all():
+                raise InvalidInput(f"tolerance = {value.tolist()} must not be negative")
+        super().__init__(task, -under, above)
+
+    def __repr__(self) -> str:
+        return f"Within({self.task!r}, {self.above.tolist()})"
