@@ -11,11 +11,19 @@
 
 from __future__ import annotations
 
+from .axis import AxisTask
+from .center_of_mass import CenterOfMassTask
+from .coupling import JointCouplingTask
 from .damping import Damping
+from .frame_task import FrameTask
+from .inequality import AtLeast, AtMost, Within
 from .joint_motion import JointMotion
 from .limits.acceleration import JointAccelerationLimit
+from .limits.cartesian import BoxLimit, FrameVelocityLimit, PlaneLimit
+from .limits.joint_limits import JointLimits
 from .limits.position import JointPositionLimit
 from .limits.velocity import JointVelocityLimit
+from .look_at import LookAtTask
 from .motion.controller import Controller, Step
 from .motion.paths import Chain, Circle, Line, Polygon
 from .motion.polynomial import Polynomial
@@ -23,10 +31,15 @@ from .motion.record import Record, Stop
 from .motion.simulation import simulate
 from .motion.timing import cubic, cycloid, harmonic, quintic
 from .motion.trajectories import Fixed, Trajectory
+from .motion.turns import FixedRotation, RotationTrajectory, Turn
 from .orientation import OrientationTask
 from .part import Order, Part, Tick
+from .plane import PlaneTask
+from .pose import PoseTask
 from .position import PositionTask
 from .posture import PostureTask
+from .robots.frame import Frame
+from .robots.library import available_robots, load_robot
 from .robots.manipulability import Degrees, VelocityEllipse, manipulability, task_degrees, velocity_ellipse
 from .robots.planar import PlanarArm, PlanarState
 from .robots.robot import Robot, RobotState
@@ -35,30 +48,46 @@ from .stack import Stack
 from .task import TargetTask, Task
 
 __all__ = [
+    "AtLeast",
+    "AtMost",
+    "AxisTask",
+    "BoxLimit",
+    "CenterOfMassTask",
     "Chain",
     "Circle",
     "Controller",
     "Damping",
     "Degrees",
     "Fixed",
+    "FixedRotation",
+    "Frame",
+    "FrameTask",
+    "FrameVelocityLimit",
     "JointAccelerationLimit",
+    "JointCouplingTask",
+    "JointLimits",
     "JointMotion",
     "JointPositionLimit",
     "JointVelocityLimit",
     "Line",
+    "LookAtTask",
     "ManipulabilityTask",
     "Order",
     "OrientationTask",
     "Part",
     "PlanarArm",
     "PlanarState",
+    "PlaneLimit",
+    "PlaneTask",
     "Polygon",
     "Polynomial",
+    "PoseTask",
     "PositionTask",
     "PostureTask",
     "Record",
     "Robot",
     "RobotState",
+    "RotationTrajectory",
     "Stack",
     "Step",
     "Stop",
@@ -66,10 +95,14 @@ __all__ = [
     "Task",
     "Tick",
     "Trajectory",
+    "Turn",
     "VelocityEllipse",
+    "Within",
+    "available_robots",
     "cubic",
     "cycloid",
     "harmonic",
+    "load_robot",
     "manipulability",
     "quintic",
     "simulate",

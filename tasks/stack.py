@@ -10,6 +10,7 @@ from hqp import Hierarchy, InvalidInput, Level
 
 from ._checks import Array, per_row
 from .limits.envelope import Envelope
+from .limits.joint_limits import JointLimits
 from .part import Order, Part, Tick
 from .robots.robot import Robot, RobotState
 
@@ -119,12 +120,17 @@ class Rows:
             part.check(robot, order, dt)
         self.hierarchy = Hierarchy([_empty_level(level, robot, order) for level in stack.levels], n=robot.nv)
         self._views: list[tuple[Part, Array | None, Array, Array]] = []
+        self._merged: list[tuple[Array, Array, list[tuple[Array, Array]]]] = []
         for view, parts in zip(self.hierarchy.levels, stack.levels, strict=True):
             row = 0
             for part in parts:
                 own = slice(row, row + part.size(robot))
                 row = own.stop
                 self._views.append((part, None if view.A is None else view.A[own], view.lower[own], view.upper[own]))
+                if isinstance(part, JointLimits):
+                    alone = [(limit, None, *np.zeros((2, robot.nv))) for limit in part.of(robot)]
+                    self._views.extend(alone)
+                    self._merged.append((view.lower[own], view.upper[own], [bounds[2:] for bounds in alone]))
         self._envelope = Envelope(((part, lower, upper) for part, _, lower, upper in self._views), robot, order)
 
     def bounds(self, part: Part) -> tuple[Array, Array] | None:
@@ -137,6 +143,11 @@ class Rows:
         for part, A, lower, upper in self._views:
             part.write(tick, A, lower, upper)
         self._envelope.reconcile(tick)
+        for lower, upper, limits in self._merged:
+            lower[:], upper[:] = limits[0]
+            for low, high in limits[1:]:
+                np.maximum(lower, low, out=lower)
+                np.minimum(upper, high, out=upper)
         return self.hierarchy
 
 

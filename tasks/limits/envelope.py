@@ -71,7 +71,8 @@ class Envelope:
         self.ranges = {part: part.range(robot) for part in parts if isinstance(part, JointPositionLimit)}
         self.acceleration = _tightest(JointAccelerationLimit, parts, robot, or_own=bool(self.ranges))
         self.velocity = _tightest(JointVelocityLimit, parts, robot, or_own=bool(self.ranges))
-        if self.ranges and order == "acceleration" and np.isinf(self.acceleration).any():
+        limited = np.any([np.isfinite(own).any(axis=0) for own in self.ranges.values()], axis=0)
+        if self.ranges and order == "acceleration" and np.isinf(self.acceleration[limited]).any():
             raise InvalidInput(
                 f"{next(iter(self.ranges)).label()}: at acceleration order it needs to know how hard the joints can"
                 " brake; add a JointAccelerationLimit(20.0), in rad/s^2, to the stack, or give the robot a limit"

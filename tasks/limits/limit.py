@@ -6,12 +6,12 @@ from typing import ClassVar
 
 from numpy.typing import ArrayLike
 
-from hqp import InvalidInput
+from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
 from .._checks import Array, numbers, per_row, positive
-from ..part import Order, Part
-from ..robots.robot import Robot
+from ..part import PER, Order, Part
+from ..robots.robot import Robot, joint_names
 
 
 class JointLimit(Part):
@@ -35,6 +35,10 @@ class JointLimit(Part):
     def __init__(self, name: str | None) -> None:
         self.name = self.quantity if name is None else of_type(name, str, f"name of a {type(self).__name__}")
         self.weight = numbers(1.0, "weight")
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        part = f"{self.name} limit" if self.name == self.quantity else self.name
+        return [Label(part, joint, "rad" + PER[order]) for joint in joint_names(robot)]
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if dt is None and order != self.quantity:

@@ -36,7 +36,7 @@ from hqp import InvalidInput
 
 from .._checks import LARGEST, Array, numbers, position_range, positive_scalar
 from ..part import Order, Tick
-from ..robots.robot import Robot
+from ..robots.robot import Robot, joint_positions
 from .limit import JointLimit
 
 #: How fast a joint that is outside is driven back, unless told otherwise [rad/s].
@@ -113,16 +113,16 @@ class JointPositionLimit(JointLimit):
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.range(robot)
         super().check(robot, order, dt)
-        if robot.nq != robot.nv:
+        if robot.nq != robot.nv and not hasattr(robot, "integrate"):
             raise InvalidInput(
                 f"{self.label()}: the robot has {robot.nq} positions and {robot.nv} velocities;"
-                " a position limit needs one of each a joint"
+                " a position limit needs one of each a joint, or a robot that integrates"
             )
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         assert tick.dt is not None  # checked before the first tick
         assert tick.envelope is not None
-        q, v, dt = tick.state.q, tick.state.v, tick.dt
+        q, v, dt = joint_positions(tick.state), tick.state.v, tick.dt
         accelerating = tick.order == "acceleration"
         room = tick.envelope.ranges[self] - (q + 0.5 * dt * v if accelerating else q)
         room[0] *= -1.0  # what is below the joint, and what is above it

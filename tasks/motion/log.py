@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hqp import InvalidInput, Side, Solution, Status
 
 from .._checks import Array
+from ..limits.joint_limits import JointLimits
 from ..limits.limit import JointLimit
 from ..part import Part
 from ..robots.robot import RobotState
@@ -55,7 +56,7 @@ class Log:
         ]
         self.bounds = [
             (name, *controller.bounds(part), np.empty((ticks, nv)), np.empty((ticks, nv)))
-            for name, part in _named(part for part in controller.stack if isinstance(part, JointLimit))
+            for name, part in _named(part for part in controller.stack if isinstance(part, JointLimit | JointLimits))
         ]
         self.checked_t: list[float] = []
         self.certified = 0

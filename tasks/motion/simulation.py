@@ -7,7 +7,8 @@ The command holds over the tick and the robot follows it exactly:
     \text{acceleration order:}\quad & q \leftarrow q + v\,dt + \tfrac12 a\,dt^2, \quad v \leftarrow v + a\,dt \\
     \text{velocity order:}\quad & q \leftarrow q + v\,dt
 
-which is the exact motion under such a command: what a run shows is the controller, not the integrator.
+which is the exact motion under such a command: what a run shows is the controller, not the integrator. Where a
+configuration is more than a number a joint, the sum is the robot's own ``integrate``.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from hqp import InvalidInput, Solution
 from hqp.checks import of_type, whole_number
 
 from .._checks import finite, finite_scalar, function, positive_scalar
-from ..robots.robot import check_joints
+from ..robots.robot import check_joints, integrate
 from .controller import Controller
 from .log import Log
 from .record import Record, Stop
@@ -113,13 +114,13 @@ def simulate(
 
         if step.a is not None:
             a = step.a
-            q = q + dt * v + (0.5 * dt * dt) * a
+            q = integrate(robot, q, dt * v + (0.5 * dt * dt) * a)
             v = v + dt * a
         else:
             assert step.v is not None
             a = (step.v - v) / dt
             v = step.v.copy()
-            q = q + dt * v
+            q = integrate(robot, q, dt * v)
         q.flags.writeable = v.flags.writeable = False  # ours, and kept as they are: a robot need not copy them
         speed = float(np.abs(v).max(initial=0.0))
         if not speed <= cap:  # NaN too

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping
 from contextlib import redirect_stderr
 from dataclasses import dataclass, field
 from functools import cache
-from importlib.metadata import PackageNotFoundError, distribution
 from io import StringIO
 from os import PathLike
 from pathlib import Path
@@ -115,6 +114,8 @@ def data_folder() -> Path:
     MissingPackage
         If it is not installed.
     """
+    from importlib.metadata import PackageNotFoundError, distribution
+
     try:
         files = distribution("example-robot-data").files or []
     except PackageNotFoundError:

@@ -1,0 +1,168 @@
+"""What a frame may do: how fast it moves, and where."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput, Label
+
+from .._checks import Array, numbers, per_row, positive
+from ..inequality import Inequality
+from ..part import PER, Order, Part, Tick
+from ..place import Mask, Reference
+from ..plane import PlaneTask
+from ..pose import PoseTask
+from ..position import PositionTask
+from ..robots.robot import Robot
+
+
+class FrameVelocityLimit(Part):
+    """No coordinate of a frame changes faster than this: a box for its velocity.
+
+    At acceleration order the velocity at the end of the tick is limited, so that the controller needs its dt.
+
+    Parameters
+    ----------
+    limit : float or array, one number a coordinate of the mask
+        Positive [m/s], [rad/s].
+    frame : str, optional
+        The name of a frame of the robot (default: its tip).
+    relative_to : str, optional
+        A frame of the robot that stands for the world.
+    mask : str or sequence of bool
+        Of x, y, z, rx, ry, rz; by default the three of translation.
+    reference : {"local_world_aligned", "local", "world"}
+        See :class:`tasks.PoseTask`.
+    name : str, optional
+
+    Raises
+    ------
+    InvalidInput
+        If a limit is not positive, or there is not one a coordinate.
+    """
+
+    def __init__(
+        self,
+        limit: ArrayLike,
+        *,
+        frame: str | None = None,
+        relative_to: str | None = None,
+        mask: Mask = "xyz",
+        reference: Reference = "local_world_aligned",
+        name: str = "speed",
+    ) -> None:
+        self.place = PoseTask(
+            np.zeros(3),
+            np.eye(3),
+            frame=frame,
+            relative_to=relative_to,
+            mask=mask,
+            reference=reference,
+            gain=1.0,
+            name=name,
+        )
+        self.name, self.rows, self.weight = name, self.place.rows, numbers(1.0, "weight")
+        self.limit = per_row(
+            positive(limit, f"{self.label()}: limit"), self.rows, f"{self.label()}: limit", "coordinate"
+        )
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        return [Label(f"{self.name} limit", row, unit + PER[order]) for row, unit in self.place.row_names(robot)]
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        self.place.check_frames(robot)
+        if self.place.seen(self.place.at_rest(robot)).rotation.ndim == 1 and not set(self.place.mask) <= {0, 1, 5}:
+            raise InvalidInput(f"{self.label()}: a planar arm has x, y and rz only; give it a mask of these")
+        if order == "acceleration" and dt is None:
+            raise InvalidInput(f"{self.label()}: at acceleration order it needs the tick; give the controller dt in s")
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        assert A is not None
+        J, drift = self.place.motion(tick)
+        A[:] = J
+        if tick.order == "velocity":
+            lower[:], upper[:] = -self.limit, self.limit
+        else:
+            assert tick.dt is not None  # checked before the first tick
+            now = J @ tick.state.v
+            lower[:] = (-self.limit - now) / tick.dt - drift
+            upper[:] = (self.limit - now) / tick.dt - drift
+
+    def __repr__(self) -> str:
+        return f"FrameVelocityLimit({self.limit.tolist()})"
+
+
+class BoxLimit(Inequality):
+    """Keep the origin of a frame inside a box.
+
+    Parameters
+    ----------
+    lower, upper : array, shape (3,)
+        Its corners [m], along the axes of the world or of `relative_to`; infinite where a side is open.
+    frame, relative_to : str, optional
+        See :class:`~tasks.frame_task.FrameTask`.
+    gain : float
+        The rate [1/s] at which a side is neared.
+    name : str, optional
+
+    Raises
+    ------
+    InvalidInput
+        If a corner is not three numbers, or `lower` not below `upper`.
+    """
+
+    def __init__(
+        self,
+        lower: ArrayLike,
+        upper: ArrayLike,
+        *,
+        frame: str | None = None,
+        relative_to: str | None = None,
+        gain: ArrayLike,
+        name: str = "box",
+    ) -> None:
+        low, high = numbers(lower, f"box {name!r}: lower"), numbers(upper, f"box {name!r}: upper")
+        for what, corner in ("lower", low), ("upper", high):
+            if corner.shape not in {(2,), (3,)} or corner.shape != low.shape:
+                raise InvalidInput(
+                    f"box {name!r}: {what} has shape {corner.shape}; it must be (3,), or (2,) for a planar arm"
+                )
+        if not (low < high).all():
+            raise InvalidInput(f"box {name!r}: lower = {low.tolist()} must be below upper = {high.tolist()}")
+        place = PositionTask(np.zeros(len(low)), frame=frame, relative_to=relative_to, gain=gain, name=name)
+        super().__init__(place, low, high)
+
+    def __repr__(self) -> str:
+        return f"BoxLimit({self.below.tolist()}, {self.above.tolist()})"
+
+
+class PlaneLimit(Inequality):
+    """Keep the origin of a frame in front of a plane.
+
+    Parameters
+    ----------
+    normal : array, shape (3,)
+        It points to where the frame may be.
+    distance : float
+        From the origin of the world, or of `relative_to`, along the normal [m].
+    frame, relative_to : str, optional
+        See :class:`~tasks.frame_task.FrameTask`.
+    gain : float
+        The rate [1/s] at which the plane is neared.
+    name : str, optional
+    """
+
+    def __init__(
+        self,
+        normal: ArrayLike,
+        distance: float,
+        *,
+        frame: str | None = None,
+        relative_to: str | None = None,
+        gain: ArrayLike,
+        name: str = "plane",
+    ) -> None:
+        super().__init__(
+            PlaneTask(normal, distance, frame=frame, relative_to=relative_to, gain=gain, name=name), 0.0, np.inf
+        )
