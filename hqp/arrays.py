@@ -21,6 +21,8 @@ def real_array(value: ArrayLike, what: str) -> Array:
 
     Nothing is made a number that is none: no string, no date, None, masked entry or imaginary part.
     """
+    if type(value) is np.ndarray and value.dtype == np.float64:  # as it mostly is in a control loop
+        return value.copy()
     refusal = f"{what} is not an array of real numbers"
     given = _as_array(value, refusal)
     strangers: list[Any] = [] if given.dtype.kind in "biuf" else [value]

@@ -30,8 +30,8 @@ from .motion.polynomial import Polynomial
 from .motion.record import Record, Stop
 from .motion.simulation import simulate
 from .motion.timing import cubic, cycloid, harmonic, quintic
-from .motion.trajectories import Fixed, Trajectory
-from .motion.turns import FixedRotation, RotationTrajectory, Turn
+from .motion.trajectories import Fixed, Setpoint, Trajectory
+from .motion.turns import FixedRotation, RotationSetpoint, RotationTrajectory, Turn
 from .orientation import OrientationTask
 from .part import Order, Part, Tick
 from .plane import PlaneTask
@@ -87,7 +87,9 @@ __all__ = [
     "Record",
     "Robot",
     "RobotState",
+    "RotationSetpoint",
     "RotationTrajectory",
+    "Setpoint",
     "Stack",
     "Step",
     "Stop",

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from hqp import InvalidInput
 
 from ._checks import Array
-from .motion.trajectories import Fixed, Trajectory
+from .motion.trajectories import Fixed, Trajectory, as_trajectory
 from .part import Order
 from .robots.robot import Robot, RobotState, joint_index, joint_names, joint_positions, towards
-from .task import TargetTask
+from .task import TargetTask, Task
 
 
 class PostureTask(TargetTask):
@@ -52,7 +52,9 @@ class PostureTask(TargetTask):
         self.joints = None if joints is None else tuple(joints)
         if self.joints is not None:
             self.rows = len(self.joints)
-        super().__init__(target, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+        self._call(name)
+        self.target = as_trajectory(target, None, self.label())
+        Task.__init__(self, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
 
     def size(self, robot: Robot) -> int:
         return len(self.variables(robot))

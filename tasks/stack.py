@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,8 +12,12 @@ from hqp import Hierarchy, InvalidInput, Level
 from ._checks import Array, per_row
 from .limits.envelope import Envelope
 from .limits.joint_limits import JointLimits
+from .limits.limit import JointLimit
 from .part import Order, Part, Tick
 from .robots.robot import Robot, RobotState
+
+if TYPE_CHECKING:
+    from .compiled import CompiledRows
 
 ALLOWED = "a stack takes tasks, limits and stacks: a >> b puts b below a, a + b puts both on one level"
 
@@ -81,7 +86,7 @@ class Stack:
     def __repr__(self) -> str:
         return " >> ".join(" + ".join(map(repr, level)) for level in self.levels)
 
-    def build(self, robot: Robot, order: Order, dt: float | None = None) -> Rows:
+    def build(self, robot: Robot, order: Order, dt: float | None = None, *, compiled: bool = True) -> Rows:
         """The hierarchy of this stack for one robot, ready to be filled.
 
         Parameters
@@ -91,6 +96,8 @@ class Stack:
             Whether x is the joint velocities [rad/s] or accelerations [rad/s^2].
         dt : float, optional
             Tick [s]; needed by limits of the other order.
+        compiled : bool
+            Whether rows may be written by :mod:`tasks.compiled` where it knows how: the same rows, sooner.
 
         Returns
         -------
@@ -102,7 +109,7 @@ class Stack:
         InvalidInput
             If a part does not fit the robot, or the rest of the stack; names the part.
         """
-        return Rows(self, robot, order, dt)
+        return Rows(self, robot, order, dt, compiled)
 
 
 class Rows:
@@ -112,9 +119,11 @@ class Rows:
     ----------
     hierarchy : hqp.Hierarchy
         Refilled in place: nothing is stacked or copied per tick.
+    compiled : bool
+        Whether all parts are written by :mod:`tasks.compiled`.
     """
 
-    def __init__(self, stack: Stack, robot: Robot, order: Order, dt: float | None) -> None:
+    def __init__(self, stack: Stack, robot: Robot, order: Order, dt: float | None, compiled: bool) -> None:
         self._robot, self._order, self._dt = robot, order, dt
         for part in stack:
             part.check(robot, order, dt)
@@ -132,6 +141,15 @@ class Rows:
                     self._views.extend(alone)
                     self._merged.append((view.lower[own], view.upper[own], [bounds[2:] for bounds in alone]))
         self._envelope = Envelope(((part, lower, upper) for part, _, lower, upper in self._views), robot, order)
+        self._compiled: CompiledRows | None = None
+        self._written = self._views  # by the parts themselves
+        if compiled and order == "velocity" and hasattr(robot, "model"):
+            from .compiled import CompiledRows
+
+            self._compiled = CompiledRows(self._views, robot, dt, self._envelope)
+            self._written = [view for view in self._views if id(view[0]) not in self._compiled.parts]
+        self.compiled = not self._written
+        self._relaxed = any(isinstance(view[0], JointLimit) for view in self._written)
 
     def bounds(self, part: Part) -> tuple[Array, Array] | None:
         """Lower and upper bounds that a part writes (views), or None if it is not in the stack."""
@@ -139,16 +157,24 @@ class Rows:
 
     def fill(self, state: RobotState, t: float) -> Hierarchy:
         """Let every part write its rows for this state and time t [s]; the hierarchy, for convenience."""
-        tick = Tick(self._robot, state, t, self._order, self._dt, self._envelope)
-        for part, A, lower, upper in self._views:
-            part.write(tick, A, lower, upper)
-        self._envelope.reconcile(tick)
+        if self._compiled is not None:
+            self._compiled.write(state, t)
+        if self._written:
+            tick = Tick(self._robot, state, t, self._order, self._dt, self._envelope)
+            for part, A, lower, upper in self._written:
+                part.write(tick, A, lower, upper)
+            if self._relaxed:
+                self._envelope.reconcile(tick)
+                self._merge()
+        return self.hierarchy
+
+    def _merge(self) -> None:
+        """All limits of the joints in one row a joint."""
         for lower, upper, limits in self._merged:
             lower[:], upper[:] = limits[0]
             for low, high in limits[1:]:
                 np.maximum(lower, low, out=lower)
                 np.minimum(upper, high, out=upper)
-        return self.hierarchy
 
 
 def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order) -> Level:

@@ -9,6 +9,7 @@ from hypothesis import settings
 
 from hqp import available_backends, backend_info
 from hqp.backends import native
+from tasks import compiled
 
 # The machines are shared: no deadline. Derandomised: a red run is red again.
 settings.register_profile("hqp", deadline=None, derandomize=True, max_examples=60)
@@ -23,6 +24,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     """Before pytest-xdist starts its workers, compile what all of them then load from disk."""
     if not hasattr(session.config, "workerinput"):
         native.warm_up()
+        compiled.warm_up()
 
 
 #: Backends which take any hierarchy and promise its optimum.

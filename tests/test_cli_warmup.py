@@ -13,13 +13,16 @@ import pytest
 
 from hqp.kernels import solver
 from tasks.cli import run
+from tasks.kernels import rows
 
 
 def test_what_is_compiled_is_found_and_its_place_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["warmup"]) == 0
     told = capsys.readouterr()
-    folder = solver.solve.stats.cache_path
-    assert re.fullmatch(rf"native: already compiled, ready in \d+\.\d s; kept in {re.escape(str(folder))}\n", told.out)
+    kernels = {"native": solver.solve, "rows": rows.write_rows}
+    for (name, kernel), line in zip(kernels.items(), told.out.splitlines(), strict=True):
+        folder = re.escape(str(kernel.stats.cache_path))
+        assert re.fullmatch(rf"{name}: already compiled, ready in \d+\.\d s; kept in {folder}", line)
     assert told.err == ""
 
 
@@ -29,7 +32,8 @@ def test_a_solver_that_cannot_be_kept_is_told(
     unkept = SimpleNamespace(signatures=["int64(int64, int64)"], stats=SimpleNamespace(cache_path=None))
     monkeypatch.setattr(solver, "solve", unkept)
     assert run(["warmup"]) == 0
-    assert capsys.readouterr().out.endswith("s; not kept: there is no folder that can be written to\n")
+    told = capsys.readouterr().out.splitlines()[0]
+    assert told.endswith("s; not kept: there is no folder that can be written to")
 
 
 @pytest.mark.sweep
@@ -46,7 +50,10 @@ def test_an_empty_folder_is_filled_once(tmp_path: Path) -> None:
         for _ in range(2)
     ]
     for one, said in zip(done, ("compiled", "already compiled, ready"), strict=True):
-        assert re.fullmatch(rf"native: {said} in \d+\.\d s; kept in {re.escape(str(tmp_path))}.*\n", one.stdout)
-    assert done[0].stderr.startswith("hqp: compiling the native solver, once ")
+        for name, line in zip(("native", "rows"), one.stdout.splitlines(), strict=True):
+            assert re.fullmatch(rf"{name}: {said} in \d+\.\d s; kept in {re.escape(str(tmp_path))}.*", line)
+    announced = done[0].stderr.splitlines()
+    assert announced[0].startswith("hqp: compiling the native solver, once ")
+    assert announced[1].startswith("hqp: compiling the rows of spatial robots, once ")
     assert done[1].stderr == ""
     assert list(tmp_path.rglob("*.nbc"))

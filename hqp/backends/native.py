@@ -165,13 +165,14 @@ _layout = lru_cache(maxsize=64)(at.lay_out)
 
 
 class _Announcement(event.Listener):
-    """Says in one line that the kernel is being compiled: this takes its time, once."""
+    """Says in one line that a kernel is being compiled: this takes its time, once."""
+
+    def __init__(self, what: str) -> None:
+        self._what = what
 
     def on_start(self, event: event.Event) -> None:
         if not self.said:
-            print(
-                "hqp: compiling the native solver, once for this version and machine ...", file=sys.stderr, flush=True
-            )
+            print(f"hqp: compiling {self._what}, once for this version and machine ...", file=sys.stderr, flush=True)
         self.said = True
 
     def on_end(self, event: event.Event) -> None:
@@ -181,15 +182,20 @@ class _Announcement(event.Listener):
 
 
 def warm_up() -> bool:
-    """Have the kernel ready: from disk, or compiled now. True if it had to be compiled."""
-    if kernel.solve.signatures:
+    """Have the solver ready: from disk, or compiled now. True if it had to be compiled."""
+    return make_ready(kernel.solve, "the native solver")
+
+
+def make_ready(function: Any, what: str) -> bool:
+    """The same for any kernel of two addresses, see :func:`hqp.kernels.compile.entry`."""
+    if function.signatures:
         return False
-    listener = _Announcement()
+    listener = _Announcement(what)
     try:
         with event.install_listener("numba:compile", listener):
-            kernel.solve.compile(SIGNATURE)
+            function.compile(SIGNATURE)
     except OSError:  # a full disk: compiled, but not kept
-        if not kernel.solve.signatures:
+        if not function.signatures:
             raise
     return listener.said
 

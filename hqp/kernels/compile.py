@@ -31,7 +31,8 @@ def entry(function):
 
 def stamp(kernel):
     """Tie what is kept on disk to the sources of *all* kernels; Numba alone looks at the kernel's own file."""
-    sources = sorted(Path(__file__).parent.glob("*.py"))
+    folders = {Path(__file__).parent, Path(kernel.py_func.__code__.co_filename).parent}
+    sources = sorted(source for folder in folders for source in folder.glob("*.py"))
     digest = hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
     index = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
     if hasattr(index, "_source_stamp"):

@@ -27,7 +27,7 @@ from .._checks import Array
 from ..part import Order, Part, Tick
 from ..robots.robot import Robot
 from .acceleration import JointAccelerationLimit
-from .limit import SymmetricLimit
+from .limit import JointLimit, SymmetricLimit
 from .position import JointPositionLimit
 from .velocity import JointVelocityLimit
 
@@ -50,6 +50,8 @@ class Envelope:
 
     Attributes
     ----------
+    limits : tuple of JointLimit
+        All that the stack has.
     acceleration, velocity : array, shape (nv,)
         The tightest limits [rad/s^2, rad/s]; infinite where there is none.
     ranges : dict of JointPositionLimit to array, shape (2, nv)
@@ -68,6 +70,7 @@ class Envelope:
     def __init__(self, rows: Iterable[tuple[Part, Array, Array]], robot: Robot, order: Order) -> None:
         rows = list(rows)
         parts = [part for part, _, _ in rows]
+        self.limits = tuple(part for part in parts if isinstance(part, JointLimit))
         self.ranges = {part: part.range(robot) for part in parts if isinstance(part, JointPositionLimit)}
         self.acceleration = _tightest(JointAccelerationLimit, parts, robot, or_own=bool(self.ranges))
         self.velocity = _tightest(JointVelocityLimit, parts, robot, or_own=bool(self.ranges))

@@ -51,6 +51,7 @@ class JointLimits(Part):
         self.name = of_type(name, str, "name of the JointLimits")
         self.weight = numbers(1.0, "weight")
         self.limits = tuple(of_type(limit, JointLimit, "a part of JointLimits") for limit in limits)
+        self._each = tuple(kind() for kind in KINDS)
         kinds = [type(limit) for limit in self.limits]
         if len(set(kinds)) != len(kinds):
             raise InvalidInput(f"JointLimits{self.limits}: there are two of a kind; one of each is taken")
@@ -59,7 +60,7 @@ class JointLimits(Part):
         """The limits that count on this robot."""
         if self.limits:
             return self.limits
-        own = tuple(kind() for kind in KINDS if getattr(robot, f"{kind.quantity}_limit", None) is not None)
+        own = tuple(limit for limit in self._each if getattr(robot, f"{limit.quantity}_limit", None) is not None)
         if not own:
             raise InvalidInput(
                 f"{self.label()}: the robot has no limits of its own; give them: JointLimits(JointVelocityLimit(3.0))"

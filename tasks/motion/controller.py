@@ -20,7 +20,7 @@ from ..robots.robot import Robot, RobotState, as_robot, check_joints
 from ..stack import Stack
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(eq=False, slots=True)  # not frozen, which would cost half of a small solve
 class Step:
     """What the controller says for one tick.
 
@@ -135,19 +135,25 @@ class Controller:
             If q, v or t has the wrong shape. Numbers never raise: where they are not finite the
             status of the solution is INVALID.
         """
-        position, velocity, time = numbers(q, "q"), numbers(v, "v"), scalar(t, "t")
+        position, velocity = numbers(q, "q"), numbers(v, "v")
+        time = t if type(t) is float else scalar(t, "t")
         check_joints(self.robot, position, velocity)
         return self.unchecked(position, velocity, time)
 
     def unchecked(self, q: Array, v: Array, t: float) -> Step:
         """The motion for this tick, for a loop which knows that q and v are float arrays of the right shape."""
+        if self._rows.compiled:  # which never warns
+            return self._step(q, v, t)
         with np.errstate(all="ignore"):
-            state = self.robot.at(q, v)
-            solution = self._solve(state, t)
-            if self.order == "velocity":
-                return Step("velocity", state, solution, v=solution.x)
-            tau = None if self._torque is None else self._torque(state.q, state.v, solution.x)
-            return Step("acceleration", state, solution, a=solution.x, tau=tau)
+            return self._step(q, v, t)
+
+    def _step(self, q: Array, v: Array, t: float) -> Step:
+        state = self.robot.at(q, v)
+        solution = self._solve(state, t)
+        if self.order == "velocity":
+            return Step("velocity", state, solution, solution.x)
+        tau = None if self._torque is None else self._torque(state.q, state.v, solution.x)
+        return Step("acceleration", state, solution, None, solution.x, tau)
 
     def bounds(self, part: Part) -> tuple[Array, Array]:
         """Lower and upper bounds of a part's rows at the last tick (views: the next call refills them).

@@ -46,6 +46,30 @@ class Fixed:
         return str(self.target.tolist())
 
 
+class Setpoint:
+    """A target that is set from outside, as by a hand that leads: ``setpoint.move(position)`` before a tick.
+
+    Parameters
+    ----------
+    value : array, shape (rows,)
+        Where it begins, in the unit of the task: [m] or [rad].
+    """
+
+    def __init__(self, value: ArrayLike) -> None:
+        self._value = np.atleast_1d(np.array(finite(value, "setpoint")))
+        self._velocity, self._acceleration = np.zeros((2, len(self._value)))
+
+    def move(self, value: ArrayLike, velocity: ArrayLike = 0.0, acceleration: ArrayLike = 0.0) -> None:
+        """Set where it is, and how it moves if that is known: numbers of the shape it began with, or one for all."""
+        self._value[:], self._velocity[:], self._acceleration[:] = value, velocity, acceleration
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        return self._value, self._velocity, self._acceleration
+
+    def __repr__(self) -> str:
+        return f"Setpoint({self._value.tolist()})"
+
+
 def as_trajectory(target: ArrayLike | Trajectory, rows: int | None, what: str) -> Trajectory:
     """`target` as a trajectory of so many rows (None: any number): numbers stand still, functions of time move.
 

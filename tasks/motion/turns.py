@@ -44,6 +44,30 @@ class FixedRotation:
         return f"rotation by {log(self.R).round(4).tolist()}"
 
 
+class RotationSetpoint:
+    """A rotation that is set from outside: ``setpoint.move(R)`` before a tick.
+
+    Parameters
+    ----------
+    R : array, shape (3, 3)
+        Where it begins.
+    """
+
+    def __init__(self, R: ArrayLike) -> None:
+        self._R = np.array(rotation_matrix(R, "setpoint"))
+        self._omega, self._alpha = np.zeros((2, 3))
+
+    def move(self, R: ArrayLike, omega: ArrayLike = 0.0, alpha: ArrayLike = 0.0) -> None:
+        """Set how it is turned, and how it turns if that is known [rad/s], [rad/s^2]. R is taken as a rotation."""
+        self._R[:], self._omega[:], self._alpha[:] = R, omega, alpha
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        return self._R, self._omega, self._alpha
+
+    def __repr__(self) -> str:
+        return f"RotationSetpoint by {log(self._R).round(4).tolist()}"
+
+
 class AboutZ:
     """A rotation about z by an angle in time: all that a planar arm can do.
 

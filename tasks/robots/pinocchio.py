@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from hqp import InvalidInput, MissingPackage
 from hqp.checks import of_type
@@ -169,6 +169,17 @@ class PinocchioRobot:
         pin.seed(int(rng.integers(2**31)))
         return np.asarray(pin.randomConfiguration(self.model, low, high))
 
+    def places(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
+        """Where in q the positions of these velocities are, shape (k,); -1 for one that has none of its own."""
+        places = np.full(self.nv, -1, dtype=np.int64)
+        places[self._columns] = self._places
+        return places[columns]
+
+    def support(self, joint: int) -> list[int]:
+        """The velocities that move what is carried by a joint of the model."""
+        joints = [self.model.joints[i] for i in self.model.supports[joint]][1:]
+        return [joint.idx_v + i for joint in joints for i in range(joint.nv)]
+
     # The state.
 
     def check_frame(self, name: str) -> str:
@@ -206,6 +217,11 @@ class PinocchioRobot:
             what, given, size = ("q", position, self.nq) if position.shape != (self.nq,) else ("v", velocity, self.nv)
             raise InvalidInput(f"{what} has shape {given.shape}; {self!r} takes ({size},)")
         return PinocchioState(self, position, velocity)
+
+    def compute_center_of_mass(self, q: Array) -> None:
+        """Have the data hold the centre of mass at q, and its Jacobian."""
+        pin.jacobianCenterOfMass(self.model, self.data, q)
+        self._state = None  # the rest of the data was overwritten
 
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """Joint torques [N m], forces [N] for accelerations a, gravity included, shape (..., nv)."""
@@ -271,9 +287,9 @@ class PinocchioState:
         """The centre of mass: a frame along the axes of the world."""
         model, data = self.robot.model, self.robot.data
         pin.centerOfMass(model, data, self.q, self.v, np.zeros(model.nv))
-        position, drift = np.array(data.com[0]), np.array(data.acom[0])
-        linear = np.array(pin.jacobianCenterOfMass(model, data, self.q))
-        self.robot._state = None  # the data was overwritten
+        drift = np.array(data.acom[0])
+        self.robot.compute_center_of_mass(self.q)
+        position, linear = np.array(data.com[0]), np.array(data.Jcom)
         return FixedFrame(position, np.eye(3), linear, np.zeros_like(linear), drift, np.zeros(3))
 
     def ready(self) -> pin.Data:
