@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import isfinite
-from typing import get_args
+from typing import NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,8 +20,7 @@ from ..robots.robot import Robot, RobotState, as_robot, check_joints
 from ..stack import Stack
 
 
-@dataclass(eq=False, slots=True)  # not frozen, which would cost half of a small solve
-class Step:
+class Step(NamedTuple):
     """What the controller says for one tick.
 
     Attributes
