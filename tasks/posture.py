@@ -14,7 +14,7 @@ from hqp import InvalidInput
 from ._checks import Array
 from .motion.trajectories import Fixed, Trajectory, as_trajectory
 from .part import Order
-from .robots.robot import Robot, RobotState, joint_index, joint_names, joint_positions, towards
+from .robots.robot import Robot, RobotState, joint_index, joint_names, joint_positions, joint_units, towards
 from .task import TargetTask, Task
 
 
@@ -85,7 +85,8 @@ class PostureTask(TargetTask):
         return columns(self.joints, tuple(f"joint {i}" for i in range(len(state.v))), 0)
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:
-        return [(joint_names(robot)[i], "rad") for i in self.variables(robot)]
+        names, units = joint_names(robot), joint_units(robot)
+        return [(names[i], units[i]) for i in self.variables(robot)]
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         rows = self.size(robot)

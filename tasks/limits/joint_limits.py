@@ -16,7 +16,7 @@ from hqp.checks import of_type
 
 from .._checks import Array, numbers
 from ..part import PER, Order, Part, Tick
-from ..robots.robot import Robot, joint_names
+from ..robots.robot import Robot, joint_names, joint_units
 from .acceleration import JointAccelerationLimit
 from .limit import JointLimit
 from .position import JointPositionLimit
@@ -84,8 +84,8 @@ class JointLimits(Part):
         rest = f"{' or '.join(others)} limit" if others else "limit"
         same = largest.get(order, np.full(robot.nv, np.inf))
         return [
-            Label(self.name, joint, "rad" + PER[order], Which(float(own), f"{order} limit", rest))
-            for joint, own in zip(joint_names(robot), same, strict=True)
+            Label(self.name, joint, unit + PER[order], Which(float(own), f"{order} limit", rest))
+            for joint, unit, own in zip(joint_names(robot), joint_units(robot), same, strict=True)
         ]
 
     def __repr__(self) -> str:

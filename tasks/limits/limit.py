@@ -11,7 +11,7 @@ from hqp.checks import of_type
 
 from .._checks import Array, numbers, per_row, positive
 from ..part import PER, Order, Part
-from ..robots.robot import Robot, joint_names
+from ..robots.robot import Robot, joint_names, joint_units
 
 
 class JointLimit(Part):
@@ -38,7 +38,8 @@ class JointLimit(Part):
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         part = f"{self.name} limit" if self.name == self.quantity else self.name
-        return [Label(part, joint, "rad" + PER[order]) for joint in joint_names(robot)]
+        joints = zip(joint_names(robot), joint_units(robot), strict=True)
+        return [Label(part, joint, unit + PER[order]) for joint, unit in joints]
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if dt is None and order != self.quantity:

@@ -50,6 +50,8 @@ class PinocchioRobot:
         How many velocities are those of a floating base: 6, or 0.
     joint_names : tuple of str
         One a velocity; a joint of several has them numbered, as in ``"root_joint[0]"``.
+    joint_units : tuple of str
+        "rad" or "m", one a velocity.
     frame_names : tuple of str
     neutral : array, shape (nq,)
         The neutral configuration, moved into the position limits where it lies outside.
@@ -79,6 +81,7 @@ class PinocchioRobot:
         self.base = 6 if joints and joints[0].nv == 6 else 0
         self.name = str(model.name) if name is None else of_type(name, str, "name of a robot")
         self.joint_names = tuple(_joint_names(model))
+        self.joint_units = tuple(_joint_units(model))
         self.frame_names = tuple(dict.fromkeys(frame.name for frame in model.frames))
         self._columns, self._places = _single_joints(model)
         self._frames: dict[str | None, int] = {}
@@ -370,6 +373,13 @@ def reduced(model: pin.Model, lock: Iterable[str] | Mapping[str, float], what: s
 def _joint_names(model: pin.Model) -> Iterable[str]:
     for joint, name in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):  # the first is the universe
         yield from [name] if joint.nv == 1 else (f"{name}[{i}]" for i in range(joint.nv))
+
+
+def _joint_units(model: pin.Model) -> Iterable[str]:
+    for joint in list(model.joints)[1:]:
+        kind = joint.shortname().removeprefix("JointModel")
+        lengths = {"FreeFlyer": 3, "Planar": 2, "Translation": 3}.get(kind, joint.nv if kind.startswith("P") else 0)
+        yield from ["m" if i < lengths else "rad" for i in range(joint.nv)]
 
 
 def _single_joints(model: pin.Model) -> tuple[Any, Any]:

@@ -68,8 +68,8 @@ class Robot(Protocol):
     ``difference(a, b)``
         The step, shape (nv,), that leads from a to b; what the two differ by where there is none.
 
-    Names for messages and tasks: ``joint_names``, one a velocity, and ``frame_names``. And what a record of its motion
-    tells, with leading axes:
+    Names for messages and tasks: ``joint_names`` and ``joint_units``, one a velocity, and ``frame_names``. And what a
+    record of its motion tells, with leading axes:
 
     ``inverse_dynamics(q, v, a)``
         Joint torques [N m], shape (..., nv), which accelerations a [rad/s^2] take (Eq. 4.1).
@@ -119,6 +119,12 @@ def joint_names(robot: Robot) -> tuple[str, ...]:
     """One name a joint velocity."""
     own = getattr(robot, "joint_names", None)
     return tuple(f"joint {i}" for i in range(robot.nv)) if own is None else tuple(own)
+
+
+def joint_units(robot: Robot) -> tuple[str, ...]:
+    """Unit of each joint position."""
+    own = getattr(robot, "joint_units", None)
+    return ("rad",) * robot.nv if own is None else tuple(own)
 
 
 def towards(state: RobotState, q: Array) -> Array:
