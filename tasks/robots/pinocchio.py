@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from hqp import InvalidInput, MissingPackage
 from hqp.checks import of_type
 
-from .._checks import LARGEST, Array, numbers, per_row, position_range, positive
+from .._checks import LARGEST, Array, own_numbers, per_row, position_range, positive
 from .frame import FixedFrame
 from .robot import joint_index, nearest
 
@@ -214,8 +214,7 @@ class PinocchioRobot:
         InvalidInput
             If q or v has not the numbers of this robot. NaN passes: the solver reports it.
         """
-        position = q if type(q) is np.ndarray and q.dtype == np.float64 else numbers(q, "q")
-        velocity = v if type(v) is np.ndarray and v.dtype == np.float64 else numbers(v, "v")
+        position, velocity = own_numbers(q, "q"), own_numbers(v, "v")
         if position.shape != (self.nq,) or velocity.shape != (self.nv,):
             what, given, size = ("q", position, self.nq) if position.shape != (self.nq,) else ("v", velocity, self.nv)
             raise InvalidInput(f"{what} has shape {given.shape}; {self!r} takes ({size},)")

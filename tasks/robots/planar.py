@@ -13,7 +13,6 @@ not 0. Positive angles turn counter-clockwise; the base frame has its origin in 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,7 +20,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput
 from hqp.checks import of_type
 
-from .._checks import Array, numbers, per_row, position_range, positive
+from .._checks import Array, numbers, own_numbers, per_row, position_range, positive
 from . import planar_dynamics as dynamics
 from .frame import FixedFrame, planar_frame
 from .manipulability import manipulability
@@ -227,7 +226,7 @@ class PlanarArm:
         """Arrays of one number a joint, all of the shape of the first."""
         joints: list[Array] = []
         for what, value in values.items():
-            array = value if _is_own(value) else numbers(value, what)
+            array = own_numbers(value, what)
             if array.shape[-1:] != (self.nv,) or (single and array.ndim > 1):
                 allowed = f"({'' if single else '..., '}{self.nv}{',' if single else ''})"
                 raise InvalidInput(f"{what} has shape {array.shape}; {self!r} takes {allowed}, one number a joint")
@@ -244,11 +243,6 @@ class PlanarArm:
 
 def _link_names(count: int) -> list[str]:
     return [f"link{i + 1}" for i in range(count)]
-
-
-def _is_own(value: ArrayLike) -> TypeGuard[Array]:
-    """Whether this is what `numbers` makes: a float array of its own which nobody writes to. Tick after tick it is."""
-    return type(value) is np.ndarray and value.dtype == np.float64 and value.flags.owndata and not value.flags.writeable
 
 
 def _chain(dx: Array, dy: Array) -> Array:
