@@ -1,0 +1,1 @@
+"""One tick of a controller, in this library and in others, on the same motion."""

@@ -1,0 +1,161 @@
+"""What is asked of which robot: scenes, as data that every library can be given."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from hqp.arrays import Array
+from tasks import load_robot
+from tasks.robots.pinocchio import PinocchioRobot
+from tasks.rotations import exp
+
+What = Literal["position", "orientation", "pose", "com", "posture"]
+#: Under which name the centre of mass has its motion.
+COM = "centre of mass"
+
+
+@dataclass(frozen=True)
+class Goal:
+    """One task.
+
+    Attributes
+    ----------
+    what : str
+    frame : str
+        Whose position, orientation or pose.
+    cost : float
+        For libraries whose priorities are weights.
+    """
+
+    what: What
+    frame: str = ""
+    cost: float = 1.0
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How a target moves, from where its frame is at the start.
+
+    Attributes
+    ----------
+    shift : tuple, shape (3,)
+        Away from there at once [m].
+    sway : tuple, shape (3,)
+        To and fro about that point [m].
+    turn : tuple, shape (3,)
+        To and fro about this rotation vector [rad].
+    rate : tuple, shape (3,)
+        How often, axis by axis [Hz]; the first counts for the turn.
+    """
+
+    shift: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    sway: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    turn: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rate: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def at(self, t: float, position: Array, rotation: Array) -> tuple[Array, Array]:
+        """The target at time t [s] of a frame that started there."""
+        wave = np.sin(2.0 * np.pi * np.asarray(self.rate) * t)
+        moved = position + np.asarray(self.shift) + np.asarray(self.sway) * wave
+        return moved, exp(np.asarray(self.turn) * wave[0]) @ rotation
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A robot, tasks in order of priority below its joint limits, and how their targets move.
+
+    Attributes
+    ----------
+    name, about : str
+    robot : str
+        A name of the library of robots.
+    levels : tuple of tuple of Goal
+    motions : dict of str to Motion
+        Of each frame, and of `COM`; what is not named stands still.
+    held : tuple of str
+        Joints that do not move.
+    gain : float
+        The rate at which errors decay [1/s].
+    dt : float
+        Tick [s].
+    """
+
+    name: str
+    about: str
+    robot: str
+    levels: tuple[tuple[Goal, ...], ...]
+    motions: Mapping[str, Motion] = field(default_factory=dict)
+    held: tuple[str, ...] = ()
+    gain: float = 10.0
+    dt: float = 0.005
+
+    @property
+    def goals(self) -> list[Goal]:
+        """All tasks, from the highest level down."""
+        return [goal for level in self.levels for goal in level]
+
+    @property
+    def frames(self) -> list[str]:
+        """The frames that have a task, each once."""
+        return list(dict.fromkeys(goal.frame for goal in self.goals if goal.frame))
+
+    @property
+    def step(self) -> float:
+        """The share of an error that one tick takes away."""
+        return self.gain * self.dt
+
+    def load(self) -> PinocchioRobot:
+        """The robot."""
+        return load_robot(self.robot, mimic="free", lock=self.held)
+
+    def motion(self, what: str) -> Motion:
+        """How the target of a frame or of the centre of mass moves."""
+        return self.motions.get(what, Motion())
+
+
+_TIP = "panda_hand_tcp"
+_FINGERS = ("panda_finger_joint1", "panda_finger_joint2")
+_ARM = ((Goal("position", _TIP),), (Goal("orientation", _TIP),), (Goal("posture", cost=1e-3),))
+_LEFT, _RIGHT = (f"{side}_ankle_roll_link" for side in ("left", "right"))
+_HANDS = tuple(f"{side}_rubber_hand" for side in ("left", "right"))
+
+SCENES = (
+    Scene(
+        "panda slow",
+        "limits > position > orientation > posture; a target that moves slowly, no limit is active",
+        "panda",
+        _ARM,
+        {_TIP: Motion(sway=(0.06, 0.12, 0.08), turn=(0.0, 0.2, 0.2), rate=(0.1, 0.07, 0.13))},
+        _FINGERS,
+    ),
+    Scene(
+        "panda saturated",
+        "the same; a target that moves fast and beyond reach, joints are at their limits",
+        "panda",
+        _ARM,
+        {_TIP: Motion((0.3, 0.0, 0.0), sway=(0.6, 0.9, 0.6), turn=(0.0, 1.0, 1.0), rate=(0.9, 0.7, 1.1))},
+        _FINGERS,
+    ),
+    Scene(
+        "humanoid",
+        "limits > feet > centre of mass xy > hands > torso's orientation > posture; slow, on two feet",
+        "g1",
+        (
+            (Goal("pose", _LEFT, 10.0), Goal("pose", _RIGHT, 10.0)),
+            (Goal("com", cost=3.0),),
+            tuple(Goal("position", hand) for hand in _HANDS),
+            (Goal("orientation", "torso_link", 0.3),),
+            (Goal("posture", cost=1e-3),),
+        ),
+        {
+            COM: Motion(sway=(0.01, 0.03, 0.0), rate=(0.11, 0.09, 0.0)),
+            _HANDS[0]: Motion(sway=(0.06, 0.04, 0.08), rate=(0.1, 0.07, 0.13)),
+            _HANDS[1]: Motion(sway=(0.08, 0.03, 0.06), rate=(0.08, 0.12, 0.1)),
+            "torso_link": Motion(turn=(0.0, 0.1, 0.1), rate=(0.1, 0.0, 0.0)),
+        },
+    ),
+)

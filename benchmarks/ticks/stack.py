@@ -1,0 +1,75 @@
+"""A scene as a stack of this library, its targets set tick by tick."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from hqp.arrays import Array
+from tasks import (
+    CenterOfMassTask,
+    JointLimits,
+    OrientationTask,
+    PoseTask,
+    PositionTask,
+    PostureTask,
+    Stack,
+    Task,
+)
+from tasks.robots.pinocchio import PinocchioRobot
+
+from .scenes import COM, Goal, Scene
+
+STILL = np.zeros(3)
+
+
+class Target:
+    """A target that somebody sets, as an operator does: what it will be next is not known."""
+
+    def __init__(self, value: Array) -> None:
+        self.value = value
+
+    def __call__(self, t: float) -> tuple[Array, Array, Array]:
+        return self.value, STILL, STILL
+
+
+class Targets:
+    """The targets of one stack: a position and a rotation for each frame, and the centre of mass.
+
+    Attributes
+    ----------
+    positions, rotations : dict of str to Target
+    """
+
+    def __init__(self, scene: Scene, robot: PinocchioRobot) -> None:
+        state = robot.at(robot.home, np.zeros(robot.nv))
+        self.positions = {name: Target(state.frame(name).position) for name in scene.frames}
+        self.rotations = {name: Target(state.frame(name).rotation) for name in scene.frames}
+        if any(goal.what == "com" for goal in scene.goals):
+            self.positions[COM] = Target(state.center_of_mass.position)
+
+
+def declare(scene: Scene, robot: PinocchioRobot) -> tuple[Stack, Targets]:
+    """The stack of a scene, and what sets its targets."""
+    targets = Targets(scene, robot)
+    levels = [JointLimits()]
+    for level in scene.levels:
+        parts = [_task(goal, scene.gain, robot, targets.positions, targets.rotations) for goal in level]
+        levels.append(sum(parts[1:], start=parts[0]))
+    return Stack(*levels), targets
+
+
+def _task(
+    goal: Goal, gain: float, robot: PinocchioRobot, positions: Mapping[str, Target], rotations: Mapping[str, Target]
+) -> Task:
+    frame = goal.frame
+    if goal.what == "posture":
+        return PostureTask(robot.home, gain=gain)
+    if goal.what == "com":
+        return CenterOfMassTask(positions[COM], mask="xy", gain=gain)
+    if goal.what == "pose":
+        return PoseTask(positions[frame], rotations[frame], frame=frame, gain=gain)
+    if goal.what == "position":
+        return PositionTask(positions[frame], frame=frame, gain=gain)
+    return OrientationTask(rotations[frame], frame=frame, gain=gain)

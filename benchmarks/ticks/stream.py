@@ -1,0 +1,87 @@
+"""One motion, tick by tick, so that every library is given the same: recorded once, in closed loop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from hqp.arrays import Array
+from tasks import Controller
+from tasks.robots.pinocchio import PinocchioRobot
+
+from .scenes import COM, Scene
+from .stack import declare
+
+#: Of a joint to its limit, for it to count as being there: of velocities [rad/s], and of positions [rad].
+NEAR = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Stream:
+    """What every library is given, tick by tick.
+
+    Attributes
+    ----------
+    scene : Scene
+    robot : PinocchioRobot
+    q, v : array, shape (ticks, nq), (ticks, nv)
+        Where the robot is.
+    positions, rotations : dict of str to array, shape (ticks, 3), (ticks, 3, 3)
+        The targets of each frame; the first has the one of the centre of mass too.
+    saturated : float
+        How many joints are at a limit at once, mean.
+    """
+
+    scene: Scene
+    robot: PinocchioRobot
+    q: Array
+    v: Array
+    positions: dict[str, Array]
+    rotations: dict[str, Array]
+    saturated: float
+
+    def __len__(self) -> int:
+        return len(self.q)
+
+
+def record(scene: Scene, ticks: int) -> Stream:
+    """Run this library on the scene, and keep what it was given."""
+    robot = scene.load()
+    positions, rotations = _targets(scene, robot, ticks)
+    stack, targets = declare(scene, robot)
+    controller = Controller(robot, stack, dt=scene.dt)
+    q, v = np.zeros((ticks + 1, robot.nq)), np.zeros((ticks + 1, robot.nv))
+    q[0] = robot.home
+    for k in range(ticks):
+        for targeted, values in (targets.positions, positions), (targets.rotations, rotations):
+            for name, target in targeted.items():
+                target.value = values[name][k]
+        step = controller(q[k], v[k])
+        assert step.v is not None
+        v[k + 1] = step.v
+        q[k + 1] = robot.integrate(q[k], scene.dt * step.v)
+    return Stream(scene, robot, q[:-1], v[:-1], positions, rotations, _saturated(robot, q[1:], v[1:]))
+
+
+def _targets(scene: Scene, robot: PinocchioRobot, ticks: int) -> tuple[dict[str, Array], dict[str, Array]]:
+    state = robot.at(robot.home, np.zeros(robot.nv))
+    starts = {name: (state.frame(name).position, state.frame(name).rotation) for name in scene.frames}
+    starts[COM] = state.center_of_mass.position, np.eye(3)
+    positions, rotations = {}, {}
+    for name, start in starts.items():
+        places = [scene.motion(name).at(k * scene.dt, *start) for k in range(ticks)]
+        positions[name], rotations[name] = (np.array(part) for part in zip(*places, strict=True))
+    return positions, rotations
+
+
+def _saturated(robot: PinocchioRobot, q: Array, v: Array) -> float:
+    """How many joints are at a limit of position or velocity, mean of all ticks."""
+    at_limit = np.zeros(v.shape, dtype=bool)
+    if robot.velocity_limit is not None:
+        at_limit |= np.abs(v) >= robot.velocity_limit - NEAR
+    if robot.position_limit is not None:
+        joints = np.array([robot.at(row, v[0]).joints for row in q])
+        low, high = robot.position_limit
+        at_limit |= (joints <= low + NEAR) | (joints >= high - NEAR)
+    return float(at_limit.sum(axis=1).mean())
