@@ -1,4 +1,4 @@
-"""``python -m benchmarks backends``, ``solve`` and ``batch``: one small file each, beside this one."""
+"""``python -m benchmarks backends``, ``solve``, ``batch`` and ``tick``: one small file each, beside this one."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from tasks.cli.command import run
 from .backends import backends
 from .batch import batch
 from .solve import solve
+from .tick import tick
 
 app = typer.Typer(
-    help="Measurements: every backend on every problem family; a controller's problems against the fastest peers.",
+    help="Measurements: every backend on every problem family; a controller's problems, and its whole tick, against peers.",
     rich_markup_mode=None,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -21,6 +22,7 @@ app = typer.Typer(
 app.command()(backends)
 app.command()(solve)
 app.command()(batch)
+app.command()(tick)
 
 
 @app.callback(invoke_without_command=True)

@@ -102,7 +102,7 @@ def _shortest(prepare: Callable[[], Call]) -> tuple[float, Array]:
     shortest, x = np.inf, np.zeros(0)
     for _ in range(REPETITIONS):
         call = prepare()
-        with _undisturbed():
+        with undisturbed():
             start = time.perf_counter_ns()
             x = call()
             end = time.perf_counter_ns()
@@ -111,7 +111,7 @@ def _shortest(prepare: Callable[[], Call]) -> tuple[float, Array]:
 
 
 @contextmanager
-def _undisturbed() -> Iterator[None]:
+def undisturbed() -> Iterator[None]:
     """Without the garbage collector."""
     gc.disable()
     try:

@@ -11,14 +11,14 @@ from rich.table import Table
 
 #: One row: what stands under each column.
 Row = dict[str, str]
-#: The columns that hold words. The family is in the title of what is printed.
-WORDS, FAMILY = ("start", "method", "backend"), "family"
+#: The columns that hold words, and those that are in the title of what is printed.
+WORDS, TITLE = ("start", "method", "backend"), ("family", "scene")
 
 
 def terminal(title: str, rows: Sequence[Row], *, group: str = "") -> Table:
     """A table of these rows; where `group` changes, a line is left free."""
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
-    columns = [column for column in rows[0] if column != FAMILY]
+    columns = [column for column in rows[0] if column not in TITLE]
     for column in columns:
         table.add_column(column, justify="left" if column in WORDS else "right", no_wrap=True)
     for row, following in zip(rows, [*rows[1:], {}], strict=True):

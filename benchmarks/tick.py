@@ -1,0 +1,102 @@
+"""``python -m benchmarks tick``: one tick of a controller from Python, in this library, in pink, in mink, in placo."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import Progress
+
+from hqp import InvalidInput
+from tasks._checks import writable
+from tasks._terminal import console
+from tasks.cli.command import path
+
+from .tables import Row, save, terminal
+from .ticks.driver import Driver
+from .ticks.interleaved import EVERY, SLACK, measure, table
+from .ticks.scenes import SCENES, Scene
+from .ticks.stream import Stream, record
+
+#: Module beside the scenes, class, and the solver that it calls.
+PEERS = (("pink", "Pink", "daqp"), ("pink", "Pink", "proxqp"), ("mink", "Mink", "daqp"))
+
+
+def tick(
+    scene: Annotated[
+        list[str] | None, typer.Option("--scene", "-s", help="Only this one; may be given several times.")
+    ] = None,
+    ticks: Annotated[int, typer.Option("--ticks", "-n", min=1, help="Length of each motion.")] = 2000,
+    rounds: Annotated[int, typer.Option("--rounds", min=1, help="How often it is run through.")] = 5,
+    placo: Annotated[
+        str | None, typer.Option("--placo", help="A Python that has placo, which needs an environment of its own.")
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=path)
+    ] = None,
+) -> None:
+    """Time one tick of a controller, whole and from Python, against other libraries on the same motion."""
+    chosen = _select(scene)
+    if out is not None:
+        writable(out.parent, [out.name])
+    printer = console(120)
+    for peer in dict.fromkeys(name for name, _, _ in PEERS):
+        if find_spec(peer) is None:
+            printer.print(f"{peer}: left out, it is not installed: python -m pip install -e '.[peers]'")
+    rows: list[Row] = []
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        for s in chosen:
+            bar = progress.add_task(s.name, total=rounds + 1)
+            stream, here = _measured(s, ticks, rounds, placo, lambda bar=bar: progress.advance(bar))
+            rows += here
+            title = f"{s.name}: {s.about} (joints at a limit: {stream.saturated:.1f} of {stream.robot.nv})"
+            printer.print(terminal(title, here))
+            if out is not None:
+                save(out, rows)
+    printer.print(
+        f"us: whole ticks, target set, {rounds} x {ticks} of them; to: ratio of medians, to the fastest of that library\n"
+        "kinematics, rows, solve: medians of the parts in us, timed alone; off: distance of the answer from the first\n"
+        f"one's; kept: answers within the limits, to {SLACK:g} rad; proved: certificates of every {EVERY}th answer\n"
+        "hqp keeps strict priorities, the others weigh their tasks in one QP"
+    )
+
+
+def _select(names: list[str] | None) -> list[Scene]:
+    """Scenes of these names; all of them where none is named."""
+    for name in names or ():
+        if name not in {s.name for s in SCENES}:
+            raise InvalidInput(f"unknown scene {name!r}; there are {', '.join(s.name for s in SCENES)}")
+    return [s for s in SCENES if not names or s.name in names]
+
+
+def _measured(
+    scene: Scene, ticks: int, rounds: int, placo: str | None, progress: Callable[[], None]
+) -> tuple[Stream, list[Row]]:
+    """The motion of one scene, and the rows of its table."""
+    stream = record(scene, ticks)
+    drivers = _drivers(stream, placo)
+    try:
+        return stream, table(stream, measure(drivers, rounds, progress))
+    finally:
+        for driver in drivers:
+            driver.close()
+
+
+def _drivers(stream: Stream, placo: str | None) -> list[Driver]:
+    """This library, and the others that are here."""
+    from .ticks.ours import Ours
+
+    drivers: list[Driver] = [Ours(stream)]
+    for name, kind, solver in PEERS:
+        if find_spec(name) is not None:
+            drivers.append(getattr(import_module(f"benchmarks.ticks.with_{name}"), kind)(solver, stream))
+    if placo is not None:
+        from .ticks.with_placo import Placo
+
+        drivers.append(Placo(placo, stream))
+    return drivers

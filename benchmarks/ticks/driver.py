@@ -1,0 +1,80 @@
+"""A library at work on a recorded motion: what is timed, and how."""
+
+from __future__ import annotations
+
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from typing import Any, ClassVar
+
+import numpy as np
+
+from hqp.arrays import Array
+
+from .stream import Stream
+
+#: The parts of a tick that are timed alone.
+STAGES = ("kinematics", "rows", "solve")
+
+
+class Driver(ABC):
+    """One library, its tasks declared, its targets and configurations there in its own types.
+
+    Attributes
+    ----------
+    name : str
+    needs : str
+        The module without which it cannot run.
+    """
+
+    name: str
+    needs: ClassVar[str]
+
+    def __init__(self, name: str, stream: Stream) -> None:
+        self.name, self.stream = name, stream
+
+    @abstractmethod
+    def tick(self, k: int) -> Any:
+        """Tick k, from targets and configuration to joint velocities: what is timed."""
+
+    @abstractmethod
+    def stages(self, k: int) -> Iterator[None]:
+        """The same in parts; yields at the end of each of `STAGES`."""
+
+    @abstractmethod
+    def velocity(self, answer: Any) -> Array:
+        """The joint velocities of an answer of :meth:`tick`, in the order of the stream."""
+
+    def proved(self, k: int) -> bool | None:
+        """Whether the answer at tick k is certified; None where nothing can be."""
+        return None
+
+    def run(self, first: int, last: int) -> tuple[Array, Array]:
+        """Nanoseconds of each tick from first to last, shape (ticks,), and joint velocities, NaN where it failed."""
+        clock, times, answers = time.perf_counter_ns, [], []
+        for k in range(first, last):
+            start = clock()
+            try:
+                answer = self.tick(k)
+            except Exception:  # each library has exceptions of its own for having no answer
+                answer = None
+            times.append(clock() - start)
+            answers.append(answer)
+        nothing = np.full(self.stream.robot.nv, np.nan)
+        return np.array(times), np.array([nothing if x is None else self.velocity(x) for x in answers])
+
+    def split(self, first: int, last: int) -> Array:
+        """Nanoseconds of each stage of each tick, shape (ticks, 3); NaN where it failed."""
+        clock, rows = time.perf_counter_ns, []
+        for k in range(first, last):
+            laps = [clock()]
+            try:
+                for _ in self.stages(k):
+                    laps.append(clock())  # noqa: PERF401
+            except Exception:
+                laps = []
+            rows.append(np.diff(laps) if len(laps) == 1 + len(STAGES) else np.full(len(STAGES), np.nan))
+        return np.array(rows)
+
+    def close(self) -> None:
+        """Let go of what it holds."""

@@ -1,0 +1,126 @@
+"""placo: a weighted QP in C++, in an interpreter of its own, as it does not get on with other Pinocchios."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, ClassVar
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from hqp import InvalidInput
+from hqp.arrays import Array
+from tasks.rotations import exp, log
+
+from .driver import Driver
+from .scenes import COM
+from .stream import Stream
+from .urdf import bare
+
+SCRIPT = Path(__file__).parent / "placo_script.py"
+
+
+class Placo(Driver):
+    """``placo.KinematicsSolver`` with limits of joint positions and velocities, times taken where it runs.
+
+    It asks for the whole error to be gone after a step. Its targets are therefore moved towards the frame beforehand,
+    by the share that the others leave to the next ticks.
+
+    Raises
+    ------
+    InvalidInput
+        If the interpreter cannot be started, or placo cannot; with its last words.
+    """
+
+    needs: ClassVar[str] = "placo"
+
+    def __init__(self, python: str, stream: Stream) -> None:
+        super().__init__("placo", stream)
+        self.folder = TemporaryDirectory()
+        folder = Path(self.folder.name)
+        ET.ElementTree(bare(stream.scene.robot, stream.scene.held)).write(folder / "robot.urdf")
+        np.savez(folder / "motion.npz", **_motion(stream, folder / "robot.urdf"))
+        self.said = (folder / "said.txt").open("w+")
+        try:
+            self.process = subprocess.Popen(
+                [python, "-I", str(SCRIPT), str(folder / "motion.npz")],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=self.said,
+                text=True,
+            )
+        except OSError as error:
+            raise InvalidInput(f"--placo {python}: {error.strerror}") from error
+        self._reply(f"--placo {python}")
+
+    def tick(self, k: int) -> Any:
+        raise NotImplementedError("it runs in blocks")
+
+    def stages(self, k: int) -> Iterator[None]:
+        raise NotImplementedError("it runs in blocks")
+
+    def run(self, first: int, last: int) -> tuple[Array, Array]:
+        said = self._ask("run", first, last)
+        nothing = [np.nan] * self.stream.robot.nv
+        return np.array(said["ns"]), np.array([nothing if step is None else self.velocity(step) for step in said["step"]])
+
+    def split(self, first: int, last: int) -> Array:
+        return np.array(self._ask("split", first, last)["ns"], dtype=float)
+
+    def velocity(self, answer: list[float]) -> Array:
+        return np.array(answer) / self.stream.scene.dt
+
+    def close(self) -> None:
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        self.process.stdin.close()
+        self.process.wait()
+        self.process.stdout.close()
+        self.said.close()
+        self.folder.cleanup()
+
+    def _ask(self, command: str, first: int, last: int) -> dict[str, Any]:
+        assert self.process.stdin is not None
+        print(command, first, last, file=self.process.stdin, flush=True)
+        return self._reply(self.name)
+
+    def _reply(self, what: str) -> dict[str, Any]:
+        assert self.process.stdout is not None
+        line = self.process.stdout.readline()
+        if not line:
+            self.said.seek(0)
+            words = self.said.read().strip().splitlines()
+            raise InvalidInput(f"{what}: {words[-1] if words else 'it ended without a word'}")
+        reply: dict[str, Any] = json.loads(line)
+        return reply
+
+
+def _motion(stream: Stream, urdf: Path) -> dict[str, Any]:
+    """What the script is given."""
+    scene, robot = stream.scene, stream.robot
+    states = [robot.at(q, v) for q, v in zip(stream.q, stream.v, strict=True)]
+    about = {
+        "urdf": str(urdf),
+        "dt": scene.dt,
+        "floating": robot.base > 0,
+        "base": robot.base,
+        "joints": robot.joint_names[robot.base :],
+        "goals": [asdict(goal) | {"frame": COM if goal.what == "com" else goal.frame} for goal in scene.goals],
+    }
+    given: dict[str, Any] = {"scene": json.dumps(about), "q": stream.q}
+    for frame in scene.frames:
+        own = [state.frame(frame) for state in states]
+        p, R = (np.array([getattr(place, what) for place in own]) for what in ("position", "rotation"))
+        given[f"position {frame}"] = p + scene.step * (stream.positions[frame] - p)
+        turns = [log(target @ now.T) for target, now in zip(stream.rotations[frame], R, strict=True)]
+        given[f"rotation {frame}"] = [exp(scene.step * turn) @ now for turn, now in zip(turns, R, strict=True)]
+    com = np.array([state.center_of_mass.position for state in states])
+    given[f"position {COM}"] = com + scene.step * (stream.positions[COM] - com)
+    q = stream.q[:, robot.nq - (robot.nv - robot.base) :]
+    given["posture"] = q + scene.step * (robot.home[-q.shape[1] :] - q)
+    return given
