@@ -14,7 +14,7 @@ from .solve import solve
 from .tick import tick
 
 app = typer.Typer(
-    help="Measurements: every backend on every problem family; a controller's problems, and its whole tick, against peers.",
+    help="Measurements: every backend on every problem family; what a controller solves, and its tick, against peers.",
     rich_markup_mode=None,
     add_completion=False,
     pretty_exceptions_enable=False,

@@ -20,8 +20,10 @@ from tasks.cli.command import path
 from .tables import Row, save, terminal
 from .ticks.driver import Driver
 from .ticks.interleaved import EVERY, SLACK, measure, table
+from .ticks.ours import Ours
 from .ticks.scenes import SCENES, Scene
 from .ticks.stream import Stream, record
+from .ticks.with_placo import Placo, check_placo
 
 #: Module beside the scenes, class, and the solver that it calls.
 PEERS = (("pink", "Pink", "daqp"), ("pink", "Pink", "proxqp"), ("mink", "Mink", "daqp"))
@@ -44,26 +46,28 @@ def tick(
     chosen = _select(scene)
     if out is not None:
         writable(out.parent, [out.name])
+    if placo is not None:
+        check_placo(placo)
     printer = console(120)
-    for peer in dict.fromkeys(name for name, _, _ in PEERS):
-        if find_spec(peer) is None:
-            printer.print(f"{peer}: left out, it is not installed: python -m pip install -e '.[peers]'")
     rows: list[Row] = []
     with Progress(console=Console(stderr=True), transient=True) as progress:
         for s in chosen:
             bar = progress.add_task(s.name, total=rounds + 1)
             stream, here = _measured(s, ticks, rounds, placo, lambda bar=bar: progress.advance(bar))
             rows += here
-            title = f"{s.name}: {s.about} (joints at a limit: {stream.saturated:.1f} of {stream.robot.nv})"
+            title = f"{s.name}: {s.about}; at a limit: {stream.saturated:.1f} of {stream.robot.nv} joints"
             printer.print(terminal(title, here))
             if out is not None:
                 save(out, rows)
     printer.print(
-        f"us: whole ticks, target set, {rounds} x {ticks} of them; to: ratio of medians, to the fastest of that library\n"
+        f"us: whole ticks, targets set, {rounds} x {ticks}; to: ratio of medians, to the fastest of that library\n"
         "kinematics, rows, solve: medians of the parts in us, timed alone; off: distance of the answer from the first\n"
         f"one's; kept: answers within the limits, to {SLACK:g} rad; proved: certificates of every {EVERY}th answer\n"
         "hqp keeps strict priorities, the others weigh their tasks in one QP"
     )
+    for peer in dict.fromkeys(name for name, _, _ in PEERS):
+        if find_spec(peer) is None:
+            printer.print(f"{peer}: left out, it is not installed: python -m pip install -e '.[peers]'")
 
 
 def _select(names: list[str] | None) -> list[Scene]:
@@ -89,14 +93,10 @@ def _measured(
 
 def _drivers(stream: Stream, placo: str | None) -> list[Driver]:
     """This library, and the others that are here."""
-    from .ticks.ours import Ours
-
     drivers: list[Driver] = [Ours(stream)]
     for name, kind, solver in PEERS:
         if find_spec(name) is not None:
             drivers.append(getattr(import_module(f"benchmarks.ticks.with_{name}"), kind)(solver, stream))
     if placo is not None:
-        from .ticks.with_placo import Placo
-
         drivers.append(Placo(placo, stream))
     return drivers

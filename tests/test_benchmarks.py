@@ -17,6 +17,10 @@ from benchmarks.measure import measure
 from benchmarks.methods import DAQP_COST, DAQP_ROWS, RACED, TIGHT, method, raced
 from benchmarks.race import COLD, Timing, race
 from benchmarks.ratios import table, yardstick
+from benchmarks.tick import PEERS, _drivers
+from benchmarks.ticks.interleaved import measure as measure_ticks
+from benchmarks.ticks.scenes import SCENES, Scene
+from benchmarks.ticks.stream import record
 from hqp import Hierarchy, InvalidInput, certify, solve
 
 ROOT = Path(__file__).parents[1]
@@ -285,3 +289,59 @@ def test_a_race_of_chosen_ones() -> None:
 )
 def test_wrong_input_of_a_race_is_one_line(arguments: tuple[str, ...], said: str) -> None:
     refused(run("solve", "--seeds", "1", "--draws", "1", *arguments), said)
+
+
+def scene(name: str) -> Scene:
+    return next(s for s in SCENES if s.name == name)
+
+
+def test_a_few_ticks_fill_tables_and_csv(tmp_path: Path) -> None:
+    out = tmp_path / "tick.csv"
+    done = run("tick", "--ticks", "20", "--rounds", "1", "-o", str(out))
+    assert done.returncode == 0, done.stderr
+    rows = list(csv.DictReader(out.read_text().splitlines()))
+    assert list(dict.fromkeys(row["scene"] for row in rows)) == [s.name for s in SCENES]
+    for row in rows:
+        assert float(row["median us"]) > 0
+        if row["method"] == "hqp":
+            assert (row["kept"], row["proved"], float(row["off"])) == ("100%", "1/1", 0.0)
+    for s in SCENES:
+        assert f"{s.name}: {s.about}" in done.stdout
+    for peer in {name for name, _, _ in PEERS}:
+        here = any(row["method"].startswith(peer) for row in rows)
+        assert here != (f"{peer}: left out, it is not installed" in done.stdout)
+
+
+def test_a_slow_motion_reaches_no_limit_and_a_fast_one_does() -> None:
+    slow, fast = (record(scene(f"panda {name}"), 200) for name in ("slow", "saturated"))
+    assert slow.saturated == 0.0
+    assert fast.saturated > 2.0
+    assert len(slow) == len(slow.q) == len(slow.v) == 200
+
+
+@pytest.mark.parametrize("peer", ["pink", "mink"])
+def test_peers_are_asked_for_the_same_motion(peer: str) -> None:
+    pytest.importorskip(peer, reason=f"{peer} is not among the test tools: pip install 'hqp[peers]'")
+    stream = record(scene("panda slow"), 60)
+    ours, *others = measure_ticks(_drivers(stream, None), rounds=1)
+    assert ours.proved == [True]
+    found = [other for other in others if other.name.startswith(peer)]
+    assert found
+    for other in found:
+        assert np.isfinite(other.v).all()
+        assert (np.linalg.norm(other.v - ours.v, axis=1)[1:] < 0.02 * np.linalg.norm(ours.v, axis=1)[1:]).all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("-s", "nonsense"), "unknown scene 'nonsense'; there are panda slow, panda saturated, humanoid"),
+        (("--ticks", "0"), "'--ticks'"),
+        (("--rounds", "0"), "'--rounds'"),
+        (("--placo", "/nowhere/python"), "--placo /nowhere/python: No such file or directory"),
+        (("--placo", "/bin/false"), "--placo /bin/false: it ended without a word"),
+        (("--out", "."), "cannot write '.': Is a directory"),
+    ],
+)
+def test_wrong_input_of_a_tick_is_one_line(arguments: tuple[str, ...], said: str) -> None:
+    refused(run("tick", "--ticks", "1", "--rounds", "1", *arguments), said)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -23,12 +23,9 @@ class Driver(ABC):
     Attributes
     ----------
     name : str
-    needs : str
-        The module without which it cannot run.
     """
 
     name: str
-    needs: ClassVar[str]
 
     def __init__(self, name: str, stream: Stream) -> None:
         self.name, self.stream = name, stream
@@ -76,5 +73,5 @@ class Driver(ABC):
             rows.append(np.diff(laps) if len(laps) == 1 + len(STAGES) else np.full(len(STAGES), np.nan))
         return np.array(rows)
 
-    def close(self) -> None:
+    def close(self) -> None:  # noqa: B027
         """Let go of what it holds."""

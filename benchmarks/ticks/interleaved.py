@@ -49,9 +49,7 @@ class Measured:
         return float(np.median(self.ns))
 
 
-def measure(
-    drivers: Sequence[Driver], rounds: int, progress: Callable[[], None] = lambda: None
-) -> list[Measured]:
+def measure(drivers: Sequence[Driver], rounds: int, progress: Callable[[], None] = lambda: None) -> list[Measured]:
     """Time all drivers on the motion they were made for, that often from its beginning to its end."""
     ticks = len(drivers[0].stream)
     ns = {d.name: np.zeros((rounds, ticks)) for d in drivers}
@@ -88,7 +86,8 @@ def table(stream: Stream, measured: Sequence[Measured]) -> list[Row]:
     to pink, to mink
         Ratio of the medians, to the fastest of that library.
     off
-        Distance from the first one's answer, relative to its length; median.
+        Distance from the first one's answer, relative to its length; median. Weights are no priorities, and pink and
+        mink measure a position in the logarithm of a pose, so that it need not be small.
     kept
         Share of the ticks whose answer keeps the limits of position and velocity.
     """

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import ClassVar
 
 from hqp import Solver
 from hqp.arrays import Array
@@ -17,8 +16,6 @@ from .stream import Stream
 
 class Ours(Driver):
     """A :class:`tasks.Controller`, called as a user would."""
-
-    needs: ClassVar[str] = "hqp"
 
     def __init__(self, stream: Stream) -> None:
         super().__init__("hqp", stream)

@@ -1,6 +1,6 @@
 """placo at work on a recorded motion, in an interpreter of its own: it knows nothing of this library.
 
-``python placo_script.py motion.npz`` answers each line ``run FIRST LAST`` or ``split FIRST LAST`` with one line of JSON.
+``python placo_script.py motion.npz`` answers lines, ``run FIRST LAST`` and ``split FIRST LAST``, with a line of JSON.
 """
 
 import json

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from hqp.arrays import Array
 from tasks import load_robot
-from tasks.robots.pinocchio import PinocchioRobot
 from tasks.rotations import exp
+
+if TYPE_CHECKING:
+    from tasks.robots.pinocchio import PinocchioRobot
 
 What = Literal["position", "orientation", "pose", "com", "posture"]
 #: Under which name the centre of mass has its motion.
@@ -108,6 +110,10 @@ class Scene:
         """The share of an error that one tick takes away."""
         return self.gain * self.dt
 
+    def cost(self, frame: str, *what: What) -> float:
+        """What the tasks of a frame cost that ask for this; 0 where none does."""
+        return float(sum(goal.cost for goal in self.goals if goal.frame == frame and goal.what in what))
+
     def load(self) -> PinocchioRobot:
         """The robot."""
         return load_robot(self.robot, mimic="free", lock=self.held)
@@ -126,7 +132,7 @@ _HANDS = tuple(f"{side}_rubber_hand" for side in ("left", "right"))
 SCENES = (
     Scene(
         "panda slow",
-        "limits > position > orientation > posture; a target that moves slowly, no limit is active",
+        "limits > position > orientation > posture, slow",
         "panda",
         _ARM,
         {_TIP: Motion(sway=(0.06, 0.12, 0.08), turn=(0.0, 0.2, 0.2), rate=(0.1, 0.07, 0.13))},
@@ -134,7 +140,7 @@ SCENES = (
     ),
     Scene(
         "panda saturated",
-        "the same; a target that moves fast and beyond reach, joints are at their limits",
+        "the same, fast and beyond reach",
         "panda",
         _ARM,
         {_TIP: Motion((0.3, 0.0, 0.0), sway=(0.6, 0.9, 0.6), turn=(0.0, 1.0, 1.0), rate=(0.9, 0.7, 1.1))},
@@ -142,7 +148,7 @@ SCENES = (
     ),
     Scene(
         "humanoid",
-        "limits > feet > centre of mass xy > hands > torso's orientation > posture; slow, on two feet",
+        "limits > feet > centre of mass > hands > torso > posture, slow",
         "g1",
         (
             (Goal("pose", _LEFT, 10.0), Goal("pose", _RIGHT, 10.0)),

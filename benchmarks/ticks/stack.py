@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,9 +18,11 @@ from tasks import (
     Stack,
     Task,
 )
-from tasks.robots.pinocchio import PinocchioRobot
 
 from .scenes import COM, Goal, Scene
+
+if TYPE_CHECKING:
+    from tasks.robots.pinocchio import PinocchioRobot
 
 STILL = np.zeros(3)
 
@@ -35,11 +38,12 @@ class Target:
 
 
 class Targets:
-    """The targets of one stack: a position and a rotation for each frame, and the centre of mass.
+    """The targets of one stack.
 
     Attributes
     ----------
     positions, rotations : dict of str to Target
+        Of each frame; the positions also have that of the centre of mass, where it has a task.
     """
 
     def __init__(self, scene: Scene, robot: PinocchioRobot) -> None:

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hqp.arrays import Array
 from tasks import Controller
-from tasks.robots.pinocchio import PinocchioRobot
 
 from .scenes import COM, Scene
 from .stack import declare
+
+if TYPE_CHECKING:
+    from tasks.robots.pinocchio import PinocchioRobot
 
 #: Of a joint to its limit, for it to count as being there: of velocities [rad/s], and of positions [rad].
 NEAR = 1e-9
@@ -28,8 +31,7 @@ class Stream:
     q, v : array, shape (ticks, nq), (ticks, nv)
         Where the robot is.
     positions, rotations : dict of str to array, shape (ticks, 3), (ticks, 3, 3)
-        The targets of each frame; the first has the one of the centre of mass too. What no task asks for is where
-        the frame is: an error in it can mislead a library that knows poses only.
+        The targets of each frame; the first has the one of the centre of mass too.
     saturated : float
         How many joints are at a limit at once, mean.
     """
@@ -62,7 +64,6 @@ def record(scene: Scene, ticks: int) -> Stream:
         assert step.v is not None
         v[k + 1] = step.v
         q[k + 1] = robot.integrate(q[k], scene.dt * step.v)
-    _where_it_is(scene, robot, q[:-1], positions, rotations)
     return Stream(scene, robot, q[:-1], v[:-1], positions, rotations, _saturated(robot, q[1:], v[1:]))
 
 
@@ -75,22 +76,6 @@ def _targets(scene: Scene, robot: PinocchioRobot, ticks: int) -> tuple[dict[str,
         places = [scene.motion(name).at(k * scene.dt, *start) for k in range(ticks)]
         positions[name], rotations[name] = (np.array(part) for part in zip(*places, strict=True))
     return positions, rotations
-
-
-def _where_it_is(
-    scene: Scene, robot: PinocchioRobot, q: Array, positions: dict[str, Array], rotations: dict[str, Array]
-) -> None:
-    """Have the targets that belong to no task follow the motion, in place."""
-    tasks = {(goal.frame, goal.what) for goal in scene.goals}
-    for frame in scene.frames:
-        if (frame, "pose") in tasks:
-            continue
-        for k, row in enumerate(q):
-            place = robot.at(row, np.zeros(robot.nv)).frame(frame)
-            if (frame, "position") not in tasks:
-                positions[frame][k] = place.position
-            if (frame, "orientation") not in tasks:
-                rotations[frame][k] = place.rotation
 
 
 def _saturated(robot: PinocchioRobot, q: Array, v: Array) -> float:

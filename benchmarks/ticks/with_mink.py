@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import ClassVar
 
 import mink
 import mujoco
@@ -21,8 +20,6 @@ from .urdf import bare, for_mujoco
 class Mink(Driver):
     """``mink.solve_ik`` with limits of joint positions and velocities."""
 
-    needs: ClassVar[str] = "mink"
-
     def __init__(self, solver: str, stream: Stream) -> None:
         super().__init__(f"mink {solver}", stream)
         scene, robot, self.solver, self.dt = stream.scene, stream.robot, solver, stream.scene.dt
@@ -35,8 +32,7 @@ class Mink(Driver):
         self.turned = robot.base > 0
         self.targets = []
         for frame in scene.frames:
-            position = sum(g.cost for g in scene.goals if g.frame == frame and g.what in ("position", "pose"))
-            rotation = sum(g.cost for g in scene.goals if g.frame == frame and g.what in ("orientation", "pose"))
+            position, rotation = scene.cost(frame, "position", "pose"), scene.cost(frame, "orientation", "pose")
             task = mink.FrameTask(frame, "body", position, rotation, gain=scene.step)
             places = zip(stream.rotations[frame], stream.positions[frame], strict=True)
             targets = [mink.SE3.from_rotation_and_translation(mink.SO3.from_matrix(R), p) for R, p in places]

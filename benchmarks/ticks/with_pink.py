@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import ClassVar
 
 import numpy as np
 import pink
@@ -21,8 +20,6 @@ from .stream import Stream
 class Pink(Driver):
     """``pink.solve_ik`` with its default limits, those of joint positions and velocities."""
 
-    needs: ClassVar[str] = "pink"
-
     def __init__(self, solver: str, stream: Stream) -> None:
         super().__init__(f"pink {solver}", stream)
         scene, self.solver, self.dt = stream.scene, solver, stream.scene.dt
@@ -31,9 +28,8 @@ class Pink(Driver):
         self.q = list(stream.q)
         self.targets = []
         for frame in scene.frames:
-            position = sum(g.cost for g in scene.goals if g.frame == frame and g.what in ("position", "pose"))
-            rotation = sum(g.cost for g in scene.goals if g.frame == frame and g.what in ("orientation", "pose"))
-            task = FrameTask(frame, float(position), float(rotation), gain=scene.step)
+            position, rotation = scene.cost(frame, "position", "pose"), scene.cost(frame, "orientation", "pose")
+            task = FrameTask(frame, position, rotation, gain=scene.step)
             self.targets.append((task, list(map(pin.SE3, stream.rotations[frame], stream.positions[frame]))))
         for goal in scene.goals:
             if goal.what == "com":

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, ClassVar
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -22,7 +22,24 @@ from .scenes import COM
 from .stream import Stream
 from .urdf import bare
 
+#: Runs there, and imports nothing from here.
 SCRIPT = Path(__file__).parent / "placo_script.py"
+
+
+def check_placo(python: str) -> None:
+    """Refuse an interpreter that cannot be started, or has no placo.
+
+    Raises
+    ------
+    InvalidInput
+        With its last words.
+    """
+    try:
+        done = subprocess.run([python, "-I", "-c", "import placo"], capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise InvalidInput(f"--placo {python}: {error.strerror}") from error
+    if done.returncode:
+        raise InvalidInput(f"--placo {python}: {_last(done.stderr)}")
 
 
 class Placo(Driver):
@@ -34,10 +51,8 @@ class Placo(Driver):
     Raises
     ------
     InvalidInput
-        If the interpreter cannot be started, or placo cannot; with its last words.
+        If it ends before its time; with its last words.
     """
-
-    needs: ClassVar[str] = "placo"
 
     def __init__(self, python: str, stream: Stream) -> None:
         super().__init__("placo", stream)
@@ -46,17 +61,14 @@ class Placo(Driver):
         ET.ElementTree(bare(stream.scene.robot, stream.scene.held)).write(folder / "robot.urdf")
         np.savez(folder / "motion.npz", **_motion(stream, folder / "robot.urdf"))
         self.said = (folder / "said.txt").open("w+")
-        try:
-            self.process = subprocess.Popen(
-                [python, "-I", str(SCRIPT), str(folder / "motion.npz")],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=self.said,
-                text=True,
-            )
-        except OSError as error:
-            raise InvalidInput(f"--placo {python}: {error.strerror}") from error
-        self._reply(f"--placo {python}")
+        self.process = subprocess.Popen(
+            [python, "-I", str(SCRIPT), str(folder / "motion.npz")],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self.said,
+            text=True,
+        )
+        self._reply()
 
     def tick(self, k: int) -> Any:
         raise NotImplementedError("it runs in blocks")
@@ -67,7 +79,9 @@ class Placo(Driver):
     def run(self, first: int, last: int) -> tuple[Array, Array]:
         said = self._ask("run", first, last)
         nothing = [np.nan] * self.stream.robot.nv
-        return np.array(said["ns"]), np.array([nothing if step is None else self.velocity(step) for step in said["step"]])
+        return np.array(said["ns"]), np.array(
+            [nothing if step is None else self.velocity(step) for step in said["step"]]
+        )
 
     def split(self, first: int, last: int) -> Array:
         return np.array(self._ask("split", first, last)["ns"], dtype=float)
@@ -87,17 +101,22 @@ class Placo(Driver):
     def _ask(self, command: str, first: int, last: int) -> dict[str, Any]:
         assert self.process.stdin is not None
         print(command, first, last, file=self.process.stdin, flush=True)
-        return self._reply(self.name)
+        return self._reply()
 
-    def _reply(self, what: str) -> dict[str, Any]:
+    def _reply(self) -> dict[str, Any]:
         assert self.process.stdout is not None
         line = self.process.stdout.readline()
         if not line:
             self.said.seek(0)
-            words = self.said.read().strip().splitlines()
-            raise InvalidInput(f"{what}: {words[-1] if words else 'it ended without a word'}")
+            raise InvalidInput(f"placo: {_last(self.said.read())}")
         reply: dict[str, Any] = json.loads(line)
         return reply
+
+
+def _last(words: str) -> str:
+    """The last line of what a process said."""
+    lines = words.strip().splitlines()
+    return lines[-1] if lines else "it ended without a word"
 
 
 def _motion(stream: Stream, urdf: Path) -> dict[str, Any]:
