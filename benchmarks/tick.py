@@ -55,7 +55,7 @@ def tick(
             bar = progress.add_task(s.name, total=rounds + 1)
             stream, here = _measured(s, ticks, rounds, placo, lambda bar=bar: progress.advance(bar))
             rows += here
-            title = f"{s.name}: {s.about}; at a limit: {stream.saturated:.1f} of {stream.robot.nv} joints"
+            title = f"{s.name}: {s.about}; at a limit: {stream.saturated:.1f} of {stream.joints} joints"
             printer.print(terminal(title, here))
             if out is not None:
                 save(out, rows)

@@ -42,8 +42,8 @@ class Driver(ABC):
     def velocity(self, answer: Any) -> Array:
         """The joint velocities of an answer of :meth:`tick`, in the order of the stream."""
 
-    def proved(self, k: int) -> bool | None:
-        """Whether the answer at tick k is certified; None where nothing can be."""
+    def proved(self, k: int, v: Array) -> bool | None:
+        """Whether joint velocities are certified as the optimum of tick k; None where nothing can be."""
         return None
 
     def run(self, first: int, last: int) -> tuple[Array, Array]:

@@ -66,7 +66,8 @@ def measure(drivers: Sequence[Driver], rounds: int, progress: Callable[[], None]
         for driver, block in _turns(drivers, ticks):
             stages[driver.name][block] = driver.split(block.start, block.stop)
         progress()
-    proofs = {d.name: [p for k in range(0, ticks, EVERY) if (p := d.proved(k)) is not None] for d in drivers}
+    sample = range(0, ticks, EVERY)
+    proofs = {d.name: [p for k in sample if (p := d.proved(k, v[d.name][k])) is not None] for d in drivers}
     return [Measured(name, ns[name], stages[name], v[name], proofs[name]) for name in ns]
 
 

@@ -44,6 +44,11 @@ class Stream:
     rotations: dict[str, Array]
     saturated: float
 
+    @property
+    def joints(self) -> int:
+        """How many joints there are, a floating base not counted."""
+        return self.robot.nv - self.robot.base
+
     def __len__(self) -> int:
         return len(self.q)
 
