@@ -67,7 +67,7 @@ def tick(
     )
     for peer in dict.fromkeys(name for name, _, _ in PEERS):
         if find_spec(peer) is None:
-            printer.print(f"{peer}: left out, it is not installed: python -m pip install -e '.[peers]'")
+            printer.print(f"{peer}: left out, it is not installed: python -m pip install -e '.[peers]'", markup=False)
 
 
 def _select(names: list[str] | None) -> list[Scene]:

@@ -309,7 +309,7 @@ def test_a_few_ticks_fill_tables_and_csv(tmp_path: Path) -> None:
         assert f"{s.name}: {s.about}" in done.stdout
     for peer in {name for name, _, _ in PEERS}:
         here = any(row["method"].startswith(peer) for row in rows)
-        assert here != (f"{peer}: left out, it is not installed" in done.stdout)
+        assert here != (f"{peer}: left out, it is not installed: python -m pip install -e '.[peers]'" in done.stdout)
 
 
 def test_a_slow_motion_reaches_no_limit_and_a_fast_one_does() -> None:
