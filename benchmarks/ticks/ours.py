@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 from hqp import Solver, certify
 from hqp.arrays import Array
-from tasks import Controller, Step
-from tasks.frame_task import FrameTask
+from tasks import CenterOfMassTask, Controller, Step
 
 from .driver import Driver
 from .stack import declare
@@ -27,7 +26,7 @@ class Ours(Driver):
         self.targets += [(target, list(stream.rotations[name])) for name, target in targets.rotations.items()]
         # The parts alone, warm on their own.
         self.rows, self.solver = self.stack.build(self.robot, "velocity", scene.dt), Solver()
-        self.seen = [part.seen for part in self.stack if isinstance(part, FrameTask)]
+        self.weighs = any(isinstance(part, CenterOfMassTask) for part in self.stack)
 
     def tick(self, k: int) -> Step:
         self.aim(k)
@@ -35,8 +34,9 @@ class Ours(Driver):
 
     def stages(self, k: int) -> Iterator[None]:
         state = self.robot.at(self.q[k], self.v[k])
-        for seen in self.seen:
-            seen(state)
+        if self.weighs:
+            self.robot.compute_center_of_mass(state.q)
+        state.ready()
         yield
         self.aim(k)
         hierarchy = self.rows.fill(state, 0.0)
@@ -47,7 +47,7 @@ class Ours(Driver):
     def aim(self, k: int) -> None:
         """Set all targets."""
         for target, values in self.targets:
-            target.value = values[k]
+            target.move(values[k])
 
     def velocity(self, answer: Step) -> Array:
         assert answer.v is not None

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hqp.arrays import Array
 from tasks import (
     CenterOfMassTask,
     JointLimits,
@@ -15,6 +14,8 @@ from tasks import (
     PoseTask,
     PositionTask,
     PostureTask,
+    RotationSetpoint,
+    Setpoint,
     Stack,
     Task,
 )
@@ -24,34 +25,24 @@ from .scenes import COM, Goal, Scene
 if TYPE_CHECKING:
     from tasks.robots.pinocchio import PinocchioRobot
 
-STILL = np.zeros(3)
-
-
-class Target:
-    """A target that somebody sets, as an operator does: what it will be next is not known."""
-
-    def __init__(self, value: Array) -> None:
-        self.value = value
-
-    def __call__(self, t: float) -> tuple[Array, Array, Array]:
-        return self.value, STILL, STILL
-
 
 class Targets:
-    """The targets of one stack.
+    """The targets of one stack, which somebody sets, as an operator does: what they will be next is not known.
 
     Attributes
     ----------
-    positions, rotations : dict of str to Target
-        Of each frame; the positions also have that of the centre of mass, where it has a task.
+    positions : dict of str to Setpoint
+        Of each frame, and of the centre of mass, where it has a task.
+    rotations : dict of str to RotationSetpoint
+        Of each frame.
     """
 
     def __init__(self, scene: Scene, robot: PinocchioRobot) -> None:
         state = robot.at(robot.home, np.zeros(robot.nv))
-        self.positions = {name: Target(state.frame(name).position) for name in scene.frames}
-        self.rotations = {name: Target(state.frame(name).rotation) for name in scene.frames}
+        self.positions = {name: Setpoint(state.frame(name).position) for name in scene.frames}
+        self.rotations = {name: RotationSetpoint(state.frame(name).rotation) for name in scene.frames}
         if any(goal.what == "com" for goal in scene.goals):
-            self.positions[COM] = Target(state.center_of_mass.position)
+            self.positions[COM] = Setpoint(state.center_of_mass.position)
 
 
 def declare(scene: Scene, robot: PinocchioRobot) -> tuple[Stack, Targets]:
@@ -65,7 +56,11 @@ def declare(scene: Scene, robot: PinocchioRobot) -> tuple[Stack, Targets]:
 
 
 def _task(
-    goal: Goal, gain: float, robot: PinocchioRobot, positions: Mapping[str, Target], rotations: Mapping[str, Target]
+    goal: Goal,
+    gain: float,
+    robot: PinocchioRobot,
+    positions: Mapping[str, Setpoint],
+    rotations: Mapping[str, RotationSetpoint],
 ) -> Task:
     frame = goal.frame
     if goal.what == "posture":
