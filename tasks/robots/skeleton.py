@@ -52,7 +52,7 @@ def skeleton(robot: Robot, q: ArrayLike, *, frames: Iterable[str] = ()) -> Array
         segments = np.stack([points[:-1], points[1:]], axis=1)
     else:
         raise InvalidInput(f"{robot!r} tells neither points(q) nor a model; it has no skeleton")
-    return segments[np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1) > SHORT]
+    return np.asarray(segments[np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1) > SHORT])
 
 
 def _spatial(robot: PinocchioRobot, q: Array, frames: tuple[str, ...]) -> Array:
