@@ -1,4 +1,4 @@
-"""The examples run, without a warning, say something, and stay short."""
+"""The examples run, without a warning, say something, stay short, and draw what the documentation shows."""
 
 from __future__ import annotations
 
@@ -8,8 +8,10 @@ from pathlib import Path
 
 import pytest
 
-EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.py"))
+EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("[0-9]*.py"))
 MOST_LINES = 60
+IMAGES = EXAMPLES[0].parents[1] / "docs" / "images"
+LARGEST_PICTURE = 150_000  # [bytes]
 
 #: What each must print, whatever the machine.
 SAYS = {
@@ -18,6 +20,16 @@ SAYS = {
     "03_which_limit": "held back by joint 1 velocity limit (upper)",
     "04_compare_backends": "native                      exact          40/40     40/40",
     "05_joint_limits": "afterwards a joint is at most 0.000000 deg outside",
+    "06_panda_elbow_up": "lowest elbow 0.5500 m",
+    "07_ur5_singularity": "40 of 40",
+    "08_humanoid_reach": "center of mass met (1 of 2 rows at a bound)",
+}
+
+#: What each draws into the folder that it is given, also kept in the documentation.
+DRAWS = {
+    "06_panda_elbow_up": "panda_elbow.png",
+    "07_ur5_singularity": "ur5_singularity.png",
+    "08_humanoid_reach": "humanoid_reach.png",
 }
 
 
@@ -28,9 +40,18 @@ def test_every_example_is_expected():
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_example(path: Path, tmp_path: Path):
     assert len(path.read_text(encoding="utf-8").splitlines()) < MOST_LINES
+    picture = DRAWS.get(path.stem)
+    arguments = [] if picture is None else [str(tmp_path)]
     done = subprocess.run(
-        [sys.executable, "-W", "error", str(path)], cwd=tmp_path, capture_output=True, text=True, check=False
+        [sys.executable, "-W", "error", str(path), *arguments],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
     assert SAYS[path.stem] in done.stdout
-    assert not list(tmp_path.iterdir()), "an example leaves no files"
+    left = [file.name for file in tmp_path.iterdir()]
+    assert left == ([] if picture is None else [picture]), "an example leaves its picture alone, where it was told to"
+    for folder in [tmp_path, IMAGES] if picture else []:
+        assert 0 < (folder / str(picture)).stat().st_size < LARGEST_PICTURE

@@ -1,0 +1,134 @@
+"""The pictures of the examples: ``python examples/06_panda_elbow_up.py docs/images`` draws the one of the Panda."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
+from mpl_toolkits.mplot3d.art3d import Line3DCollection
+
+from tasks import Record, Robot
+from tasks.robots.skeleton import skeleton
+
+BLUE, ORANGE, GREEN, GREY, RED = "#0072b2", "#d55e00", "#009e73", "#8c8c8c", "#b2182b"
+mpl.rcParams.update(
+    {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": "#e6e6e6"}
+)
+mpl.rcParams.update(
+    {"axes.titlesize": 9, "axes.titlelocation": "left", "axes.axisbelow": True, "legend.frameon": False}
+)
+
+
+def panda_elbow(folder: str, robot: Robot, records: dict[str, Record], elbow: str, lowest: float) -> None:
+    """Both runs as stick figures from the side, the height of the elbow and the error of the orientation."""
+    figure = Figure(figsize=(9.0, 3.9), layout="constrained")
+    grid = figure.add_gridspec(2, 3, width_ratios=[1, 1, 1.1])
+    height, turn = (figure.add_subplot(grid[row, 2]) for row in range(2))
+    path = next(iter(records.values())).pose[:, :3]
+    ahead = path[-1, :2] / np.linalg.norm(path[-1, :2])  # the view is across the vertical plane of the goal
+    for column, (name, record), colour in zip((0, 1), records.items(), (ORANGE, BLUE), strict=True):
+        side = figure.add_subplot(grid[:, column], aspect="equal", xlim=(-0.28, 0.88), ylim=(-0.03, 0.8))
+        side.set(title=f"{name}: t = 0, 1, 1.5, 3 s", xlabel="towards the goal [m]")
+        side.set_ylabel("z [m]" if column == 0 else "")
+        side.axhline(lowest, color=GREY, ls="--", lw=1.0)
+        side.plot(path[:, :2] @ ahead, path[:, 2], color=GREY, lw=1.0)
+        heights = np.array([robot.at(q, record.v[0]).frame(elbow).position for q in record.q])
+        for t, alpha in (0.0, 0.2), (1.0, 0.35), (1.5, 0.5), (3.0, 1.0):
+            k = int(np.argmin(np.abs(record.t - t)))
+            segments = skeleton(robot, record.q[k])
+            flat = np.stack([segments[..., :2] @ ahead, segments[..., 2]], axis=-1)
+            side.add_collection(LineCollection(flat, colors=colour, linewidths=2.5, alpha=alpha, capstyle="round"))
+            side.plot(heights[k, :2] @ ahead, heights[k, 2], "o", color=colour, alpha=alpha, ms=7)
+        height.plot(record.t, heights[:, 2], color=colour, label=name)
+        turn.plot(record.t, np.degrees(np.linalg.norm(record.errors["orientation"], axis=1)), color=colour)
+    height.axhline(lowest, color=GREY, ls="--", lw=1.0)
+    height.set(title="height of the elbow [m]", xticklabels=[])
+    height.legend()
+    turn.set(title="error of the orientation [deg]", xlabel="t [s]")
+    save(figure, folder, "panda_elbow.png")
+
+
+def ur5_singularity(folder: str, records: dict[str, Record], fastest: float) -> None:
+    """Joint speeds and errors of each run, one above the other."""
+    chosen = {"strict": BLUE, "strict, damped": GREEN, "one level": ORANGE, "one level, damped": GREY}
+    figure = Figure(figsize=(9.0, 4.6), layout="constrained")
+    left, right = figure.add_gridspec(1, 2)
+    speeds = left.subgridspec(len(chosen), 1).subplots(sharex=True, sharey=True)
+    for axes, (name, colour) in zip(speeds, chosen.items(), strict=True):
+        axes.plot(records[name].t, records[name].v, color=colour, lw=0.9)
+        for side in (-fastest, fastest):
+            axes.axhline(side, color=RED, ls="--", lw=0.8)
+        axes.set_ylim(-1.25 * fastest, 1.25 * fastest)
+        axes.annotate(name, (0.01, 0.84), xycoords="axes fraction", va="top", color=colour)
+    speeds[0].set_title("joint speeds [rad/s], and the limit")
+    speeds[-1].set_xlabel("t [s]")
+    position, orientation = right.subgridspec(2, 1).subplots(sharex=True)
+    for name, colour in chosen.items():
+        away, turn = (np.linalg.norm(records[name].errors[task], axis=1) for task in ("position", "orientation"))
+        position.plot(records[name].t, 1e3 * away, color=colour, label=name)
+        orientation.plot(records[name].t, np.degrees(turn), color=colour)
+    position.set(title="error of the position [mm]", yscale="log", ylim=(1e-2, 1e2))
+    orientation.set_title("error of the orientation [deg]")
+    orientation.legend(*position.get_legend_handles_labels(), loc="upper right")
+    orientation.set_xlabel("t [s]")
+    save(figure, folder, "ur5_singularity.png")
+
+
+def humanoid_reach(folder: str, robot: Robot, record: Record, margin: float) -> None:
+    """The robot at the start and where it reaches farthest; the centre of mass, the hands and the feet over time."""
+    figure = Figure(figsize=(9.0, 4.4), layout="constrained")
+    grid = figure.add_gridspec(3, 3, width_ratios=[1, 1, 1.25])
+    ends = [f"{side}_{frame}" for side in ("left", "right") for frame in ("rubber_hand", "ankle_roll_link")]
+    half = len(record) // 2
+    mass = np.array([robot.at(q, v).center_of_mass.position for q, v in zip(record.q, record.v, strict=True)])
+    for column, k in enumerate((0, half)):
+        axes = space(figure, grid[:, column], ((-0.3, 0.8), (-0.4, 0.4), (0.0, 1.2)))
+        axes.set_title(f"t = {record.t[k]:g} s")
+        stick(axes, skeleton(robot, record.q[k], frames=ends), BLUE)
+        square = mass[0, :2] + margin * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]])
+        axes.plot(*square.T, np.zeros(5), color=GREY, lw=1.0)
+        axes.plot(*np.array([mass[k], mass[k] * [1, 1, 0]]).T, color=RED, ls=":", lw=1.0)
+        axes.scatter(*mass[k], color=RED, s=24)
+        goals = [robot.at(record.q[k], record.v[k]).frame(f"{side}_rubber_hand").position for side in ("left", "right")]
+        errors = [record.errors[f"{side} hand"][k] for side in ("left", "right")]
+        axes.scatter(*(np.array(goals) + errors).T, color=ORANGE, marker="x", s=30, depthshade=False)
+    forward, hands, feet = (figure.add_subplot(grid[row, 2]) for row in range(3))
+    forward.plot(record.t, 1e3 * (mass[:, 0] - mass[0, 0]), color=RED)
+    for side in (-margin, margin):
+        forward.axhline(1e3 * side, color=GREY, ls="--", lw=1.0)
+    forward.set(title="centre of mass, forward [mm], and its bounds", xticklabels=[])
+    hands.plot(record.t, 1e3 * np.linalg.norm(record.errors["left hand"], axis=1), color=ORANGE)
+    hands.set(title="error of the left hand [mm]", xticklabels=[])
+    feet.plot(record.t, 1e3 * np.linalg.norm(record.errors["left foot"][:, :3], axis=1), color=BLUE)
+    feet.set(title="error of the left foot [mm]", xlabel="t [s]")
+    save(figure, folder, "humanoid_reach.png")
+
+
+def stick(axes: Axes3D, segments: np.ndarray, colour: str, alpha: float = 1.0) -> None:
+    """A stick figure: its links, and dots between them."""
+    axes.add_collection3d(Line3DCollection(segments, colors=colour, linewidths=2.2, alpha=alpha, capstyle="round"))
+    axes.scatter(*segments.reshape(-1, 3).T, color=colour, s=5, alpha=alpha, depthshade=False)
+
+
+def space(figure: Figure, place: object, box: tuple[tuple[float, float], ...]) -> Axes3D:
+    """Axes of equal scale for a stick figure in a box [m]."""
+    axes = figure.add_subplot(place, projection="3d", elev=12.0, azim=-60.0)
+    axes.set(xlim=box[0], ylim=box[1], zlim=box[2])
+    axes.set_box_aspect([high - low for low, high in box], zoom=1.25)
+    axes.locator_params(nbins=4)
+    axes.tick_params(labelsize=7, pad=-2)
+    axes.set_xlabel("x [m]", labelpad=-4, fontsize=8)
+    axes.set_ylabel("y [m]", labelpad=-2, fontsize=8)
+    axes.text(box[0][1], box[1][1], 1.05 * box[2][1], "z [m]", fontsize=8)
+    for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
+        axis.set_pane_color((1.0, 1.0, 1.0, 0.0))
+    return axes
+
+
+def save(figure: Figure, folder: str, name: str) -> None:
+    """Write it, without a date or a version: the same run gives the same file."""
+    figure.savefig(Path(folder) / name, dpi=110, metadata={"Software": None})
