@@ -21,7 +21,7 @@ FASTEST = 2.0  # [rad/s]
 robot = load_robot("ur5")
 start = np.array([0.0, -1.2, 1.6, -0.45, -0.4, 0.0])
 hand = robot.at(start, np.zeros(6)).frame()
-# A straight line on which wrist 2 passes within a degree of 0, where wrists 1 and 3 turn about the same axis.
+# A straight line on which wrist 2 comes within 1.2 degrees of 0, where wrists 1 and 3 turn about the same axis.
 path = Line(hand.position, np.add(hand.position, [-0.1, 0.4, 0.0]), duration=3.0, timing=quintic)
 
 
