@@ -11,6 +11,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from .axis import AxisTask
 from .center_of_mass import CenterOfMassTask
 from .coupling import JointCouplingTask
@@ -43,9 +45,23 @@ from .robots.library import available_robots, load_robot
 from .robots.manipulability import Degrees, VelocityEllipse, manipulability, task_degrees, velocity_ellipse
 from .robots.planar import PlanarArm, PlanarState
 from .robots.robot import Robot, RobotState
+from .robots.skeleton import skeleton
 from .singularity import ManipulabilityTask
 from .stack import Stack
 from .task import TargetTask, Task
+
+if TYPE_CHECKING:
+    from .robots.pinocchio import PinocchioRobot
+
+
+def __getattr__(name: str) -> Any:
+    """What needs Pinocchio is imported when asked for."""
+    if name == "PinocchioRobot":
+        from .robots.pinocchio import PinocchioRobot
+
+        return PinocchioRobot
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
 
 __all__ = [
     "AtLeast",
@@ -75,6 +91,7 @@ __all__ = [
     "Order",
     "OrientationTask",
     "Part",
+    "PinocchioRobot",
     "PlanarArm",
     "PlanarState",
     "PlaneLimit",
@@ -108,6 +125,7 @@ __all__ = [
     "manipulability",
     "quintic",
     "simulate",
+    "skeleton",
     "task_degrees",
     "velocity_ellipse",
 ]

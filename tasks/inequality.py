@@ -107,9 +107,9 @@ class Within(Inequality):
     ----------
     task : Task
     tolerance : float or array, shape (rows,)
-        In the unit of the task; a pair of arrays, below and above the target, is ``Within(task, above, below=...)``.
-    below : float or array, optional
-        How far below the target, where that differs; not negative.
+        How far above the target, and below it, in the unit of the task; not negative.
+    below : float or array, shape (rows,), optional
+        How far below it, where that differs.
 
     Raises
     ------

@@ -58,10 +58,14 @@ class Setpoint:
     def __init__(self, value: ArrayLike) -> None:
         self._value = np.atleast_1d(np.array(finite(value, "setpoint")))
         self._velocity, self._acceleration = np.zeros((2, len(self._value)))
+        self._moves = False
 
-    def move(self, value: ArrayLike, velocity: ArrayLike = 0.0, acceleration: ArrayLike = 0.0) -> None:
+    def move(self, value: ArrayLike, velocity: ArrayLike | None = None, acceleration: ArrayLike = 0.0) -> None:
         """Set where it is, and how it moves if that is known: numbers of the shape it began with, or one for all."""
-        self._value[:], self._velocity[:], self._acceleration[:] = value, velocity, acceleration
+        self._value[:] = value
+        if velocity is not None or self._moves:
+            self._velocity[:], self._acceleration[:] = 0.0 if velocity is None else velocity, acceleration
+            self._moves = velocity is not None
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
         return self._value, self._velocity, self._acceleration

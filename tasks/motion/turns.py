@@ -56,10 +56,14 @@ class RotationSetpoint:
     def __init__(self, R: ArrayLike) -> None:
         self._R = np.array(rotation_matrix(R, "setpoint"))
         self._omega, self._alpha = np.zeros((2, 3))
+        self._turns = False
 
-    def move(self, R: ArrayLike, omega: ArrayLike = 0.0, alpha: ArrayLike = 0.0) -> None:
+    def move(self, R: ArrayLike, omega: ArrayLike | None = None, alpha: ArrayLike = 0.0) -> None:
         """Set how it is turned, and how it turns if that is known [rad/s], [rad/s^2]. R is taken as a rotation."""
-        self._R[:], self._omega[:], self._alpha[:] = R, omega, alpha
+        self._R[:] = R
+        if omega is not None or self._turns:
+            self._omega[:], self._alpha[:] = 0.0 if omega is None else omega, alpha
+            self._turns = omega is not None
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
         return self._R, self._omega, self._alpha

@@ -180,15 +180,16 @@ def load_robot(
 
     entry, path = _find(source)
     floating = entry.floating_base if floating_base is None else truth(floating_base, "floating_base")
-    what = f"robot {str(source)!r}"
+    what, positions = f"robot {str(source)!r}", _positions(lock)
     model = _parse(path, floating, mimic == "follow", what)
     if mimic == "lock":
         tied = _mimicking(path)
-        if tied and (path.name, tied) not in _TOLD:
-            _TOLD.add((path.name, tied))
-            LOG.warning("%s: joints that mimic others are held at neutral: %s", path.name, ", ".join(tied))
-        model = reduced(model, tied, what)
-    model = reduced(model, lock, what)
+        unasked = tuple(name for name in tied if name not in positions)
+        if unasked and (path.name, unasked) not in _TOLD:
+            _TOLD.add((path.name, unasked))
+            LOG.warning("%s: joints that mimic others are held at neutral: %s", path.name, ", ".join(unasked))
+        positions = dict.fromkeys(tied) | positions
+    model = reduced(model, positions, what)
     robot = PinocchioRobot(
         model,
         tip=entry.tip if tip is None else tip,
@@ -222,6 +223,11 @@ def _find(source: str | PathLike[str]) -> tuple[Entry, Path]:
             f"unknown robot {text!r}{hint}; give a .urdf or .xml file, or one of {', '.join(available_robots())}"
         )
     return Entry(others[text]), data_folder() / others[text]
+
+
+def _positions(lock: Iterable[str] | Mapping[str, float]) -> dict[str, float | None]:
+    """Joint -> where to hold it; None for neutral."""
+    return dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(lock)
 
 
 def _parse(path: Path, floating: bool, follow: bool, what: str) -> pin.Model:

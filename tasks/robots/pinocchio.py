@@ -345,15 +345,14 @@ class PinocchioFrame:
         return self._drift[3:]
 
 
-def reduced(model: pin.Model, lock: Iterable[str] | Mapping[str, float], what: str) -> pin.Model:
-    """The model with these joints held where they are: at a given position, or neutral.
+def reduced(model: pin.Model, positions: Mapping[str, float | None], what: str) -> pin.Model:
+    """The model with these joints held: at a position, or where neutral if that is None.
 
     Raises
     ------
     InvalidInput
         If a joint is unknown; tells the nearest names.
     """
-    positions = lock if isinstance(lock, Mapping) else dict.fromkeys(lock)
     q, held = pin.neutral(model), []
     names = list(model.names)[1:]
     for name, position in positions.items():
