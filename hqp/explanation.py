@@ -137,6 +137,9 @@ class LevelExplanation:
     parts : tuple of PartExplanation
     causes : tuple of Cause
         The strongest first.
+    inner : float
+        What the pulls of its parts take from each other: the sum of their lengths less the length of their sum, in the
+        unit of the strengths.
     """
 
     level: int
@@ -148,6 +151,7 @@ class LevelExplanation:
     at_bound: int
     parts: tuple[PartExplanation, ...]
     causes: tuple[Cause, ...]
+    inner: float
 
     @property
     def rows(self) -> int:
@@ -163,8 +167,11 @@ class LevelExplanation:
         if self.met:
             parts = [part.part for part in self.parts] or [self.name or f"level {self.level}"]
             return f"{' and '.join(parts)} met ({self._standing()})"
-        named = ", then ".join(map(str, self.causes[:MOST_NAMED]))
-        more = f" and {len(self.causes) - MOST_NAMED} more" if len(self.causes) > MOST_NAMED else ""
+        causes = list(map(str, self.causes))
+        if self.inner > LEAST_SHARE * sum(cause.strength for cause in self.causes):
+            causes.insert(sum(cause.strength > self.inner for cause in self.causes), "each other")
+        named = ", then ".join(causes[:MOST_NAMED])
+        more = f" and {len(causes) - MOST_NAMED} more" if len(causes) > MOST_NAMED else ""
         why = f"{self._own} ({self._standing()})" if self.contradicts else named + more or "nothing above"
         return f"{', '.join(map(str, self.parts))}: {why}" + ("" if self.proved else "; not proved optimal")
 
@@ -183,6 +190,7 @@ class LevelExplanation:
             "level": self.level, "name": self.name, "met": self.met, "proved": self.proved,
             "contradicts": self.contradicts, "rank": self.rank, "fixing": self.fixing, "at_bound": self.at_bound,
             "parts": [part.data() for part in self.parts], "causes": [cause.data() for cause in self.causes],
+            "inner": self.inner,
         }  # fmt: skip
 
 
@@ -265,6 +273,7 @@ def explain(
                 at_bound=int(((sides != Side.INACTIVE) & ~fixing).sum()),
                 parts=_parts(labels[own], missing[own]),
                 causes=() if contradicts else _causes(hierarchy, labels, rows, dense, judged.multipliers),
+                inner=_inner(dense[own], level.weights**2 * missing[own], labels[own]),
             )
         )
     return tuple(levels)
@@ -276,6 +285,15 @@ def _cancels(A: Array, norms: Array, weights: Array, missing: Array, tolerance: 
     blur = length((force * tolerance)[missing != 0.0])
     gradient = length(A.T @ np.where(norms > 0.0, weights**2 * missing, 0.0))
     return bool(missing.any()) and gradient <= STATIONARITY * float(force @ np.abs(missing)) + blur
+
+
+def _inner(A: Array, pull: Array, labels: list[Label]) -> float:
+    """What the pulls of the parts of a level take from each other."""
+    parts = np.array([label.part for label in labels])
+    pulls = [A[parts == part].T @ pull[parts == part] for part in dict.fromkeys(parts.tolist())]
+    lengths = sum(map(length, pulls))
+    left = lengths - length(np.sum(pulls, axis=0)) if pulls else 0.0
+    return left if left > STATIONARITY * lengths else 0.0
 
 
 def _parts(labels: list[Label], missing: Array) -> tuple[PartExplanation, ...]:

@@ -393,3 +393,15 @@ def test_what_a_bound_returns_is_a_text() -> None:
 @pytest.mark.parametrize(("module", "examples"), [(hqp.label, 1), (hqp.solution, 4)])
 def test_the_examples_in_docstrings_are_true(module: Any, examples: int) -> None:
     assert doctest.testmod(module) == (0, examples)
+
+
+def test_parts_of_one_level_hold_each_other_back() -> None:
+    labels = [Label("left"), Label("right")]
+    wishes = Level.equality([[1.0, 0.0], [1.0, 0.0]], [0.0, 2.0], labels=labels)
+    limit = Level.bounds([-np.inf], [0.25], indices=[0], name="limit")
+    (held,) = solve(Hierarchy([limit, wishes])).explain().levels[1:]
+    # left pulls down by 0.25 and right up by 1.75: they cancel all but the 1.5 that the limit holds.
+    assert held.inner == pytest.approx(0.5)
+    assert str(held) == "left short by 0.25, right short by 1.75: x[0] limit (upper), then each other"
+    alone = solve(Hierarchy([limit, Level.equality([[1.0, 0.0]], [2.0])])).explain().levels[1]
+    assert (alone.inner, "each other" in str(alone)) == (0.0, False)
