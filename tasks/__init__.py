@@ -19,6 +19,7 @@ from .coupling import JointCouplingTask
 from .damping import Damping
 from .frame_task import FrameTask
 from .inequality import AtLeast, AtMost, Within
+from .inverse_kinematics import IkResult, solve_ik
 from .joint_motion import JointMotion
 from .limits.acceleration import JointAccelerationLimit
 from .limits.cartesian import BoxLimit, FrameVelocityLimit, PlaneLimit
@@ -79,6 +80,7 @@ __all__ = [
     "Frame",
     "FrameTask",
     "FrameVelocityLimit",
+    "IkResult",
     "JointAccelerationLimit",
     "JointCouplingTask",
     "JointLimits",
@@ -126,6 +128,7 @@ __all__ = [
     "quintic",
     "simulate",
     "skeleton",
+    "solve_ik",
     "task_degrees",
     "velocity_ellipse",
 ]

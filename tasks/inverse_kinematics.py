@@ -1,0 +1,216 @@
+r"""Where the joints have to be: a strict hierarchy of tasks, solved to convergence.
+
+The stack is solved step by step, each step a hierarchy linearised where the joints are (:mod:`tasks.newton`), with the
+ranges of the joints above all levels and exactly:
+
+.. math:: q \leftarrow q \oplus x, \qquad x = \text{lex min} \; (\lVert J_1 x - e_1 \rVert, \lVert J_2 x - e_2
+    \rVert, \dots) \quad \text{within the ranges and a trust region}
+
+*Search.* Steps are full Newton steps near a solution. Farther away none takes a joint more than a share of its way to a
+limit, for a joint that rests on its limit leaves less freedom to all others; and the trust region shrinks where the
+error grew. A step that makes things worse is taken nevertheless: from there the next one often finds its way around a
+local minimum. Where the error does not fall any more, the search goes on from the best of a few random configurations.
+
+*Settling.* From the best configuration found, only steps that make it better are taken, until none does. What is
+better is told level by level: an error counts before all those of lower levels, but for differences below the
+tolerance. So the levels below the goal get what they can, and where the goal cannot be met the joints come to rest at
+what is nearest to it, and the last solution explains what stopped them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import hqp
+from hqp import InvalidInput, Solution
+from hqp.checks import truth, whole_number
+
+from ._checks import Array, positive
+from .linearised import Linearised, Visit
+from .part import Part
+from .robots.robot import Robot, as_robot, integrate, neutral
+from .stack import Stack
+
+#: Lengths [m] and angles [rad] up to which a task counts as met.
+TOLERANCE = (1e-4, 1e-3)
+#: The trust region of the first step, and what it keeps of itself where the error grew; it doubles where it fell.
+RADIUS, SHRINK, LEAST_RADIUS = 1.5, 0.3, 0.05
+#: Of the way to its limit, what a joint may go in one step while the error [m, rad] is larger than `NEAR`.
+SHARE, NEAR = 0.3, 0.1
+#: So many steps in a row that do not bring the error below this share of the least one end an attempt.
+PATIENCE, FALL = 4, 0.7
+#: An attempt that has no successor is given so many times the patience.
+LAST = 5
+#: The random configurations of which the best begins the next attempt.
+CANDIDATES = 5
+#: What is left of the iterations for settling while the goal is not reached: one in so many.
+RESERVE = 5
+#: A step [rad], [m] as small as this, and a trust region, is the end of settling.
+REST = 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class IkResult:
+    """What inverse kinematics found.
+
+    Attributes
+    ----------
+    q : array, shape (nq,)
+        The best configuration, inside the ranges of the joints.
+    reached : bool
+        Whether every task of the goal is met within the tolerance.
+    errors : dict of str to dict of str to float
+        Task -> unit -> norm of what is missing there, as in ``{"position": {"m": 2e-9}}``.
+    iterations, restarts : int
+        Hierarchies solved, and how often the search began anew.
+    solution : hqp.Solution
+        Of one more step from q; ``solution.explain()`` says which limit or task stops which.
+    status : str
+        How it ended, in words.
+    """
+
+    q: Array
+    reached: bool
+    errors: dict[str, dict[str, float]]
+    iterations: int
+    restarts: int
+    solution: Solution
+    status: str
+
+    def __str__(self) -> str:
+        errors = (f"{task} {norm:.3g} {unit}".rstrip() for task, own in self.errors.items() for unit, norm in own.items())
+        return f"{self.status}; errors: {', '.join(errors)}"
+
+    def __bool__(self) -> bool:
+        return self.reached
+
+
+def solve_ik(
+    robot: Robot,
+    stack: Stack | Part,
+    q0: ArrayLike | None = None,
+    *,
+    goal: Part | Iterable[Part] | None = None,
+    tolerance: float | tuple[float, float] = TOLERANCE,
+    iterations: int = 300,
+    restarts: bool = True,
+    settle: bool = True,
+    seed: int = 0,
+    backend: str = hqp.DEFAULT_BACKEND,
+) -> IkResult:
+    """A configuration that meets the tasks of a stack in order of priority, inside the ranges of the joints.
+
+    Targets are taken as they are at t = 0. Of the joint limits in the stack the ranges count, whatever their level,
+    together with the robot's own; limits of speeds and accelerations say nothing here, nor do gains.
+
+    Parameters
+    ----------
+    robot : Robot
+    stack : Stack, or a single task
+        What is wanted, in order of priority.
+    q0 : array, shape (nq,), optional
+        Where to start (default: the robot's ``home``, else neutral); moved into the ranges where it is outside.
+    goal : tasks of the stack, optional
+        What must be met (default: all tasks and inequalities but postures; postures where there is nothing else).
+    tolerance : float or pair of float
+        A length [m] and an angle [rad], or one number for both.
+    iterations : int
+        The most hierarchies that are solved, restarts included.
+    restarts : bool
+        Whether the search begins anew from random configurations where it is stuck. A floating base stays where it is
+        at q0.
+    settle : bool
+        Whether to go on until all levels are at rest, or to stop as soon as the goal is reached.
+    seed : int
+        Of the random configurations: the same seed, the same answer.
+    backend : str
+        A name from ``hqp.available_backends()``.
+
+    Returns
+    -------
+    IkResult
+        A goal that cannot be met is no exception: ``reached`` is False, and q is as near as was found.
+
+    Raises
+    ------
+    InvalidInput
+        If the stack does not fit the robot, has no task, or not those of the goal; or q0, a tolerance or the number of
+        iterations means nothing.
+    """
+    stack = stack if isinstance(stack, Stack) else Stack(stack)
+    problem = Linearised(as_robot(robot), stack, goal, _tolerances(tolerance), backend)
+    most = whole_number(iterations, "iterations", least=1)
+    again, on = truth(restarts, "restarts"), truth(settle, "settle")
+    rng = np.random.default_rng(whole_number(seed, "seed"))
+    start = problem.inside(getattr(robot, "home", neutral(robot)) if q0 is None else q0)
+    best, begun = _search(problem, start, most - most // RESERVE, again, rng)
+    best, at_rest = _settle(problem, best, most) if on or not best.reached else (best, False)
+    spent = problem.solves
+    errors = problem.errors(problem.visit(best.q))
+    solution = problem.solve(RADIUS)
+    if not solution.ok:
+        status = f"stopped: {solution.message}"
+    elif best.reached:
+        status = f"reached after {spent} iterations"
+    elif at_rest:
+        status = f"not reached: no step from here makes it better, after {spent} iterations and {begun} restarts"
+    else:
+        status = f"not reached within {most} iterations, {begun} restarts among them"
+    return IkResult(best.q, best.reached, errors, spent, begun, solution, status)
+
+
+def _tolerances(value: float | tuple[float, float]) -> Array:
+    pair = positive(value, "tolerance")
+    if pair.shape not in {(), (2,)}:
+        raise InvalidInput(f"tolerance has shape {pair.shape}; it must be one number, or a length [m] and an angle [rad]")
+    return np.broadcast_to(pair, 2)
+
+
+def _search(
+    problem: Linearised, start: Array, most: int, restarts: bool, rng: np.random.Generator
+) -> tuple[Visit, int]:
+    """The best configuration of all attempts, and how many were begun anew."""
+    here = best = problem.visit(start)
+    radius, least, idle, begun = RADIUS, here.error, 0, 0
+    patience = PATIENCE if restarts else LAST * PATIENCE
+    while not best.reached and problem.solves < most:
+        step = problem.solve(radius, SHARE if here.error > NEAR else 1.0)
+        if not step.ok:
+            break
+        before, here = here, problem.visit(integrate(problem.robot, here.q, step.x))
+        best = min(best, here)
+        radius = min(2.0 * radius, RADIUS) if here.error < before.error else max(SHRINK * radius, LEAST_RADIUS)
+        idle = 0 if here.error < FALL * least else idle + 1
+        least = min(least, here.error) if idle else here.error
+        if idle >= patience:
+            if not restarts:
+                break
+            tries = [problem.visit(problem.random(start, rng)) for _ in range(CANDIDATES)]
+            here = problem.visit(min(tries, key=lambda visit: visit.error).q)
+            best = min(best, here)
+            radius, least, idle, begun = RADIUS, here.error, 0, begun + 1
+    return best, begun
+
+
+def _settle(problem: Linearised, best: Visit, most: int) -> tuple[Visit, bool]:
+    """The best configuration that descent from here leads to, and whether it is at rest there."""
+    radius = RADIUS
+    problem.visit(best.q)
+    while problem.solves < most:
+        step = problem.solve(radius)
+        size = float(np.abs(step.x).max())
+        if not step.ok or size <= REST:
+            return best, step.ok
+        here = problem.visit(integrate(problem.robot, best.q, step.x))
+        if here < best:
+            best, radius = here, min(2.0 * radius, RADIUS)
+            continue
+        radius = SHRINK * min(radius, size)
+        if radius <= REST:
+            return best, True
+        problem.visit(best.q)
+    return best, False

@@ -1,0 +1,187 @@
+"""A stack linearised at one configuration after another: the hierarchy of one step, and how large the errors are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import reduce
+from operator import add
+from typing import Any
+
+import numpy as np
+
+import hqp
+from hqp import InvalidInput, Solution
+
+from ._checks import Array, finite
+from .newton import Room, Step, ranges, steps
+from .part import Part
+from .posture import PostureTask
+from .robots.robot import Robot, integrate, joint_positions
+from .stack import Stack
+
+#: How far to either side a joint is drawn that turns freely [rad], [m].
+HALF_TURN = np.pi
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Visit:
+    """A configuration, judged.
+
+    Attributes
+    ----------
+    q : array, shape (nq,)
+    joints : array, shape (nv,)
+        The position of each joint that has one.
+    squares : array
+        Of the errors, task by task and unit by unit.
+    reached : bool
+        Whether the goal is met within the tolerance.
+    error : float
+        The norm of all errors of the goal [m, rad].
+    rank : tuple
+        Sorts configurations: whether the goal is reached, then the norms of the levels in units of the tolerance, then
+        what is behind the point.
+    """
+
+    q: Array
+    joints: Array
+    squares: Array
+    reached: bool
+    error: float
+    rank: tuple[Any, ...]
+
+    def __lt__(self, other: Visit) -> bool:
+        return self.rank < other.rank
+
+
+class Linearised:
+    """The hierarchy of one step of a robot.
+
+    Parameters
+    ----------
+    robot : Robot
+    stack : Stack
+    goal : tasks of the stack, or None
+        What must be met; None for all but postures.
+    tolerance : array, shape (2,)
+        A length [m] and an angle [rad].
+    backend : str
+
+    Attributes
+    ----------
+    solves : int
+        How many hierarchies were solved so far.
+    """
+
+    def __init__(
+        self, robot: Robot, stack: Stack, goal: Part | Iterable[Part] | None, tolerance: Array, backend: str
+    ) -> None:
+        self.robot, self.solves = robot, 0
+        levels = steps(stack)
+        wanted = _wanted([part for level in levels for part in level if isinstance(part, Step)], goal)
+        self.room = Room(*ranges(robot, stack))
+        self._rows = Stack(self.room, *(reduce(add, level) for level in levels)).build(robot, "velocity", 1.0)
+        self.hierarchy, self._solver = self._rows.hierarchy, hqp.Solver(backend)
+        self._below, self._above = self.hierarchy.lower[robot.nv :], self.hierarchy.upper[robot.nv :]
+        bounds = self._rows.bounds(self.room)
+        assert bounds is not None
+        self._bounds, self._still = bounds, np.zeros(robot.nv)
+        self._measure(levels, wanted, tolerance)
+
+    def _measure(self, levels: list[list[Part]], wanted: list[Step], tolerance: Array) -> None:
+        """Which rows make up the error of a task in one unit, that of the goal and that of a level, and what is small.
+
+        The sums of squares are one product with a matrix: nothing is looped over per step.
+        """
+        rows, first = len(self._below), 0
+        self._names: list[tuple[str, str]] = []
+        groups, most, sums, small = [], [], [], []
+        goal, calls = np.zeros(rows), dict[str, int]()
+        for level in levels:
+            begin, allowed = first, []
+            for part in level:
+                begin_part, first = first, first + part.size(self.robot)
+                if not isinstance(part, Step):
+                    continue
+                calls[part.name] = calls.get(part.name, 0) + 1
+                name = part.name if calls[part.name] == 1 else f"{part.name} {calls[part.name]}"
+                units = [label.unit for label in part.labels(self.robot, "velocity")]
+                for unit in dict.fromkeys(units):
+                    group = np.zeros(rows)
+                    group[begin_part:first] = [own == unit for own in units]
+                    allowed.append(float(tolerance[0 if unit == "m" else 1]))
+                    most.append(allowed[-1] ** 2 if part in wanted else np.inf)
+                    goal += group * (part in wanted)
+                    groups.append(group)
+                    self._names.append((name, unit))
+            total = np.zeros(rows)
+            total[begin:first] = self.hierarchy.weights[self.robot.nv :][begin:first] ** 2
+            sums.append(total)
+            small.append(min(allowed, default=1.0))
+        self._sums = np.array([*groups, goal, *sums])
+        self._most, self._small = np.array(most), np.array(small)
+
+    def inside(self, q: Any) -> Array:
+        """A configuration of this robot, its joints moved into their ranges."""
+        given = finite(q, "q0")
+        if given.shape != (self.robot.nq,):
+            raise InvalidInput(f"q0 has shape {given.shape}; the robot takes ({self.robot.nq},), one number a joint")
+        joints = joint_positions(self.robot.at(given, self._still))
+        step = np.clip(joints, self.room.low, self.room.high) - joints
+        return integrate(self.robot, given, step) if step.any() else given
+
+    def random(self, q: Array, rng: np.random.Generator) -> Array:
+        """Every joint anywhere in its range, but a floating base where it is at q."""
+        joints, base = joint_positions(self.robot.at(q, self._still)), getattr(self.robot, "base", 0)
+        low = np.maximum(self.room.low, np.minimum(self.room.high - 2.0 * HALF_TURN, -HALF_TURN))
+        high = np.minimum(self.room.high, np.maximum(self.room.low + 2.0 * HALF_TURN, HALF_TURN))
+        step = rng.uniform(low, high) - joints
+        step[:base] = 0.0
+        return integrate(self.robot, q, step)
+
+    def visit(self, q: Array) -> Visit:
+        """Linearise at q, and judge it."""
+        state = self.robot.at(q, self._still)
+        self._rows.fill(state, 0.0)
+        self._joints = joint_positions(state)
+        missing = np.maximum(self._below, 0.0) + np.minimum(self._above, 0.0)
+        sums, k = self._sums @ (missing * missing), len(self._most)
+        reached, norms = bool((sums[:k] <= self._most).all()), np.sqrt(sums[k:])
+        levels = norms[1:]
+        rank = (not reached, *np.floor(levels / self._small).tolist(), *levels.tolist())
+        return Visit(q, self._joints, sums[:k], reached, float(norms[0]), rank)
+
+    def solve(self, radius: float, share: float = 1.0) -> Solution:
+        """The step from where the last visit was, within the radius and a share of the way to every limit."""
+        self.room.open(self._joints, radius, share, *self._bounds)
+        self.solves += 1
+        return self._solver.solve(self.hierarchy)
+
+    def errors(self, visit: Visit) -> dict[str, dict[str, float]]:
+        """The norms of the errors there: task -> unit -> norm."""
+        errors: dict[str, dict[str, float]] = {}
+        for (task, unit), square in zip(self._names, visit.squares.tolist(), strict=True):
+            errors.setdefault(task, {})[unit] = square**0.5
+        return errors
+
+
+def _wanted(own: list[Step], goal: Part | Iterable[Part] | None) -> list[Step]:
+    """The steps of the tasks that must be met.
+
+    Raises
+    ------
+    InvalidInput
+        If there is none, or one is not in the stack.
+    """
+    if goal is None:
+        wanted = [step for step in own if not isinstance(step.task, PostureTask)] or own
+    else:
+        parts = [goal] if isinstance(goal, Part) else list(goal)
+        wanted = [step for step in own if any(step.part is part for part in parts)]
+        for part in parts:
+            if not any(step.part is part for step in wanted):
+                raise InvalidInput(f"goal: {part!r} is no task or inequality of the stack; name some of its own")
+    if not wanted:
+        raise InvalidInput("goal: there is nothing to be met; the stack needs a task or an inequality")
+    return wanted

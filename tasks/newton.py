@@ -1,0 +1,157 @@
+r"""A stack as one Newton step of the joints: what a controller asks for per second, asked for at once.
+
+With x the step of the joints itself, a task asks for the whole of its error, and an inequality leaves what there is
+to its bounds,
+
+.. math:: J x = e, \qquad e + below \le J x \le e + above,
+
+whatever the gain of the task and however its target moves. Of the joint limits only the ranges count, above all levels
+and exactly, together with the trust region: how far the linearisation is believed.
+
+.. math:: \max(q_{min} - q, -r) \le x \le \min(q_{max} - q, r)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hqp import InvalidInput, Label, Side
+
+from ._checks import Array, numbers
+from .inequality import Inequality
+from .limits.cartesian import FrameVelocityLimit
+from .limits.joint_limits import JointLimits
+from .limits.limit import JointLimit
+from .limits.position import JointPositionLimit
+from .part import Order, Part, Tick
+from .robots.robot import Robot, joint_names
+from .stack import Stack
+from .task import Task
+
+#: Of a bound, against the trust region that it may be.
+SAME = 1e-12
+#: Parts that speak of speeds, or that :func:`ranges` reads.
+DROPPED = (JointLimit, JointLimits, FrameVelocityLimit)
+
+
+class Step(Part):
+    """A task or an inequality as one step: all of its error at once.
+
+    Parameters
+    ----------
+    part : Task or Inequality
+    """
+
+    def __init__(self, part: Task | Inequality) -> None:
+        self.part, self.name, self.weight, self.rows = part, part.name, part.weight, part.rows
+        self.plain = part.plain  # type: ignore[misc]
+        self.task = part.task if isinstance(part, Inequality) else part
+        self.sides = (part.below, part.above) if isinstance(part, Inequality) else (0.0, 0.0)
+
+    def size(self, robot: Robot) -> int:
+        return self.part.size(robot)
+
+    def variables(self, robot: Robot) -> NDArray[np.intp]:
+        return self.part.variables(robot)
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        return [Label(self.name, row, unit) for row, unit in self.task.row_names(robot)]
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        self.part.check(robot, order, None)  # the gain does not count, and need not suit a tick
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        e = self.task.error(tick.state, tick.t)
+        if A is not None:
+            A[:] = self.task.jacobian(tick.state)
+        lower[:], upper[:] = e + self.sides[0], e + self.sides[1]
+
+
+class Room(Part):
+    """How far every joint may go in one step: to the end of its range, and not beyond the trust region.
+
+    Parameters
+    ----------
+    low, high : array, shape (nv,)
+        The ranges [rad], [m].
+
+    Attributes
+    ----------
+    radius : float
+        Of the trust region [rad], [m].
+    """
+
+    plain: ClassVar[bool] = True
+    rows = None
+
+    def __init__(self, low: Array, high: Array) -> None:
+        self.low, self.high, self.radius = low, high, np.inf
+        self.name, self.weight = "joint limits", numbers(1.0, "weight")
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        return [Label("position limit", joint, "rad", Which(self)) for joint in joint_names(robot)]
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        """Nothing: how far to go is known only when the state has been judged; see :meth:`open`."""
+
+    def open(self, joints: Array, radius: float, share: float, lower: Array, upper: Array) -> None:
+        """Write the bounds at these joint positions: a share of what is left to the limits, within the radius."""
+        self.radius = radius
+        np.minimum(np.maximum(share * (self.low - joints), -radius), 0.0, out=lower)
+        np.maximum(np.minimum(share * (self.high - joints), radius), 0.0, out=upper)
+
+
+@dataclass(frozen=True)
+class Which:
+    """Which limit a bound of the room is."""
+
+    room: Room
+
+    def __call__(self, side: Side, bound: float) -> str:
+        return "trust region" if abs(bound) >= self.room.radius * (1.0 - SAME) else "position limit"
+
+
+def steps(stack: Stack) -> list[list[Part]]:
+    """The levels of a stack without the limits of joints and speeds, every task and inequality as one step.
+
+    Raises
+    ------
+    InvalidInput
+        If nothing but limits is in it.
+    """
+    kept = [[_step(part) for part in level if not isinstance(part, DROPPED)] for level in stack.levels]
+    if not any(kept):
+        raise InvalidInput(f"the stack {stack!r} has limits only; inverse kinematics needs a task")
+    return [level for level in kept if level]
+
+
+def _step(part: Part) -> Part:
+    return Step(part) if isinstance(part, (Task, Inequality)) else part
+
+
+def ranges(robot: Robot, stack: Stack) -> Array:
+    """Lowest and highest position of every joint, shape (2, nv): the robot's own and those of the stack together.
+
+    Raises
+    ------
+    InvalidInput
+        If a joint is left no range.
+    """
+    own = getattr(robot, "position_limit", None)
+    low, high = np.array([[-np.inf], [np.inf]]).repeat(robot.nv, axis=1) if own is None else np.array(own)
+    for part in stack:
+        for limit in part.limits if isinstance(part, JointLimits) else (part,):
+            if isinstance(limit, JointPositionLimit):
+                least, most = limit.range(robot)
+                low, high = np.maximum(low, least), np.minimum(high, most)
+    if (low > high).any():
+        joint = int(np.argmax(low > high))
+        raise InvalidInput(
+            f"position limits of {joint_names(robot)[joint]}: the robot and the stack leave it from {low[joint]:g}"
+            f" to {high[joint]:g}; the lowest must not be above the highest"
+        )
+    return np.array([low, high])
