@@ -11,10 +11,10 @@ limit, for a joint that rests on its limit leaves less freedom to all others; an
 error grew. A step that makes things worse is taken nevertheless: from there the next one often finds its way around a
 local minimum. Where the error does not fall any more, the search goes on from the best of a few random configurations.
 
-*Settling.* From the best configuration found, only steps that make it better are taken, until none does. What is
-better is told level by level: an error counts before all those of lower levels, but for differences below the
-tolerance. So the levels below the goal get what they can, and where the goal cannot be met the joints come to rest at
-what is nearest to it, and the last solution explains what stopped them.
+*Settling.* From the best configuration found, only steps that keep their promise are taken: of the levels which the
+linearised hierarchy promises less of an error, the highest must get a good part of it, and none above it may lose. The
+end is where nothing is promised to any level. So the levels below the goal get what they can, and where the goal cannot
+be met the joints come to rest at what is nearest to it, and the last solution explains what stopped them.
 """
 
 from __future__ import annotations
@@ -49,7 +49,11 @@ LAST = 5
 CANDIDATES = 5
 #: What is left of the iterations for settling while the goal is not reached: one in so many.
 RESERVE = 5
-#: A step [rad], [m] as small as this, and a trust region, is the end of settling.
+#: A level that a step promises less than this share of the tolerance is at rest; the first that is not decides.
+PROMISE = 1e-2
+#: Of what is promised to that level it must get this share; and what a level above it may lose, of its tolerance.
+KEPT, LOSS = 0.1, 0.1
+#: A trust region as small as this is the end of settling [rad], [m].
 REST = 1e-7
 
 
@@ -202,15 +206,18 @@ def _settle(problem: Linearised, best: Visit, most: int) -> tuple[Visit, bool]:
     problem.visit(best.q)
     while problem.solves < most:
         step = problem.solve(radius)
-        size = float(np.abs(step.x).max())
-        if not step.ok or size <= REST:
-            return best, step.ok
+        if not step.ok:
+            return best, False
+        promised = best.levels - [level.residual_norm for level in step.levels[1 : len(best.levels) + 1]]
+        decisive = np.flatnonzero(promised > PROMISE * problem.small)
+        if not decisive.size or radius <= REST:
+            return best, True
         here = problem.visit(integrate(problem.robot, best.q, step.x))
-        if here < best:
+        k, gained = int(decisive[0]), best.levels - here.levels
+        kept = here.reached >= best.reached and bool((gained[:k] >= -LOSS * problem.small[:k]).all())
+        if kept and gained[k] >= KEPT * promised[k]:
             best, radius = here, min(2.0 * radius, RADIUS)
             continue
-        radius = SHRINK * min(radius, size)
-        if radius <= REST:
-            return best, True
+        radius = SHRINK * min(radius, float(np.abs(step.x).max()))
         problem.visit(best.q)
     return best, False

@@ -39,9 +39,11 @@ class Visit:
         Whether the goal is met within the tolerance.
     error : float
         The norm of all errors of the goal [m, rad].
+    levels : array
+        The weighted norm of the errors of each level.
     rank : tuple
-        Sorts configurations: whether the goal is reached, then the norms of the levels in units of the tolerance, then
-        what is behind the point.
+        Sorts configurations, the best first: whether the goal is reached, then the norms of the levels in whole
+        tolerances, then what is left of them.
     """
 
     q: Array
@@ -49,6 +51,7 @@ class Visit:
     squares: Array
     reached: bool
     error: float
+    levels: Array
     rank: tuple[Any, ...]
 
     def __lt__(self, other: Visit) -> bool:
@@ -70,6 +73,8 @@ class Linearised:
 
     Attributes
     ----------
+    small : array
+        For each level, the tolerance [m], [rad] of its most exact task.
     solves : int
         How many hierarchies were solved so far.
     """
@@ -120,7 +125,7 @@ class Linearised:
             sums.append(total)
             small.append(min(allowed, default=1.0))
         self._sums = np.array([*groups, goal, *sums])
-        self._most, self._small = np.array(most), np.array(small)
+        self._most, self.small = np.array(most), np.array(small)
 
     def inside(self, q: Any) -> Array:
         """A configuration of this robot, its joints moved into their ranges."""
@@ -149,8 +154,8 @@ class Linearised:
         sums, k = self._sums @ (missing * missing), len(self._most)
         reached, norms = bool((sums[:k] <= self._most).all()), np.sqrt(sums[k:])
         levels = norms[1:]
-        rank = (not reached, *np.floor(levels / self._small).tolist(), *levels.tolist())
-        return Visit(q, self._joints, sums[:k], reached, float(norms[0]), rank)
+        rank = (not reached, *np.floor(levels / self.small).tolist(), *levels.tolist())
+        return Visit(q, self._joints, sums[:k], reached, float(norms[0]), levels, rank)
 
     def solve(self, radius: float, share: float = 1.0) -> Solution:
         """The step from where the last visit was, within the radius and a share of the way to every limit."""

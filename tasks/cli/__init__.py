@@ -14,6 +14,7 @@ import typer
 
 from . import command
 from .backends import backends
+from .ik import Numbers, ik
 from .solve import solve
 from .thesis import thesis
 from .validate import validate
@@ -30,6 +31,7 @@ app.command()(thesis)
 app.command()(validate)
 app.command()(backends)
 app.command()(solve)
+app.command(cls=Numbers)(ik)
 app.command()(warmup)
 
 

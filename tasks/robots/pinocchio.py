@@ -160,6 +160,21 @@ class PinocchioRobot:
             q[self._places[columns.index(column)]] = position
         return q
 
+    def describe(self, q: Array) -> list[tuple[str, float, float, float]]:
+        """Name, position and range of every joint that has a single position; of one that turns without end, its angle.
+
+        All in [rad] or [m]; the range is infinite where there is none.
+        """
+        told, low, high = [], *np.array([[-np.inf], [np.inf]]).repeat(self.nv, axis=1)
+        if self.position_limit is not None:
+            low, high = self.position_limit
+        for joint in list(self.model.joints)[1:]:
+            if joint.nv == 1:
+                own, column = q[joint.idx_q : joint.idx_q + joint.nq], joint.idx_v
+                position = own[0] if joint.nq == 1 else np.arctan2(own[1], own[0])
+                told.append((self.joint_names[column], float(position), float(low[column]), float(high[column])))
+        return told
+
     def random(self, rng: np.random.Generator) -> Array:
         """A configuration from the whole range of every joint; half a turn to either side where there is none."""
         low, high = np.full(self.nq, -1.0), np.full(self.nq, 1.0)

@@ -1,0 +1,187 @@
+"""``hqp ik``: the joints of a robot for a place of one of its frames, and what stopped them where there are none."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+from typer.core import TyperCommand
+
+from .._terminal import console
+from . import command
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from .._checks import Array
+    from ..inverse_kinematics import IkResult
+    from ..robots.pinocchio import PinocchioRobot
+
+NOT_REACHED = 1
+#: The options that take several numbers, as words of their own or with commas between them.
+SEVERAL = ("--position", "--orientation")
+#: A joint that is as near as this to its limit rests on it [rad], [m].
+RESTS = 1e-6
+
+
+class Numbers(TyperCommand):
+    """A command that takes ``--position 0.5 0 0.4`` for ``--position=0.5,0,0.4``, however many numbers there are."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        return super().parse_args(ctx, joined(args))
+
+
+def joined(words: Sequence[str]) -> list[str]:
+    """The words of a command line, the numbers behind each of these options in one word with it."""
+    found, rest = list[str](), list(words)
+    while rest:
+        word = rest.pop(0)
+        if word in SEVERAL and rest and not rest[0].startswith("--"):
+            numbers = [rest.pop(0)]
+            while rest and _is_number(rest[0]):
+                numbers.append(rest.pop(0))
+            word += f"={','.join(numbers)}"
+        found.append(word)
+    return found
+
+
+def ik(
+    robot: Annotated[str, typer.Argument(help="A name, as panda or ur5, or a .urdf or .xml file.", metavar="ROBOT")],
+    position: Annotated[str, typer.Option("--position", help="Where the frame is to be [m].", metavar="X Y Z")],
+    frame: Annotated[
+        str | None, typer.Option("--frame", help="The frame to bring there (default: the robot's tip).", metavar="NAME")
+    ] = None,
+    orientation: Annotated[
+        str | None,
+        typer.Option(
+            "--orientation",
+            help="Three numbers are roll, pitch and yaw [rad], four a quaternion x y z w (default: free).",
+            metavar="R P Y | X Y Z W",
+        ),
+    ] = None,
+    start: Annotated[
+        Literal["home", "neutral", "random"], typer.Option("--start", help="Where to start, and the posture to keep.")
+    ] = "home",
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of all that is random.")] = 0,
+    iterations: Annotated[int, typer.Option("--iterations", min=1, help="The most, restarts included.")] = 300,
+    tolerance: Annotated[
+        float | None,
+        typer.Option("--tolerance", help="In m and in rad (default: 1e-4 m and 1e-3 rad).", metavar="T"),
+    ] = None,
+    floating: Annotated[
+        bool | None, typer.Option("--floating/--fixed", help="The base (default: as the library knows the robot).")
+    ] = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option("--plot", help="Draw the robot there into this PNG.", parser=command.path, metavar="FILE"),
+    ] = None,
+) -> None:
+    """Bring a frame to a place, the joints inside their ranges: position before orientation before posture.
+
+    Exit code 1 if it cannot be brought there; the nearest is printed, and what stops it.
+    """
+    import numpy as np
+
+    from .._checks import finite, writable
+    from ..inverse_kinematics import TOLERANCE, solve_ik
+    from ..orientation import OrientationTask
+    from ..position import PositionTask
+    from ..posture import PostureTask
+    from ..robots.library import load_robot
+
+    place = finite(_numbers("--position", position, (3,)), "--position")
+    rotation = None if orientation is None else _rotation(orientation)
+    if plot is not None:
+        writable(plot.parent, [plot.name])
+    machine = load_robot(robot, floating_base=floating)
+    begin = machine.neutral if start == "neutral" else machine.home
+    if start == "random":
+        begin = machine.configuration({})
+        base = begin[:7] if machine.base else begin[:0]
+        begin = np.concatenate([machine.home[: len(base)], machine.random(np.random.default_rng(seed))[len(base) :]])
+    stack = PositionTask(place, frame=frame, gain=1.0) >> PostureTask(begin, gain=1.0)
+    if rotation is not None:
+        above, below = stack.levels
+        stack = above[0] >> OrientationTask(rotation, frame=frame, gain=1.0) >> below[0]
+    result = solve_ik(
+        machine,
+        stack,
+        begin,
+        tolerance=TOLERANCE if tolerance is None else tolerance,
+        iterations=iterations,
+        seed=seed,
+    )
+    _show(machine, result)
+    if plot is not None:
+        from ..robots.stick_figure import stick_figure
+
+        stick_figure(plot, machine, result.q, frame=frame, position=place, rotation=rotation)
+        print(f"drawn: {plot}")
+    if not result.reached:
+        raise typer.Exit(NOT_REACHED)
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def _numbers(option: str, text: str, counts: tuple[int, ...]) -> list[float]:
+    """So many numbers, with commas or blanks between them."""
+    from hqp import InvalidInput
+
+    words = text.replace(",", " ").split()
+    wrong = next((word for word in words if not _is_number(word)), None)
+    if wrong is not None or len(words) not in counts:
+        said = f"{wrong!r} is no number" if wrong is not None else f"{len(words)} numbers"
+        allowed = " or ".join(map(str, counts))
+        raise InvalidInput(f"{option} {text}: {said}; give {allowed} numbers, as in {option} 0.5 0 0.4")
+    return [float(word) for word in words]
+
+
+def _rotation(text: str) -> Array:
+    from .._checks import finite
+    from ..rotations import from_quaternion, from_rpy
+
+    numbers = finite(_numbers("--orientation", text, (3, 4)), "--orientation").tolist()
+    return from_rpy(*numbers) if len(numbers) == 3 else from_quaternion(*numbers)
+
+
+def _show(robot: PinocchioRobot, result: IkResult) -> None:
+    """The joints, the errors, what stopped which task, and whether the place was reached."""
+    out = console(100)
+    out.print(_joints(robot, result.q))
+    for task, errors in result.errors.items():
+        out.print(f"{task}: {', '.join(_error(norm, unit) for unit, norm in errors.items())} away", soft_wrap=True)
+    out.print(f"\n{result.solution.explain()}\n", markup=False, soft_wrap=True)
+    print(f"q = {result.q.tolist()}")  # every digit: it is to be used elsewhere
+    out.print(result.status, style="green" if result.reached else "bold red", soft_wrap=True)
+
+
+def _joints(robot: PinocchioRobot, q: Array) -> Table:
+    """A line a joint: its position, its range, and whether it rests at an end of it."""
+    from rich.box import SIMPLE_HEAD
+    from rich.markup import escape
+    from rich.table import Table
+
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    table.add_column("joint")
+    for title in "position", "lower", "upper":
+        table.add_column(title, justify="right", no_wrap=True)
+    table.add_column("")
+    for name, position, low, high in robot.describe(q):
+        at = "at its lower limit" if position - low <= RESTS else "at its upper limit" if high - position <= RESTS else ""
+        table.add_row(escape(name), *(f"{value:.4f}" for value in (position, low, high)), at, style="red" if at else "")
+    return table
+
+
+def _error(norm: float, unit: str) -> str:
+    """In units that are read at a glance."""
+    from math import degrees
+
+    return f"{1e3 * norm:.4g} mm" if unit == "m" else f"{degrees(norm):.4g} deg" if unit == "rad" else f"{norm:.4g}"

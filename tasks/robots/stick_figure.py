@@ -1,0 +1,113 @@
+"""A robot as a stick figure in space: joints at their origins, each tied to the one that carries it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+
+from .._checks import Array
+from .pinocchio import PinocchioRobot
+
+if TYPE_CHECKING:
+    from mpl_toolkits.mplot3d.axes3d import Axes3D
+
+LINK, JOINT, SHADOW, TARGET = "#33475b", "#e8743b", "#c9d1d9", "#7a3fb0"
+AXES = ("#d62728", "#2ca02c", "#1f77b4")
+#: Of the axes of a frame, against the size of the picture; and the room left around the robot.
+TRIAD, MARGIN = 0.12, 0.08
+#: How far apart two joints must be to be worth a line [m].
+POINT = 1e-6
+
+
+def stick_figure(
+    path: Path,
+    robot: PinocchioRobot,
+    q: Array,
+    *,
+    frame: str | None = None,
+    position: Array | None = None,
+    rotation: Array | None = None,
+) -> None:
+    """Draw a robot, one of its frames and where that is to be, into a picture.
+
+    Parameters
+    ----------
+    path : Path
+        The picture, a PNG.
+    robot : PinocchioRobot
+    q : array, shape (nq,)
+    frame : str, optional
+        The frame whose axes are drawn (default: the tip).
+    position : array, shape (3,), optional
+        The target [m].
+    rotation : array, shape (3, 3), optional
+        Its axes.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    lines, joints = _skeleton(robot, q)
+    own = robot.at(q, np.zeros(robot.nv)).frame(frame)
+    carrier = joints[robot.model.frames[robot.frame_index(frame)].parentJoint]
+    lines.append(np.array([carrier, own.position]))
+    points = np.concatenate([*lines, joints, np.zeros((1, 3)), *([] if position is None else [position[None]])])
+    low, high = points.min(axis=0), points.max(axis=0)
+    low[2] = min(low[2], 0.0)
+    size = float((high - low).max())
+
+    figure = Figure(figsize=(7.0, 7.0), dpi=130)
+    FigureCanvasAgg(figure)
+    axes: Axes3D = figure.add_subplot(projection="3d")
+    for line in lines:
+        axes.plot(line[:, 0], line[:, 1], np.full(2, low[2]), color=SHADOW, linewidth=3.0, zorder=1)
+    for line in lines:
+        axes.plot(*line.T, color=LINK, linewidth=4.0, solid_capstyle="round")
+    axes.scatter(*joints[1:].T, color=JOINT, s=36.0, depthshade=False, edgecolors="white", linewidths=0.8, zorder=5)
+    _triad(axes, own.position, own.rotation, TRIAD * size)
+    if position is not None:
+        axes.scatter(*position, color=TARGET, s=90.0, marker="x", linewidths=2.0, depthshade=False, label="target")
+        if rotation is not None:
+            _triad(axes, position, rotation, 1.6 * TRIAD * size, linestyle=":")
+        off = float(np.linalg.norm(position - own.position))
+        if off > 0.01 * size:
+            axes.plot(*np.array([own.position, position]).T, color=TARGET, linewidth=1.2, linestyle="--")
+        axes.legend(loc="upper right", frameon=False)
+    _frame_view(axes, low, high, size)
+    name = robot.tip if frame is None else frame
+    axes.set_title(f"{robot.name}: {name}", fontsize=11)
+    figure.savefig(path, format="png", bbox_inches="tight")
+
+
+def _skeleton(robot: PinocchioRobot, q: Array) -> tuple[list[Array], Array]:
+    """A line from every joint to the one that carries it, shapes (2, 3), and the origins of the joints."""
+    model, data = robot.model, robot.model.createData()
+    pin.forwardKinematics(model, data, q)
+    joints = np.array([place.translation for place in data.oMi])
+    pairs = [(int(model.parents[joint]), joint) for joint in range(1, model.njoints)]
+    free = robot.base > 0  # a floating base is not tied to the origin of the world
+    ends = [joints[[parent, joint]] for parent, joint in pairs if parent or not free]
+    return [line for line in ends if np.linalg.norm(line[1] - line[0]) > POINT], joints
+
+
+def _triad(axes: Axes3D, origin: Array, rotation: Array, length: float, linestyle: str = "-") -> None:
+    for axis, color in zip(rotation.T, AXES, strict=True):
+        end = origin + length * axis
+        axes.plot(*np.array([origin, end]).T, color=color, linewidth=2.0, linestyle=linestyle, zorder=6)
+
+
+def _frame_view(axes: Axes3D, low: Array, high: Array, size: float) -> None:
+    """A cube around the robot, the same scale along all axes, with a floor."""
+    centre = 0.5 * (low + high)
+    half = (0.5 + MARGIN) * size
+    axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
+    axes.set_xlim(centre[0] - half, centre[0] + half)
+    axes.set_ylim(centre[1] - half, centre[1] + half)
+    axes.set_zlim(low[2], low[2] + 2.0 * half)
+    axes.set_box_aspect((1.0, 1.0, 1.0))
+    axes.view_init(elev=20.0, azim=-55.0)
+    for axis in axes.xaxis, axes.yaxis, axes.zaxis:
+        axis.set_pane_color((0.97, 0.98, 0.99, 1.0))
+    axes.grid(alpha=0.3)
