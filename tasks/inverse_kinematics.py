@@ -31,6 +31,7 @@ from hqp.checks import truth, whole_number
 
 from ._checks import Array, positive
 from .linearised import Linearised, Visit
+from .newton import TRUST_REGION
 from .part import Part
 from .robots.robot import Robot, as_robot, integrate, neutral
 from .stack import Stack
@@ -53,6 +54,8 @@ RESERVE = 5
 PROMISE = 1e-2
 #: Of what is promised to that level it must get this share; and what a level above it may lose, of its tolerance.
 KEPT, LOSS = 0.1, 0.1
+#: Below this share of the pull of a level, what pushes back is not what stops it; and how many causes are named.
+FAINT, MOST_NAMED = 0.01, 3
 #: A trust region as small as this is the end of settling [rad], [m].
 REST = 1e-7
 
@@ -157,13 +160,14 @@ def solve_ik(
     errors = problem.errors(problem.visit(best.q))
     solution = problem.solve(RADIUS)
     if not solution.ok:
-        status = f"stopped: {solution.message}"
+        status = f"stopped, {solution.status}: {solution.message}"
     elif best.reached:
         status = f"reached after {spent} iterations"
     elif at_rest:
-        status = f"not reached: no step from here makes it better, after {spent} iterations and {begun} restarts"
+        why = _why(solution, problem.unmet(best))
+        status = f"not reached after {spent} iterations, {begun} restarts among them: {why}"
     else:
-        status = f"not reached within {most} iterations, {begun} restarts among them"
+        status = f"not reached within {most} iterations, {begun} restarts among them; the joints are not at rest"
     return IkResult(best.q, best.reached, errors, spent, begun, solution, status)
 
 
@@ -221,3 +225,19 @@ def _settle(problem: Linearised, best: Visit, most: int) -> tuple[Visit, bool]:
         radius = SHRINK * min(radius, float(np.abs(step.x).max()))
         problem.visit(best.q)
     return best, False
+
+
+def _why(solution: Solution, k: int) -> str:
+    """What stops level k where the joints are at rest.
+
+    Where a limit or a task does, it pushes back about as hard as the level pulls. Where nothing does, the pull itself
+    has vanished, as with an arm that is stretched out.
+    """
+    told, level = solution.explain().levels[k], solution.hierarchy.levels[k]
+    rows = solution.hierarchy.matrix(k)
+    missing = np.maximum(level.lower, 0.0) + np.minimum(level.upper, 0.0)
+    pull = float(np.linalg.norm(rows, 2) * np.linalg.norm(level.weights**2 * missing))
+    causes = [cause for cause in told.causes if cause.part != TRUST_REGION]
+    if sum(cause.strength for cause in causes) > FAINT * pull:
+        return f"{told.name} is held back by {', then '.join(map(str, causes[:MOST_NAMED]))}"
+    return f"{told.name} is out of reach, no motion of the joints brings it nearer"

@@ -101,9 +101,9 @@ class Linearised:
         """
         rows, first = len(self._below), 0
         self._names: list[tuple[str, str]] = []
-        groups, most, sums, small = [], [], [], []
+        groups, most, sums, small, self._levels = [], [], [], [], list[int]()
         goal, calls = np.zeros(rows), dict[str, int]()
-        for level in levels:
+        for k, level in enumerate(levels):
             begin, allowed = first, []
             for part in level:
                 begin_part, first = first, first + part.size(self.robot)
@@ -120,6 +120,7 @@ class Linearised:
                     goal += group * (part in wanted)
                     groups.append(group)
                     self._names.append((name, unit))
+                    self._levels.append(k + 1)  # below the room
             total = np.zeros(rows)
             total[begin:first] = self.hierarchy.weights[self.robot.nv :][begin:first] ** 2
             sums.append(total)
@@ -162,6 +163,10 @@ class Linearised:
         self.room.open(self._joints, radius, share, *self._bounds)
         self.solves += 1
         return self._solver.solve(self.hierarchy)
+
+    def unmet(self, visit: Visit) -> int:
+        """The highest level of the hierarchy with a task of the goal that is not met there."""
+        return self._levels[int(np.argmax(visit.squares > self._most))]
 
     def errors(self, visit: Visit) -> dict[str, dict[str, float]]:
         """The norms of the errors there: task -> unit -> norm."""

@@ -34,6 +34,8 @@ from .task import Task
 
 #: Of a bound, against the trust region that it may be.
 SAME = 1e-12
+#: What a bound is called that is no limit of the joint.
+TRUST_REGION = "trust region"
 #: Parts that speak of speeds, or that :func:`ranges` reads.
 DROPPED = (JointLimit, JointLimits, FrameVelocityLimit)
 
@@ -112,7 +114,7 @@ class Which:
     room: Room
 
     def __call__(self, side: Side, bound: float) -> str:
-        return "trust region" if abs(bound) >= self.room.radius * (1.0 - SAME) else "position limit"
+        return TRUST_REGION if abs(bound) >= self.room.radius * (1.0 - SAME) else "position limit"
 
 
 def steps(stack: Stack) -> list[list[Part]]:
