@@ -1,4 +1,4 @@
-"""``python -m benchmarks backends``, ``solve``, ``batch`` and ``tick``: one small file each, beside this one."""
+"""``python -m benchmarks backends``, ``solve``, ``batch``, ``tick`` and ``ik``: one small file each, beside this one."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from tasks.cli.command import run
 
 from .backends import backends
 from .batch import batch
+from .ik import ik
 from .solve import solve
 from .tick import tick
 
@@ -23,6 +24,7 @@ app.command()(backends)
 app.command()(solve)
 app.command()(batch)
 app.command()(tick)
+app.command()(ik)
 
 
 @app.callback(invoke_without_command=True)
