@@ -39,17 +39,17 @@ from .stack import Stack
 #: Lengths [m] and angles [rad] up to which a task counts as met.
 TOLERANCE = (1e-4, 1e-3)
 #: The trust region of the first step, and what it keeps of itself where the error grew; it doubles where it fell.
-RADIUS, SHRINK, LEAST_RADIUS = 1.5, 0.3, 0.05
+RADIUS, SHRINK, LEAST_RADIUS = 2.0, 0.5, 0.2
 #: Of the way to its limit, what a joint may go in one step while the error [m, rad] is larger than `NEAR`.
 SHARE, NEAR = 0.3, 0.1
 #: So many steps in a row that do not bring the error below this share of the least one end an attempt.
-PATIENCE, FALL = 4, 0.7
+PATIENCE, FALL = 6, 0.8
 #: An attempt that has no successor is given so many times the patience.
-LAST = 5
+LAST = 4
 #: The random configurations of which the best begins the next attempt.
-CANDIDATES = 5
+CANDIDATES = 20
 #: What is left of the iterations for settling while the goal is not reached: one in so many.
-RESERVE = 5
+RESERVE = 10
 #: A level that a step promises less than this share of the tolerance is at rest; the first that is not decides.
 PROMISE = 1e-2
 #: Of what is promised to that level it must get this share; and what a level above it may lose, of its tolerance.
