@@ -1,11 +1,11 @@
 """What solves for a pose in ``python -m benchmarks ik``: ours, and the step of a peer, repeated.
 
-Pink and Mink solve one weighted QP a step and leave the loop to their users, as in their examples: a FrameTask of cost 1
-[m] and 1 [rad], their limits of the configuration, DAQP below, and ``q`` integrated by the velocity. A step is a full one
-here, gain 1 and dt 1, which needs the fewest. What they leave open is set to what solved most here: `lm_damping` 1e-3
-(tried: 0 to 1), limits neared by half of what is left (tried: 0.3, 0.5, 0.95, 1), and no PostureTask beside the pose,
-since any weight of one keeps the pose from its tolerance; each has a second row with the 1e-3 of their examples.
-Objects that serve all targets are made before the clock runs.
+Pink and Mink solve one weighted QP a step and leave the loop to their users. Here it is that of their examples: a
+FrameTask of cost 1 [m] and 1 [rad], the limit of the configuration, DAQP below, and q integrated by the velocity. What
+they leave open is set to what solved most of some hundred poses: full steps (gain 1, dt 1), `lm_damping` 1e-3 (tried: 0
+to 1), limits neared by half of what is left (tried: 0.3, 0.5, 0.95, 1), and no PostureTask beside the pose, which pulls
+it out of its tolerance; a second row has the posture of their examples, of cost 1e-3. What serves all targets is made
+before the clock runs.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Target:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a method made of a target: whether it was reached, in how many steps, and the largest excess over a limit."""
+    """What a method made of a target: whether it was reached, in how many steps, the largest excess over a limit."""
 
     reached: bool
     steps: int
@@ -243,7 +243,8 @@ def missing(method: type[Method]) -> str:
     """Why a method cannot be measured here; empty if it can."""
     needed = [method.package, *(["mujoco"] if method.package == "mink" else [])]
     gone = [name for name in [*needed, "daqp"] if find_spec(name) is None] if issubclass(method, Peer) else []
-    return f"{method.name}: left out, {', '.join(gone)} is not installed: pip install 'hqp[peers,solvers]'" if gone else ""
+    why = f"{method.name}: left out, {', '.join(gone)} is not installed: pip install 'hqp[peers,solvers]'"
+    return why if gone else ""
 
 
 def beyond(robot: PinocchioRobot, q: Array) -> float:
@@ -260,6 +261,7 @@ def mujoco_model(robot: PinocchioRobot) -> Any:
     for joint in re.findall(r'<joint name="([^"]+)" type="(?:revolute|prismatic)"', text):
         if joint not in robot.joint_names:
             text = re.sub(rf'(<joint name="{re.escape(joint)}" type=)"\w+"', r'\1"fixed"', text)
-    options = 'fusestatic="false" balanceinertia="true" boundmass="1e-6" boundinertia="1e-9"'  # so that frames stay bodies
+    # Frames stay bodies of their own, and what has no mass is no error.
+    options = 'fusestatic="false" balanceinertia="true" boundmass="1e-6" boundinertia="1e-9"'
     text = text.replace("</robot>", f"<mujoco><compiler {options}/></mujoco></robot>")
     return import_module("mujoco").MjModel.from_xml_string(text)

@@ -49,7 +49,7 @@ LAST = 4
 #: The random configurations of which the best begins the next attempt.
 CANDIDATES = 20
 #: What is left of the iterations for settling while the goal is not reached: one in so many.
-RESERVE = 10
+RESERVE = 5
 #: A level that a step promises less than this share of the tolerance is at rest; the first that is not decides.
 PROMISE = 1e-2
 #: Of what is promised to that level it must get this share; and what a level above it may lose, of its tolerance.
@@ -89,8 +89,9 @@ class IkResult:
     status: str
 
     def __str__(self) -> str:
-        errors = (f"{task} {norm:.3g} {unit}".rstrip() for task, own in self.errors.items() for unit, norm in own.items())
-        return f"{self.status}; errors: {', '.join(errors)}"
+        errors = [(task, norm, unit) for task, own in self.errors.items() for unit, norm in own.items()]
+        told = ", ".join(f"{task} {norm:.3g} {unit}".rstrip() for task, norm, unit in errors)
+        return f"{self.status}; errors: {told}"
 
     def __bool__(self) -> bool:
         return self.reached
@@ -174,7 +175,7 @@ def solve_ik(
 def _tolerances(value: float | tuple[float, float]) -> Array:
     pair = positive(value, "tolerance")
     if pair.shape not in {(), (2,)}:
-        raise InvalidInput(f"tolerance has shape {pair.shape}; it must be one number, or a length [m] and an angle [rad]")
+        raise InvalidInput(f"tolerance has shape {pair.shape}; it must be a number, or a length and an angle")
     return np.broadcast_to(pair, 2)
 
 

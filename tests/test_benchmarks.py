@@ -332,6 +332,53 @@ def test_peers_are_asked_for_the_same_motion(peer: str) -> None:
         assert (np.linalg.norm(other.v - ours.v, axis=1)[1:] < 0.02 * np.linalg.norm(ours.v, axis=1)[1:]).all()
 
 
+def test_poses_are_solved_by_ours_and_by_what_is_here(tmp_path: Path) -> None:
+    pytest.importorskip("pinocchio")
+    from benchmarks.ik_methods import METHODS, missing
+
+    out = tmp_path / "ik.csv"
+    done = run("ik", "-n", "3", "-r", "ur5", "-b", "300", "-o", str(out))
+    assert done.returncode == 0, done.stderr
+    rows = list(csv.DictReader(out.read_text().splitlines()))
+    here = [kind.name for kind in METHODS if not missing(kind)]
+    assert [(row["method"], row["restarts"]) for row in rows] == [(m, r) for m in here for r in ("on", "off")]
+    for kind in METHODS:
+        assert not missing(kind) or missing(kind) in " ".join(done.stdout.split())
+    for row in rows:
+        assert (row["family"], row["budget"]) == ("ur5", "300")
+        assert float(row["median ms"]) > 0
+        assert not row["method"].startswith("native") or row["outside"] == "0"
+    assert rows[0]["solved"] == "100.0%"
+
+
+def test_peers_that_are_not_here_are_left_out_aloud(monkeypatch: pytest.MonkeyPatch) -> None:
+    from benchmarks import ik_methods
+
+    monkeypatch.setattr(ik_methods, "find_spec", lambda name: None)
+    assert [kind.name for kind in ik_methods.METHODS if not ik_methods.missing(kind)] == ["native", "native, posture"]
+    assert ik_methods.missing(ik_methods.Mink).startswith("mink: left out, mink, mujoco, daqp is not installed")
+
+
+@pytest.mark.parametrize("peer", ["Pink", "Mink"])
+def test_a_peer_stands_where_ours_stands(peer: str) -> None:
+    pytest.importorskip("pinocchio")
+    from benchmarks import ik, ik_methods
+    from tasks import load_robot
+
+    kind = getattr(ik_methods, peer)
+    if why := ik_methods.missing(kind):
+        pytest.skip(why)
+    for name, held in ik.MACHINES.items():
+        robot = load_robot(name, lock=held)
+        method, target = kind(robot, True), ik.poses(robot, 1, 0)[0]
+        q = robot.random(np.random.default_rng(0))
+        method.move(q)
+        tip = robot.at(q, np.zeros(robot.nv)).frame()
+        for mine, other in zip(method.place(), (tip.position, tip.rotation), strict=True):
+            np.testing.assert_allclose(mine, other, atol=1e-9)
+        assert method.solve(target, 300).reached
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -345,3 +392,14 @@ def test_peers_are_asked_for_the_same_motion(peer: str) -> None:
 )
 def test_wrong_input_of_a_tick_is_one_line(arguments: tuple[str, ...], said: str) -> None:
     refused(run("tick", "--ticks", "1", "--rounds", "1", *arguments), said)
+
+
+        (("-r", "nonsense"), "unknown robot 'nonsense'; there are panda, ur5"),
+        (("-b", "0"), "'--budget'"),
+        (("-n", "0"), "'--count'"),
+        (("--out", "."), "cannot write '.': Is a directory"),
+    ],
+)
+def test_wrong_input_of_the_poses_is_one_line(arguments: tuple[str, ...], said: str) -> None:
+    pytest.importorskip("pinocchio")
+    refused(run("ik", *arguments), said)

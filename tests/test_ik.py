@@ -167,7 +167,7 @@ def test_both_hands_of_a_floating_base() -> None:
     robot = load_robot("talos")
     feet, hands = ("left_sole_link", "right_sole_link"), ("gripper_left_joint", "gripper_right_joint")
     soles = [tip(robot, robot.home, name) for name in feet]
-    targets = [tip(robot, robot.home, name).position + [0.2, 0.0, 0.15] for name in hands]
+    targets = [tip(robot, robot.home, name).position + np.array([0.2, 0.0, 0.15]) for name in hands]
     left, right = (
         PoseTask(sole.position, sole.rotation, frame=name, gain=1.0, name=name)
         for name, sole in zip(feet, soles, strict=True)
@@ -221,7 +221,10 @@ def test_inequalities_and_parts_without_a_target_take_part() -> None:
         ({"q0": [0.0, np.nan, 0.0]}, r"q0\[1\] = nan must be finite"),
         ({"iterations": 0}, "iterations = 0 must be an integer of at least 1"),
         ({"tolerance": 0.0}, "tolerance = 0.0 must be positive"),
-        ({"tolerance": (1e-4, 1e-3, 1.0)}, r"tolerance has shape \(3,\); it must be one number, or a length"),
+        (
+            {"tolerance": (1e-4, 1e-3, 1.0)},
+            r"tolerance has shape \(3,\); it must be a number, or a length and an angle",
+        ),
         ({"seed": -1}, "seed = -1 must be an integer of at least 0"),
         ({"restarts": 1}, "restarts = 1 must be True or False"),
         ({"goal": PositionTask([0.0, 0.0], gain=1.0)}, "is no task or inequality of the stack"),

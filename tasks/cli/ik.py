@@ -175,7 +175,8 @@ def _joints(robot: PinocchioRobot, q: Array) -> Table:
         table.add_column(title, justify="right", no_wrap=True)
     table.add_column("")
     for name, position, low, high in robot.describe(q):
-        at = "at its lower limit" if position - low <= RESTS else "at its upper limit" if high - position <= RESTS else ""
+        ends = [side for side, room in (("lower", position - low), ("upper", high - position)) if room <= RESTS]
+        at = f"at its {ends[0]} limit" if ends else ""
         table.add_row(escape(name), *(f"{value:.4f}" for value in (position, low, high)), at, style="red" if at else "")
     return table
 

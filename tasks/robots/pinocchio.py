@@ -306,7 +306,7 @@ class PinocchioState:
         pin.centerOfMass(model, data, self.q, self.v, np.zeros(model.nv))
         drift = np.array(data.acom[0])
         self.robot.compute_center_of_mass(self.q)
-        position, linear = np.array(data.com[0]), np.array(data.Jcom)
+        position, linear = np.array(data.com[0]), np.array(data.Jcom).reshape(3, -1)
         return FixedFrame(position, np.eye(3), linear, np.zeros_like(linear), drift, np.zeros(3))
 
     def ready(self) -> pin.Data:
@@ -334,7 +334,8 @@ class PinocchioFrame:
         model, data = state.robot.model, state.ready()
         place = pin.updateFramePlacement(model, data, index)
         self.position, self.rotation = np.array(place.translation), np.array(place.rotation)
-        self._jacobian = np.asarray(pin.getFrameJacobian(model, data, index, pin.LOCAL_WORLD_ALIGNED))
+        jacobian = pin.getFrameJacobian(model, data, index, pin.LOCAL_WORLD_ALIGNED)
+        self._jacobian = np.asarray(jacobian).reshape(6, -1)  # Pinocchio gives a vector where nv is 1
 
     @property
     def linear(self) -> Array:
