@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from hqp.arrays import Array
-from tasks import OrientationTask, PositionTask, PostureTask, solve_ik
+from tasks import OrientationTask, PoseTask, PositionTask, PostureTask, Stack, solve_ik
 from tasks.inverse_kinematics import CANDIDATES, FALL, PATIENCE
 from tasks.robots.library import ROBOTS, data_folder
 from tasks.robots.pinocchio import PinocchioRobot
@@ -72,18 +72,18 @@ class Method(ABC):
 
 
 class Native(Method):
-    """``solve_ik``, everything it does included; position above orientation, strictly."""
+    """``solve_ik``, the making of the tasks and of the hierarchy included; position and orientation on one level."""
 
     name = "native"
-    posture = False
+
+    def stack(self, target: Target) -> Stack:
+        """What is wanted, in order of priority."""
+        return Stack(PoseTask(target.position, target.rotation, gain=1.0))
 
     def solve(self, target: Target, budget: int) -> Outcome:
-        stack = PositionTask(target.position, gain=1.0) >> OrientationTask(target.rotation, gain=1.0)
-        if self.posture:
-            stack = stack >> PostureTask(self.robot.home, gain=1.0)
         found = solve_ik(
             self.robot,
-            stack,
+            self.stack(target),
             tolerance=TOLERANCE,
             iterations=budget,
             restarts=self.restarts,
@@ -93,10 +93,22 @@ class Native(Method):
         return Outcome(found.reached, found.iterations, beyond(self.robot, found.q))
 
 
-class NativePosture(Native):
+class NativeStrict(Native):
+    """Position above orientation."""
+
+    name = "native, strict"
+
+    def stack(self, target: Target) -> Stack:
+        return PositionTask(target.position, gain=1.0) >> OrientationTask(target.rotation, gain=1.0)
+
+
+class NativePosture(NativeStrict):
     """The same, with a posture as the third level."""
 
-    name, posture = "native, posture", True
+    name = "native, posture"
+
+    def stack(self, target: Target) -> Stack:
+        return super().stack(target) >> PostureTask(self.robot.home, gain=1.0)
 
 
 class Peer(Method):
@@ -236,7 +248,7 @@ class MinkPosture(Mink):
     name, cost = "mink, posture", POSTURE
 
 
-METHODS: tuple[type[Method], ...] = (Native, NativePosture, Pink, PinkPosture, Mink, MinkPosture)
+METHODS: tuple[type[Method], ...] = (Native, NativeStrict, NativePosture, Pink, PinkPosture, Mink, MinkPosture)
 
 
 def missing(method: type[Method]) -> str:

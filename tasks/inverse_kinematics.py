@@ -48,7 +48,7 @@ PATIENCE, FALL = 6, 0.8
 LAST = 4
 #: The random configurations of which the best begins the next attempt.
 CANDIDATES = 20
-#: What is left of the iterations for settling while the goal is not reached: one in so many.
+#: What is kept for settling while the goal is not reached: one iteration in so many.
 RESERVE = 5
 #: A level that a step promises less than this share of the tolerance is at rest; the first that is not decides.
 PROMISE = 1e-2
@@ -132,7 +132,8 @@ def solve_ik(
         Whether the search begins anew from random configurations where it is stuck. A floating base stays where it is
         at q0.
     settle : bool
-        Whether to go on until all levels are at rest, or to stop as soon as the goal is reached.
+        Whether to go on until all levels are at rest, or to stop as soon as the goal is reached. Without, nothing is
+        kept back of the iterations, and where the goal is not reached q is only the best seen.
     seed : int
         Of the random configurations: the same seed, the same answer.
     backend : str
@@ -155,8 +156,8 @@ def solve_ik(
     again, on = truth(restarts, "restarts"), truth(settle, "settle")
     rng = np.random.default_rng(whole_number(seed, "seed"))
     start = problem.inside(getattr(robot, "home", neutral(robot)) if q0 is None else q0)
-    best, begun = _search(problem, start, most - most // RESERVE, again, rng)
-    best, at_rest = _settle(problem, best, most) if on or not best.reached else (best, False)
+    best, begun = _search(problem, start, most - most // RESERVE if on else most, again, rng)
+    best, at_rest = _settle(problem, best, most) if on else (best, False)
     spent = problem.solves
     errors = problem.errors(problem.visit(best.q))
     solution = problem.solve(RADIUS)
@@ -168,7 +169,7 @@ def solve_ik(
         why = _why(solution, problem.unmet(best))
         status = f"not reached after {spent} iterations, {begun} restarts among them: {why}"
     else:
-        status = f"not reached within {most} iterations, {begun} restarts among them; the joints are not at rest"
+        status = f"not reached within {most} iterations, {begun} restarts among them"
     return IkResult(best.q, best.reached, errors, spent, begun, solution, status)
 
 
@@ -213,7 +214,7 @@ def _settle(problem: Linearised, best: Visit, most: int) -> tuple[Visit, bool]:
         step = problem.solve(radius)
         if not step.ok:
             return best, False
-        promised = best.levels - [level.residual_norm for level in step.levels[1 : len(best.levels) + 1]]
+        promised = best.levels - problem.left(step.x)
         decisive = np.flatnonzero(promised > PROMISE * problem.small)
         if not decisive.size or radius <= REST:
             return best, True

@@ -164,6 +164,12 @@ class Linearised:
         self.solves += 1
         return self._solver.solve(self.hierarchy)
 
+    def left(self, step: Array) -> Array:
+        """The weighted norm of the errors of each level that the linearised rows leave after a step."""
+        moved = self.hierarchy.dense()[self.robot.nv :] @ step
+        missing = np.maximum(self._below - moved, 0.0) + np.minimum(self._above - moved, 0.0)
+        return np.asarray(np.sqrt(self._sums[len(self._most) + 1 :] @ (missing * missing)))
+
     def unmet(self, visit: Visit) -> int:
         """The highest level of the hierarchy with a task of the goal that is not met there."""
         return self._levels[int(np.argmax(visit.squares > self._most))]

@@ -355,7 +355,11 @@ def test_peers_that_are_not_here_are_left_out_aloud(monkeypatch: pytest.MonkeyPa
     from benchmarks import ik_methods
 
     monkeypatch.setattr(ik_methods, "find_spec", lambda name: None)
-    assert [kind.name for kind in ik_methods.METHODS if not ik_methods.missing(kind)] == ["native", "native, posture"]
+    assert [kind.name for kind in ik_methods.METHODS if not ik_methods.missing(kind)] == [
+        "native",
+        "native, strict",
+        "native, posture",
+    ]
     assert ik_methods.missing(ik_methods.Mink).startswith("mink: left out, mink, mujoco, daqp is not installed")
 
 
