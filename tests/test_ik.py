@@ -23,6 +23,7 @@ from tasks import (
     PositionTask,
     PostureTask,
     Robot,
+    Task,
     load_robot,
     solve_ik,
 )
@@ -263,3 +264,19 @@ def test_a_rotation_of_half_a_turn_is_found() -> None:
     robot = arm("ur5")
     R = from_rpy(np.pi, 0.0, 0.0) @ tip(robot, robot.home).rotation
     assert solve_ik(robot, OrientationTask(R, gain=1.0)).reached
+
+
+def test_numbers_that_mean_nothing_are_a_status() -> None:
+    class Broken(Task):
+        rows = 1
+
+        def error(self, state: Any, t: float) -> np.ndarray:
+            return np.array([1.0 if not state.q.any() else np.nan])
+
+        def jacobian(self, state: Any) -> np.ndarray:
+            return np.ones((1, 2))
+
+    result = solve_ik(PlanarArm([1.0, 1.0]), Broken(gain=1.0))
+    assert not result.reached
+    assert np.isfinite(result.q).all()
+    assert solve_ik(PlanarArm([1.0, 1.0]), Broken(gain=1.0), q0=[1.0, 1.0]).status.startswith("stopped, invalid: ")
