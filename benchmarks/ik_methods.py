@@ -5,7 +5,7 @@ FrameTask of cost 1 [m] and 1 [rad], the limit of the configuration, DAQP below,
 they leave open is set to what solved most of some hundred poses: full steps (gain 1, dt 1), `lm_damping` 1e-3 (tried: 0
 to 1), limits neared by half of what is left (tried: 0.3, 0.5, 0.95, 1), and no PostureTask beside the pose, which pulls
 it out of its tolerance; a second row has the posture of their examples, of cost 1e-3. What serves all targets is made
-before the clock runs.
+before the clock runs, where `solve_ik` makes everything anew.
 """
 
 from __future__ import annotations
