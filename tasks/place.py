@@ -100,9 +100,12 @@ class PlaceTask(FrameTask):
         return drift + self._turning(frame, v, frame.linear @ v, frame.angular @ v)
 
     def rates(self, state: RobotState, t: float) -> tuple[Array, Array]:
-        frame = self.seen(state)
+        frame, v = self.seen(state), state.v
         (_, p1, p2), (_, r1, r2) = (STILL if goal is None else goal(t) for goal in (self.position, self.rotation))
-        return self._along(frame, p1, r1), self._along(frame, p2, r2) + self._turning(frame, state.v, p1, r1)
+        linear, angular = frame.linear @ v, frame.angular @ v
+        # The axes turn with the frame, not with the target; and what stands still in the frame is R^T log(R^d R^T).
+        turning = self._turning(frame, v, linear, angular)
+        return self._along(frame, p1, r1), self._along(frame, p2, r2 + cross(r1, angular)) + turning
 
     def _along(self, frame: Frame, linear: Array, angular: Array) -> Array:
         """Vectors in the axes of the world, or the columns of matrices, as the rows of this task."""
