@@ -10,6 +10,7 @@ say all of it,
 from __future__ import annotations
 
 from math import atan2
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -47,6 +48,7 @@ class AxisTask(FrameTask):
     """
 
     rows = 2
+    spatial: ClassVar[bool] = True
 
     def __init__(
         self,

@@ -12,7 +12,8 @@ from hqp.checks import of_type
 
 from ._checks import Array, finite_scalar
 from .motion.trajectories import Trajectory
-from .robots.robot import Robot, RobotState, joint_index, joint_names, joint_positions
+from .part import Order
+from .robots.robot import Robot, RobotState, check_positioned, joint_index, joint_names, joint_positions
 from .task import TargetTask
 
 
@@ -65,6 +66,10 @@ class JointCouplingTask(TargetTask):
         for joint, factor in self.factors.items():
             row[0, joint_index(names, joint, f"{self.label()}: joint")] += factor
         return row
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        super().check(robot, order, dt)
+        check_positioned(robot, np.flatnonzero(self.jacobian(self.at_rest(robot))), f"{self.label()}: joint")
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:
         return [("sum", "rad")]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
@@ -24,7 +26,14 @@ class FrameTask(Task):
         A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
     gain, damping_ratio, weight, name
         See :class:`tasks.Task`.
+
+    Attributes
+    ----------
+    spatial : bool
+        Whether it turns axes out of a plane, which no planar arm does.
     """
+
+    spatial: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -51,13 +60,22 @@ class FrameTask(Task):
         super().check(robot, order, dt)
 
     def check_frames(self, robot: Robot) -> None:
-        """Refuse a frame that the robot has not; tells the nearest names."""
+        """Refuse a frame that the robot has not, and what a planar arm has not."""
+        self.check_names(robot)
+        if self.frame is None and getattr(robot, "tip", "") is None:
+            raise InvalidInput(f"{self.label()}: {robot!r} has no tip; give the task a frame, or the robot a tip")
+        if self.at_rest(robot).frame(self.frame).rotation.ndim == 1:
+            if self.spatial:
+                raise InvalidInput(f"{self.label()}: a planar arm turns about z only; give it an OrientationTask")
+            if self.relative_to is not None:
+                raise InvalidInput(f"{self.label()}: a planar arm knows the axes of the world only")
+
+    def check_names(self, robot: Robot) -> None:
+        """Refuse names of frames that the robot has not; tells the nearest."""
         names = getattr(robot, "frame_names", ())
         for what, name in ("frame", self.frame), ("relative_to", self.relative_to):
             if name is not None and names and name not in names:
                 raise InvalidInput(f"{self.label()}: {what} {name!r} is no frame of {robot!r}{nearest(name, names)}")
-        if self.frame is None and getattr(robot, "tip", "") is None:
-            raise InvalidInput(f"{self.label()}: {robot!r} has no tip; give the task a frame, or the robot a tip")
 
     def _shown(self) -> list[str]:
         options = {"frame": self.frame, "relative_to": self.relative_to}

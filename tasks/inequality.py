@@ -118,11 +118,12 @@ class Within(Inequality):
     """
 
     def __init__(self, task: Task, tolerance: ArrayLike, *, below: ArrayLike | None = None) -> None:
-        above = numbers(tolerance, "tolerance")
-        under = above if below is None else numbers(below, "tolerance below")
+        what = f"Within {getattr(task, 'name', '')!r}: tolerance"
+        above = numbers(tolerance, what)
+        under = above if below is None else numbers(below, f"{what} below")
         for value in above, under:
             if not (value >= 0.0).all():
-                raise InvalidInput(f"tolerance = {value.tolist()} must not be negative")
+                raise InvalidInput(f"{what} = {value.tolist()} must not be negative")
         super().__init__(task, -under, above)
 
     def __repr__(self) -> str:

@@ -11,6 +11,8 @@ whose derivative is :math:`\dot\omega + d \times \dot u / \rho + 2 (d \cdot u) (
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -46,6 +48,7 @@ class LookAtTask(FrameTask):
     """
 
     rows = 2
+    spatial: ClassVar[bool] = True
 
     def __init__(
         self,

@@ -12,7 +12,7 @@ way, not even at half a turn. In the axes of the frame itself, which turn with i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Literal, get_args
 
 import numpy as np
@@ -152,7 +152,7 @@ class PlaceTask(FrameTask):
 
     def _check_planar(self) -> None:
         """Refuse what a planar arm has not."""
-        if self.reference == "local" or self.relative_to is not None:
+        if self.reference == "local":
             raise InvalidInput(f"{self.label()}: a planar arm knows the axes of the world only")
         if self.position is not None and 2 in self.mask:
             raise InvalidInput(f"{self.label()}: a planar arm has no z; give x and y")
@@ -186,7 +186,7 @@ def chosen(mask: Mask | None, names: Sequence[str], what: str) -> tuple[int, ...
         if unknown or len(set(words)) != len(words) or not words:
             raise InvalidInput(f"{what}: mask = {mask!r}; it must name some of {', '.join(names)}, each once")
         return tuple(sorted(map(list(names).index, words)))
-    truths = list(mask)
+    truths = list(mask) if isinstance(mask, Iterable) else [mask]
     if len(truths) != len(names) or not all(isinstance(t, bool | np.bool_) for t in truths) or not any(truths):
         raise InvalidInput(f"{what}: mask = {truths}; it must say True or False of {', '.join(names)}, and True once")
     return tuple(int(i) for i in np.flatnonzero(truths))

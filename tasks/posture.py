@@ -14,7 +14,16 @@ from hqp import InvalidInput
 from ._checks import Array
 from .motion.trajectories import Fixed, Trajectory, as_trajectory
 from .part import Order
-from .robots.robot import Robot, RobotState, joint_index, joint_names, joint_positions, joint_units, towards
+from .robots.robot import (
+    Robot,
+    RobotState,
+    check_positioned,
+    joint_index,
+    joint_names,
+    joint_positions,
+    joint_units,
+    towards,
+)
 from .task import TargetTask, Task
 
 
@@ -24,8 +33,8 @@ class PostureTask(TargetTask):
     Parameters
     ----------
     target : array, shape (nq,), or Trajectory; or (number of joints,), where joints are named
-        A configuration, or the positions of the named joints: [rad], [m]. A trajectory of configurations gives velocity
-        and acceleration in nv numbers. A floating base is left alone.
+        A configuration, or the positions of the named joints: [rad], [m]. A trajectory of configurations needs nq = nv.
+        A floating base is left alone.
     joints : names or numbers, optional
         The joints to be brought there (default: all). Each must have one position.
     gain, damping_ratio, weight, name
@@ -49,6 +58,9 @@ class PostureTask(TargetTask):
         weight: ArrayLike = 1.0,
         name: str | None = None,
     ) -> None:
+        self._call(name)
+        if isinstance(joints, str):
+            raise InvalidInput(f"{self.label()}: joints = {joints!r} is a str; it must be a list of joints")
         self.joints = None if joints is None else tuple(joints)
         if self.joints is not None:
             self.rows = len(self.joints)
@@ -95,7 +107,14 @@ class PostureTask(TargetTask):
         moving = not isinstance(self.target, Fixed)
         if size not in allowed or (moving and size not in {(rows,), (robot.nv,)}):
             shapes = " or ".join(map(str, sorted(allowed)))
+            if size in allowed:
+                shapes = (
+                    f"trajectories of {(rows,)}: its {robot.nq} positions have {robot.nv} velocities; name the joints"
+                )
+                raise InvalidInput(f"{self.label()}: target has shape {size}; the robot takes {shapes}")
             raise InvalidInput(f"{self.label()}: target has shape {size}; the robot takes {shapes}, one angle a joint")
+        if self.joints is not None and size == (rows,):
+            check_positioned(robot, self.variables(robot), f"{self.label()}: joint")
         super().check(robot, order, dt)
 
     def _shown(self) -> list[str]:

@@ -72,8 +72,11 @@ class FrameVelocityLimit(Part):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.place.check_frames(robot)
-        if self.place.seen(self.place.at_rest(robot)).rotation.ndim == 1 and not set(self.place.mask) <= {0, 1, 5}:
-            raise InvalidInput(f"{self.label()}: a planar arm has x, y and rz only; give it a mask of these")
+        if self.place.seen(self.place.at_rest(robot)).rotation.ndim == 1:
+            if not set(self.place.mask) <= {0, 1, 5}:
+                raise InvalidInput(f"{self.label()}: a planar arm has x, y and rz only; give it a mask of these")
+            if self.place.reference == "local":
+                raise InvalidInput(f"{self.label()}: a planar arm knows the axes of the world only")
         if order == "acceleration" and dt is None:
             raise InvalidInput(f"{self.label()}: at acceleration order it needs the tick; give the controller dt in s")
 

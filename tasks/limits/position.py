@@ -36,7 +36,7 @@ from hqp import InvalidInput
 
 from .._checks import LARGEST, Array, numbers, position_range, positive_scalar
 from ..part import Order, Tick
-from ..robots.robot import Robot, joint_positions
+from ..robots.robot import Robot, joint_positions, positioned
 from .limit import JointLimit
 
 #: How fast a joint that is outside is driven back, unless told otherwise [rad/s].
@@ -59,7 +59,7 @@ class JointPositionLimit(JointLimit):
     ----------
     lower, upper : float or array, shape (nv,), optional
         Lowest and highest positions [rad]; infinite where a joint turns freely. Both, or neither for the
-        robot's own.
+        robot's own. They mean nothing to a wheel without end and to a floating base.
     return_speed : float
         How fast, at most, the limit itself drives a joint back [rad/s].
     name : str, optional
@@ -108,7 +108,9 @@ class JointPositionLimit(JointLimit):
                 f"{self.label()}: the robot has no position limit of its own;"
                 f" give one in {self.unit}: {type(self).__name__}(-2.0, 2.0)"
             )
-        return position_range(own, robot.nv, f"{self.label()}: range")
+        limits = position_range(own, robot.nv, f"{self.label()}: range")
+        limits[:, ~positioned(robot)] = [[-np.inf], [np.inf]]
+        return limits
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.range(robot)

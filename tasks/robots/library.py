@@ -208,6 +208,8 @@ def load_robot(
 
 def _find(source: str | PathLike[str]) -> tuple[Entry, Path]:
     """What the library knows of it, and its file."""
+    if not isinstance(source, (str, PathLike)):
+        raise InvalidInput(f"robot = {source!r} is a {type(source).__name__}; it must be a name or a file")
     text = str(source)
     path = Path(source)
     if path.suffix in (".urdf", ".xml", ".mjcf"):
@@ -219,6 +221,7 @@ def _find(source: str | PathLike[str]) -> tuple[Entry, Path]:
     others = _others()
     if text not in others:
         hint = nearest(text, available_robots()) if text else ""
+        hint = hint if "did you mean" in hint else ""
         raise InvalidInput(
             f"unknown robot {text!r}{hint}; give a .urdf or .xml file, or one of {', '.join(available_robots())}"
         )
@@ -227,6 +230,8 @@ def _find(source: str | PathLike[str]) -> tuple[Entry, Path]:
 
 def _positions(lock: Iterable[str] | Mapping[str, float]) -> dict[str, float | None]:
     """Joint -> where to hold it; None for neutral."""
+    if isinstance(lock, str):
+        raise InvalidInput(f"lock = {lock!r} is a str; it must be a list of joints, or a dict of positions")
     return dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(lock)
 
 

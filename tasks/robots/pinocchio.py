@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from hqp import InvalidInput, MissingPackage
 from hqp.checks import of_type
 
-from .._checks import LARGEST, Array, own_numbers, per_row, position_range, positive
+from .._checks import LARGEST, Array, finite_scalar, own_numbers, per_row, position_range, positive
 from .frame import FixedFrame
 from .robot import joint_index, nearest
 
@@ -379,7 +379,7 @@ def reduced(model: pin.Model, positions: Mapping[str, float | None], what: str) 
         if position is not None:
             if joint.nq != 1:
                 raise InvalidInput(f"{what}: {name!r} has {joint.nq} numbers; it can only be held at its neutral place")
-            q[joint.idx_q] = float(position)
+            q[joint.idx_q] = finite_scalar(position, f"{what}: position of {name!r}")
         held.append(index)
     return pin.buildReducedModel(model, held, q) if held else model
 

@@ -8,6 +8,7 @@ from reprlib import repr as brief
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hqp import InvalidInput
 from hqp.checks import whole_number
@@ -115,6 +116,15 @@ def joint_positions(state: RobotState) -> Array:
     return np.asarray(getattr(state, "joints", state.q))
 
 
+def positioned(robot: Robot) -> NDArray[np.bool_]:
+    """Which velocities are those of a joint with one position: no wheel on a circle, no floating base, shape (nv,)."""
+    if robot.nq == robot.nv or not hasattr(robot, "integrate"):
+        return np.ones(robot.nv, dtype=np.bool_)
+    rest, start = np.zeros(robot.nv), neutral(robot)
+    there = robot.at(integrate(robot, start, np.full(robot.nv, 0.1)), rest)
+    return np.asarray(joint_positions(there) != joint_positions(robot.at(start, rest)), dtype=np.bool_)
+
+
 def joint_names(robot: Robot) -> tuple[str, ...]:
     """One name a joint velocity."""
     own = getattr(robot, "joint_names", None)
@@ -159,6 +169,23 @@ def nearest(name: str, names: Iterable[str]) -> str:
     if close:
         return f"; did you mean {' or '.join(map(repr, close))}?"
     return f"; there are {', '.join(known)}" if 0 < len(known) <= 40 else f"; it has {len(known)} others"
+
+
+def check_positioned(robot: Robot, columns: Iterable[int], what: str) -> None:
+    """Refuse joints without one position each.
+
+    Raises
+    ------
+    InvalidInput
+        Names the first.
+    """
+    single = positioned(robot)
+    for column in columns:
+        if not single[column]:
+            raise InvalidInput(
+                f"{what} {joint_names(robot)[column]!r} has no single position; it turns without end, or is a"
+                " part of a floating base"
+            )
 
 
 def as_robot(value: Robot) -> Robot:
