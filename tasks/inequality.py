@@ -121,9 +121,9 @@ class Within(Inequality):
         what = f"Within {getattr(task, 'name', '')!r}: tolerance"
         above = numbers(tolerance, what)
         under = above if below is None else numbers(below, f"{what} below")
-        for value in above, under:
+        for side, value in ("", above), (" below", under):
             if not (value >= 0.0).all():
-                raise InvalidInput(f"{what} = {value.tolist()} must not be negative")
+                raise InvalidInput(f"{what}{side} = {value.tolist()} must not be negative")
         super().__init__(task, -under, above)
 
     def __repr__(self) -> str:
