@@ -325,7 +325,7 @@ def test_nan_in_the_loop_is_a_status_and_no_exception(make, order):
     broken = controller(home, rest, 2.0).solution
     assert broken.status is Status.INVALID
     assert f"level 1 ('{part.name}')" in broken.message
-    for q, v in ((home * np.nan, rest), (home * np.inf, rest)):
+    for q, v in ((home * np.nan, rest), (np.full(7, np.inf), rest)):
         assert controller(q, v, 0.0).solution.status is Status.INVALID
     if order == "acceleration":
         assert controller(home, rest * np.nan, 0.0).solution.status is Status.INVALID
