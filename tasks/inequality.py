@@ -7,7 +7,8 @@ is asked of :math:`e - e_{max}`, and only where it would grow: as h has K e in i
 
 far from its bound the quantity moves freely, near it ever slower towards it, and from beyond it comes back at the rate
 K. At velocity order it never passes a bound that stands still (a control barrier function; with a tick dt as long as
-:math:`K dt \le 1`).
+:math:`K dt \le 1`) if it is linear in the joints. Any other bends within a tick, and while it moves along its bound
+passes it by so much, in the order of :math:`\lVert x \rVert^2 dt / K`.
 """
 
 from __future__ import annotations
