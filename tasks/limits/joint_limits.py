@@ -101,4 +101,4 @@ class Which:
     rest: str
 
     def __call__(self, side: Side, bound: float) -> str:
-        return self.name if abs(abs(bound) - self.constant) <= SAME * self.constant else self.rest
+        return self.name if abs(abs(bound) - self.constant) <= SAME * self.constant < np.inf else self.rest
