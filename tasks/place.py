@@ -7,7 +7,7 @@ In the axes of the world, with the frame at p, R and its target at :math:`p^d, R
 of which a task has the first half, the second half or both. The rotation vector :math:`\log(R^d R^T)` is the shortest
 way to turn there, and :math:`\omega = K e` goes along it: the error decays at the rate K, and J loses no rank on the
 way, not even at half a turn. In the axes of the frame itself, which turn with it, both halves are multiplied by
-:math:`R^T`.
+:math:`R^T`: a task with all its coordinates asks for the same motion in any axes.
 """
 
 from __future__ import annotations

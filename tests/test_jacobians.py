@@ -55,9 +55,15 @@ def robot_named(name):
     return load_robot(name, lock=["panda_finger_joint1"] if name == "panda" else ())
 
 
+@cache
+def scratch(robot):
+    """Pinocchio's data, of our own."""
+    return robot.model.createData()
+
+
 def place(robot, q, frame, root):
     """Position and rotation of a frame, for an observer on `root`, by Pinocchio's placements."""
-    data = robot.model.createData()
+    data = scratch(robot)
     pin.framesForwardKinematics(robot.model, data, q)
     own = data.oMf[robot.model.getFrameId(frame)]
     seen = own if root is None else data.oMf[robot.model.getFrameId(root)].actInv(own)
@@ -65,7 +71,7 @@ def place(robot, q, frame, root):
 
 
 def weight(robot, q, root):
-    data = robot.model.createData()
+    data = scratch(robot)
     point = pin.centerOfMass(robot.model, data, q).copy()
     pin.framesForwardKinematics(robot.model, data, q)
     return point if root is None else data.oMf[robot.model.getFrameId(root)].actInv(point)
@@ -317,6 +323,24 @@ def test_it_does_not_matter_along_which_axes_a_whole_task_is_written(name, order
                 continue
             motions = [np.linalg.pinv(J) @ h for J, h in asked]
             np.testing.assert_allclose(motions[1:], [motions[0]] * 2, rtol=1e-9, atol=1e-9)
+
+
+@robots
+def test_a_whole_posture_is_reached_along_the_shortest_way_of_every_joint(name):
+    """Wheels on a circle included, and a floating base left alone: its error falls as fast as the joints move."""
+    robot, rng = robot_named(name), np.random.default_rng(1)
+    for _ in range(5):
+        target, q, v = robot.random(rng), robot.random(rng), rng.uniform(-0.8, 0.8, robot.nv)
+        task = PostureTask(target, gain=GAIN)
+        task.check(robot, "acceleration", None)
+        assert task.size(robot) == robot.nv - robot.base
+        after, before = (task.error(robot.at(robot.integrate(q, s * H * v), v), 0.0) for s in (1, -1))
+        np.testing.assert_allclose((after - before) / (2 * H), -v[robot.base :], atol=1e-8)
+        np.testing.assert_array_equal(task.jacobian(robot.at(q, v)), np.eye(robot.nv)[robot.base :])
+        steps = np.zeros(robot.nv)
+        steps[robot.base :] = task.error(robot.at(q, v), 0.0)
+        joints = slice(7 if robot.base else 0, None)
+        np.testing.assert_allclose(robot.integrate(q, steps)[joints], target[joints], atol=1e-12)
 
 
 @pytest.mark.sweep
