@@ -1,4 +1,4 @@
-"""``python -m benchmarks backends``, ``solve``, ``batch``, ``tick`` and ``ik``: one small file each, beside this one."""
+"""``python -m benchmarks backends``, ``solve``, ``batch``, ``tick``, ``ik``: one small file each, beside this one."""
 
 from __future__ import annotations
 

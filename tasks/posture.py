@@ -66,6 +66,12 @@ class PostureTask(TargetTask):
             self.rows = len(self.joints)
         self._call(name)
         self.target = as_trajectory(target, None, self.label())
+        size = len(self.target(0.0)[0])
+        if self.joints is not None and size < len(self.joints):
+            raise InvalidInput(
+                f"{self.label()}: target has shape ({size},); it must be ({len(self.joints)},), one number a joint,"
+                " or a configuration of the robot"
+            )
         Task.__init__(self, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
 
     def size(self, robot: Robot) -> int:

@@ -332,6 +332,21 @@ def test_peers_are_asked_for_the_same_motion(peer: str) -> None:
         assert (np.linalg.norm(other.v - ours.v, axis=1)[1:] < 0.02 * np.linalg.norm(ours.v, axis=1)[1:]).all()
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("-s", "nonsense"), "unknown scene 'nonsense'; there are panda slow, panda saturated, humanoid"),
+        (("--ticks", "0"), "'--ticks'"),
+        (("--rounds", "0"), "'--rounds'"),
+        (("--placo", "/nowhere/python"), "--placo /nowhere/python: No such file or directory"),
+        (("--placo", "/bin/false"), "--placo /bin/false: it ended without a word"),
+        (("--out", "."), "cannot write '.': Is a directory"),
+    ],
+)
+def test_wrong_input_of_a_tick_is_one_line(arguments: tuple[str, ...], said: str) -> None:
+    refused(run("tick", "--ticks", "1", "--rounds", "1", *arguments), said)
+
+
 def test_poses_are_solved_by_ours_and_by_what_is_here(tmp_path: Path) -> None:
     pytest.importorskip("pinocchio")
     from benchmarks.ik_methods import METHODS, missing
@@ -386,18 +401,6 @@ def test_a_peer_stands_where_ours_stands(peer: str) -> None:
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("-s", "nonsense"), "unknown scene 'nonsense'; there are panda slow, panda saturated, humanoid"),
-        (("--ticks", "0"), "'--ticks'"),
-        (("--rounds", "0"), "'--rounds'"),
-        (("--placo", "/nowhere/python"), "--placo /nowhere/python: No such file or directory"),
-        (("--placo", "/bin/false"), "--placo /bin/false: it ended without a word"),
-        (("--out", "."), "cannot write '.': Is a directory"),
-    ],
-)
-def test_wrong_input_of_a_tick_is_one_line(arguments: tuple[str, ...], said: str) -> None:
-    refused(run("tick", "--ticks", "1", "--rounds", "1", *arguments), said)
-
-
         (("-r", "nonsense"), "unknown robot 'nonsense'; there are panda, ur5"),
         (("-b", "0"), "'--budget'"),
         (("-n", "0"), "'--count'"),

@@ -58,7 +58,7 @@ def position(target=(0.3, 0.0, 0.5), gain=1.0, **options):
         ("", {}, "unknown robot ''; give a .urdf or .xml file"),
         (5, {}, "robot = 5 is a int; it must be a name or a file"),
         ("panda", {"tip": "panda_hnd"}, r"'panda_hnd' is no frame of .*did you mean 'panda_hand'"),
-        ("panda", {"lock": ["panda_finger"]}, "'panda_finger' is no joint; did you mean 'panda_finger_joint1'"),
+        ("panda", {"lock": ["panda_finger"]}, "'panda_finger' is no joint; did you mean 'panda_finger_joint"),
         ("panda", {"lock": "panda_joint1"}, "lock = 'panda_joint1' is a str; it must be a list of joints"),
         ("panda", {"lock": {"panda_joint1": np.nan}}, "position of 'panda_joint1' = nan must be finite"),
         ("g1", {"lock": {"root_joint": 1.0}}, "'root_joint' has 7 numbers; it can only be held at its neutral place"),

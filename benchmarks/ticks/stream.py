@@ -64,7 +64,7 @@ def record(scene: Scene, ticks: int) -> Stream:
     for k in range(ticks):
         for targeted, values in (targets.positions, positions), (targets.rotations, rotations):
             for name, target in targeted.items():
-                target.value = values[name][k]
+                target.move(values[name][k])
         step = controller(q[k], v[k])
         assert step.v is not None
         v[k + 1] = step.v

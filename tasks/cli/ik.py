@@ -70,6 +70,10 @@ def ik(
         float | None,
         typer.Option("--tolerance", help="In m and in rad (default: 1e-4 m and 1e-3 rad).", metavar="T"),
     ] = None,
+    lock: Annotated[
+        list[str] | None,
+        typer.Option("--lock", help="Hold this joint where neutral; may be given several times.", metavar="JOINT"),
+    ] = None,
     floating: Annotated[
         bool | None, typer.Option("--floating/--fixed", help="The base (default: as the library knows the robot).")
     ] = None,
@@ -95,7 +99,7 @@ def ik(
     rotation = None if orientation is None else _rotation(orientation)
     if plot is not None:
         writable(plot.parent, [plot.name])
-    machine = load_robot(robot, floating_base=floating)
+    machine = load_robot(robot, floating_base=floating, lock=lock or ())
     begin = machine.neutral if start == "neutral" else machine.home
     if start == "random":
         begin = machine.configuration({})

@@ -6,20 +6,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pinocchio as pin
 
 from .._checks import Array
-from .pinocchio import PinocchioRobot
+from .skeleton import skeleton
 
 if TYPE_CHECKING:
     from mpl_toolkits.mplot3d.axes3d import Axes3D
+
+    from .pinocchio import PinocchioRobot
 
 LINK, JOINT, SHADOW, TARGET = "#33475b", "#e8743b", "#c9d1d9", "#7a3fb0"
 AXES = ("#d62728", "#2ca02c", "#1f77b4")
 #: Of the axes of a frame, against the size of the picture; and the room left around the robot.
 TRIAD, MARGIN = 0.12, 0.08
-#: How far apart two joints must be to be worth a line [m].
-POINT = 1e-6
 
 
 def stick_figure(
@@ -49,11 +48,12 @@ def stick_figure(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    lines, joints = _skeleton(robot, q)
     own = robot.at(q, np.zeros(robot.nv)).frame(frame)
-    carrier = joints[robot.model.frames[robot.frame_index(frame)].parentJoint]
-    lines.append(np.array([carrier, own.position]))
-    points = np.concatenate([*lines, joints, np.zeros((1, 3)), *([] if position is None else [position[None]])])
+    lines = skeleton(robot, q, frames=() if frame is None else (frame,))
+    joints = np.unique(lines.reshape(-1, 3), axis=0)
+    points = np.concatenate(
+        [joints, own.position[None], np.zeros((1, 3)), *([] if position is None else [position[None]])]
+    )
     low, high = points.min(axis=0), points.max(axis=0)
     low[2] = min(low[2], 0.0)
     size = float((high - low).max())
@@ -65,7 +65,7 @@ def stick_figure(
         axes.plot(line[:, 0], line[:, 1], np.full(2, low[2]), color=SHADOW, linewidth=3.0, zorder=1)
     for line in lines:
         axes.plot(*line.T, color=LINK, linewidth=4.0, solid_capstyle="round")
-    axes.scatter(*joints[1:].T, color=JOINT, s=36.0, depthshade=False, edgecolors="white", linewidths=0.8, zorder=5)
+    axes.scatter(*joints.T, color=JOINT, s=36.0, depthshade=False, edgecolors="white", linewidths=0.8, zorder=5)
     _triad(axes, own.position, own.rotation, TRIAD * size)
     if position is not None:
         axes.scatter(*position, color=TARGET, s=90.0, marker="x", linewidths=2.0, depthshade=False, label="target")
@@ -79,17 +79,6 @@ def stick_figure(
     name = robot.tip if frame is None else frame
     axes.set_title(f"{robot.name}: {name}", fontsize=11)
     figure.savefig(path, format="png", bbox_inches="tight")
-
-
-def _skeleton(robot: PinocchioRobot, q: Array) -> tuple[list[Array], Array]:
-    """A line from every joint to the one that carries it, shapes (2, 3), and the origins of the joints."""
-    model, data = robot.model, robot.model.createData()
-    pin.forwardKinematics(model, data, q)
-    joints = np.array([place.translation for place in data.oMi])
-    pairs = [(int(model.parents[joint]), joint) for joint in range(1, model.njoints)]
-    free = robot.base > 0  # a floating base is not tied to the origin of the world
-    ends = [joints[[parent, joint]] for parent, joint in pairs if parent or not free]
-    return [line for line in ends if np.linalg.norm(line[1] - line[0]) > POINT], joints
 
 
 def _triad(axes: Axes3D, origin: Array, rotation: Array, length: float, linestyle: str = "-") -> None:
