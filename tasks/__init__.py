@@ -31,7 +31,7 @@ from .motion.controller import Controller, Step
 from .motion.paths import Chain, Circle, Line, Polygon
 from .motion.polynomial import Polynomial
 from .motion.record import Record, Stop
-from .motion.simulation import simulate
+from .motion.simulation import Change, simulate
 from .motion.timing import cubic, cycloid, harmonic, quintic
 from .motion.trajectories import Fixed, Setpoint, Trajectory
 from .motion.turns import FixedRotation, RotationSetpoint, RotationTrajectory, Turn
@@ -71,6 +71,7 @@ __all__ = [
     "BoxLimit",
     "CenterOfMassTask",
     "Chain",
+    "Change",
     "Circle",
     "Controller",
     "Damping",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -66,13 +66,56 @@ class Stack:
                 f"+ joins parts of one level, but got {self!r} + {other!r};"
                 " say which level is meant with brackets: a >> (b + c)"
             )
-        joined = object.__new__(Stack)
-        joined.levels = (mine[0] + theirs[0],)
-        return Stack(joined)
+        return _of_levels([mine[0] + theirs[0]])
+
+    def swapped(self, first: Part, second: Part) -> Stack:
+        """The same parts, these two in each other's place.
+
+        Raises
+        ------
+        InvalidInput
+            If one of them is not in the stack.
+        """
+        self._level(first), self._level(second)
+        other = {id(first): second, id(second): first}
+        return _of_levels(tuple(other.get(id(part), part) for part in level) for level in self.levels)
+
+    def without(self, *parts: Part) -> Stack:
+        """The stack without these parts, and without the levels that they leave empty.
+
+        Raises
+        ------
+        InvalidInput
+            If one of them is not in the stack, or nothing is left.
+        """
+        gone = {id(part) for part in parts if self._level(part) >= 0}
+        return _of_levels(tuple(part for part in level if id(part) not in gone) for level in self.levels)
+
+    def inserted(self, part: Part | Stack, *, below: Part | None = None) -> Stack:
+        """The stack with a new level, or levels, right below that of another part; without it, at the top.
+
+        Raises
+        ------
+        InvalidInput
+            If `below` is not in the stack, or `part` is in it already.
+        """
+        place = 0 if below is None else self._level(below) + 1
+        return _of_levels((*self.levels[:place], *_levels_of(part), *self.levels[place:]))
+
+    def _level(self, part: Part) -> int:
+        """Where a part stands."""
+        for k, level in enumerate(self.levels):
+            if any(own is part for own in level):
+                return k
+        raise InvalidInput(f"{part!r} is not in the stack {self!r}")
 
     def __iter__(self) -> Iterator[Part]:
         """All parts, from the highest level down."""
         return (part for level in self.levels for part in level)
+
+    def __contains__(self, part: object) -> bool:
+        """Whether this very part is in it."""
+        return any(own is part for own in self)
 
     def __len__(self) -> int:
         """Number of levels."""
@@ -189,6 +232,13 @@ def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order) -> Level:
     identity = np.eye(robot.nv)
     A = [identity[p.variables(robot)] if p.plain else np.zeros((p.size(robot), robot.nv)) for p in parts]
     return Level(np.concatenate(A), zeros, zeros, weights=weights, name=name, labels=labels)
+
+
+def _of_levels(levels: Iterable[tuple[Part, ...]]) -> Stack:
+    """A stack of these levels, the empty ones left out."""
+    stack = object.__new__(Stack)
+    stack.levels = tuple(level for level in levels if level)
+    return Stack(stack) if stack.levels else Stack()
 
 
 def _levels_of(part: Part | Stack) -> tuple[tuple[Part, ...], ...]:

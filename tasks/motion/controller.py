@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from math import isfinite
 from typing import NamedTuple, get_args
 
@@ -17,7 +18,12 @@ from hqp.checks import truth
 from .._checks import Array, numbers, positive_scalar, scalar
 from ..part import Order, Part
 from ..robots.robot import Robot, RobotState, as_robot, check_joints
-from ..stack import Stack
+from ..stack import Rows, Stack
+from .timing import Timing, cubic
+from .transition import Answer, Transition
+
+#: Stacks that a controller keeps ready to go back to.
+MOST_PREPARED = 8
 
 
 class Step(NamedTuple):
@@ -36,6 +42,9 @@ class Step(NamedTuple):
         Joint accelerations [rad/s^2], at acceleration order.
     tau : array, shape (nv,), or None
         Joint torques [N m] that a takes (Eq. 4.1), if the controller was asked for them.
+    share : float
+        How much of the stack counts: less than 1 while the controller changes to it from another one. Then v or a lies
+        between the answers of both, and `solution` is that of the new one alone.
     """
 
     order: Order
@@ -44,6 +53,7 @@ class Step(NamedTuple):
     v: Array | None = None
     a: Array | None = None
     tau: Array | None = None
+    share: float = 1.0
 
     @property
     def ok(self) -> bool:
@@ -95,8 +105,10 @@ class Controller:
         self.order: Order = order
         self.dt = None if dt is None else positive_scalar(dt, "dt", unit="s")
         self._torque = self._inverse_dynamics() if truth(torque, "torque") else None
-        self._rows = self.stack.build(robot, order, self.dt)
-        self._solver = hqp.Solver(backend, settings)
+        self._new_solver = partial(hqp.Solver, backend, settings)
+        self._prepared: dict[int, tuple[Stack, Rows, hqp.Solver]] = {}
+        self._transition: Transition | None = None
+        self._rows, self._solver = self._prepare(self.stack)
 
     def _inverse_dynamics(self) -> Callable[[Array, Array, Array], Array]:
         if self.order != "acceleration":
@@ -149,10 +161,64 @@ class Controller:
     def _step(self, q: Array, v: Array, t: float) -> Step:
         state = self.robot.at(q, v)
         solution = self._solve(state, t)
+        x, share = solution.x, 1.0
+        if self._transition is not None and solution.ok:
+            x, share = self._transition.blend(state, t, x)
+            if share >= 1.0:
+                self._transition = None
         if self.order == "velocity":
-            return Step("velocity", state, solution, solution.x)
-        tau = None if self._torque is None else self._torque(state.q, state.v, solution.x)
-        return Step("acceleration", state, solution, None, solution.x, tau)
+            return Step("velocity", state, solution, x, share=share)
+        tau = None if self._torque is None else self._torque(state.q, state.v, x)
+        return Step("acceleration", state, solution, None, x, tau, share)
+
+    def change(self, stack: Stack | Part, *, duration: float, law: Timing = cubic) -> None:
+        """Go over to another stack without a jump, from the next tick on; see :mod:`tasks.motion.transition`.
+
+        A change that is still under way is left from where it is. Going back to a stack that the controller has had
+        finds all as it was: rows, and a solver that is warm.
+
+        Parameters
+        ----------
+        stack : Stack, or a single task
+            What is wanted from now on; its parts may be those of the old one, in another order.
+        duration : float
+            How long the change takes [s].
+        law : callable
+            How it goes: ``cubic``, ``quintic``, ``harmonic``, ``cycloid``, or your own timing law.
+
+        Raises
+        ------
+        InvalidInput
+            If the stack does not fit the robot, the duration is not positive, or the law is none. The controller then
+            goes on as it was.
+        """
+        wanted = stack if isinstance(stack, Stack) else Stack(stack)
+        prepared = self._prepare(wanted)
+        self._transition = Transition(self._answer(), duration, law)
+        self.stack, (self._rows, self._solver) = wanted, prepared
+
+    def _prepare(self, stack: Stack) -> tuple[Rows, hqp.Solver]:
+        """The rows of a stack, and their solver, as they were left."""
+        found = self._prepared.get(id(stack))
+        if found is None:
+            found = self._prepared[id(stack)] = (
+                stack,
+                stack.build(self.robot, self.order, self.dt),
+                self._new_solver(),
+            )
+        return found[1:]
+
+    def _answer(self) -> Answer:
+        """What this controller says from now on, whatever its stack will be."""
+        rows, solver, before = self._rows, self._solver, self._transition
+
+        def answer(state: RobotState, t: float) -> tuple[Array, bool]:
+            solution = solver.solve(rows.fill(state, t))
+            if before is None or not solution.ok:
+                return solution.x, solution.ok
+            return before.blend(state, t, solution.x)[0], True
+
+        return answer
 
     def bounds(self, part: Part) -> tuple[Array, Array]:
         """Lower and upper bounds of a part's rows at the last tick (views: the next call refills them).

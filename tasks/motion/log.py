@@ -20,6 +20,8 @@ from .record import Record, Stop
 
 #: How far x may be from a bound and still count as on it, in units of 1 + |x|.
 AT_BOUND = 1e-9
+#: Bounds of a limit that is not in the stack.
+FREE = (-np.inf, np.inf)
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 
@@ -34,6 +36,8 @@ class Log:
         The most that will come.
     first : RobotState
         Where the robot starts.
+    parts : iterable of Part
+        All that will be in the stack of the controller, now or later.
 
     Raises
     ------
@@ -41,7 +45,9 @@ class Log:
         If an optional method of the robot does not take a whole record at once.
     """
 
-    def __init__(self, controller: Controller, ticks: int, first: RobotState) -> None:
+    def __init__(self, controller: Controller, ticks: int, first: RobotState, parts: Iterable[Part]) -> None:
+        parts = list(parts)
+        self._controller = controller
         self.order = controller.order
         nq, nv = len(first.q), len(first.v)
         self.t = np.empty(ticks + 1)
@@ -52,11 +58,11 @@ class Log:
         self.states = 0
         self.errors = [
             (name, part.error, np.empty((ticks + 1, len(part.error(first, 0.0)))))  # type: ignore[attr-defined]
-            for name, part in _named(part for part in controller.stack if hasattr(part, "error"))
+            for name, part in _named(part for part in parts if hasattr(part, "error"))
         ]
         self.bounds = [
-            (name, *controller.bounds(part), np.empty((ticks, nv)), np.empty((ticks, nv)))
-            for name, part in _named(part for part in controller.stack if isinstance(part, JointLimit | JointLimits))
+            (name, part, np.empty((ticks, nv)), np.empty((ticks, nv)))
+            for name, part in _named(part for part in parts if isinstance(part, JointLimit | JointLimits))
         ]
         self.checked_t: list[float] = []
         self.certified = 0
@@ -77,14 +83,15 @@ class Log:
         """What tick k did; the bounds are still those that it was given."""
         self.a[k] = a
         self.status.append(status)
-        for _, lower, upper, lowers, uppers in self.bounds:
-            lowers[k], uppers[k] = lower, upper
+        for _, part, lowers, uppers in self.bounds:
+            lowers[k], uppers[k] = self._controller.bounds(part) if part in self._controller.stack else FREE
 
     def check(self, t: float, solution: Solution, passed: bool) -> None:
         """A tick that was put to the certificate."""
         self.checked_t.append(t)
         self.certified += bool(passed)
-        self.ranks.append([level.rank for level in solution.levels])
+        ranks = [level.rank for level in solution.levels]
+        self.ranks.append((ranks + [0] * self._levels)[: self._levels])
 
     def record(self, stopped: Stop | None) -> Record:
         """All of it, as far as it went."""
@@ -104,7 +111,7 @@ class Log:
             manipulability=manipulability,
             errors={name: _frozen(values[:n]) for name, _, values in self.errors},
             active={
-                name: _frozen(_sides(x, lowers[: n - 1], uppers[: n - 1])) for name, _, _, lowers, uppers in self.bounds
+                name: _frozen(_sides(x, lowers[: n - 1], uppers[: n - 1])) for name, _, lowers, uppers in self.bounds
             },
             status=tuple(self.status[: n - 1]),
             checked_t=_frozen(np.array(self.checked_t, dtype=np.float64)),

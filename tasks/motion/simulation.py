@@ -13,7 +13,9 @@ configuration is more than a number a joint, the sum is the robot's own ``integr
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,12 +25,37 @@ from hqp.checks import of_type, whole_number
 
 from .._checks import finite, finite_scalar, function, positive_scalar
 from ..robots.robot import check_joints, integrate
+from ..stack import Stack
 from .controller import Controller
 from .log import Log
 from .record import Record, Stop
+from .timing import Timing, cubic
 
 #: Joint speed [rad/s] beyond which a run counts as diverged: 16 turns a second.
 SPEED_CAP = 100.0
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """A stack to go over to, see :meth:`tasks.Controller.change`.
+
+    Attributes
+    ----------
+    t : float
+        When [s].
+    stack : Stack
+    duration : float
+        How long it takes [s].
+    law : callable
+        A timing law.
+    """
+
+    t: float
+    stack: Stack
+    duration: float
+    law: Timing = cubic
+
+
 #: The longest run: a record of so many ticks fills a gigabyte or two.
 MOST_TICKS = 10_000_000
 
@@ -43,6 +70,7 @@ def simulate(
     speed_cap: float = SPEED_CAP,
     certify: int = 50,
     proof: Callable[[Solution], bool] | None = None,
+    changes: Iterable[Change] = (),
     progress: Callable[[float], None] | None = None,
 ) -> Record:
     """Run a controller on the robot it was made for.
@@ -65,6 +93,8 @@ def simulate(
         Put every so many-th tick to the certificate; 0 for none.
     proof : callable, optional
         The judge of those ticks (default: ``solution.certify().ok``).
+    changes : iterable of Change
+        Stacks to go over to on the way; the controller keeps the last.
     progress : callable, optional
         Told the share of the run that is done, about a hundred times.
 
@@ -99,10 +129,16 @@ def simulate(
     progress = None if progress is None else function(progress, "progress")
     report_every = max(ticks // 100, 1)
 
-    log = Log(controller, ticks, robot.at(q, v))
+    waiting = deque(sorted((of_type(change, Change, "a change") for change in changes), key=lambda change: change.t))
+    stacks = [controller.stack, *(change.stack for change in waiting)]
+    parts = {id(part): part for stack in stacks for part in stack}
+    log = Log(controller, ticks, robot.at(q, v), parts.values())
     stopped = None
     for k in range(ticks):
         t = start + k * dt
+        while waiting and t >= waiting[0].t:
+            change = waiting.popleft()
+            controller.change(change.stack, duration=change.duration, law=change.law)
         step = controller.unchecked(q, v, t)
         log.state(k, t, step.state)
         if not step.ok:

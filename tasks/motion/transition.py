@@ -1,0 +1,65 @@
+r"""From one stack to another without a jump.
+
+Tasks that are inserted, removed or put into another order change the answer of a hierarchy at once. Over the time of a
+change both stacks are solved, and what is commanded goes from one answer to the other,
+
+.. math:: x = (1 - s)\, x_\text{old} + s\, x_\text{new}, \qquad s : 0 \to 1 \text{ by a timing law.}
+
+Every task of either stack then follows an *intermediate value* between what it had and what it will have: where the
+rows are equalities this is the intermediate desired value of J. Lee, N. Mansard and J. Park, IEEE Transactions on
+Robotics 28(6), 2012, for all levels at once. Levels that both stacks begin with, such as the joint limits, are kept
+exactly all the way: the points at which they are optimal form a convex set, and both answers lie in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from .._checks import Array, positive_scalar
+from ..robots.robot import RobotState
+from .timing import Timing, as_timing
+
+#: What a stack asks for at a state and a time: x, and whether its solver claims it.
+Answer = Callable[[RobotState, float], tuple[Array, bool]]
+
+
+class Transition:
+    """A change under way.
+
+    Parameters
+    ----------
+    old : callable
+        What is left behind, which may be a change under way itself.
+    duration : float
+        How long it takes [s], from the first tick on.
+    law : callable
+        Timing law of s.
+
+    Raises
+    ------
+    InvalidInput
+        If the duration is not positive, or the law is none.
+    """
+
+    def __init__(self, old: Answer, duration: float, law: Timing) -> None:
+        self._old = old
+        self.duration = positive_scalar(duration, "duration of a change", unit="s")
+        self._law = as_timing(law, "law of a change")
+        self._begin: float | None = None
+
+    def share(self, t: float) -> float:
+        """How much of the new stack counts at time t [s], 0 at the first tick that asks."""
+        if self._begin is None:
+            self._begin = t
+        return self._law((t - self._begin) / self.duration)[0]
+
+    def blend(self, state: RobotState, t: float, new: Array) -> tuple[Array, float]:
+        """The command between the answers of both stacks, and the share of the new one.
+
+        Where the old stack has no answer, the new one counts alone.
+        """
+        s = self.share(t)
+        if s >= 1.0:
+            return new, 1.0
+        old, ok = self._old(state, t)
+        return ((1.0 - s) * old + s * new, s) if ok else (new, 1.0)
