@@ -132,3 +132,26 @@ def space(figure: Figure, place: object, box: tuple[tuple[float, float], ...]) -
 def save(figure: Figure, folder: str, name: str) -> None:
     """Write it, without a date or a version: the same run gives the same file."""
     figure.savefig(Path(folder) / name, dpi=110, metadata={"Software": None})
+
+
+def priority_swap(folder: str, records: dict[str, Record], at: float, over: float) -> None:
+    """Joint speeds of each run, and the errors of both tasks."""
+    figure = Figure(figsize=(9.0, 3.9), layout="constrained")
+    left, right = figure.add_gridspec(1, 2)
+    colours = dict(zip(records, (GREY, ORANGE, BLUE), strict=True))
+    speeds = left.subgridspec(len(records), 1).subplots(sharex=True, sharey=True)
+    for axes, (name, record) in zip(speeds, records.items(), strict=True):
+        axes.plot(record.t, record.v, color=colours[name], lw=0.9)
+        axes.annotate(name, (0.99, 0.9), xycoords="axes fraction", va="top", ha="right", color=colours[name])
+    speeds[0].set_title("joint speeds [rad/s]")
+    speeds[-1].set_xlabel("t [s]")
+    errors = right.subgridspec(2, 1).subplots(sharex=True)
+    for axes, (task, unit, scale) in zip(errors, (("hand", "mm", 1e3), ("rest", "deg", 180 / np.pi)), strict=True):
+        for name, record in records.items():
+            axes.plot(record.t, scale * np.linalg.norm(record.errors[task], axis=1), color=colours[name], label=name)
+        axes.set_title(f"error of the {task} [{unit}]")
+    for axes in (*speeds, *errors):
+        axes.axvspan(at, at + over, color=GREY, alpha=0.15, lw=0)
+    errors[0].legend()
+    errors[-1].set_xlabel("t [s]")
+    save(figure, folder, "priority_swap.png")

@@ -23,6 +23,7 @@ SAYS = {
     "06_panda_elbow_up": "lowest elbow 0.5500 m",
     "07_ur5_singularity": "40 of 40",
     "08_humanoid_reach": "center of mass met (1 of 2 rows at a bound)",
+    "13_priority_swap": "hand off by 373.4 mm, rest by 0.1 deg",
 }
 
 #: What each draws into the folder that it is given, also kept in the documentation.
@@ -30,6 +31,7 @@ DRAWS = {
     "06_panda_elbow_up": "panda_elbow.png",
     "07_ur5_singularity": "ur5_singularity.png",
     "08_humanoid_reach": "humanoid_reach.png",
+    "13_priority_swap": "priority_swap.png",
 }
 
 
