@@ -16,6 +16,11 @@ from typing import TYPE_CHECKING, Any
 from .axis import AxisTask
 from .center_of_mass import CenterOfMassTask
 from .coupling import JointCouplingTask
+from .criteria.gradient import GradientTask
+from .criteria.joint_ranges import JointCentringTask
+from .criteria.manipulability import DynamicManipulabilityTask, ManipulabilityTask, VelocityRatioTask
+from .criteria.motion import KineticEnergyTask, MinimumMotionTask
+from .criteria.torque import MinimumTorqueTask
 from .damping import Damping
 from .frame_task import FrameTask
 from .inequality import AtLeast, AtMost, Within
@@ -47,7 +52,6 @@ from .robots.manipulability import Degrees, VelocityEllipse, manipulability, tas
 from .robots.planar import PlanarArm, PlanarState
 from .robots.robot import Robot, RobotState
 from .robots.skeleton import skeleton
-from .singularity import ManipulabilityTask
 from .stack import Stack
 from .task import TargetTask, Task
 
@@ -76,21 +80,27 @@ __all__ = [
     "Controller",
     "Damping",
     "Degrees",
+    "DynamicManipulabilityTask",
     "Fixed",
     "FixedRotation",
     "Frame",
     "FrameTask",
     "FrameVelocityLimit",
+    "GradientTask",
     "IkResult",
     "JointAccelerationLimit",
+    "JointCentringTask",
     "JointCouplingTask",
     "JointLimits",
     "JointMotion",
     "JointPositionLimit",
     "JointVelocityLimit",
+    "KineticEnergyTask",
     "Line",
     "LookAtTask",
     "ManipulabilityTask",
+    "MinimumMotionTask",
+    "MinimumTorqueTask",
     "Order",
     "OrientationTask",
     "Part",
@@ -119,6 +129,7 @@ __all__ = [
     "Trajectory",
     "Turn",
     "VelocityEllipse",
+    "VelocityRatioTask",
     "Within",
     "available_robots",
     "cubic",

@@ -240,6 +240,24 @@ class PinocchioRobot:
         pin.jacobianCenterOfMass(self.model, self.data, q)
         self._state = None  # the rest of the data was overwritten
 
+    def mass_matrix(self, q: ArrayLike) -> Array:
+        """M(q) [kg m^2; kg m and kg where joints slide], symmetric, shape (..., nv, nv)."""
+        q = np.asarray(q, dtype=np.float64)
+        M = np.empty((*q.shape[:-1], self.nv, self.nv))
+        for row, own in zip(q.reshape(-1, self.nq), M.reshape(-1, self.nv, self.nv), strict=True):
+            upper = np.triu(pin.crba(self.model, self.data, row))  # all that the algorithm promises
+            own[:] = upper + np.triu(upper, 1).T
+        self._state = None  # the rest of the data was overwritten
+        return M
+
+    def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """Joint torques [N m], forces [N] that no acceleration takes: Coriolis, centripetal, gravity, shape (..., nv)."""
+        q, v = (np.asarray(value, dtype=np.float64) for value in (q, v))
+        rows = zip(q.reshape(-1, self.nq), v.reshape(-1, self.nv), strict=True)
+        torques = [np.array(pin.nonLinearEffects(self.model, self.data, *row)) for row in rows]
+        self._state = None
+        return np.array(torques).reshape(v.shape)
+
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """Joint torques [N m], forces [N] for accelerations a, gravity included, shape (..., nv)."""
         q, v, a = (np.asarray(value, dtype=np.float64) for value in (q, v, a))

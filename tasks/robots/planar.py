@@ -192,6 +192,11 @@ class PlanarArm:
         """C(q, v) of Eq. 4.1 [kg m^2/s], shape (..., n, n): ``C v`` is the Coriolis and centripetal torque."""
         return dynamics.coriolis(self._H, *self._joints(q=q, v=v))
 
+    def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """Joint torques ``C(q, v) v`` [N m] that no acceleration takes, shape (..., n); nothing pulls the arm down."""
+        q, v = self._joints(q=q, v=v)
+        return dynamics.inverse_dynamics(self._H, q, v, np.zeros_like(v))
+
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """Joint torques ``M(q) a + C(q, v) v`` [N m] (Eq. 4.1) for accelerations a [rad/s^2], shape (..., n)."""
         return dynamics.inverse_dynamics(self._H, *self._joints(q=q, v=v, a=a))

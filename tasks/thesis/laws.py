@@ -28,13 +28,13 @@ import hqp
 from hqp import BackendInfo, Solution
 from hqp.backends.pseudoinverse import joint_form
 
+from ..criteria.manipulability import ManipulabilityTask
 from ..damping import Damping
 from ..joint_motion import JointMotion
 from ..limits.acceleration import JointAccelerationLimit
 from ..limits.velocity import JointVelocityLimit
 from ..orientation import OrientationTask
 from ..position import PositionTask
-from ..singularity import ManipulabilityTask
 from ..stack import Stack
 from .scenarios import Scenario
 

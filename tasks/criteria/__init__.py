@@ -1,0 +1,1 @@
+"""What to do with the freedom that other tasks leave: secondary criteria."""

@@ -1,0 +1,109 @@
+r"""A scalar that the joints climb, or descend, with what freedom is left.
+
+Liegeois (1977) puts the gradient of a scalar H(q) into the null space of a task. As a level below the task that is
+
+.. math::
+
+    \text{velocity order:}\quad & \dot q = \pm K \nabla H \\
+    \text{acceleration order:}\quad & \ddot q = \pm K^2 \nabla H - 2 K \dot q,
+
+plus where H is to rise. Below a task with :math:`N = I - J^\# J` the joints move by
+:math:`\pm K N \nabla H`, along which :math:`\dot H = \pm K \lVert N \nabla H \rVert^2`: H can only improve, and comes
+to rest where the gradient lies in the row space of J.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hqp.checks import of_type
+
+from .._checks import Array, positive, positive_scalar
+from ..part import Part, Tick
+from ..robots.robot import Robot, integrate
+
+#: Of the central differences [rad, m]: truncation and round-off are both about 1e-10 of H.
+STEP = 1e-5
+
+
+class GradientTask(Part):
+    """Raise a scalar of the configuration, in every joint but a floating base: it uses up all freedom left.
+
+    A criterion of your own needs `value`, and may give its `gradient`:
+
+    >>> class Stretched(GradientTask):
+    ...     def value(self, robot, q, t=0.0):
+    ...         return float(robot.at(q, np.zeros(robot.nv)).frame().position @ [1.0, 0.0])
+    >>> Stretched(gain=2.0)
+    Stretched(gain=2)
+
+    Parameters
+    ----------
+    gain : float
+        K [1/s], against H in its own unit.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level.
+    name : str, optional
+        Default: the name of the class.
+
+    Raises
+    ------
+    InvalidInput
+        If a gain or a weight is not positive or larger than 1e15.
+    """
+
+    plain: ClassVar[bool] = True
+    #: Whether the value is a cost, which falls.
+    descend: ClassVar[bool] = False
+    rows = None
+
+    def __init__(self, *, gain: float, weight: ArrayLike = 1.0, name: str | None = None) -> None:
+        default = type(self).__name__.removesuffix("Task").lower()
+        self.name = default if name is None else of_type(name, str, "name of a task")
+        self.gain = positive_scalar(gain, f"{self.label()}: gain", unit="1/s")
+        self.weight = positive(weight, f"{self.label()}: weight")
+
+    def size(self, robot: Robot) -> int:
+        return len(self.variables(robot))
+
+    def variables(self, robot: Robot) -> NDArray[np.intp]:
+        return np.arange(getattr(robot, "base", 0), robot.nv)
+
+    def value(self, robot: Robot, q: Array, t: float = 0.0) -> float:
+        """H at the configuration q and time t [s]; NaN for what is not finite, for the solver to report."""
+        raise NotImplementedError(f"{type(self).__name__} must define value(robot, q, t)")
+
+    def gradient(self, robot: Robot, q: Array, t: float = 0.0) -> Array:
+        """How H changes with each joint [unit of H per rad, or per m], shape (nv,); 0 where there is no row.
+
+        By central differences along ``robot.integrate``.
+        """
+        slope = np.zeros(robot.nv)
+        step = np.zeros(robot.nv)
+        for joint in self.variables(robot):
+            step[joint] = STEP
+            ahead, behind = (self.value(robot, integrate(robot, q, side), t) for side in (step, -step))
+            slope[joint] = (ahead - behind) / (2.0 * STEP)
+            step[joint] = 0.0
+        return slope
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        own = self.variables(tick.robot)
+        climb = self.gradient(tick.robot, tick.state.q, tick.t)[own]
+        if self.descend:
+            climb = -climb
+        if tick.order == "velocity":
+            lower[:] = self.gain * climb
+        else:
+            lower[:] = self.gain**2 * climb - 2.0 * self.gain * tick.state.v[own]
+        upper[:] = lower
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join([*self._shown(), f'gain={self.gain:.4g}'])})"
+
+    def _shown(self) -> list[str]:
+        """What the repr tells before the gain."""
+        return []

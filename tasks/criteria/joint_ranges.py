@@ -1,0 +1,80 @@
+r"""Away from the ends of the joints' ranges, with what freedom is left.
+
+Liegeois (1977): the mean squared distance of the n joints that have a range from its middle, in halves of it,
+
+.. math::
+
+    H = \frac1n \sum_i \Bigl(\frac{q_i - m_i}{h_i}\Bigr)^2, \qquad
+    m_i = \tfrac12 (\bar q_i + \underline q_i), \quad h_i = \tfrac12 (\bar q_i - \underline q_i), \qquad
+    \frac{\partial H}{\partial q_i} = \frac{2}{n} \frac{q_i - m_i}{h_i^2},
+
+is 0 in the middle and 1 where all joints stand at an end. It is a wish, and no limit: a joint may still be led
+beyond its range by the task above, unless :class:`~tasks.JointLimits` stand on top.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hqp import InvalidInput
+
+from .._checks import Array
+from ..part import Order
+from ..robots.robot import Robot, check_positioned, joint_positions
+from .gradient import GradientTask
+
+
+class JointCentringTask(GradientTask):
+    """Bring joints towards the middle of their ranges; those without two finite ends are left alone.
+
+    Parameters
+    ----------
+    gain : float
+        K [1/s], against H, which has no unit: joint i alone nears its middle at the rate ``2 K / (n h_i^2)`` [1/s].
+    weight, name
+        See :class:`tasks.GradientTask`; one row a joint with a range.
+
+    Raises
+    ------
+    InvalidInput
+        If a gain or a weight is not positive or larger than 1e15, no joint of the robot has a range, or one that
+        has is without a single position.
+    """
+
+    descend: ClassVar[bool] = True
+
+    def variables(self, robot: Robot) -> NDArray[np.intp]:
+        if robot.position_limit is None:
+            return np.zeros(0, dtype=np.intp)
+        return np.flatnonzero(np.isfinite(robot.position_limit).all(axis=0))
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        own = self.variables(robot)
+        if not len(own):
+            raise InvalidInput(f"{self.label()}: takes a robot with position limits, and {robot!r} has none")
+        check_positioned(robot, own, f"{self.label()}: joint")
+
+    def value(self, robot: Robot, q: Array, t: float = 0.0) -> float:
+        """H, between 0 and 1 inside the ranges."""
+        away, _ = self._away(robot, q)
+        return float(np.mean(away**2))
+
+    def gradient(self, robot: Robot, q: Array, t: float = 0.0) -> Array:
+        """dH/dq [1/rad, 1/m], shape (nv,), in closed form."""
+        own = self.variables(robot)
+        away, half = self._away(robot, q)
+        slope = np.zeros(robot.nv)
+        slope[own] = 2.0 * away / (len(own) * half)
+        return slope
+
+    def _away(self, robot: Robot, q: Array) -> tuple[Array, Array]:
+        """How far the joints are from the middle, in halves of their range; and these halves [rad, m]."""
+        own = self.variables(robot)
+        assert robot.position_limit is not None  # checked
+        low, high = robot.position_limit[:, own]
+        half = 0.5 * (high - low)
+        here = joint_positions(robot.at(q, np.zeros(robot.nv)))[own]
+        return (here - 0.5 * (high + low)) / half, half

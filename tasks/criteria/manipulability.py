@@ -1,0 +1,193 @@
+r"""Away from singularities, and well placed for what comes, with what freedom is left.
+
+Three measures of how well a task can be moved, which its Jacobian J (m rows) and the mass matrix M tell:
+
+.. math::
+
+    w &= \sqrt{\det J J^T} && \text{manipulability (Yoshikawa 1985a)} \\
+    w_d &= \sqrt{\det J M^{-1} M^{-T} J^T} && \text{dynamic manipulability (Yoshikawa 1985b)} \\
+    r &= (u^T (J J^T)^{-1} u)^{-1/2} && \text{velocity ratio in the direction u (Dubey and Luh 1987)}
+
+w is the volume of what joint velocities of norm one make of the task, but for a constant; w_d that of its
+accelerations by torques of norm one, from rest; and r the length of the ellipsoid of velocities along u, the speed of
+the task per joint speed. Where J loses rank w and w_d fall to zero, and r does unless u can still be moved.
+A redundant arm can raise them, because motions that the task does not see change them: each is a
+:class:`~tasks.GradientTask`, to be put below the task.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from .._checks import Array, finite
+from ..part import Order
+from ..robots.manipulability import manipulability, velocity_ellipse
+from ..robots.robot import Robot
+from ..task import Task
+from .gradient import GradientTask
+
+#: Half axes [unit of J] below this count as this long: their inverse squares stay finite.
+SHORTEST = 1e-150
+
+
+class _MeasureOfTask(GradientTask):
+    """A measure of another task's Jacobian; a floating base is left alone.
+
+    Parameters
+    ----------
+    task : Task
+        Usually one of the levels above.
+    """
+
+    measure: str
+
+    def __init__(self, task: Task, *, gain: float, weight: ArrayLike = 1.0, name: str | None = None) -> None:
+        if not isinstance(task, Task):
+            raise InvalidInput(f"{type(self).__name__} takes a Task, not a {type(task).__name__}")
+        self.task = task
+        super().__init__(gain=gain, weight=weight, name=f"{self.measure} of {task.name}" if name is None else name)
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        self.task.check(robot, order, dt)
+
+    def value(self, robot: Robot, q: Array, t: float = 0.0) -> float:
+        J = np.asarray(self.task.jacobian(robot.at(q, np.zeros(robot.nv))))
+        return self._of(J, robot, q, t) if np.isfinite(J).all() else np.nan
+
+    def _of(self, J: Array, robot: Robot, q: Array, t: float) -> float:
+        raise NotImplementedError
+
+    def _shown(self) -> list[str]:
+        return [repr(self.task)]
+
+
+class ManipulabilityTask(_MeasureOfTask):
+    """Raise the manipulability of `task`: keep its Jacobian away from loss of rank.
+
+    Parameters
+    ----------
+    task : Task
+        Usually one of the levels above.
+    gain : float
+        K [1/s], against w in the unit of J to the power of m: [m^2] for the tip in the plane.
+    weight, name
+        See :class:`tasks.GradientTask`.
+
+    Raises
+    ------
+    InvalidInput
+        If `task` is no Task, or a gain or a weight is not positive or larger than 1e15.
+    """
+
+    measure = "manipulability"
+
+    def _of(self, J: Array, robot: Robot, q: Array, t: float) -> float:
+        return float(manipulability(J))
+
+
+class DynamicManipulabilityTask(_MeasureOfTask):
+    """Raise the dynamic manipulability of `task`: let small torques accelerate it in every direction.
+
+    Parameters
+    ----------
+    task : Task
+        Usually one of the levels above.
+    gain : float
+        K [1/s], against w_d in the unit of J M^-1 to the power of m: [1/kg^2 m^2] for the tip in the plane.
+    weight, name
+        See :class:`tasks.GradientTask`.
+
+    Raises
+    ------
+    InvalidInput
+        If `task` is no Task, a gain or a weight is not positive or larger than 1e15, or the robot has no
+        ``mass_matrix(q)`` or a floating base, which no torque moves.
+    """
+
+    measure = "dynamic manipulability"
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        super().check(robot, order, dt)
+        check_dynamics(robot, self.label(), "mass_matrix")
+
+    def _of(self, J: Array, robot: Robot, q: Array, t: float) -> float:
+        M = robot.mass_matrix(q)  # type: ignore[attr-defined]
+        return float(manipulability(np.linalg.solve(M, J.T).T))
+
+
+class VelocityRatioTask(_MeasureOfTask):
+    """Raise the velocity ratio of `task` in one direction: turn the major axis of its velocity ellipsoid there.
+
+    Parameters
+    ----------
+    task : Task
+        Usually one of the levels above.
+    direction : array, shape (rows of the task,), optional
+        u, of any length but zero; by default that of the task's own desired velocity at each tick, and
+        nothing is asked where that is zero.
+    gain : float
+        K [1/s], against r in the unit of J.
+    weight, name
+        See :class:`tasks.GradientTask`.
+
+    Raises
+    ------
+    InvalidInput
+        If `task` is no Task, the direction is zero, not finite or not of its rows, or a gain or a weight is not
+        positive or larger than 1e15.
+    """
+
+    measure = "velocity ratio"
+
+    def __init__(
+        self,
+        task: Task,
+        direction: ArrayLike | None = None,
+        *,
+        gain: float,
+        weight: ArrayLike = 1.0,
+        name: str | None = None,
+    ) -> None:
+        super().__init__(task, gain=gain, weight=weight, name=name)
+        self.direction = None if direction is None else finite(direction, f"{self.label()}: direction")
+        if self.direction is not None and not self.direction.any():
+            raise InvalidInput(f"{self.label()}: direction = {self.direction.tolist()}; it must not be zero")
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        super().check(robot, order, dt)
+        rows = self.task.size(robot)
+        if self.direction is not None and self.direction.shape != (rows,):
+            raise InvalidInput(
+                f"{self.label()}: direction has shape {self.direction.shape}; it must be ({rows},), one number a row"
+                f" of {self.task.label()}"
+            )
+
+    def _of(self, J: Array, robot: Robot, q: Array, t: float) -> float:
+        wanted = self.task.rates(robot.at(q, np.zeros(robot.nv)), t)[0] if self.direction is None else self.direction
+        u = np.broadcast_to(wanted, len(J))
+        if not u.any():
+            return 0.0
+        ellipse = velocity_ellipse(J)
+        along = ellipse.directions.T @ (u / np.linalg.norm(u))
+        return float(1.0 / np.linalg.norm(along / np.maximum(ellipse.half_axes, SHORTEST)))
+
+    def _shown(self) -> list[str]:
+        return [*super()._shown(), *([] if self.direction is None else [str(self.direction.tolist())])]
+
+
+def check_dynamics(robot: Robot, what: str, *methods: str) -> None:
+    """Refuse a robot without one of these methods, or whose base no torque moves.
+
+    Raises
+    ------
+    InvalidInput
+        Names the task and the method.
+    """
+    for method in methods:
+        if not hasattr(robot, method):
+            raise InvalidInput(f"{what}: takes a robot that has {method}, and {robot!r} has none")
+    if getattr(robot, "base", 0):
+        raise InvalidInput(f"{what}: takes a robot with a fixed base; no torque moves the floating base of {robot!r}")

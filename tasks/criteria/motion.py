@@ -1,0 +1,140 @@
+r"""As little motion as the levels above permit, by joint or by kinetic energy.
+
+Whitney (1969) takes, of the motions that meet a task :math:`J x = h`, the one that is least in a norm of weights W,
+
+.. math:: \min_x \lVert x \rVert_W^2 = x^T W x \quad\Rightarrow\quad x = W^{-1} J^T (J W^{-1} J^T)^{-1} h,
+
+and with the mass matrix, :math:`W = M(q)`, the one of least kinetic energy :math:`\tfrac12 \dot q^T M \dot q`. With
+:math:`W = L L^T` it is the last level :math:`L^T x = 0`, as in :func:`hqp.nearest`.
+
+At acceleration order that would leave any speed alone that is in the freedom left: joints once set in motion never
+stop. There the rows are :math:`L^T (\ddot q + K \dot q) = 0`, which brake it at the rate K.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput, Label
+from hqp.checks import of_type
+
+from .._checks import Array, positive, positive_scalar
+from ..part import Order, Part, Tick
+from ..robots.robot import Robot, integrate, joint_names, neutral
+from .manipulability import check_dynamics
+
+
+class _LeastMotion(Part):
+    """Rows ``L^T x = -L^T K v``, K at acceleration order only."""
+
+    rows = None
+
+    def __init__(self, gain: float | None, name: str | None) -> None:
+        self.name = self.default if name is None else of_type(name, str, "name of a task")
+        self.gain = None if gain is None else positive_scalar(gain, f"{self.label()}: gain", unit="1/s")
+
+    default: ClassVar[str]
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        if order == "acceleration" and self.gain is None:
+            raise InvalidInput(
+                f"{self.label()}: gain = None; at acceleration order it must be the rate [1/s] at which motion is"
+                " braked that nothing above asks for"
+            )
+
+    def _wanted(self, tick: Tick) -> Array:
+        """The x that would be best, shape (nv,)."""
+        if tick.order == "velocity" or self.gain is None:
+            return np.zeros(tick.robot.nv)
+        return -self.gain * tick.state.v
+
+    def _options(self) -> list[str]:
+        return [] if self.gain is None else [f"gain={self.gain:.4g}"]
+
+
+class MinimumMotionTask(_LeastMotion):
+    """Move each joint as little as possible: least ``sum weight_i^2 x_i^2``. It uses up all freedom left.
+
+    From a posture to which the joints are to come back it is ``PostureTask(posture, gain=K, weight=...)``.
+
+    Parameters
+    ----------
+    weight : float or array, shape (nv,)
+        How dear each joint is, [s/rad] or [s/m] if the sum is to have no unit: the square root of W.
+    gain : float, optional
+        K [1/s], needed at acceleration order.
+    name : str, optional
+
+    Raises
+    ------
+    InvalidInput
+        If a weight or the gain is not positive or larger than 1e15, or there is no gain at acceleration order.
+    """
+
+    plain: ClassVar[bool] = True
+    default = "minimum motion"
+
+    def __init__(self, weight: ArrayLike = 1.0, *, gain: float | None = None, name: str | None = None) -> None:
+        super().__init__(gain, name)
+        self.weight = positive(weight, f"{self.label()}: weight")
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        lower[:] = upper[:] = self._wanted(tick)  # the rows of A are those of the identity from the start
+
+    def __repr__(self) -> str:
+        return f"MinimumMotionTask({', '.join([str(self.weight.tolist()), *self._options()])})"
+
+
+class KineticEnergyTask(_LeastMotion):
+    """Move with as little kinetic energy as possible: rows ``L^T x``, M = L L^T. It uses up all freedom left.
+
+    Parameters
+    ----------
+    weight : float
+        Of the rows inside their level; they are in [J^(1/2)].
+    gain : float, optional
+        K [1/s], needed at acceleration order.
+    name : str, optional
+
+    Raises
+    ------
+    InvalidInput
+        If the weight or the gain is not positive or larger than 1e15, there is no gain at acceleration order, or the
+        robot has no ``mass_matrix(q)`` or one that is not positive definite.
+    """
+
+    default = "kinetic energy"
+
+    def __init__(self, *, weight: float = 1.0, gain: float | None = None, name: str | None = None) -> None:
+        super().__init__(gain, name)
+        self.weight = np.asarray(positive_scalar(weight, f"{self.label()}: weight"))
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        super().check(robot, order, dt)
+        if not hasattr(robot, "mass_matrix"):
+            raise InvalidInput(f"{self.label()}: takes a robot that has mass_matrix, and {robot!r} has none")
+        # Neutral may be a singular pose of the arm, but M is definite anywhere unless a link has no mass.
+        if not np.isfinite(_root(robot, integrate(robot, neutral(robot), np.full(robot.nv, 0.1)))).all():
+            raise InvalidInput(f"{self.label()}: takes a positive definite mass matrix; links of {robot!r} have none")
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        return [Label(self.name, name) for name in joint_names(robot)]
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        assert A is not None  # its rows are not plain
+        A[:] = _root(tick.robot, tick.state.q)
+        lower[:] = upper[:] = A @ self._wanted(tick)
+
+    def __repr__(self) -> str:
+        return f"KineticEnergyTask({', '.join(self._options())})"
+
+
+def _root(robot: Robot, q: Array) -> Array:
+    """The upper triangle ``L^T`` of ``M = L L^T``, shape (nv, nv); NaN where M is not positive definite."""
+    try:
+        return np.asarray(np.linalg.cholesky(robot.mass_matrix(q)).T)  # type: ignore[attr-defined]
+    except np.linalg.LinAlgError:
+        return np.full((robot.nv, robot.nv), np.nan)

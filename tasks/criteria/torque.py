@@ -1,0 +1,116 @@
+r"""As little joint torque as the levels above permit, at acceleration order.
+
+Hollerbach and Suh (1987) spend the freedom that a task leaves on the torques of the same instant,
+
+.. math::
+
+    \tau = M(q)\,\ddot q + b(q, v), \qquad
+    \min_{\ddot q} \sum_i \Bigl(\frac{\tau_i - m_i}{h_i}\Bigr)^2,
+
+with the bias b (Coriolis, centripetal, gravity) and, where the actuators have a range, its middle m and half h. As
+a level these are rows :math:`M \ddot q = m - b` of weights 1/h. Below a task :math:`J \ddot q = h_1` the answer is
+
+.. math:: \ddot q = \ddot q_0 + W J^T (J W J^T)^{-1} (h_1 - J \ddot q_0), \qquad
+    \ddot q_0 = M^{-1} (m - b), \quad W = (M D^2 M)^{-1}, \quad D = \operatorname{diag}(1/h).
+
+What is best at every instant is not best for the motion: torques are saved by letting joints swing, and the speed that
+they gather in the freedom left has to be paid for later, by centripetal torques that grow with its square. On long
+motions the arm whips up and torques *rise* far above those of least accelerations, which is what Hollerbach and Suh
+found. A velocity term is the remedy (null space damping, Kang and Freeman 1993): rows
+
+.. math:: M (\ddot q + K v) = m - b
+
+take speed that no task asks for away at the rate K, and leave torque optimisation to what lasts longer than 1/K.
+"""
+
+from __future__ import annotations
+
+from reprlib import repr as brief
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput, Label
+from hqp.checks import of_type
+
+from .._checks import Array, finite, per_row, positive, positive_scalar
+from ..part import Order, Part, Tick
+from ..robots.robot import Robot, joint_names, joint_units
+from .manipulability import check_dynamics
+
+
+class MinimumTorqueTask(Part):
+    """Bring the joint torques to zero, or to the middle of their range. It uses up all freedom left.
+
+    Parameters
+    ----------
+    gain : float, optional
+        K [1/s]: the rate at which motion is braked that nothing above asks for. None is the law of Hollerbach and
+        Suh, which is unstable on long motions.
+    torque_range : pair of float or array, shape (nv,), optional
+        Lowest and highest joint torques [N m], or forces [N]: the torques are brought to its middle, each weighed by
+        the inverse of half its range (default: to zero, all alike).
+    weight : float or array, shape (nv,)
+        Weight of the rows inside their level, besides.
+    name : str, optional
+
+    Raises
+    ------
+    InvalidInput
+        If a gain or a weight is not positive or larger than 1e15, the range is no pair of finite numbers, the lowest
+        below the highest, the order is not acceleration, or the robot has no ``mass_matrix(q)`` or
+        ``bias(q, v)``, or a floating base.
+    """
+
+    rows = None
+
+    def __init__(
+        self,
+        *,
+        gain: float | None = None,
+        torque_range: tuple[ArrayLike, ArrayLike] | None = None,
+        weight: ArrayLike = 1.0,
+        name: str | None = None,
+    ) -> None:
+        self.name = "minimum torque" if name is None else of_type(name, str, "name of a task")
+        self.gain = None if gain is None else positive_scalar(gain, f"{self.label()}: gain", unit="1/s")
+        self.weight = positive(weight, f"{self.label()}: weight")
+        self.middle = np.zeros(())
+        self.torque_range = torque_range
+        if torque_range is not None:
+            what = f"{self.label()}: torque range"
+            if not isinstance(torque_range, (tuple, list, np.ndarray)) or len(torque_range) != 2:
+                raise InvalidInput(f"{what} = {brief(torque_range)} must be a pair: lowest and highest [N m]")
+            low, high = (finite(end, what) for end in torque_range)
+            if not np.all(low < high):
+                raise InvalidInput(
+                    f"{what} from {low.tolist()} to {high.tolist()}; the lowest must be below the highest"
+                )
+            self.middle = 0.5 * (low + high)
+            self.weight = self.weight / (0.5 * (high - low))
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        if order != "acceleration":
+            raise InvalidInput(f"{self.label()}: order = {order!r}; torques belong to accelerations: 'acceleration'")
+        check_dynamics(robot, self.label(), "mass_matrix", "bias")
+        per_row(self.middle, robot.nv, f"{self.label()}: torque range", "joint")
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        units = {"rad": "N m", "m": "N"}
+        return [
+            Label(self.name, *row) for row in zip(joint_names(robot), map(units.get, joint_units(robot)), strict=True)
+        ]
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        assert A is not None  # its rows are not plain
+        robot, state = tick.robot, tick.state
+        A[:] = robot.mass_matrix(state.q)  # type: ignore[attr-defined]
+        lower[:] = self.middle - robot.bias(state.q, state.v)  # type: ignore[attr-defined]
+        if self.gain is not None:
+            lower -= self.gain * (A @ state.v)
+        upper[:] = lower
+
+    def __repr__(self) -> str:
+        shown = [] if self.gain is None else [f"gain={self.gain:.4g}"]
+        shown += [] if self.torque_range is None else [f"torque_range={brief(self.torque_range)}"]
+        return f"MinimumTorqueTask({', '.join(shown)})"
