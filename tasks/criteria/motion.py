@@ -24,7 +24,6 @@ from hqp.checks import of_type
 from .._checks import Array, positive, positive_scalar
 from ..part import Order, Part, Tick
 from ..robots.robot import Robot, integrate, joint_names, neutral
-from .manipulability import check_dynamics
 
 
 class _LeastMotion(Part):

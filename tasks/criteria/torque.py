@@ -16,11 +16,12 @@ a level these are rows :math:`M \ddot q = m - b` of weights 1/h. Below a task :m
 What is best at every instant is not best for the motion: torques are saved by letting joints swing, and the speed that
 they gather in the freedom left has to be paid for later, by centripetal torques that grow with its square. On long
 motions the arm whips up and torques *rise* far above those of least accelerations, which is what Hollerbach and Suh
-found. A velocity term is the remedy (null space damping, Kang and Freeman 1993): rows
+found. The remedy is a share of least motion on the same level (a balance as of Ma 1996), with a velocity term:
 
-.. math:: M (\ddot q + K v) = m - b
+.. math:: \lVert M \ddot q + b \rVert^2 + \lambda^2 \lVert \ddot q + K v \rVert^2,
 
-take speed that no task asks for away at the rate K, and leave torque optimisation to what lasts longer than 1/K.
+``MinimumTorqueTask() + MinimumMotionTask(weight, gain=K)``, its weight lambda [kg m^2] of the size of M. See
+``examples/09_torque_minimisation.py``.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
-from .._checks import Array, finite, per_row, positive, positive_scalar
+from .._checks import Array, finite, per_row, positive
 from ..part import Order, Part, Tick
 from ..robots.robot import Robot, joint_names, joint_units
 from .manipulability import check_dynamics
@@ -42,11 +43,10 @@ from .manipulability import check_dynamics
 class MinimumTorqueTask(Part):
     """Bring the joint torques to zero, or to the middle of their range. It uses up all freedom left.
 
+    Alone it is unstable on long motions: join it to a :class:`~tasks.MinimumMotionTask` by ``+``.
+
     Parameters
     ----------
-    gain : float, optional
-        K [1/s]: the rate at which motion is braked that nothing above asks for. None is the law of Hollerbach and
-        Suh, which is unstable on long motions.
     torque_range : pair of float or array, shape (nv,), optional
         Lowest and highest joint torques [N m], or forces [N]: the torques are brought to its middle, each weighed by
         the inverse of half its range (default: to zero, all alike).
@@ -57,7 +57,7 @@ class MinimumTorqueTask(Part):
     Raises
     ------
     InvalidInput
-        If a gain or a weight is not positive or larger than 1e15, the range is no pair of finite numbers, the lowest
+        If a weight is not positive or larger than 1e15, the range is no pair of finite numbers, the lowest
         below the highest, the order is not acceleration, or the robot has no ``mass_matrix(q)`` or
         ``bias(q, v)``, or a floating base.
     """
@@ -67,13 +67,11 @@ class MinimumTorqueTask(Part):
     def __init__(
         self,
         *,
-        gain: float | None = None,
         torque_range: tuple[ArrayLike, ArrayLike] | None = None,
         weight: ArrayLike = 1.0,
         name: str | None = None,
     ) -> None:
         self.name = "minimum torque" if name is None else of_type(name, str, "name of a task")
-        self.gain = None if gain is None else positive_scalar(gain, f"{self.label()}: gain", unit="1/s")
         self.weight = positive(weight, f"{self.label()}: weight")
         self.middle = np.zeros(())
         self.torque_range = torque_range
@@ -96,21 +94,16 @@ class MinimumTorqueTask(Part):
         per_row(self.middle, robot.nv, f"{self.label()}: torque range", "joint")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
-        units = {"rad": "N m", "m": "N"}
-        return [
-            Label(self.name, *row) for row in zip(joint_names(robot), map(units.get, joint_units(robot)), strict=True)
-        ]
+        rows = zip(joint_names(robot), joint_units(robot), strict=True)
+        return [Label(self.name, name, "N" if unit == "m" else "N m") for name, unit in rows]
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         assert A is not None  # its rows are not plain
         robot, state = tick.robot, tick.state
         A[:] = robot.mass_matrix(state.q)  # type: ignore[attr-defined]
         lower[:] = self.middle - robot.bias(state.q, state.v)  # type: ignore[attr-defined]
-        if self.gain is not None:
-            lower -= self.gain * (A @ state.v)
         upper[:] = lower
 
     def __repr__(self) -> str:
-        shown = [] if self.gain is None else [f"gain={self.gain:.4g}"]
-        shown += [] if self.torque_range is None else [f"torque_range={brief(self.torque_range)}"]
-        return f"MinimumTorqueTask({', '.join(shown)})"
+        shown = "" if self.torque_range is None else f"torque_range={brief(self.torque_range)}"
+        return f"MinimumTorqueTask({shown})"

@@ -251,7 +251,7 @@ class PinocchioRobot:
         return M
 
     def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """Joint torques [N m], forces [N] that no acceleration takes: Coriolis, centripetal, gravity, shape (..., nv)."""
+        """What torques [N m], forces [N] hold without acceleration: Coriolis, centripetal, gravity, shape (..., nv)."""
         q, v = (np.asarray(value, dtype=np.float64) for value in (q, v))
         rows = zip(q.reshape(-1, self.nq), v.reshape(-1, self.nv), strict=True)
         torques = [np.array(pin.nonLinearEffects(self.model, self.data, *row)) for row in rows]
