@@ -35,7 +35,7 @@ def move(criterion, way, duration):
     return simulate(controller, start, duration=duration, certify=50)
 
 
-moves = {"short": ([0.4, 0.0], 1.0), "long": ([2.2, 0.2], 2.0)}  # [m], [s]
+moves = {"short": ([0.2, 0.0], 0.5), "long": ([2.2, 0.2], 2.0)}  # [m], [s]
 records = {}
 for length, (way, duration) in moves.items():
     print(f"{length} move, {np.linalg.norm(way):.2f} m in {duration:g} s: torque at most and rms, fastest joint")

@@ -108,6 +108,50 @@ def humanoid_reach(folder: str, robot: Robot, record: Record, margin: float) -> 
     save(figure, folder, "humanoid_reach.png")
 
 
+def torque_minimisation(folder: str, records: dict[tuple[str, str], Record]) -> None:
+    """Torque and joint speed of each law, of the short move and of the long one."""
+    colours = {"least acceleration": GREY, "least torque": ORANGE, "balanced": BLUE}
+    figure = Figure(figsize=(9.0, 4.4), layout="constrained")
+    panels = figure.subplots(2, 2, sharex="col")
+    for (length, name), record in records.items():
+        torque, speed = panels[:, 0 if length == "short" else 1]
+        torque.plot(record.t[: len(record.tau)], np.linalg.norm(record.tau, axis=1), color=colours[name], label=name)
+        speed.plot(record.t, np.abs(record.v).max(axis=1), color=colours[name])
+        torque.set_title(f"{length} move: norm of the torques [N m]")
+        speed.set(title="fastest joint [rad/s]", xlabel="t [s]")
+        if record.stopped:
+            torque.plot(record.t[-2], np.linalg.norm(record.tau[-1]), "x", color=colours[name])
+            speed.plot(record.t[-1], np.abs(record.v[-1]).max(), "x", color=colours[name])
+    panels[0, 1].set(yscale="log", ylim=(5.0, 1e6))
+    panels[1, 1].set(yscale="log", ylim=(1e-2, 1e3))
+    panels[0, 0].set_ylim(0.0, 200.0)
+    panels[0, 0].legend(ncols=2)
+    save(figure, folder, "torque_minimisation.png")
+
+
+def liegeois(folder: str, robot: Robot, records: dict[str, Record]) -> None:
+    """Every joint in its range, the mean square of that, and the error of the hand."""
+    low, high = robot.position_limit
+    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
+    left, right = figure.add_gridspec(1, 2, width_ratios=[1.3, 1])
+    ranges = left.subgridspec(2, 1).subplots(sharex=True, sharey=True)
+    square, error = right.subgridspec(2, 1).subplots(sharex=True)
+    for axes, (name, record), colour in zip(ranges, records.items(), (ORANGE, BLUE), strict=True):
+        relative = (2.0 * record.q - high - low) / (high - low)
+        axes.plot(record.t, relative, lw=1.0, label=[f"joint {i + 1}" for i in range(robot.nv)])
+        for side in (-1.0, 1.0):
+            axes.axhline(side, color=RED, ls="--", lw=0.8)
+        axes.set(title=f"{name}: position of each joint in its range", ylim=(-1.15, 1.15))
+        square.plot(record.t, np.mean(relative**2, axis=1), color=colour, label=name)
+        error.plot(record.t, 1e3 * np.linalg.norm(record.errors["position"], axis=1), color=colour)
+    ranges[1].set_xlabel("t [s]")
+    ranges[1].legend(ncols=4, fontsize=7, loc="upper center", bbox_to_anchor=(0.5, 0.93))
+    square.set(title="mean square: what is descended")
+    square.legend()
+    error.set(title="error of the hand [mm]", xlabel="t [s]")
+    save(figure, folder, "liegeois.png")
+
+
 def stick(axes: Axes3D, segments: np.ndarray, colour: str, alpha: float = 1.0) -> None:
     """A stick figure: its links, and dots between them."""
     axes.add_collection3d(Line3DCollection(segments, colors=colour, linewidths=2.2, alpha=alpha, capstyle="round"))

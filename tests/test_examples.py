@@ -24,6 +24,8 @@ SAYS = {
     "07_ur5_singularity": "40 of 40",
     "08_humanoid_reach": "center of mass met (1 of 2 rows at a bound)",
     "13_priority_swap": "hand off by 373.4 mm, rest by 0.1 deg",
+    "09_torque_minimisation": "diverged at t = 1.8",
+    "10_liegeois": "a joint at 100 % of its half range",
 }
 
 #: What each draws into the folder that it is given, also kept in the documentation.
@@ -32,6 +34,8 @@ DRAWS = {
     "07_ur5_singularity": "ur5_singularity.png",
     "08_humanoid_reach": "humanoid_reach.png",
     "13_priority_swap": "priority_swap.png",
+    "09_torque_minimisation": "torque_minimisation.png",
+    "10_liegeois": "liegeois.png",
 }
 
 

@@ -80,6 +80,11 @@ class MinimumTorqueTask(Part):
             if not isinstance(torque_range, (tuple, list, np.ndarray)) or len(torque_range) != 2:
                 raise InvalidInput(f"{what} = {brief(torque_range)} must be a pair: lowest and highest [N m]")
             low, high = (finite(end, what) for end in torque_range)
+            shapes = {array.shape for array in (low, high, self.weight)} - {()}
+            if len(shapes) > 1:
+                raise InvalidInput(
+                    f"{what} and weight have shapes {', '.join(map(str, sorted(shapes)))}; they must agree"
+                )
             if not np.all(low < high):
                 raise InvalidInput(
                     f"{what} from {low.tolist()} to {high.tolist()}; the lowest must be below the highest"
