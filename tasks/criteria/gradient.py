@@ -76,18 +76,21 @@ class GradientTask(Part):
         """H at the configuration q and time t [s]; NaN for what is not finite, for the solver to report."""
         raise NotImplementedError(f"{type(self).__name__} must define value(robot, q, t)")
 
+    def values(self, robot: Robot, q: Array, t: float = 0.0) -> Array:
+        """H at several configurations, shape (k, nq): one by one, unless a criterion has a faster way."""
+        return np.array([self.value(robot, one, t) for one in q])
+
     def gradient(self, robot: Robot, q: Array, t: float = 0.0) -> Array:
         """How H changes with each joint [unit of H per rad, or per m], shape (nv,); 0 where there is no row.
 
         By central differences along ``robot.integrate``.
         """
+        own = self.variables(robot)
+        steps = STEP * np.eye(robot.nv)[own]
+        around = np.array([integrate(robot, q, step) for step in (*steps, *-steps)])
+        ahead, behind = np.reshape(self.values(robot, around, t), (2, -1))
         slope = np.zeros(robot.nv)
-        step = np.zeros(robot.nv)
-        for joint in self.variables(robot):
-            step[joint] = STEP
-            ahead, behind = (self.value(robot, integrate(robot, q, side), t) for side in (step, -step))
-            slope[joint] = (ahead - behind) / (2.0 * STEP)
-            step[joint] = 0.0
+        slope[own] = (ahead - behind) / (2.0 * STEP)
         return slope
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:

@@ -54,10 +54,15 @@ class _MeasureOfTask(GradientTask):
         self.task.check(robot, order, dt)
 
     def value(self, robot: Robot, q: Array, t: float = 0.0) -> float:
-        J = np.asarray(self.task.jacobian(robot.at(q, np.zeros(robot.nv))))
-        return self._of(J, robot, q, t) if np.isfinite(J).all() else np.nan
+        return float(self.values(robot, q[None], t)[0])
 
-    def _of(self, J: Array, robot: Robot, q: Array, t: float) -> float:
+    def values(self, robot: Robot, q: Array, t: float = 0.0) -> Array:
+        still = np.zeros(robot.nv)
+        J = np.array([self.task.jacobian(robot.at(one, still)) for one in q])
+        return self._of(J, robot, q, t) if np.isfinite(J).all() else np.full(len(q), np.nan)
+
+    def _of(self, J: Array, robot: Robot, q: Array, t: float) -> Array:
+        """The measure of Jacobians, shape (k, m, nv), at these configurations, shape (k, nq)."""
         raise NotImplementedError
 
     def _shown(self) -> list[str]:
@@ -84,8 +89,8 @@ class ManipulabilityTask(_MeasureOfTask):
 
     measure = "manipulability"
 
-    def _of(self, J: Array, robot: Robot, q: Array, t: float) -> float:
-        return float(manipulability(J))
+    def _of(self, J: Array, robot: Robot, q: Array, t: float) -> Array:
+        return manipulability(J)
 
 
 class DynamicManipulabilityTask(_MeasureOfTask):
@@ -113,9 +118,9 @@ class DynamicManipulabilityTask(_MeasureOfTask):
         super().check(robot, order, dt)
         check_dynamics(robot, self.label(), "mass_matrix")
 
-    def _of(self, J: Array, robot: Robot, q: Array, t: float) -> float:
+    def _of(self, J: Array, robot: Robot, q: Array, t: float) -> Array:
         M = robot.mass_matrix(q)  # type: ignore[attr-defined]
-        return float(manipulability(np.linalg.solve(M, J.T).T))
+        return manipulability(np.linalg.solve(M, J.swapaxes(-1, -2)).swapaxes(-1, -2))
 
 
 class VelocityRatioTask(_MeasureOfTask):
@@ -165,14 +170,21 @@ class VelocityRatioTask(_MeasureOfTask):
                 f" of {self.task.label()}"
             )
 
-    def _of(self, J: Array, robot: Robot, q: Array, t: float) -> float:
-        wanted = self.task.rates(robot.at(q, np.zeros(robot.nv)), t)[0] if self.direction is None else self.direction
-        u = np.broadcast_to(wanted, len(J))
-        if not u.any():
-            return 0.0
+    def _of(self, J: Array, robot: Robot, q: Array, t: float) -> Array:
+        u = np.broadcast_to(self._direction(robot, q, t), J.shape[:-1])
+        length = np.linalg.norm(u, axis=-1)
         ellipse = velocity_ellipse(J)
-        along = ellipse.directions.T @ (u / np.linalg.norm(u))
-        return float(1.0 / np.linalg.norm(along / np.maximum(ellipse.half_axes, SHORTEST)))
+        along = np.einsum("kij,ki->kj", ellipse.directions, u) / np.maximum(ellipse.half_axes, SHORTEST)
+        inverse = np.linalg.norm(along, axis=-1)
+        return np.asarray(np.divide(length, inverse, out=np.zeros(len(J)), where=length > 0.0))
+
+    def _direction(self, robot: Robot, q: Array, t: float) -> ArrayLike:
+        """u, of any length, shape (m,), or where it is the task's own, which may turn with the robot, (k, m)."""
+        if self.direction is not None:
+            return self.direction
+        still = np.zeros(robot.nv)
+        desired = [np.asarray(self.task.rates(robot.at(one, still), t)[0]) for one in q]
+        return np.array(desired).reshape(len(q), -1)
 
     def _shown(self) -> list[str]:
         return [*super()._shown(), *([] if self.direction is None else [str(self.direction.tolist())])]

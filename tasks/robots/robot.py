@@ -74,6 +74,9 @@ class Robot(Protocol):
 
     ``inverse_dynamics(q, v, a)``
         Joint torques [N m], shape (..., nv), which accelerations a [rad/s^2] take (Eq. 4.1).
+    ``mass_matrix(q)``, ``bias(q, v)``
+        M(q), shape (..., nv, nv), and what torques hold without acceleration [N m], shape (..., nv), for criteria
+        of energy and torque.
     ``manipulability(q)``
         How well the tip can be moved, shape (...), in a unit of the robot's own.
     """
