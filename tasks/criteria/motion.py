@@ -30,12 +30,11 @@ class _LeastMotion(Part):
     """Rows ``L^T x = -L^T K v``, K at acceleration order only."""
 
     rows = None
+    default: ClassVar[str]
 
     def __init__(self, gain: float | None, name: str | None) -> None:
         self.name = self.default if name is None else of_type(name, str, "name of a task")
         self.gain = None if gain is None else positive_scalar(gain, f"{self.label()}: gain", unit="1/s")
-
-    default: ClassVar[str]
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if order == "acceleration" and self.gain is None:
@@ -51,6 +50,7 @@ class _LeastMotion(Part):
         return -self.gain * tick.state.v
 
     def _options(self) -> list[str]:
+        """What the repr tells of the gain."""
         return [] if self.gain is None else [f"gain={self.gain:.4g}"]
 
 
