@@ -307,6 +307,7 @@ def test_refusals_name_the_task(spatial):
         (lambda: Controller(arm, MinimumMotionTask([1.0, 2.0])), r"weight has shape \(2,\)"),
         (lambda: Controller(arm, KineticEnergyTask(), order="acceleration"), "'kinetic energy': gain = None"),
         (lambda: Controller(Bare(), KineticEnergyTask()), "'kinetic energy': takes a robot that has mass_matrix"),
+        (lambda: Controller(massless, DynamicManipulabilityTask(task, gain=1.0)), "positive definite mass matrix"),
         (lambda: Controller(massless, KineticEnergyTask()), "takes a positive definite mass matrix"),
         (lambda: Controller(arm, MinimumTorqueTask()), "'minimum torque': order = 'velocity'"),
         (lambda: Controller(Bare(), MinimumTorqueTask(), order="acceleration"), "that has mass_matrix"),

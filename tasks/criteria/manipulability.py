@@ -27,6 +27,7 @@ from ..part import Order
 from ..robots.manipulability import manipulability, velocity_ellipse
 from ..robots.robot import Robot
 from ..task import Task
+from .dynamics import check_definite, check_fixed, check_methods, root
 from .gradient import GradientTask
 
 #: Half axes [unit of J] below this count as this long: their inverse squares stay finite.
@@ -109,18 +110,23 @@ class DynamicManipulabilityTask(_MeasureOfTask):
     ------
     InvalidInput
         If `task` is no Task, a gain or a weight is not positive or larger than 1e15, or the robot has no
-        ``mass_matrix(q)`` or a floating base, which no torque moves.
+        ``mass_matrix(q)``, links without mass, or a floating base, which no torque moves.
     """
 
     measure = "dynamic manipulability"
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         super().check(robot, order, dt)
-        check_dynamics(robot, self.label(), "mass_matrix")
+        check_methods(robot, self.label(), "mass_matrix")
+        check_fixed(robot, self.label())
+        check_definite(robot, self.label())
 
     def _of(self, J: Array, robot: Robot, q: Array, t: float) -> Array:
-        M = robot.mass_matrix(q)  # type: ignore[attr-defined]
-        return manipulability(np.linalg.solve(M, J.swapaxes(-1, -2)).swapaxes(-1, -2))
+        R = root(robot, q)  # M = R^T R
+        if not np.isfinite(R).all():
+            return np.full(len(J), np.nan)
+        A = np.linalg.solve(R, np.linalg.solve(R.swapaxes(-1, -2), J.swapaxes(-1, -2)))  # M^-1 J^T
+        return manipulability(A.swapaxes(-1, -2))
 
 
 class VelocityRatioTask(_MeasureOfTask):
@@ -188,18 +194,3 @@ class VelocityRatioTask(_MeasureOfTask):
 
     def _shown(self) -> list[str]:
         return [*super()._shown(), *([] if self.direction is None else [str(self.direction.tolist())])]
-
-
-def check_dynamics(robot: Robot, what: str, *methods: str) -> None:
-    """Refuse a robot without one of these methods, or whose base no torque moves.
-
-    Raises
-    ------
-    InvalidInput
-        Names the task and the method.
-    """
-    for method in methods:
-        if not hasattr(robot, method):
-            raise InvalidInput(f"{what}: takes a robot that has {method}, and {robot!r} has none")
-    if getattr(robot, "base", 0):
-        raise InvalidInput(f"{what}: takes a robot with a fixed base; no torque moves the floating base of {robot!r}")

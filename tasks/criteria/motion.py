@@ -23,7 +23,8 @@ from hqp.checks import of_type
 
 from .._checks import Array, positive, positive_scalar
 from ..part import Order, Part, Tick
-from ..robots.robot import Robot, integrate, joint_names, neutral
+from ..robots.robot import Robot, joint_names
+from .dynamics import check_definite, check_methods, root
 
 
 class _LeastMotion(Part):
@@ -113,27 +114,16 @@ class KineticEnergyTask(_LeastMotion):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         super().check(robot, order, dt)
-        if not hasattr(robot, "mass_matrix"):
-            raise InvalidInput(f"{self.label()}: takes a robot that has mass_matrix, and {robot!r} has none")
-        # Neutral may be a singular pose of the arm, but M is definite anywhere unless a link has no mass.
-        if not np.isfinite(_root(robot, integrate(robot, neutral(robot), np.full(robot.nv, 0.1)))).all():
-            raise InvalidInput(f"{self.label()}: takes a positive definite mass matrix; links of {robot!r} have none")
+        check_methods(robot, self.label(), "mass_matrix")
+        check_definite(robot, self.label())
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         return [Label(self.name, name) for name in joint_names(robot)]
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         assert A is not None  # its rows are not plain
-        A[:] = _root(tick.robot, tick.state.q)
+        A[:] = root(tick.robot, tick.state.q)
         lower[:] = upper[:] = A @ self._wanted(tick)
 
     def __repr__(self) -> str:
         return f"KineticEnergyTask({', '.join(self._options())})"
-
-
-def _root(robot: Robot, q: Array) -> Array:
-    """The upper triangle ``L^T`` of ``M = L L^T``, shape (nv, nv); NaN where M is not positive definite."""
-    try:
-        return np.asarray(np.linalg.cholesky(robot.mass_matrix(q)).T)  # type: ignore[attr-defined]
-    except np.linalg.LinAlgError:
-        return np.full((robot.nv, robot.nv), np.nan)

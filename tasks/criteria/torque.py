@@ -37,7 +37,7 @@ from hqp.checks import of_type
 from .._checks import Array, finite, per_row, positive
 from ..part import Order, Part, Tick
 from ..robots.robot import Robot, joint_names, joint_units
-from .manipulability import check_dynamics
+from .dynamics import check_fixed, check_methods
 
 
 class MinimumTorqueTask(Part):
@@ -95,7 +95,8 @@ class MinimumTorqueTask(Part):
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if order != "acceleration":
             raise InvalidInput(f"{self.label()}: order = {order!r}; torques belong to accelerations: 'acceleration'")
-        check_dynamics(robot, self.label(), "mass_matrix", "bias")
+        check_methods(robot, self.label(), "mass_matrix", "bias")
+        check_fixed(robot, self.label())
         per_row(self.middle, robot.nv, f"{self.label()}: torque range", "joint")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
