@@ -6,7 +6,6 @@ import numpy as np
 
 from tasks import (
     Controller,
-    Damping,
     JointLimits,
     JointTorqueLimit,
     MujocoPlant,
@@ -37,8 +36,9 @@ def eight(t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return hand.position + s, c * rate, c * change - WAVES**2 * s * rate**2
 
 
-turn = OrientationTask(hand.rotation, gain=15.0) + Damping(0.01)
-tasks = PositionTask(eight, gain=15.0) >> turn >> PostureTask(robot.home, gain=2.0)
+# The posture keeps the arm from wandering to where the motors suffice, and the hand from tumbling where they do not.
+turn = OrientationTask(hand.rotation, gain=15.0) + PostureTask(robot.home, gain=5.0, weight=0.5)
+tasks = PositionTask(eight, gain=15.0) >> turn
 controller = Controller(robot, JointTorqueLimit() >> JointLimits() >> tasks, order="torque", dt=2e-3)
 record = simulate(controller, robot.home, duration=SECONDS, certify=100, plant=MujocoPlant(robot))
 

@@ -111,7 +111,7 @@ def humanoid_reach(folder: str, robot: Robot, record: Record, margin: float) -> 
 
 
 def torque_panda(folder: str, robot: Robot, record: Record) -> None:
-    """Error, torques and active limits over time, and the last seconds as a GIF."""
+    """Error, torques and active limits over time, and the change from slow to fast as a GIF."""
     figure = Figure(figsize=(9.0, 5.0), layout="constrained")
     position, orientation, torque, active = figure.subplots(4, sharex=True, height_ratios=[1, 1, 1.4, 1])
     position.plot(record.t, 1e3 * np.linalg.norm(record.errors["position"], axis=1), color=BLUE, lw=0.8)
@@ -123,7 +123,7 @@ def torque_panda(folder: str, robot: Robot, record: Record) -> None:
     torque.set(title="largest torque over its limit", ylim=(0, 1.1))
     ticks, joints = np.nonzero(record.active["torque"])
     active.plot(record.t[ticks], joints + 1, "|", color=RED, ms=5)
-    active.set(title="motors at their limit", xlabel="t [s]", ylim=(0.4, robot.nv + 0.6))
+    active.set(title="motors at their limit", xlabel="t [s]", ylim=(0.4, robot.nv + 0.6), yticks=range(1, robot.nv + 1))
     active.set_ylabel("joint")
     for axes in figure.axes:
         axes.axvline(record.t[-1] / 2, color=GREY, lw=1.0)
@@ -132,10 +132,11 @@ def torque_panda(folder: str, robot: Robot, record: Record) -> None:
 
 
 def torque_film(path: Path, robot: Robot, record: Record, seconds: float = 4.0, per_second: int = 15) -> None:
-    """The end of the run as a stick figure, as fast as it was: joints at their torque limit are red."""
+    """The middle of the run as a stick figure, as fast as it was: joints at their torque limit are red."""
     figure = Figure(figsize=(4.2, 4.0), layout="constrained")
     FigureCanvasAgg(figure)
-    frames = np.unique(np.linspace(max(record.t[-1] - seconds, 0.0), record.t[-1], int(seconds * per_second)))
+    start = max(record.t[-1] / 2 - seconds / 4, 0.0)
+    frames = np.arange(start, min(start + seconds, record.t[-1]), 1.0 / per_second)
     writer = PillowWriter(fps=per_second)
     with writer.saving(figure, str(path), dpi=70):
         for k in np.minimum(np.searchsorted(record.t, frames), len(record) - 1):
