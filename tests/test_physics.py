@@ -111,7 +111,7 @@ def test_the_loop_keeps_its_torques_and_its_task():
     motors = (29.0,) * 4 + (4.0,) * 3
     robot = panda(torque_limit=motors)
     hand = robot.at(robot.home, np.zeros(7)).frame()
-    reach = PositionTask(hand.position + [0.1, 0.3, -0.1], gain=15.0)
+    reach = PositionTask(np.add(hand.position, [0.1, 0.3, -0.1]), gain=15.0)
     stack = JointTorqueLimit() >> JointLimits() >> reach >> OrientationTask(hand.rotation, gain=15.0)
     controller = Controller(robot, stack >> PostureTask(robot.home, gain=2.0), order="torque", dt=2e-3)
     record = simulate(controller, robot.home, duration=1.5, plant=MujocoPlant(robot))
@@ -143,7 +143,7 @@ def massless():
         (lambda: PlanarArm([1, 1]), "need the model of a PinocchioRobot"),
         (lambda: load_robot("g1"), "MujocoPlant: .* floating base"),
         (lambda: load_robot("kinova"), "joint 'j2s6s200_joint_1' .* must have one position and one velocity"),
-        (massless, "MuJoCo refuses .*mass"),
+        (massless, "MuJoCo refuses .*inertia must have positive"),
     ],
 )
 def test_refuses_robots_that_it_cannot_move(robot, named):
