@@ -23,7 +23,7 @@ SAYS = {
     "06_panda_elbow_up": "lowest elbow 0.5500 m",
     "07_ur5_singularity": "40 of 40",
     "08_humanoid_reach": "center of mass met (1 of 2 rows at a bound)",
-    "12_torque_limited_panda": "slow: hand at most 0.68 mm off, 2.00 deg; a motor at its limit 0.0%",
+    "12_torque_limited_panda": "slow: hand at most 0.68 mm off",
 }
 
 #: What each draws into the folder that it is given, also kept in the documentation.
