@@ -6,6 +6,8 @@ from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.animation import PillowWriter
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
@@ -150,6 +152,47 @@ def liegeois(folder: str, robot: Robot, records: dict[str, Record]) -> None:
     square.legend()
     error.set(title="error of the hand [mm]", xlabel="t [s]")
     save(figure, folder, "liegeois.png")
+
+
+def torque_panda(folder: str, robot: Robot, record: Record) -> None:
+    """Error, torques and active limits over time, and the change from slow to fast as a GIF."""
+    figure = Figure(figsize=(9.0, 5.0), layout="constrained")
+    position, orientation, torque, active = figure.subplots(4, sharex=True, height_ratios=[1, 1, 1.4, 1])
+    position.plot(record.t, 1e3 * np.linalg.norm(record.errors["position"], axis=1), color=BLUE, lw=0.8)
+    position.set(title="error of the position [mm]", ylim=(0, None))
+    orientation.plot(record.t, np.degrees(np.linalg.norm(record.errors["orientation"], axis=1)), color=ORANGE, lw=0.8)
+    orientation.set_title("error of the orientation [deg]")
+    torque.plot(record.t[:-1], np.abs(record.tau / robot.torque_limit).max(axis=1), color=GREEN, lw=0.6)
+    torque.axhline(1.0, color=RED, ls="--", lw=0.8)
+    torque.set(title="largest torque over its limit", ylim=(0, 1.1))
+    ticks, joints = np.nonzero(record.active["torque"])
+    active.plot(record.t[ticks], joints + 1, "|", color=RED, ms=5)
+    active.set(title="motors at their limit", xlabel="t [s]", ylim=(0.4, robot.nv + 0.6), yticks=range(1, robot.nv + 1))
+    active.set_ylabel("joint")
+    for axes in figure.axes:
+        axes.axvline(record.t[-1] / 2, color=GREY, lw=1.0)
+    save(figure, folder, "torque_panda.png")
+    torque_film(Path(folder) / "torque_panda.gif", robot, record)
+
+
+def torque_film(path: Path, robot: Robot, record: Record, seconds: float = 4.0, per_second: int = 15) -> None:
+    """The middle of the run as a stick figure, as fast as it was: joints at their torque limit are red."""
+    figure = Figure(figsize=(4.2, 4.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    start = max(record.t[-1] / 2 - seconds / 4, 0.0)
+    frames = np.arange(start, min(start + seconds, record.t[-1]), 1.0 / per_second)
+    writer = PillowWriter(fps=per_second)
+    with writer.saving(figure, str(path), dpi=70):
+        for k in np.minimum(np.searchsorted(record.t, frames), len(record) - 1):
+            figure.clear()
+            axes = space(figure, 111, ((-0.2, 0.6), (-0.4, 0.4), (0.0, 0.8)))
+            axes.plot(*record.pose[max(k - 1000, 0) : k + 1, :3].T, color=GREY, lw=1.0)
+            stick(axes, skeleton(robot, record.q[k]), BLUE)
+            placements = robot.at(record.q[k], record.v[k])
+            for joint in np.flatnonzero(record.active["torque"][max(k - 15, 0) : k + 15].any(axis=0)):
+                axes.scatter(*placements.frame(robot.joint_names[joint]).position, color=RED, s=40, depthshade=False)
+            axes.set_title(f"t = {record.t[k]:5.2f} s")
+            writer.grab_frame()
 
 
 def stick(axes: Axes3D, segments: np.ndarray, colour: str, alpha: float = 1.0) -> None:

@@ -30,18 +30,20 @@ from .limits.acceleration import JointAccelerationLimit
 from .limits.cartesian import BoxLimit, FrameVelocityLimit, PlaneLimit
 from .limits.joint_limits import JointLimits
 from .limits.position import JointPositionLimit
+from .limits.torque import JointTorqueLimit
 from .limits.velocity import JointVelocityLimit
 from .look_at import LookAtTask
 from .motion.controller import Controller, Step
 from .motion.paths import Chain, Circle, Line, Polygon
+from .motion.physics import MujocoPlant
 from .motion.polynomial import Polynomial
 from .motion.record import Record, Stop
-from .motion.simulation import Change, simulate
+from .motion.simulation import Change, Plant, simulate
 from .motion.timing import cubic, cycloid, harmonic, quintic
 from .motion.trajectories import Fixed, Setpoint, Trajectory
 from .motion.turns import FixedRotation, RotationSetpoint, RotationTrajectory, Turn
 from .orientation import OrientationTask
-from .part import Order, Part, Tick
+from .part import Command, Order, Part, Tick
 from .plane import PlaneTask
 from .pose import PoseTask
 from .position import PositionTask
@@ -77,6 +79,7 @@ __all__ = [
     "Chain",
     "Change",
     "Circle",
+    "Command",
     "Controller",
     "Damping",
     "Degrees",
@@ -94,6 +97,7 @@ __all__ = [
     "JointLimits",
     "JointMotion",
     "JointPositionLimit",
+    "JointTorqueLimit",
     "JointVelocityLimit",
     "KineticEnergyTask",
     "Line",
@@ -101,6 +105,7 @@ __all__ = [
     "ManipulabilityTask",
     "MinimumMotionTask",
     "MinimumTorqueTask",
+    "MujocoPlant",
     "Order",
     "OrientationTask",
     "Part",
@@ -109,6 +114,7 @@ __all__ = [
     "PlanarState",
     "PlaneLimit",
     "PlaneTask",
+    "Plant",
     "Polygon",
     "Polynomial",
     "PoseTask",

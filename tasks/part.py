@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 #: What the unknown x of the hierarchy is: joint velocities [rad/s], or joint accelerations [rad/s^2].
 Order = Literal["velocity", "acceleration"]
+#: What a controller commands. Torques [N m] are those of the accelerations: below them the order is "acceleration".
+Command = Literal["velocity", "acceleration", "torque"]
 #: What follows the unit of a position, in the unit of x.
 PER: dict[str, str] = {"velocity": "/s", "acceleration": "/s^2"}
 

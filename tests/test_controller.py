@@ -115,7 +115,7 @@ def test_numbers_never_raise(bad, where, order):
 @pytest.mark.parametrize(
     ("options", "named"),
     [
-        ({"order": "torque"}, "order = 'torque'; it must be one of 'velocity', 'acceleration'"),
+        ({"order": "force"}, "order = 'force'; it must be one of 'velocity', 'acceleration', 'torque'"),
         ({"dt": 0.0}, "dt = 0.0 s must be positive"),
         ({"dt": np.nan}, "dt = nan"),
         ({"dt": "a"}, "dt is not an array of real numbers"),

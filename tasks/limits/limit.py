@@ -73,13 +73,7 @@ class SymmetricLimit(JointLimit):
         InvalidInput
             If neither this limit nor the robot has a number, or there is not one a joint.
         """
-        limit = self.limit if self.limit is not None else getattr(robot, f"{self.quantity}_limit", None)
-        if limit is None:
-            raise InvalidInput(
-                f"{self.label()}: the robot has no {self.quantity} limit of its own;"
-                f" give one in {self.unit}: {type(self).__name__}(3.0)"
-            )
-        return per_row(limit, robot.nv, f"{self.label()}: limit", "joint")
+        return largest(self, self.limit, robot, self.quantity, self.unit)
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.largest(robot)
@@ -87,3 +81,20 @@ class SymmetricLimit(JointLimit):
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({'' if self.limit is None else self.limit.tolist()})"
+
+
+def largest(part: Part, given: Array | None, robot: Robot, quantity: str, unit: str) -> Array:
+    """The limit of each joint, shape (nv,): the given one, or the robot's own of this quantity.
+
+    Raises
+    ------
+    InvalidInput
+        If there is neither, or not one number a joint.
+    """
+    limit = given if given is not None else getattr(robot, f"{quantity}_limit", None)
+    if limit is None:
+        raise InvalidInput(
+            f"{part.label()}: the robot has no {quantity} limit of its own;"
+            f" give one in {unit}: {type(part).__name__}(3.0)"
+        )
+    return per_row(limit, robot.nv, f"{part.label()}: limit", "joint")

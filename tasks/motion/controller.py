@@ -16,8 +16,8 @@ from hqp import InvalidInput, Settings, Solution
 from hqp.checks import truth
 
 from .._checks import Array, numbers, positive_scalar, scalar
-from ..part import Order, Part
-from ..robots.robot import Robot, RobotState, as_robot, check_joints
+from ..part import Command, Order, Part
+from ..robots.robot import Robot, RobotState, as_robot, check_fixed_base, check_joints
 from ..stack import Rows, Stack
 from .timing import Timing, cubic
 from .transition import Answer, Transition
@@ -31,7 +31,7 @@ class Step(NamedTuple):
 
     Attributes
     ----------
-    order : {"velocity", "acceleration"}
+    order : {"velocity", "acceleration", "torque"}
     state : RobotState
         Where the robot was.
     solution : hqp.Solution
@@ -39,15 +39,15 @@ class Step(NamedTuple):
     v : array, shape (nv,), or None
         Joint velocities [rad/s], at velocity order.
     a : array, shape (nv,), or None
-        Joint accelerations [rad/s^2], at acceleration order.
+        Joint accelerations [rad/s^2], at acceleration and at torque order.
     tau : array, shape (nv,), or None
-        Joint torques [N m] that a takes (Eq. 4.1), if the controller was asked for them.
+        Joint torques ``M(q) a + b(q, v)`` [N m] that a takes (Eq. 4.1), at torque order or if they were asked for.
     share : float
         How much of the stack counts: less than 1 while the controller changes to it from another one. Then v or a lies
         between the answers of both, and `solution` is that of the new one alone.
     """
 
-    order: Order
+    order: Command
     state: RobotState
     solution: Solution
     v: Array | None = None
@@ -69,8 +69,9 @@ class Controller:
     robot : Robot
     stack : Stack, or a single task
         What is wanted, in order of priority.
-    order : {"velocity", "acceleration"}
-        What the robot is commanded with.
+    order : {"velocity", "acceleration", "torque"}
+        What the robot is commanded with. Torques are those of the accelerations that the same stack gives at
+        acceleration order, so that the base must be fixed.
     dt : float, optional
         Time between two calls [s]; limits need it, and the simulation.
     backend : str
@@ -84,7 +85,7 @@ class Controller:
     InvalidInput
         At once, if the robot or the stack is none, the order is neither, dt is not positive, the
         backend is unknown, a task does not fit the robot, or torques are asked for at velocity order or
-        of a robot that cannot tell them.
+        of a robot that cannot tell them, or is commanded with them and has a floating base.
     """
 
     def __init__(
@@ -92,30 +93,33 @@ class Controller:
         robot: Robot,
         stack: Stack | Part,
         *,
-        order: Order = "velocity",
+        order: Command = "velocity",
         dt: float | None = None,
         backend: str = hqp.DEFAULT_BACKEND,
         settings: Settings | None = None,
         torque: bool = False,
     ) -> None:
-        if order not in get_args(Order):
-            raise InvalidInput(f"order = {order!r}; it must be one of {', '.join(map(repr, get_args(Order)))}")
+        if order not in get_args(Command):
+            raise InvalidInput(f"order = {order!r}; it must be one of {', '.join(map(repr, get_args(Command)))}")
         self.robot = as_robot(robot)
         self.stack = stack if isinstance(stack, Stack) else Stack(stack)
-        self.order: Order = order
+        self.order: Command = order
         self.dt = None if dt is None else positive_scalar(dt, "dt", unit="s")
-        self._torque = self._inverse_dynamics() if truth(torque, "torque") else None
+        self._torque = self._inverse_dynamics() if truth(torque, "torque") or order == "torque" else None
         self._new_solver = partial(hqp.Solver, backend, settings)
         self._prepared: dict[int, tuple[Stack, Rows, hqp.Solver]] = {}
         self._transition: Transition | None = None
         self._rows, self._solver = self._prepare(self.stack)
 
     def _inverse_dynamics(self) -> Callable[[Array, Array, Array], Array]:
-        if self.order != "acceleration":
+        asked = "order = 'torque'" if self.order == "torque" else "torque = True"
+        if self.order == "torque":
+            check_fixed_base(self.robot, asked)
+        if self.order == "velocity":
             raise InvalidInput(f"torque = True, but order = {self.order!r} gives no accelerations; it must be False")
         method: Callable[[Array, Array, Array], Array] | None = getattr(self.robot, "inverse_dynamics", None)
         if method is None:
-            raise InvalidInput(f"torque = True, but {self.robot!r} has no inverse_dynamics(q, v, a)")
+            raise InvalidInput(f"{asked}, but {self.robot!r} has no inverse_dynamics(q, v, a)")
         return method
 
     @property
@@ -169,7 +173,7 @@ class Controller:
         if self.order == "velocity":
             return Step("velocity", state, solution, x, share=share)
         tau = None if self._torque is None else self._torque(state.q, state.v, x)
-        return Step("acceleration", state, solution, None, x, tau, share)
+        return Step(self.order, state, solution, None, x, tau, share)
 
     def change(self, stack: Stack | Part, *, duration: float, law: Timing = cubic) -> None:
         """Go over to another stack without a jump, from the next tick on; see :mod:`tasks.motion.transition`.
@@ -199,13 +203,13 @@ class Controller:
 
     def _prepare(self, stack: Stack) -> tuple[Rows, hqp.Solver]:
         """The rows of a stack, and their solver, as they were left."""
-        found = self._prepared.get(id(stack))
+        found = self._prepared.pop(id(stack), None)
         if found is None:
-            found = self._prepared[id(stack)] = (
-                stack,
-                stack.build(self.robot, self.order, self.dt),
-                self._new_solver(),
-            )
+            order: Order = "velocity" if self.order == "velocity" else "acceleration"
+            found = stack, stack.build(self.robot, order, self.dt), self._new_solver()
+        self._prepared[id(stack)] = found  # what was asked for last comes last
+        while len(self._prepared) > MOST_PREPARED:
+            del self._prepared[next(iter(self._prepared))]
         return found[1:]
 
     def _answer(self) -> Answer:
@@ -242,5 +246,5 @@ class Controller:
 
     def __repr__(self) -> str:
         tick = "" if self.dt is None else f", dt={self.dt:g}"
-        tick += "" if self._torque is None else ", torque=True"
+        tick += ", torque=True" if self._torque is not None and self.order == "acceleration" else ""
         return f"Controller({self.robot!r}, {self.stack!r}, order={self.order!r}{tick}, backend={self.backend!r})"

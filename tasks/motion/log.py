@@ -13,6 +13,7 @@ from hqp import InvalidInput, Side, Solution, Status
 from .._checks import Array
 from ..limits.joint_limits import JointLimits
 from ..limits.limit import JointLimit
+from ..limits.torque import JointTorqueLimit
 from ..part import Part
 from ..robots.robot import RobotState
 from .controller import Controller
@@ -60,9 +61,15 @@ class Log:
             (name, part.error, np.empty((ticks + 1, len(part.error(first, 0.0)))))  # type: ignore[attr-defined]
             for name, part in _named(part for part in parts if hasattr(part, "error"))
         ]
+        kinds = JointLimit | JointLimits | JointTorqueLimit
+        limits = list(_named(part for part in parts if isinstance(part, kinds)))
         self.bounds = [
             (name, part, np.empty((ticks, nv)), np.empty((ticks, nv)))
-            for name, part in _named(part for part in parts if isinstance(part, JointLimit | JointLimits))
+            for name, part in limits
+            if not isinstance(part, JointTorqueLimit)
+        ]
+        self.torque_limits = [
+            (name, part.largest(controller.robot)) for name, part in limits if isinstance(part, JointTorqueLimit)
         ]
         self.checked_t: list[float] = []
         self.certified = 0
@@ -97,10 +104,13 @@ class Log:
         """All of it, as far as it went."""
         n = self.states
         q, v, a = self.q[:n], self.v[:n], self.a[: n - 1]
-        x = a if self.order == "acceleration" else v[1:]
+        x = v[1:] if self.order == "velocity" else a
         with np.errstate(all="ignore"):
             tau = None if self._torque is None else _frozen(self._torque(q[:-1], v[:-1], a))
             manipulability = None if self._manipulability is None else _frozen(self._manipulability(q))
+        active = {name: _sides(x, low[: n - 1], high[: n - 1]) for name, _, low, high in self.bounds}
+        if tau is not None:
+            active |= {name: _sides(tau, -limit, limit) for name, limit in self.torque_limits}
         return Record(
             t=_frozen(self.t[:n]),
             q=_frozen(q),
@@ -110,9 +120,7 @@ class Log:
             pose=_frozen(self.pose[:n]),
             manipulability=manipulability,
             errors={name: _frozen(values[:n]) for name, _, values in self.errors},
-            active={
-                name: _frozen(_sides(x, lowers[: n - 1], uppers[: n - 1])) for name, _, lowers, uppers in self.bounds
-            },
+            active={name: _frozen(sides) for name, sides in active.items()},
             status=tuple(self.status[: n - 1]),
             checked_t=_frozen(np.array(self.checked_t, dtype=np.float64)),
             ranks=_frozen(np.array(self.ranks, dtype=np.int64).reshape(-1, self._levels)),

@@ -53,7 +53,8 @@ class Record:
     q, v : array, shape (N + 1, n)
         Joint positions [rad] and velocities [rad/s]; at velocity order v[k + 1] is the command of tick k.
     a : array, shape (N, n)
-        Joint accelerations [rad/s^2] over each tick; at velocity order (v[k + 1] - v[k]) / dt.
+        Joint accelerations [rad/s^2] over each tick; at velocity order (v[k + 1] - v[k]) / dt, with a plant those
+        commanded.
     tau : array, shape (N, n), or None
         Joint torques [N m] that a takes where each tick begins (Eq. 4.1); None if the robot cannot tell.
     pose : array, shape (N + 1, ...)
@@ -63,8 +64,8 @@ class Record:
     errors : dict of arrays, shape (N + 1, rows)
         Of every task, by its name, desired - actual.
     active : dict of arrays of int8, shape (N, n)
-        Of every joint limit, by its name, the :class:`hqp.Side` of each joint: -1 at its lower bound,
-        1 at its upper, 0 between, 2 where both bounds meet.
+        Of every joint limit, those on torques included, by its name, the :class:`hqp.Side` of each joint: -1 at its
+        lower bound, 1 at its upper, 0 between, 2 where both bounds meet.
     status : tuple of hqp.Status, length N
     checked_t : array
         When the ticks began [s] which were put to the certificate.

@@ -4,11 +4,15 @@ The command holds over the tick and the robot follows it exactly:
 
 .. math::
 
-    \text{acceleration order:}\quad & q \leftarrow q + v\,dt + \tfrac12 a\,dt^2, \quad v \leftarrow v + a\,dt \\
+    \text{acceleration, torque order:}\quad & q \leftarrow q + v\,dt + \tfrac12 a\,dt^2, \quad v \leftarrow v + a\,dt \\
     \text{velocity order:}\quad & q \leftarrow q + v\,dt
 
 which is the exact motion under such a command: what a run shows is the controller, not the integrator. Where a
 configuration is more than a number a joint, the sum is the robot's own ``integrate``.
+
+At torque order the acceleration that holds is the one which the torque gives where the tick begins, which makes the
+motion that of the acceleration order. Real motors hold the torque instead. For that, and for a robot that is not quite
+as its model says, a run takes a `Plant`, which moves by its own physics: :class:`tasks.MujocoPlant`.
 """
 
 from __future__ import annotations
@@ -16,6 +20,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,7 +28,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Solution
 from hqp.checks import of_type, whole_number
 
-from .._checks import finite, finite_scalar, function, positive_scalar
+from .._checks import Array, finite, finite_scalar, function, positive_scalar
 from ..robots.robot import check_joints, integrate
 from ..stack import Stack
 from .controller import Controller
@@ -60,6 +65,14 @@ class Change:
 MOST_TICKS = 10_000_000
 
 
+class Plant(Protocol):
+    """What moves in place of the model."""
+
+    def advance(self, q: Array, v: Array, tau: Array, dt: float) -> tuple[Array, Array]:
+        """Positions and velocities dt [s] after (q, v), while the torques tau [N m] hold."""
+        ...
+
+
 def simulate(
     controller: Controller,
     q0: ArrayLike,
@@ -72,6 +85,7 @@ def simulate(
     proof: Callable[[Solution], bool] | None = None,
     changes: Iterable[Change] = (),
     progress: Callable[[float], None] | None = None,
+    plant: Plant | None = None,
 ) -> Record:
     """Run a controller on the robot it was made for.
 
@@ -97,6 +111,9 @@ def simulate(
         Stacks to go over to on the way; the controller keeps the last.
     progress : callable, optional
         Told the share of the run that is done, about a hundred times.
+    plant : Plant, optional
+        What the torques move, at torque order (default: the model of the controller). The record then holds the states
+        that were measured, and the accelerations and torques that were commanded.
 
     Returns
     -------
@@ -107,11 +124,13 @@ def simulate(
     ------
     InvalidInput
         If the controller has no dt, the start is not finite or has the wrong shape, a number is
-        out of range, or the run would take more than `MOST_TICKS`.
+        out of range, the run would take more than `MOST_TICKS`, or a plant is given no torques.
     """
     dt = of_type(controller, Controller, "controller").dt
     if dt is None:
         raise InvalidInput("simulate needs the tick; give the controller dt in s")
+    if plant is not None and controller.order != "torque":
+        raise InvalidInput(f"a plant is moved by torques, but order = {controller.order!r}; it must be 'torque'")
     share = positive_scalar(duration, "duration", unit="s") / dt
     if share > MOST_TICKS:
         raise InvalidInput(f"duration = {duration:g} s is more than {MOST_TICKS} ticks of dt = {dt:g} s")
@@ -148,7 +167,12 @@ def simulate(
         if certify and k % certify == 0:
             log.check(t, step.solution, judge(step.solution))
 
-        if step.a is not None:
+        if plant is not None:
+            assert step.a is not None  # at torque order, as was checked
+            assert step.tau is not None
+            a = step.a
+            q, v = plant.advance(q, v, step.tau, dt)
+        elif step.a is not None:
             a = step.a
             q = integrate(robot, q, dt * v + (0.5 * dt * dt) * a)
             v = v + dt * a

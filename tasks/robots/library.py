@@ -147,6 +147,7 @@ def load_robot(
     position_limit: tuple[ArrayLike, ArrayLike] | None = None,
     velocity_limit: ArrayLike | None = None,
     acceleration_limit: ArrayLike | None = None,
+    torque_limit: ArrayLike | None = None,
 ) -> PinocchioRobot:
     """A spatial robot, by name or from a file.
 
@@ -164,7 +165,7 @@ def load_robot(
         Joints to be held, where neutral or at a position [rad], [m].
     tip : str, optional
         The frame that tasks mean which name none.
-    position_limit, velocity_limit, acceleration_limit
+    position_limit, velocity_limit, acceleration_limit, torque_limit
         See :class:`~tasks.robots.pinocchio.PinocchioRobot`.
 
     Raises
@@ -197,6 +198,7 @@ def load_robot(
         position_limit=position_limit,
         velocity_limit=velocity_limit,
         acceleration_limit=acceleration_limit,
+        torque_limit=torque_limit,
     )
     q = robot.configuration({joint: q for joint, q in entry.home.items() if joint in robot.joint_names})
     if floating:

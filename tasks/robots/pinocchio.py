@@ -43,6 +43,8 @@ class PinocchioRobot:
         Largest joint speed [rad/s], [m/s] (default: the model's).
     acceleration_limit : float or array, shape (nv,), optional
         Largest joint acceleration [rad/s^2], [m/s^2]; a model has none.
+    torque_limit : float or array, shape (nv,), optional
+        Largest joint torque [N m], force [N] (default: the model's).
 
     Attributes
     ----------
@@ -73,6 +75,7 @@ class PinocchioRobot:
         position_limit: tuple[ArrayLike, ArrayLike] | None = None,
         velocity_limit: ArrayLike | None = None,
         acceleration_limit: ArrayLike | None = None,
+        torque_limit: ArrayLike | None = None,
     ) -> None:
         self.model = of_type(model, pin.Model, "model")
         self.data = self.model.createData()
@@ -88,7 +91,8 @@ class PinocchioRobot:
         self._state: PinocchioState | None = None  # whose kinematics the data holds
         self._accelerated = False
         self.position_limit = self._position_limit(position_limit)
-        self.velocity_limit = self._velocity_limit(velocity_limit)
+        self.velocity_limit = self._own_limit(velocity_limit, model.velocityLimit, "velocity limit", "rad/s")
+        self.torque_limit = self._own_limit(torque_limit, model.effortLimit, "torque limit", "N m")
         self.acceleration_limit = None
         if acceleration_limit is not None:
             self.acceleration_limit = self._per_joint(acceleration_limit, "acceleration limit", "rad/s^2")
@@ -116,11 +120,11 @@ class PinocchioRobot:
             limits[:, joint] = low if low > -LARGEST else -np.inf, high if high < LARGEST else np.inf
         return limits if np.isfinite(limits).any() else None
 
-    def _velocity_limit(self, given: ArrayLike | None) -> Array | None:
-        """Largest speeds; infinite, or none at all, where the model names none."""
+    def _own_limit(self, given: ArrayLike | None, model: Array, what: str, unit: str) -> Array | None:
+        """The given limit or the model's; infinite, or none at all, where the model names none."""
         if given is not None:
-            return self._per_joint(given, "velocity limit", "rad/s")
-        own = np.array(self.model.velocityLimit)
+            return self._per_joint(given, what, unit)
+        own = np.array(model)
         own[(own <= 0.0) | (own > LARGEST)] = np.inf  # a model writes 0 where it knows nothing
         return own if np.isfinite(own).any() else None
 

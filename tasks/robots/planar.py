@@ -99,6 +99,8 @@ class PlanarArm:
         Largest joint speed [rad/s].
     acceleration_limit : float or array, shape (n,), optional
         Largest joint acceleration [rad/s^2].
+    torque_limit : float or array, shape (n,), optional
+        Largest joint torque [N m].
     name : str
 
     Raises
@@ -115,6 +117,7 @@ class PlanarArm:
     position_limit: Array | None
     velocity_limit: Array | None
     acceleration_limit: Array | None
+    torque_limit: Array | None
 
     def __init__(
         self,
@@ -124,6 +127,7 @@ class PlanarArm:
         position_limit: tuple[ArrayLike, ArrayLike] | None = None,
         velocity_limit: ArrayLike | None = None,
         acceleration_limit: ArrayLike | None = None,
+        torque_limit: ArrayLike | None = None,
         name: str = "",
     ) -> None:
         given = numbers(lengths, "link lengths")
@@ -141,11 +145,13 @@ class PlanarArm:
         self.position_limit = (
             None if position_limit is None else position_range(position_limit, self.nv, f"{self!r}: position limit")
         )
-        self.velocity_limit = self.acceleration_limit = None
+        self.velocity_limit = self.acceleration_limit = self.torque_limit = None
         if velocity_limit is not None:
             self.velocity_limit = self._per_joint(velocity_limit, "velocity limit", "rad/s")
         if acceleration_limit is not None:
             self.acceleration_limit = self._per_joint(acceleration_limit, "acceleration limit", "rad/s^2")
+        if torque_limit is not None:
+            self.torque_limit = self._per_joint(torque_limit, "torque limit", "N m")
 
     @property
     def frame_names(self) -> tuple[str, ...]:

@@ -73,12 +73,19 @@ class Robot(Protocol):
     record of its motion tells, with leading axes:
 
     ``inverse_dynamics(q, v, a)``
-        Joint torques [N m], shape (..., nv), which accelerations a [rad/s^2] take (Eq. 4.1).
-    ``mass_matrix(q)``, ``bias(q, v)``
-        M(q), shape (..., nv, nv), and what torques hold without acceleration [N m], shape (..., nv), for criteria
-        of energy and torque.
+        Joint torques [N m], shape (..., nv), which accelerations a [rad/s^2] take (Eq. 4.1). A controller of order
+        "torque" commands them.
     ``manipulability(q)``
         How well the tip can be moved, shape (...), in a unit of the robot's own.
+
+    And what limits on torques need, ``tau = M(q) a + b(q, v)``:
+
+    ``mass_matrix(q)``
+        M [kg m^2], shape (..., nv, nv).
+    ``bias(q, v)``
+        b [N m], shape (..., nv): Coriolis, centrifugal and gravity torques.
+    ``torque_limit``
+        Largest joint torques [N m], shape (nv,), infinite where a joint has none; or None.
     """
 
     @property
@@ -189,6 +196,17 @@ def check_positioned(robot: Robot, columns: Iterable[int], what: str) -> None:
                 f"{what} {joint_names(robot)[column]!r} has no single position; it turns without end, or is a"
                 " part of a floating base"
             )
+
+
+def check_fixed_base(robot: Robot, what: str) -> None:
+    """Refuse a floating base: the torques of the joints alone do not say how it accelerates.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    if getattr(robot, "base", 0):
+        raise InvalidInput(f"{what}: {robot!r} has a floating base, which no joint torque drives; it must be fixed")
 
 
 def as_robot(value: Robot) -> Robot:

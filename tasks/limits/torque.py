@@ -1,0 +1,90 @@
+r"""How hard the joints may be driven.
+
+The torques that accelerations a take are :math:`\tau = M(q)\,a + b(q, v)` (Eq. 4.1), with b the Coriolis, centrifugal
+and gravity torques. A limit on them is a limit on all accelerations together, one dense row a joint:
+
+.. math:: -\tau_{max} - b(q, v) \;\le\; M(q)\,a \;\le\; \tau_{max} - b(q, v).
+
+M is invertible: some a always keeps all rows, alone. Beside other limits it may not, and then the levels decide.
+
+``JointTorqueLimit() >> JointLimits() >> tasks``
+    What motors can do stands first, as in nature. A joint whose motors are too weak to brake overshoots its range, and
+    ``explain()`` names the torque limit that held the joint limits back.
+``JointLimits() >> JointTorqueLimit() >> tasks``
+    The joints keep their ranges in the plan, which then asks for torques that no motor has: the command is to be cut,
+    and the motion differs from the plan. For planning, where a torque limit is a wish.
+"""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput, Label
+from hqp.checks import of_type
+
+from .._checks import Array, numbers, positive
+from ..part import Order, Part, Tick
+from ..robots.robot import Robot, check_fixed_base, joint_names, joint_units
+from .limit import largest
+
+
+class JointTorqueLimit(Part):
+    """No joint is driven by more than its limit, at acceleration and at torque order.
+
+    Parameters
+    ----------
+    limit : float or array, shape (nv,), optional
+        Positive [N m], of a sliding joint [N]; None for the robot's own.
+    name : str, optional
+
+    Raises
+    ------
+    InvalidInput
+        If a limit is not positive; and, with a robot, if there is not one a joint, the order is velocity, the base
+        floats, or the robot does not know its mass matrix.
+    """
+
+    rows = None
+
+    def __init__(self, limit: ArrayLike | None = None, *, name: str = "torque") -> None:
+        self.name = of_type(name, str, "name of a JointTorqueLimit")
+        self.weight = numbers(1.0, "weight")
+        self.limit = None if limit is None else positive(limit, f"{self.label()}: limit", unit="N m")
+
+    def largest(self, robot: Robot) -> Array:
+        """The limit of each joint of this robot [N m], [N], shape (nv,); infinite where it has none.
+
+        Raises
+        ------
+        InvalidInput
+            If neither this limit nor the robot has a number, or there is not one a joint.
+        """
+        return largest(self, self.limit, robot, "torque", "N m")
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        part = "torque limit" if self.name == "torque" else self.name
+        joints = zip(joint_names(robot), joint_units(robot), strict=True)
+        return [Label(part, joint, "N" if unit == "m" else "N m") for joint, unit in joints]
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        if order == "velocity":
+            raise InvalidInput(
+                f"{self.label()}: velocities tell no torques; the order of the controller must be 'torque' or"
+                " 'acceleration'"
+            )
+        check_fixed_base(robot, self.label())
+        for method, arguments in ("mass_matrix", "q"), ("bias", "q, v"):
+            if not hasattr(robot, method):
+                raise InvalidInput(f"{self.label()}: {robot!r} has no {method}({arguments})")
+        self.largest(robot)
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        assert A is not None
+        robot, state = tick.robot, tick.state
+        A[:] = robot.mass_matrix(state.q)  # type: ignore[attr-defined]  # checked before the first tick
+        bias = robot.bias(state.q, state.v)  # type: ignore[attr-defined]
+        limit = self.largest(robot)
+        lower[:], upper[:] = -limit - bias, limit - bias
+
+    def __repr__(self) -> str:
+        return f"JointTorqueLimit({'' if self.limit is None else self.limit.tolist()})"
