@@ -53,7 +53,7 @@ def ik(
     kinds = [kind for kind in METHODS if not missing(kind)]
     for kind in METHODS:
         if why := missing(kind):
-            printer.print(why)
+            printer.print(why, markup=False)
     rows: list[Row] = []
     with Progress(console=Console(stderr=True), transient=True) as progress:
         for name in MACHINES if not robot else dict.fromkeys(robot):
