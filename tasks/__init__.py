@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from .axis import AxisTask
 from .center_of_mass import CenterOfMassTask
 from .coupling import JointCouplingTask
+from .damped import Damped
 from .damping import Damping
 from .frame_task import FrameTask
 from .inequality import AtLeast, AtMost, Within
@@ -73,6 +74,7 @@ __all__ = [
     "Chain",
     "Circle",
     "Controller",
+    "Damped",
     "Damping",
     "Degrees",
     "Fixed",

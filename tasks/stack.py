@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hqp import Hierarchy, InvalidInput, Level
+from hqp import DampingRule, Hierarchy, InvalidInput, Level
 
 from ._checks import Array, per_row
 from .limits.envelope import Envelope
@@ -45,11 +45,13 @@ class Stack:
     """
 
     levels: tuple[tuple[Part, ...], ...]
+    damping: tuple[DampingRule | None, ...]
 
     def __init__(self, *parts: Part | Stack) -> None:
         if not parts:
             raise InvalidInput(f"an empty stack asks for nothing; {ALLOWED}")
         self.levels = tuple(level for part in parts for level in _levels_of(part))
+        self.damping = tuple(rule for part in parts for rule in (part.damping if isinstance(part, Stack) else (None,)))
         seen: set[int] = set()
         for part in self:
             if id(part) in seen:
@@ -66,8 +68,13 @@ class Stack:
                 f"+ joins parts of one level, but got {self!r} + {other!r};"
                 " say which level is meant with brackets: a >> (b + c)"
             )
+        if any(self.damping) or (isinstance(other, Stack) and any(other.damping)):
+            raise InvalidInput(
+                f"a level is damped as a whole, but got {self!r} + {other!r}; put the brackets around all of it:"
+                " Damped(a + b, rule)"
+            )
         joined = object.__new__(Stack)
-        joined.levels = (mine[0] + theirs[0],)
+        joined.levels, joined.damping = (mine[0] + theirs[0],), (None,)
         return Stack(joined)
 
     def __iter__(self) -> Iterator[Part]:
@@ -79,12 +86,12 @@ class Stack:
         return len(self.levels)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Stack) and self.levels == other.levels
+        return isinstance(other, Stack) and (self.levels, self.damping) == (other.levels, other.damping)
 
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        return " >> ".join(" + ".join(map(repr, level)) for level in self.levels)
+        return " >> ".join(map(_shown, self.levels, self.damping))
 
     def build(self, robot: Robot, order: Order, dt: float | None = None, *, compiled: bool = True) -> Rows:
         """The hierarchy of this stack for one robot, ready to be filled.
@@ -189,6 +196,11 @@ def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order) -> Level:
     identity = np.eye(robot.nv)
     A = [identity[p.variables(robot)] if p.plain else np.zeros((p.size(robot), robot.nv)) for p in parts]
     return Level(np.concatenate(A), zeros, zeros, weights=weights, name=name, labels=labels)
+
+
+def _shown(level: tuple[Part, ...], rule: DampingRule | None) -> str:
+    parts = " + ".join(map(repr, level))
+    return parts if rule is None else f"Damped({parts}, {rule!r})"
 
 
 def _levels_of(part: Part | Stack) -> tuple[tuple[Part, ...], ...]:

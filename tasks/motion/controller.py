@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import hqp
-from hqp import InvalidInput, Settings, Solution
+from hqp import InvalidInput, RegularisedSolution, RegularisedSolver, Relaxation, Settings, Solution
 from hqp.checks import truth
 
 from .._checks import Array, numbers, positive_scalar, scalar
@@ -28,7 +28,7 @@ class Step(NamedTuple):
     order : {"velocity", "acceleration"}
     state : RobotState
         Where the robot was.
-    solution : hqp.Solution
+    solution : hqp.Solution, or hqp.RegularisedSolution where a level is damped
         How well every level is met; ``.certify().ok`` is the proof.
     v : array, shape (nv,), or None
         Joint velocities [rad/s], at velocity order.
@@ -40,7 +40,7 @@ class Step(NamedTuple):
 
     order: Order
     state: RobotState
-    solution: Solution
+    solution: Solution | RegularisedSolution
     v: Array | None = None
     a: Array | None = None
     tau: Array | None = None
@@ -49,6 +49,11 @@ class Step(NamedTuple):
     def ok(self) -> bool:
         """Whether the solver claims the optimum; look at ``solution`` otherwise."""
         return self.solution.ok
+
+    @property
+    def relaxed(self) -> tuple[Relaxation, ...]:
+        """What strictness was given up: lambda and residual norm of every damped level, highest first."""
+        return self.solution.relaxed if isinstance(self.solution, RegularisedSolution) else ()
 
 
 class Controller:
@@ -96,7 +101,10 @@ class Controller:
         self.dt = None if dt is None else positive_scalar(dt, "dt", unit="s")
         self._torque = self._inverse_dynamics() if truth(torque, "torque") else None
         self._rows = self.stack.build(robot, order, self.dt)
-        self._solver = hqp.Solver(backend, settings)
+        rules: dict[int | str, hqp.DampingRule | float] = {k: rule for k, rule in enumerate(self.stack.damping) if rule}
+        self._solver: hqp.Solver | RegularisedSolver = (
+            RegularisedSolver(rules, backend, settings) if rules else hqp.Solver(backend, settings)
+        )
 
     def _inverse_dynamics(self) -> Callable[[Array, Array, Array], Array]:
         if self.order != "acceleration":
@@ -167,12 +175,15 @@ class Controller:
             raise InvalidInput(f"{part!r} is not in the stack {self.stack!r}")
         return found
 
-    def _solve(self, state: RobotState, time: float) -> Solution:
+    def _solve(self, state: RobotState, time: float) -> Solution | RegularisedSolution:
         if isfinite(time):
             self._rows.fill(state, time)
             return self._solver.solve(self.hierarchy)
         self.hierarchy.lower.fill(np.nan)  # no task is asked, and no bound left that could be met
-        return replace(self._solver.solve(self.hierarchy), message=f"t = {time} s must be finite")
+        solution, message = self._solver.solve(self.hierarchy), f"t = {time} s must be finite"
+        if isinstance(solution, RegularisedSolution):
+            return replace(solution, plain=replace(solution.plain, message=message))
+        return replace(solution, message=message)
 
     def __repr__(self) -> str:
         tick = "" if self.dt is None else f", dt={self.dt:g}"

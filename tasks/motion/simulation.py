@@ -14,11 +14,12 @@ configuration is more than a number a joint, the sum is the robot's own ``integr
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hqp import InvalidInput, Solution
+from hqp import InvalidInput, RegularisedSolution, Solution
 from hqp.checks import of_type, whole_number
 
 from .._checks import finite, finite_scalar, function, positive_scalar
@@ -42,7 +43,7 @@ def simulate(
     start: float = 0.0,
     speed_cap: float = SPEED_CAP,
     certify: int = 50,
-    proof: Callable[[Solution], bool] | None = None,
+    proof: Callable[[Any], bool] | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Record:
     """Run a controller on the robot it was made for.
@@ -64,7 +65,7 @@ def simulate(
     certify : int
         Put every so many-th tick to the certificate; 0 for none.
     proof : callable, optional
-        The judge of those ticks (default: ``solution.certify().ok``).
+        The judge of the solutions of those ticks (default: ``solution.certify().ok``).
     progress : callable, optional
         Told the share of the run that is done, about a hundred times.
 
@@ -134,5 +135,5 @@ def simulate(
     return log.record(stopped)
 
 
-def _certified(solution: Solution) -> bool:
+def _certified(solution: Solution | RegularisedSolution) -> bool:
     return solution.certify().ok
