@@ -42,6 +42,7 @@ from .plane import PlaneTask
 from .pose import PoseTask
 from .position import PositionTask
 from .posture import PostureTask
+from .reconstruction import Reconstructed
 from .robots.frame import Frame
 from .robots.library import available_robots, load_robot
 from .robots.manipulability import Degrees, VelocityEllipse, manipulability, task_degrees, velocity_ellipse
@@ -105,6 +106,7 @@ __all__ = [
     "PoseTask",
     "PositionTask",
     "PostureTask",
+    "Reconstructed",
     "Record",
     "Robot",
     "RobotState",
