@@ -13,8 +13,9 @@ from matplotlib.figure import Figure
 if TYPE_CHECKING:
     from .singularities import Run
 
-COLOURS = ("#8c8c8c", "#000000", "#0072b2", "#56b4e9", "#009e73", "#e6c700", "#d55e00", "#cc79a7")
-STYLES = ("-", "--")
+COLOURS = ("#bdbdbd", "#000000", "#0072b2", "#0072b2", "#56b4e9", "#009e73", "#e6c700", "#d55e00", "#cc79a7")
+#: Of a method whose joint speeds are limited.
+LIMITED = "--"
 #: Below these nothing is to be told apart: [rad/s], [mm], [deg].
 LEAST = 1e-2, 1e-1, 1e-2
 
@@ -35,7 +36,7 @@ def draw(path: Path, runs: Mapping[str, Sequence[Run]]) -> None:
                     np.degrees(run.errors("orientation")),
                 )
                 for axes, value, least in zip(column, values, LEAST, strict=True):
-                    style = {"color": COLOURS[number], "ls": STYLES[number == 1], "lw": 1.1}
+                    style = {"color": COLOURS[number], "ls": LIMITED if "limits" in run.method else "-", "lw": 1.1}
                     axes.semilogy(t, np.maximum(value, least), label=run.method, **style)
                     axes.grid(color="#e6e6e6")
                     axes.spines[["top", "right"]].set_visible(False)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hqp import DampingRule, FixedDamping, ManipulabilityDamping, NumericalFiltering, SingularValueDamping
+from hqp import DampingRule, ManipulabilityDamping, NumericalFiltering, SingularValueDamping
 from tasks import (
     Chain,
     Damped,
@@ -26,10 +26,12 @@ from tasks import (
     quintic,
 )
 
-#: The joint speed that `strict, limits` keeps [rad/s].
+#: The joint speed that the methods with limits keep [rad/s].
 FASTEST = 2.0
-#: lambda_0 of all rules, epsilon, and beta of the filtering, in [m] or [1]; w_0 in [m^3] and the like.
-DAMPING, SMALLEST, EXTRA, MANIPULABILITY = 0.1, 0.2, 0.2, 0.02
+#: lambda_0 of all rules, epsilon, and beta of the filtering, in [m] or [1].
+DAMPING, SMALLEST, EXTRA = 0.2, 0.2, 0.4
+#: w_0, of what the manipulability is at the start.
+SHARE = 0.5
 
 
 @dataclass(frozen=True)
@@ -42,26 +44,66 @@ class Scene:
     tasks: Callable[[], tuple[Task, Task]]
     duration: float
 
+    def thresholds(self) -> tuple[float, float]:
+        """w_0 of both tasks."""
+        above, below = self.tasks()
+        first, second = Reconstructed(above, 1.0), Reconstructed(below, 1.0, above=above)
+        return SHARE * first.measure(self.robot, self.start), SHARE * second.measure(self.robot, self.start)
 
-#: From the two tasks to a stack.
-Method = Callable[[Task, Task], Stack]
+
+#: From a scene to a stack of its two tasks.
+Method = Callable[[Scene], Stack]
 
 
-def _damped(rule: DampingRule) -> Method:
-    return lambda above, below: Damped(above, rule) >> Damped(below, rule)
+def _strict(scene: Scene) -> Stack:
+    above, below = scene.tasks()
+    return above >> below
+
+
+def _damped(rule: DampingRule | float) -> Method:
+    def method(scene: Scene) -> Stack:
+        above, below = scene.tasks()
+        return Damped(above, rule) >> Damped(below, rule)
+
+    return method
+
+
+def _limited(method: Method) -> Method:
+    return lambda scene: JointLimits(JointVelocityLimit(FASTEST)) >> method(scene)
+
+
+def _reconstructed(scene: Scene) -> Stack:
+    """Kim, Marani, Chung and Yuh (2006)."""
+    above, below = scene.tasks()
+    first, second = scene.thresholds()
+    return Reconstructed(above, first) >> Reconstructed(below, second, above=above)
+
+
+def _by_manipulability(scene: Scene) -> Stack:
+    """Nakamura and Hanafusa (1986), with the thresholds of `_reconstructed`."""
+    first, second = (
+        Damped(task, ManipulabilityDamping(DAMPING, threshold))
+        for task, threshold in zip(scene.tasks(), scene.thresholds(), strict=True)
+    )
+    return first >> second
+
+
+def _decoupled(scene: Scene) -> Stack:
+    """Chiaverini (1997)."""
+    above, below = scene.tasks()
+    return Damped(above, DAMPING) >> JointMotion(below, damping=DAMPING)
 
 
 METHODS: dict[str, Method] = {
-    "strict": lambda above, below: above >> below,
-    "strict, limits": lambda above, below: JointLimits(JointVelocityLimit(FASTEST)) >> above >> below,
-    "fixed damping": _damped(FixedDamping(DAMPING)),
-    "by manipulability": _damped(ManipulabilityDamping(DAMPING, MANIPULABILITY)),
+    "strict": _strict,
+    "strict, limits": _limited(_strict),
+    "fixed damping": _damped(DAMPING),
+    "fixed, limits": _limited(_damped(DAMPING)),
+    "by manipulability": _by_manipulability,
     "by singular value": _damped(SingularValueDamping(DAMPING, SMALLEST)),
     "filtering": _damped(NumericalFiltering(0.1 * DAMPING, EXTRA, SMALLEST)),
-    "Chiaverini": lambda above, below: Damped(above, DAMPING) >> JointMotion(below, damping=DAMPING),
-    "Kim": lambda above, below: (
-        Reconstructed(above, MANIPULABILITY) >> Reconstructed(below, MANIPULABILITY, above=above)
-    ),
+    "Chiaverini": _decoupled,
+    "Kim": _reconstructed,
 }
 
 
@@ -89,7 +131,7 @@ def _scene(name: str, robot: Robot, start: np.ndarray, way: object, *, there_and
     goal = state.frame().rotation
 
     def tasks() -> tuple[Task, Task]:
-        turn = OrientationTask(float(goal[0]) if planar else goal, gain=5.0, name="orientation")
-        return PositionTask(path, gain=5.0, name="position"), turn
+        turn = OrientationTask(float(goal[0]) if planar else goal, gain=2.0, name="orientation")
+        return PositionTask(path, gain=2.0, name="position"), turn
 
     return Scene(name, robot, start, tasks, 2.0 * len(ends) + 1.0)

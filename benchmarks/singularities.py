@@ -34,6 +34,11 @@ class Run:
         stopped = self.record.stopped
         return np.inf if stopped is not None and stopped.diverged else float(np.abs(self.record.v).max())
 
+    @property
+    def jump(self) -> float:
+        """Largest change of a joint speed from tick to tick, after the first [rad/s]: what chatter is seen by."""
+        return float(np.abs(np.diff(self.record.v[1:], axis=0)).max())
+
     def errors(self, task: str) -> np.ndarray:
         """Norms of the task's error [m], [rad], tick by tick."""
         errors = next(values for name, values in self.record.errors.items() if name.endswith(task))
@@ -42,7 +47,7 @@ class Run:
 
 def run(scene: Scene, method: str) -> Run:
     """Drive the robot of a scene by a method."""
-    stack = METHODS[method](*scene.tasks())
+    stack = METHODS[method](scene)
     reported: dict[str, float] = {}
 
     def proof(solution: Any) -> bool:
@@ -66,8 +71,9 @@ def singularities(
     for name, runs in done.items():
         printer.print(terminal(name, [_row(each) for each in runs]))
     printer.print(
-        f"largest and last error of a task; reported: the largest residual norm that step.relaxed told, every {EVERY}th"
-        " tick\nspeed: the largest of a joint; inf where the run diverged and was stopped"
+        "rad/s, jump: the largest speed of a joint, inf where the run diverged and was stopped, and its largest change"
+        " from tick to tick\nmm, deg: the largest error of the position and of the orientation, and the last one\ntold:"
+        f" the largest residual norm in step.relaxed, asked every {EVERY}th tick, when the certificate is"
     )
     if picture is not None:
         from .singular_pictures import draw
@@ -76,9 +82,9 @@ def singularities(
 
 
 def _row(run: Run) -> Row:
-    row = {"method": run.method, "speed rad/s": f"{run.speed:.3g}"}
+    row = {"method": run.method, "rad/s": f"{run.speed:.3g}", "jump": f"{run.jump:.3g}"}
     for task, unit, scale in zip(TASKS, ("mm", "deg"), (1e3, np.degrees(1.0)), strict=True):
         errors = scale * run.errors(task)
-        row |= {f"{task} {unit}": f"{errors.max():.1f}", f"last {unit}": f"{errors[-1]:.2f}"}
-        row[f"{task} reported"] = f"{run.reported[task]:.3f}" if task in run.reported else ""
+        row |= {unit: f"{errors.max():.1f}", f"last {unit}": f"{errors[-1]:.2f}"}
+        row[f"told {'m/s' if unit == 'mm' else 'rad/s'}"] = f"{run.reported[task]:.3f}" if task in run.reported else ""
     return row | {"certified": f"{run.record.certified}/{run.record.checked}"}

@@ -1,21 +1,24 @@
-r"""A task that slows down where it would lose manipulability, instead of a Jacobian that is damped.
+r"""A task that slows down where its manipulability is small, instead of a Jacobian that is damped.
 
 After Kim, Marani, Chung and Yuh, Task reconstruction method for real-time singularity avoidance for robotic
-manipulators (Advanced Robotics, 2006), whose measure falls on a smooth way of its own; here the way is linear. Let
+manipulators (Advanced Robotics, 2006), with a share of its own. Let
 :math:`x_a = J_a^\# h_a` be the motion of the task above, if there is one, :math:`\hat J = J (I - J_a^\# J_a)`, and
 :math:`w = \sqrt{\det \hat J \hat J^T}` the measure of what is left for this task, with the gradient
 :math:`g = \nabla w` in the joints. The exact motion changes it by
 
 .. math:: \dot w = g^T (x_a + \hat J^\# r), \qquad r = h - J x_a.
 
-Where :math:`w < w_0` and :math:`\dot w < 0`, the task is changed along the one direction of its space in which w falls,
+Where :math:`w < w_0` the task is changed along the one direction of its space in which w changes,
 :math:`n = \hat J^{\# T} g`, and in no other:
 
-.. math:: h' = h - (1 - w / w_0)\, \dot w \, n / \|n\|^2, \qquad \text{so that} \quad \dot w' = (w / w_0)\, \dot w.
+.. math::
 
-w falls more and more slowly, and never reaches zero: the singularity is kept away from, and the joint speed stays
-finite, since what is left of the fast motion shrinks as w does. The task gives up a direction of its motion, which it
-also would have where it has come close to the singularity and only needs to turn back; leaving is not slowed.
+    h' = h - \bigl(1 - (w / w_0)^2\bigr) \dot w \, n / \|n\|^2, \qquad \text{so that} \quad
+    \dot w' = (w / w_0)^2 \, \dot w.
+
+Close to a singularity :math:`\dot w` is of the order of 1 / w, since the exact motion is. So :math:`\dot w'` and the
+motion that makes it are of the order of w: w decays like an exponential, and the singularity is never reached. On the
+way out the same holds, and the task is as slow.
 """
 
 from __future__ import annotations
@@ -34,7 +37,7 @@ from .task import Task
 
 
 class Reconstructed(Part):
-    """`task`, slowed along the direction in which its measure of manipulability falls below a threshold.
+    """`task`, slowed along the direction that changes its manipulability, where that is below a threshold.
 
     ``position >> Reconstructed(orientation, 0.1, above=position)``; at velocity order.
 
@@ -54,7 +57,7 @@ class Reconstructed(Part):
     Notes
     -----
     Limits above it, and levels below, are not asked: what they do to w is not foreseen. The gradient is taken by
-    central differences, two states of the robot a joint. Exactly at a singularity there is no way to see.
+    central differences, two states of the robot a joint. A run should not start at a singularity: there it sees no way.
     """
 
     def __init__(self, task: Task, threshold: float, *, above: Task | None = None) -> None:
@@ -109,8 +112,8 @@ class Reconstructed(Part):
         slope, inverse = self.gradient(tick.robot, tick.state.q), _inverse(left)
         n = inverse.T @ slope
         rate, square = float(slope @ (moved + inverse @ (h - J @ moved))), float(n @ n)
-        if rate < 0.0 < square:
-            lower[:] = upper[:] = h - (1.0 - share) * rate / square * n
+        if square > 0.0:
+            lower[:] = upper[:] = h - (1.0 - share * share) * rate / square * n
 
     def _left(self, J: Array, state: RobotState) -> Array:
         """J in the null space of the task above."""
