@@ -28,8 +28,8 @@ from tasks import (
 
 #: The joint speed that the methods with limits keep [rad/s].
 FASTEST = 2.0
-#: lambda_0 of all rules, epsilon, and beta of the filtering, in [m] or [1].
-DAMPING, SMALLEST, EXTRA = 0.2, 0.2, 0.4
+#: lambda_0 of all rules and beta of the filtering, its lambda, and epsilon, in [m] or [1].
+DAMPING, LITTLE, SMALLEST = 0.2, 0.05, 0.2
 #: w_0, of what the manipulability is at the start.
 SHARE = 0.5
 
@@ -101,7 +101,7 @@ METHODS: dict[str, Method] = {
     "fixed, limits": _limited(_damped(DAMPING)),
     "by manipulability": _by_manipulability,
     "by singular value": _damped(SingularValueDamping(DAMPING, SMALLEST)),
-    "filtering": _damped(NumericalFiltering(0.1 * DAMPING, EXTRA, SMALLEST)),
+    "filtering": _damped(NumericalFiltering(LITTLE, DAMPING, SMALLEST)),
     "Chiaverini": _decoupled,
     "Kim": _reconstructed,
 }

@@ -123,7 +123,7 @@ def project(levels: Hierarchy, x: Array, settings: Settings) -> tuple[Array, NDA
 def left_singular(J: Array) -> tuple[Array, Array]:
     """Left singular vectors, and as many singular values as there are rows, largest first."""
     vectors, singular, _ = np.linalg.svd(J)
-    return vectors, np.pad(singular, (0, len(J) - len(singular)))
+    return vectors, np.concatenate([singular, np.zeros(len(J) - len(singular))])
 
 
 def tolerance(settings: Settings) -> float:

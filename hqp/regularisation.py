@@ -172,8 +172,8 @@ class RegularisedSolver:
         self, hierarchy: Hierarchy, work: Hierarchy, stages: tuple[Solution, ...], dampings: dict[int, float]
     ) -> RegularisedSolution:
         last = stages[-1]
-        below = len(last.hierarchy.levels) - 1
-        where = f"in the stage of levels 0 to {below}: " if below + 1 < len(hierarchy.levels) else ""
+        solved, levels = len(last.hierarchy.pointers) - 1, len(hierarchy.pointers) - 1
+        where = f"in the stage of levels 0 to {solved - 1}: " if solved < levels else ""
         plain = Solution(
             last.x,
             last.status,

@@ -222,7 +222,7 @@ def test_joint_speeds_through_a_singularity_keep_their_bound_and_the_error_is_to
     """The arm is stretched to where it cannot reach; what is told is what the tip lacks."""
     start = np.array([0.9, -1.2, -0.5])
     here = ARM.pose(start)[:2]
-    task = tip(Line(here, here + [0.45, 0.15], 1.0, timing=quintic))
+    task = tip(Line(here, np.add(here, [0.45, 0.15]), 1.0, timing=quintic))
     controller = Controller(ARM, Damped(task, rule), dt=5e-3)
     q = start
     for k in range(300):
@@ -242,7 +242,7 @@ def test_out_of_reach_joints_do_not_jump_between_their_limits():
     here = ARM.pose(start)[:2]
 
     def jump(damped: bool) -> float:
-        task = tip(Line(here, here + [0.45, 0.15], 1.0, timing=quintic))
+        task = tip(Line(here, np.add(here, [0.45, 0.15]), 1.0, timing=quintic))
         level = Damped(task, 0.2) if damped else task
         record = simulate(Controller(ARM, limits() >> level >> posture(), dt=5e-3), start, duration=2.0, certify=0)
         assert np.abs(record.v).max() <= 2.0 + 1e-9

@@ -39,7 +39,7 @@ def test_a_damped_joint_motion_is_bounded(factor):
 
 
 def test_joint_motions_refuse_and_tell_their_damping():
-    with pytest.raises(InvalidInput, match="'joint motion of tip': damping = -1.0 must not be negative"):
+    with pytest.raises(InvalidInput, match=r"'joint motion of tip': damping = -1\.0 must not be negative"):
         JointMotion(tip(), damping=-1.0)
     assert repr(JointMotion(tip(), damping=0.1)).endswith(", damping=0.1)")
 
