@@ -24,7 +24,7 @@ def draw(path: Path, runs: Mapping[str, Sequence[Run]]) -> None:
     """A column a scene: the fastest joint, the error of the position, and that of the orientation."""
     with mpl.rc_context({"font.size": 8, "axes.titlesize": 9, "axes.titlelocation": "left", "legend.frameon": False}):
         figure = Figure(figsize=(11.0, 6.0), layout="constrained")
-        grid = figure.subplots(3, len(runs), sharex="col", sharey="row")
+        grid = figure.subplots(3, len(runs), sharex="col", sharey="row", squeeze=False)
         for column, (name, each) in zip(grid.T, runs.items(), strict=True):
             column[0].set_title(name)
             column[-1].set_xlabel("t [s]")

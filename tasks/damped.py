@@ -40,7 +40,8 @@ class Damped(Stack):
     Notes
     -----
     A controller solves a damped level with one solve more, two where the rule looks at singular values and limits are
-    above it; a lowest level costs none. What its damping costs the level is told by ``step.relaxed``.
+    above it; a lowest level costs none. What its damping costs the level is told by ``step.relaxed``. ``solve_ik``,
+    whose steps are bounded in a way of their own, takes the level and leaves its damping out.
     """
 
     def __init__(self, level: Part | Stack, rule: DampingRule | float) -> None:
