@@ -1,4 +1,4 @@
-"""``python -m benchmarks backends``, ``solve``, ``batch``, ``tick``, ``ik``: one small file each, beside this one."""
+"""``python -m benchmarks backends``, ``solve``, ``batch``, ``tick``, ``ik``, ``singularities``: a small file each."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from tasks.cli.command import run
 from .backends import backends
 from .batch import batch
 from .ik import ik
+from .singularities import singularities
 from .solve import solve
 from .tick import tick
 
@@ -25,6 +26,7 @@ app.command()(solve)
 app.command()(batch)
 app.command()(tick)
 app.command()(ik)
+app.command()(singularities)
 
 
 @app.callback(invoke_without_command=True)

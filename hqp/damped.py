@@ -1,7 +1,4 @@
-r"""One damped level as plain ones: with the rows of damping joined to it, and frozen at what it reached.
-
-All functions take the levels down to the damped one, which is the last of them.
-"""
+r"""One damped level as plain ones: with the rows of damping joined to it, and frozen at what it reached."""
 
 from __future__ import annotations
 
@@ -13,11 +10,97 @@ from numpy.typing import NDArray
 from .arrays import Array
 from .errors import InvalidInput
 from .hierarchy import Hierarchy
+from .label import Label
 from .level import Level
 from .rows import row_states
 from .settings import Settings
 from .side import Side
 from .subspace import split
+
+
+class DampedLevel:
+    """One damped level at work: the plain hierarchies of its stages, laid out once and refilled.
+
+    Parameters
+    ----------
+    whole : Hierarchy
+        The hierarchy that is refilled and solved again and again.
+    k : int
+        The level.
+
+    Attributes
+    ----------
+    above, levels : Hierarchy
+        The levels above it, and those with it: as of the last `refill`.
+    joined : Hierarchy
+        The levels above, and this one with the rows of damping, ``x = x_ref`` of weight lambda: as of the last
+        `damp` or `filter`.
+    """
+
+    def __init__(self, whole: Hierarchy, k: int) -> None:
+        self.level, self._whole = whole.levels[k], whole
+        self.above = Hierarchy(whole.levels[:k], n=whole.n)
+        self.levels = Hierarchy(whole.levels[: k + 1], n=whole.n)
+        self._rows = np.array(whole.matrix(k))  # which stay as they are where the level is plain
+        labels = [whole.label_of(row) for row in range(*whole.pointers[k : k + 2])]
+        labels += [Label("damping", f"x[{i}]") for i in range(whole.n)]
+        zeros = np.zeros(len(labels))
+        rows = np.concatenate([self._rows, np.eye(whole.n)])
+        self.joined = Hierarchy([*whole.levels[:k], Level(rows, zeros, zeros, name=self.level.name, labels=labels)])
+        self._own = self.joined.levels[k]
+
+    def refill(self) -> None:
+        """Take the numbers of the levels above, and of this one."""
+        for part in self.above, self.levels:
+            self._copy(part)
+
+    def damp(self, damping: float, x_ref: Array) -> None:
+        """Join the rows of damping."""
+        level = self.level
+        self._write(self._dense(), level.lower, level.upper, level.weights, damping, x_ref)
+
+    def filter(self, own: NDArray[np.bool_], u: Array, damping: float, filtering: float, x_ref: Array) -> None:
+        r"""Join the rows of damping, and weaken the combination u of the rows `own`, which are equalities.
+
+        :math:`J^T (J J^T + \lambda^2 I + \beta^2 u u^T)^{-1} r` minimises :math:`\|F (J x - r)\|^2 + \lambda^2
+        \|x\|^2` for :math:`F = \lambda (\lambda^2 I + \beta^2 u u^T)^{-1/2} = I - (1 - \lambda / \sqrt{\lambda^2 +
+        \beta^2}) u u^T`.
+        """
+        level = self.level
+        F = np.eye(len(u)) - (1.0 - damping / math.hypot(damping, filtering)) * np.outer(u, u)
+        combined = np.zeros((len(level), len(level)))  # the other rows are free, or zero
+        combined[np.ix_(own, own)] = F * level.weights[own]
+        b = combined @ np.where(own, level.lower, 0.0)
+        self._write(combined @ self._dense(), b, b, np.ones(len(b)), damping, x_ref)
+
+    def freeze(self, x: Array, settings: Settings) -> None:
+        """Hold the equality and violated rows of the level where they are at x, in the whole hierarchy itself."""
+        level = self.level
+        reached = self._dense() @ x
+        if (level.lower == level.upper).all():
+            level.lower[:] = level.upper[:] = reached
+            return
+        self._copy(self.levels)
+        states, first = row_states(self.levels, x, tolerance(settings)), self.levels.pointers[-2]
+        held = (states.sides[first:] == Side.EQUALITY) | states.violated[first:]
+        level.lower[:], level.upper[:] = np.where(held, (reached, reached), (level.lower, level.upper))
+
+    def _dense(self) -> Array:
+        return self._rows if self.level.A is None else self.level.A
+
+    def _write(self, A: Array, lower: Array, upper: Array, weights: Array, damping: float, x_ref: Array) -> None:
+        self._copy(self.joined, self.above)
+        own, m = self._own, len(lower)
+        assert own.A is not None
+        own.A[:m], own.lower[:m], own.upper[:m], own.weights[:m] = A, lower, upper, weights
+        own.lower[m:], own.upper[m:], own.weights[m:] = x_ref, x_ref, damping
+
+    def _copy(self, part: Hierarchy, top: Hierarchy | None = None) -> None:
+        """The numbers of the whole, as far as the levels of `top` go (default: all of the part)."""
+        like = part if top is None else top
+        m, dense, whole = like.m, len(like.A), self._whole
+        part.A[:dense], part.weights[:m] = whole.A[:dense], whole.weights[:m]
+        part.lower[:m], part.upper[:m] = whole.lower[:m], whole.upper[:m]
 
 
 def project(levels: Hierarchy, x: Array, settings: Settings) -> tuple[Array, NDArray[np.bool_]]:
@@ -40,48 +123,7 @@ def project(levels: Hierarchy, x: Array, settings: Settings) -> tuple[Array, NDA
 def left_singular(J: Array) -> tuple[Array, Array]:
     """Left singular vectors, and as many singular values as there are rows, largest first."""
     vectors, singular, _ = np.linalg.svd(J)
-    return vectors, np.pad(singular, (0, len(J) - len(singular)))
-
-
-def damped(levels: Hierarchy, damping: float, x_ref: Array) -> Level:
-    """The last level with the rows of damping, ``x = x_ref`` of weight lambda, joined to it."""
-    level = levels.levels[-1]
-    return _joined(_rows(levels), level.lower, level.upper, level.weights, damping, x_ref, level.name)
-
-
-def filtered(
-    levels: Hierarchy, own: NDArray[np.bool_], u: Array, damping: float, filtering: float, x_ref: Array
-) -> Level:
-    r"""The last level, of equality rows `own`, damped, and the combination u of its rows weakened.
-
-    :math:`J^T (J J^T + \lambda^2 I + \beta^2 u u^T)^{-1} r` minimises :math:`\|F (J x - r)\|^2 + \lambda^2 \|x\|^2`
-    for :math:`F = \lambda (\lambda^2 I + \beta^2 u u^T)^{-1/2} = I - (1 - \lambda / \sqrt{\lambda^2 + \beta^2}) u u^T`.
-    """
-    level = levels.levels[-1]
-    F = np.eye(len(u)) - (1.0 - damping / math.hypot(damping, filtering)) * np.outer(u, u)
-    rows = F * level.weights[own]
-    b = rows @ level.lower[own]
-    return _joined(rows @ _rows(levels)[own], b, b, np.ones(len(b)), damping, x_ref, level.name)
-
-
-def _joined(A: Array, lower: Array, upper: Array, weights: Array, damping: float, x_ref: Array, name: str) -> Level:
-    n = len(x_ref)
-    return Level(
-        np.concatenate([A, np.eye(n)]),
-        np.concatenate([lower, x_ref]),
-        np.concatenate([upper, x_ref]),
-        weights=np.concatenate([weights, np.full(n, damping)]),
-        name=name,
-    )
-
-
-def frozen(levels: Hierarchy, x: Array, settings: Settings) -> tuple[Array, Array]:
-    """Bounds of the last level that hold its equality and violated rows where they are at x, and no others."""
-    level, first = levels.levels[-1], levels.pointers[-2]
-    states = row_states(levels, x, tolerance(settings))
-    held = (states.sides[first:] == Side.EQUALITY) | states.violated[first:]
-    reached = _rows(levels) @ x
-    return np.where(held, reached, level.lower), np.where(held, reached, level.upper)
+    return vectors, np.concatenate([singular, np.zeros(len(J) - len(singular))])
 
 
 def tolerance(settings: Settings) -> float:
@@ -104,10 +146,6 @@ def refuse_inequalities(levels: Hierarchy) -> None:
             f"{levels.label(len(levels.levels) - 1)}, row {row} is an inequality"
             f" ({level.lower[row]:g} <= A x <= {level.upper[row]:g}); numerical filtering takes equality rows only"
         )
-
-
-def _rows(levels: Hierarchy) -> Array:
-    return levels.matrix(len(levels.levels) - 1)
 
 
 def _inequalities(lower: Array, upper: Array) -> NDArray[np.bool_]:

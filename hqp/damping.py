@@ -8,6 +8,17 @@ see :mod:`hqp.regularisation`. The :math:`\sigma_i` are the singular values of i
 :math:`\hat J = D_k A_k Z`: its equality and active rows, weighted, in the null space Z of the equality
 and active rows above. Active are the rows that are at a bound, or beyond it, where the levels above
 leave off.
+
+Whatever the rule and the posture, the damping bounds what the level adds to :math:`x_a`, the answer of the levels
+above it. Let :math:`r_a = D_k w_k(x_a)` be what it lacks there, and g the largest :math:`\sigma / (\sigma^2 +
+\lambda^2)`, see :meth:`DampingRule.largest_gain`; then, where all rows are equalities,
+
+.. math:: \|x - x_a\| \le g \|r_a\|.
+
+For a fixed lambda this holds among inequalities, too, with :math:`g = 1 / 2 \lambda`. Let :math:`d = x - x_a` and, for
+simplicity, :math:`x_\text{ref} = 0`. That x is optimal and :math:`x_a` the shortest among convex choices means
+:math:`\langle A^T (A x - r) + \lambda^2 x, d \rangle \le 0` and :math:`\langle x_a, d \rangle \ge 0`; hence
+:math:`\lambda^2 \|d\|^2 \le \|r_a\| \|A d\| - \|A d\|^2 \le \|r_a\|^2 / 4`.
 """
 
 from __future__ import annotations
@@ -19,6 +30,7 @@ from typing import ClassVar
 
 from .arrays import Array
 from .checks import positive_number
+from .errors import InvalidInput
 from .hierarchy import LARGEST
 
 
@@ -56,6 +68,23 @@ class DampingRule(ABC):
         """The beta by which the weakest combination of rows is damped beyond lambda."""
         return 0.0
 
+    def largest_gain(self, rows: int, longest: float) -> float:
+        r"""The largest :math:`\sigma_i / (\sigma_i^2 + \lambda^2)` that can come of this rule.
+
+        Parameters
+        ----------
+        rows : int
+            How many singular values there are.
+        longest : float
+            The largest that one of them may be, in the unit of the weighted rows.
+
+        Returns
+        -------
+        float
+            In the unit of one over that; infinite where the rule promises nothing.
+        """
+        return math.inf
+
 
 @dataclass(frozen=True)
 class FixedDamping(DampingRule):
@@ -72,6 +101,10 @@ class FixedDamping(DampingRule):
 
     def damping(self, singular: Array) -> float:
         return self.factor
+
+    def largest_gain(self, rows: int, longest: float) -> float:
+        r""":math:`1 / 2 \lambda`, at :math:`\sigma = \lambda`."""
+        return 0.5 / self.factor
 
 
 @dataclass(frozen=True)
@@ -96,6 +129,15 @@ class ManipulabilityDamping(DampingRule):
         w = math.prod(singular.tolist()) if len(singular) else math.inf
         return self.largest * max(1.0 - w / self.threshold, 0.0)
 
+    def largest_gain(self, rows: int, longest: float) -> float:
+        r""":math:`1 / 2 \lambda_0 + \sigma_1^{m-1} / w_0`.
+
+        No :math:`\sigma_i` is below :math:`w / \sigma_1^{m-1}`, so with the share :math:`s = w / w_0` the gain is at
+        most the smaller one of :math:`\sigma_1^{m-1} / s w_0` and :math:`1 / 2 \lambda_0 (1 - s)`; where they meet is
+        the bound.
+        """
+        return 0.5 / self.largest + longest ** (rows - 1) / self.threshold
+
 
 @dataclass(frozen=True)
 class SingularValueDamping(DampingRule):
@@ -116,6 +158,14 @@ class SingularValueDamping(DampingRule):
 
     def damping(self, singular: Array) -> float:
         return self.largest * _fade(singular, self.threshold)
+
+    def largest_gain(self, rows: int, longest: float) -> float:
+        r""":math:`\sqrt{1 / (2 \lambda_0)^2 + 1 / \epsilon^2}`.
+
+        With the share :math:`s = \sigma_\text{min} / \epsilon` the gain is at most the smaller one of
+        :math:`1 / s \epsilon` and :math:`1 / 2 \lambda_0 \sqrt{1 - s^2}`; where they meet is the bound.
+        """
+        return math.hypot(0.5 / self.largest, 1.0 / self.threshold)
 
 
 @dataclass(frozen=True)
@@ -146,8 +196,22 @@ class NumericalFiltering(DampingRule):
     def filtering(self, singular: Array) -> float:
         return self.extra * _fade(singular, self.threshold)
 
+    def largest_gain(self, rows: int, longest: float) -> float:
+        r""":math:`1 / 2 \lambda`: the filtering makes the gain of the weakest combination smaller still."""
+        return 0.5 / self.factor
+
 
 def _fade(singular: Array, threshold: float) -> float:
     """From 1 where the smallest singular value is 0 to 0 where it reaches the threshold."""
     share = min(float(singular.min(initial=math.inf)) / threshold, 1.0) if len(singular) else 1.0
     return math.sqrt(1.0 - share * share)
+
+
+def as_rule(value: object, what: str) -> DampingRule:
+    """A rule as it is, a number as a :class:`FixedDamping`; InvalidInput that begins with `what` otherwise."""
+    if isinstance(value, DampingRule):
+        return value
+    try:
+        return FixedDamping(value)  # type: ignore[arg-type]
+    except InvalidInput as error:
+        raise InvalidInput(f"{what}: neither a rule nor a number for one ({error})") from None

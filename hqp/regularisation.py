@@ -9,7 +9,8 @@ take up all freedom. So the hierarchy is solved in stages, each of them a plain 
 and ``certify`` proves: for each damped level, from the highest, the levels down to it with the rows of
 damping joined to it; then its rows are *frozen* at what they reached, :math:`A_k x = A_k x_k`, and the next
 stage has the null space of :math:`A_k` to move in. Inequality rows that are satisfied stay inequalities.
-The last stage is the whole hierarchy, every damped level frozen.
+The last stage is the whole hierarchy, every damped level frozen;
+it is left out where the lowest level of all is damped, whose stage has decided every x.
 
 For two equality levels of full rank, the second damped, this is, with :math:`\hat J_2 = J_2 N_1` and
 :math:`x_\text{ref} = 0`,
@@ -23,20 +24,24 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from numbers import Integral
 from reprlib import repr as brief
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .arrays import Array, finite_vector, real_array
 from .checks import of_type
-from .damped import damped, filtered, frozen, has_inequalities, left_singular, project, refuse_inequalities
-from .damping import DampingRule, FixedDamping
+from .damped import DampedLevel, has_inequalities, left_singular, project, refuse_inequalities
+from .damping import DampingRule, as_rule
 from .errors import InvalidInput, Unsupported
 from .hierarchy import LARGEST, Hierarchy
 from .relaxation import RegularisedSolution
 from .settings import Settings
 from .solution import Counts, Solution, Status
 from .solve import DEFAULT_BACKEND, Solver
+
+#: No singular values: of a rule that does not look at any.
+NOTHING = np.zeros(0)
 
 
 class RegularisedSolver:
@@ -72,6 +77,10 @@ class RegularisedSolver:
         self.settings = self._last.settings
         self._above: defaultdict[int, Solver] = defaultdict(self._solver)
         self._damped: defaultdict[int, Solver] = defaultdict(self._solver)
+        self._structure: tuple[Any, ...] | None = None
+        self._work: Hierarchy
+        self._plan: list[tuple[int, DampingRule, DampedLevel]] = []
+        self._zero = NOTHING
 
     def _solver(self) -> Solver:
         return Solver(self.backend, self.settings)
@@ -91,45 +100,59 @@ class RegularisedSolver:
             If a damped level is not in the hierarchy, if numerical filtering meets an inequality row, or if
             x_ref is no array of real numbers or has the wrong shape.
         """
-        rules = self._rules(of_type(hierarchy, Hierarchy, "hierarchy"))
-        reference = np.zeros(hierarchy.n) if x_ref is None else real_array(x_ref, "x_ref")
-        work, dampings, stages = hierarchy.copy(), dict[int, float](), list[Solution]()
+        if of_type(hierarchy, Hierarchy, "hierarchy").structure is not self._structure:
+            self._adopt(hierarchy)
+        work, dampings, stages = self._work, dict[int, float](), list[Solution]()
+        work.numbers[:] = hierarchy.numbers
+        reference = self._zero if x_ref is None else real_array(x_ref, "x_ref")
         if hierarchy.find_fault() or reference.shape != (hierarchy.n,) or not (np.abs(reference) <= LARGEST).all():
             stages.append(self._last.solve(hierarchy, reference))  # which says what is wrong
         else:
-            for stage in self._stages(work, rules, reference, dampings):
+            for stage in self._stages(reference, dampings):
                 stages.append(stage)
                 if not stage.ok:
                     break
-        return self._conclude(hierarchy, work, tuple(stages), dampings)
+        return self._conclude(hierarchy, work.copy(), tuple(stages), dampings)
 
-    def _stages(
-        self, work: Hierarchy, rules: dict[int, DampingRule], x_ref: Array, dampings: dict[int, float]
-    ) -> Iterator[Solution]:
-        """Every stage in its turn; level after level is frozen in `work`, and its lambda noted in `dampings`."""
+    def _adopt(self, hierarchy: Hierarchy) -> None:
+        """Lay out the stages for hierarchies of this structure; the solvers stay warm if it says the same."""
+        self._structure = None
+        rules = self._rules(hierarchy)
+        self._work = hierarchy.copy()
+        self._plan = [(k, rule, DampedLevel(self._work, k)) for k, rule in sorted(rules.items())]
+        self._zero = np.zeros(hierarchy.n)
+        self._zero.flags.writeable = False
+        self._structure = hierarchy.structure
+
+    def _stages(self, x_ref: Array, dampings: dict[int, float]) -> Iterator[Solution]:
+        """Every stage in its turn; level after level is frozen in the work, and its lambda noted in `dampings`."""
         x, decided = x_ref, 0  # x is where the levels above `decided` leave off
-        for k, rule in sorted(rules.items()):
-            levels = Hierarchy(work.levels[: k + 1], n=work.n)
+        for k, rule, level in self._plan:
+            J, own = np.zeros((0, len(x_ref))), None
+            if rule.mixes or rule.looks:
+                level.refill()
             if rule.mixes:
-                refuse_inequalities(levels)
-            if rule.looks and decided != k and has_inequalities(levels):  # otherwise any x has the same active rows
-                stage = self._above[k].solve(Hierarchy(work.levels[:k], n=work.n), x_ref)
-                yield stage
-                x = stage.x
-            J, own = project(levels, x, self.settings) if rule.looks else (np.zeros((0, work.n)), None)
-            vectors, singular = left_singular(J)
+                refuse_inequalities(level.levels)
+            if rule.looks:
+                if decided != k and has_inequalities(level.levels):  # otherwise any x has the same active rows
+                    stage = self._above[k].solve(level.above, x_ref)
+                    yield stage
+                    x = stage.x
+                J, own = project(level.levels, x, self.settings)
+            vectors, singular = left_singular(J) if rule.looks else (J, NOTHING)
             dampings[k] = damping = rule.damping(singular)
             if damping < 1.0 / LARGEST:
                 continue  # strict, as the level stands
             if rule.mixes and own is not None and own.any():
-                joined = filtered(levels, own, vectors[:, -1], damping, rule.filtering(singular), x_ref)
+                level.filter(own, vectors[:, -1], damping, rule.filtering(singular), x_ref)
             else:
-                joined = damped(levels, damping, x_ref)
-            stage = self._damped[k].solve(Hierarchy([*work.levels[:k], joined], n=work.n), x_ref)
+                level.damp(damping, x_ref)
+            stage = self._damped[k].solve(level.joined, x_ref)
             yield stage
             x, decided = stage.x, k + 1
-            work.levels[k].lower[:], work.levels[k].upper[:] = frozen(levels, x, self.settings)
-        yield self._last.solve(work, x_ref)
+            level.freeze(x, self.settings)
+        if decided < len(self._work.levels) or not decided:  # otherwise damping has left nothing to decide
+            yield self._last.solve(self._work, x_ref)
 
     def _rules(self, hierarchy: Hierarchy) -> dict[int, DampingRule]:
         """The rules by the index of their level."""
@@ -149,8 +172,8 @@ class RegularisedSolver:
         self, hierarchy: Hierarchy, work: Hierarchy, stages: tuple[Solution, ...], dampings: dict[int, float]
     ) -> RegularisedSolution:
         last = stages[-1]
-        below = len(last.hierarchy.levels) - 1
-        where = f"in the stage of levels 0 to {below}: " if below + 1 < len(hierarchy.levels) else ""
+        solved, levels = len(last.hierarchy.pointers) - 1, len(hierarchy.pointers) - 1
+        where = f"in the stage of levels 0 to {solved - 1}: " if solved < levels else ""
         plain = Solution(
             last.x,
             last.status,
@@ -209,9 +232,4 @@ def solve_regularised(
 def _rule(key: object, value: object) -> DampingRule:
     if not isinstance(key, Integral | str) or isinstance(key, bool):
         raise InvalidInput(f"damping: {key!r} must be the index or the name of a level")
-    if isinstance(value, DampingRule):
-        return value
-    try:
-        return FixedDamping(value)  # type: ignore[arg-type]
-    except InvalidInput as error:
-        raise InvalidInput(f"damping of {key!r}: neither a rule nor a number for one ({error})") from None
+    return as_rule(value, f"damping of {key!r}")

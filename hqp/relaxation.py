@@ -10,10 +10,11 @@ import numpy as np
 
 from .arrays import Array, length
 from .certificate import Certificate
+from .explanation import Explanation
 from .hierarchy import Hierarchy
 from .rows import excess
 from .settings import Settings
-from .solution import LevelSolution, Solution, Status
+from .solution import Counts, LevelSolution, Solution, Status
 from .solve import Solver
 
 
@@ -131,6 +132,21 @@ class RegularisedSolution:
         return self.plain.hierarchy
 
     @property
+    def backend(self) -> str:
+        """Name of the backend."""
+        return self.plain.backend
+
+    @property
+    def counts(self) -> Counts:
+        """Of all stages together."""
+        return self.plain.counts
+
+    @property
+    def gap(self) -> float:
+        """That of the last stage, see :attr:`hqp.Solution.gap`."""
+        return self.stages[-1].gap
+
+    @property
     def x_ref(self) -> Array:
         """Reference of the damping and of the implicit last level."""
         return self.plain.x_ref
@@ -157,6 +173,19 @@ class RegularisedSolution:
     def certify(self, *, unique: bool = True, tolerance: float = 1e-9) -> StageCertificates:
         """The proof of every stage, see :func:`hqp.certify`."""
         return StageCertificates(tuple(stage.certify(unique=unique, tolerance=tolerance) for stage in self.stages))
+
+    def explain(self, *, tolerance: float = 1e-9) -> Explanation:
+        """Which row stopped which level: a damped one in its own stage, where its damping is one of its parts.
+
+        See :meth:`hqp.Solution.explain`.
+        """
+        last = self.stages[-1].explain(tolerance=tolerance)
+        levels = list(last.levels)
+        for stage in self.stages[:-1]:
+            k = len(stage.hierarchy.levels) - 1
+            if k in self.dampings and stage.hierarchy.m > self.hierarchy.pointers[k + 1] and k < len(levels):
+                levels[k] = stage.explain(tolerance=tolerance).levels[k]
+        return Explanation(tuple(levels), self.message)
 
     def __repr__(self) -> str:
         head = f"RegularisedSolution({self.status} by {self.plain.backend}, {len(self.stages)} stages, x = "

@@ -21,6 +21,7 @@ from .criteria.joint_ranges import JointCentringTask
 from .criteria.manipulability import DynamicManipulabilityTask, ManipulabilityTask, VelocityRatioTask
 from .criteria.motion import KineticEnergyTask, MinimumMotionTask
 from .criteria.torque import MinimumTorqueTask
+from .damped import Damped
 from .damping import Damping
 from .frame_task import FrameTask
 from .inequality import AtLeast, AtMost, Within
@@ -48,6 +49,7 @@ from .plane import PlaneTask
 from .pose import PoseTask
 from .position import PositionTask
 from .posture import PostureTask
+from .reconstruction import Reconstructed
 from .robots.frame import Frame
 from .robots.library import available_robots, load_robot
 from .robots.manipulability import Degrees, VelocityEllipse, manipulability, task_degrees, velocity_ellipse
@@ -81,6 +83,7 @@ __all__ = [
     "Circle",
     "Command",
     "Controller",
+    "Damped",
     "Damping",
     "Degrees",
     "DynamicManipulabilityTask",
@@ -120,6 +123,7 @@ __all__ = [
     "PoseTask",
     "PositionTask",
     "PostureTask",
+    "Reconstructed",
     "Record",
     "Robot",
     "RobotState",

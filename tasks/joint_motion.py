@@ -7,7 +7,9 @@ The thesis's law, Eq. 4.8,
 projects the motion :math:`J_2^\# h_2` that the second task would make on its own. It is the answer of
 the hierarchy {J1 a = h1} > {a = J2# h2}, hence ``PositionTask(...) >> JointMotion(OrientationTask(...))``.
 It has no algorithmic singularities, and pays with accuracy: the strict stack
-``PositionTask(...) >> OrientationTask(...)`` meets the second task better wherever both can be met.
+``PositionTask(...) >> OrientationTask(...)`` meets the second task better wherever both can be met. Where the task
+alone is singular, :math:`J_2^\#` is to be damped, :math:`J_2^T (J_2 J_2^T + \lambda^2 I)^{-1}`: then the joint motion
+is at most :math:`\|h_2\| / 2 \lambda` (Chiaverini 1997: a task priority robust to singularities).
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ import numpy as np
 
 from hqp import InvalidInput
 
-from ._checks import Array, numbers
+from ._checks import Array, finite_scalar, numbers
 from .part import Order, Part, Tick
 from .robots.robot import Robot, RobotState
 from .task import Task
@@ -34,17 +36,27 @@ class JointMotion(Part):
     ----------
     task : Task
         Its J and h (Eq. 4.7, or the velocity law) give the motion of least norm that it asks for.
+    damping : float
+        The lambda of the pseudoinverse, in the unit of J; 0 for the exact one.
+
+    Raises
+    ------
+    InvalidInput
+        If `task` is no Task, or the damping is negative.
     """
 
     plain: ClassVar[bool] = True
     rows = None
 
-    def __init__(self, task: Task) -> None:
+    def __init__(self, task: Task, *, damping: float = 0.0) -> None:
         if not isinstance(task, Task):
             raise InvalidInput(f"JointMotion takes a Task, not a {type(task).__name__}")
         self.task = task
         self.name = f"joint motion of {task.name}"
         self.weight = numbers(1.0, "weight")
+        self.damping = finite_scalar(damping, f"{self.label()}: damping")
+        if self.damping < 0.0:
+            raise InvalidInput(f"{self.label()}: damping = {damping} must not be negative")
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.task.check(robot, order, dt)
@@ -55,11 +67,15 @@ class JointMotion(Part):
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         J, h = self.task.control(tick)
-        lower[:] = alone(J, h)
+        if self.damping == 0.0:
+            lower[:] = alone(J, h)
+        else:
+            lower[:] = J.T @ np.linalg.solve(J @ J.T + self.damping**2 * np.eye(len(h)), h)
         upper[:] = lower
 
     def __repr__(self) -> str:
-        return f"JointMotion({self.task!r})"
+        damping = f", damping={self.damping:g}" if self.damping else ""
+        return f"JointMotion({self.task!r}{damping})"
 
 
 def alone(J: Array, h: Array) -> Array:

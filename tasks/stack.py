@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hqp import Hierarchy, InvalidInput, Level
+from hqp import DampingRule, Hierarchy, InvalidInput, Level
 
 from ._checks import Array, per_row
 from .limits.envelope import Envelope
@@ -18,6 +18,9 @@ from .robots.robot import Robot, RobotState
 
 if TYPE_CHECKING:
     from .compiled import CompiledRows
+
+#: One level, and how it is damped.
+Ruled = tuple[tuple[Part, ...], DampingRule | None]
 
 ALLOWED = "a stack takes tasks, limits and stacks: a >> b puts b below a, a + b puts both on one level"
 
@@ -45,11 +48,13 @@ class Stack:
     """
 
     levels: tuple[tuple[Part, ...], ...]
+    damping: tuple[DampingRule | None, ...]
 
     def __init__(self, *parts: Part | Stack) -> None:
         if not parts:
             raise InvalidInput(f"an empty stack asks for nothing; {ALLOWED}")
         self.levels = tuple(level for part in parts for level in _levels_of(part))
+        self.damping = tuple(rule for part in parts for rule in (part.damping if isinstance(part, Stack) else (None,)))
         seen: set[int] = set()
         for part in self:
             if id(part) in seen:
@@ -66,19 +71,27 @@ class Stack:
                 f"+ joins parts of one level, but got {self!r} + {other!r};"
                 " say which level is meant with brackets: a >> (b + c)"
             )
-        return _of_levels([mine[0] + theirs[0]])
+        if any(self.damping) or (isinstance(other, Stack) and any(other.damping)):
+            raise InvalidInput(
+                f"a level is damped as a whole, but got {self!r} + {other!r}; put the brackets around all of it:"
+                " Damped(a + b, rule)"
+            )
+        return _of_levels([(mine[0] + theirs[0], None)])
 
     def swapped(self, first: Part, second: Part) -> Stack:
-        """The same parts, these two in each other's place.
+        """The same parts, these two in each other's place, with the damping of a level that each has for itself.
 
         Raises
         ------
         InvalidInput
             If one of them is not in the stack.
         """
-        self._level(first), self._level(second)
+        levels, here, there = list(self._ruled()), self._level(first), self._level(second)
+        if len(self.levels[here]) == len(self.levels[there]) == 1:
+            levels[here], levels[there] = levels[there], levels[here]
+            return _of_levels(levels)
         other = {id(first): second, id(second): first}
-        return _of_levels(tuple(other.get(id(part), part) for part in level) for level in self.levels)
+        return _of_levels((tuple(other.get(id(part), part) for part in level), rule) for level, rule in levels)
 
     def without(self, *parts: Part) -> Stack:
         """The stack without these parts, and without the levels that they leave empty.
@@ -89,7 +102,9 @@ class Stack:
             If one of them is not in the stack, or nothing is left.
         """
         gone = {id(part) for part in parts if self._level(part) >= 0}
-        return _of_levels(tuple(part for part in level if id(part) not in gone) for level in self.levels)
+        return _of_levels(
+            (tuple(part for part in level if id(part) not in gone), rule) for level, rule in self._ruled()
+        )
 
     def inserted(self, part: Part | Stack, *, below: Part | None = None) -> Stack:
         """The stack with a new level, or levels, right below that of another part; without it, at the top.
@@ -99,8 +114,9 @@ class Stack:
         InvalidInput
             If `below` is not in the stack, or `part` is in it already.
         """
-        place = 0 if below is None else self._level(below) + 1
-        return _of_levels((*self.levels[:place], *_levels_of(part), *self.levels[place:]))
+        place, levels = 0 if below is None else self._level(below) + 1, list(self._ruled())
+        new = part._ruled() if isinstance(part, Stack) else [(level, None) for level in _levels_of(part)]
+        return _of_levels([*levels[:place], *new, *levels[place:]])
 
     def _level(self, part: Part) -> int:
         """Where a part stands."""
@@ -108,6 +124,10 @@ class Stack:
             if any(own is part for own in level):
                 return k
         raise InvalidInput(f"{part!r} is not in the stack {self!r}")
+
+    def _ruled(self) -> Iterable[Ruled]:
+        """Every level with its damping."""
+        return zip(self.levels, self.damping, strict=True)
 
     def __iter__(self) -> Iterator[Part]:
         """All parts, from the highest level down."""
@@ -122,12 +142,12 @@ class Stack:
         return len(self.levels)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Stack) and self.levels == other.levels
+        return isinstance(other, Stack) and (self.levels, self.damping) == (other.levels, other.damping)
 
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        return " >> ".join(" + ".join(map(repr, level)) for level in self.levels)
+        return " >> ".join(map(_shown, self.levels, self.damping))
 
     def build(self, robot: Robot, order: Order, dt: float | None = None, *, compiled: bool = True) -> Rows:
         """The hierarchy of this stack for one robot, ready to be filled.
@@ -234,11 +254,17 @@ def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order) -> Level:
     return Level(np.concatenate(A), zeros, zeros, weights=weights, name=name, labels=labels)
 
 
-def _of_levels(levels: Iterable[tuple[Part, ...]]) -> Stack:
+def _of_levels(levels: Iterable[Ruled]) -> Stack:
     """A stack of these levels, the empty ones left out."""
+    kept = [(level, rule) for level, rule in levels if level]
     stack = object.__new__(Stack)
-    stack.levels = tuple(level for level in levels if level)
-    return Stack(stack) if stack.levels else Stack()
+    stack.levels, stack.damping = tuple(level for level, _ in kept), tuple(rule for _, rule in kept)
+    return Stack(stack) if kept else Stack()
+
+
+def _shown(level: tuple[Part, ...], rule: DampingRule | None) -> str:
+    parts = " + ".join(map(repr, level))
+    return parts if rule is None else f"Damped({parts}, {rule!r})"
 
 
 def _levels_of(part: Part | Stack) -> tuple[tuple[Part, ...], ...]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from math import isfinite
 from typing import NamedTuple, get_args
 
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import hqp
-from hqp import InvalidInput, Settings, Solution
+from hqp import InvalidInput, RegularisedSolution, RegularisedSolver, Relaxation, Settings, Solution
 from hqp.checks import truth
 
 from .._checks import Array, numbers, positive_scalar, scalar
@@ -22,6 +21,7 @@ from ..stack import Rows, Stack
 from .timing import Timing, cubic
 from .transition import Answer, Transition
 
+AnySolver = hqp.Solver | RegularisedSolver
 #: Stacks that a controller keeps ready to go back to.
 MOST_PREPARED = 8
 
@@ -34,7 +34,7 @@ class Step(NamedTuple):
     order : {"velocity", "acceleration", "torque"}
     state : RobotState
         Where the robot was.
-    solution : hqp.Solution
+    solution : hqp.Solution, or hqp.RegularisedSolution where a level is damped
         How well every level is met; ``.certify().ok`` is the proof.
     v : array, shape (nv,), or None
         Joint velocities [rad/s], at velocity order.
@@ -49,7 +49,7 @@ class Step(NamedTuple):
 
     order: Command
     state: RobotState
-    solution: Solution
+    solution: Solution | RegularisedSolution
     v: Array | None = None
     a: Array | None = None
     tau: Array | None = None
@@ -59,6 +59,11 @@ class Step(NamedTuple):
     def ok(self) -> bool:
         """Whether the solver claims the optimum; look at ``solution`` otherwise."""
         return self.solution.ok
+
+    @property
+    def relaxed(self) -> tuple[Relaxation, ...]:
+        """What strictness was given up: lambda and residual norm of every damped level, highest first."""
+        return self.solution.relaxed if isinstance(self.solution, RegularisedSolution) else ()
 
 
 class Controller:
@@ -106,8 +111,8 @@ class Controller:
         self.order: Command = order
         self.dt = None if dt is None else positive_scalar(dt, "dt", unit="s")
         self._torque = self._inverse_dynamics() if truth(torque, "torque") or order == "torque" else None
-        self._new_solver = partial(hqp.Solver, backend, settings)
-        self._prepared: dict[int, tuple[Stack, Rows, hqp.Solver]] = {}
+        self._backend, self._settings = backend, settings
+        self._prepared: dict[int, tuple[Stack, Rows, AnySolver]] = {}
         self._transition: Transition | None = None
         self._rows, self._solver = self._prepare(self.stack)
 
@@ -201,12 +206,18 @@ class Controller:
         self._transition = Transition(self._answer(), duration, law)
         self.stack, (self._rows, self._solver) = wanted, prepared
 
-    def _prepare(self, stack: Stack) -> tuple[Rows, hqp.Solver]:
+    def _new_solver(self, stack: Stack) -> AnySolver:
+        rules: dict[int | str, hqp.DampingRule | float] = {k: rule for k, rule in enumerate(stack.damping) if rule}
+        if rules:
+            return RegularisedSolver(rules, self._backend, self._settings)
+        return hqp.Solver(self._backend, self._settings)
+
+    def _prepare(self, stack: Stack) -> tuple[Rows, AnySolver]:
         """The rows of a stack, and their solver, as they were left."""
         found = self._prepared.pop(id(stack), None)
         if found is None:
             order: Order = "velocity" if self.order == "velocity" else "acceleration"
-            found = stack, stack.build(self.robot, order, self.dt), self._new_solver()
+            found = stack, stack.build(self.robot, order, self.dt), self._new_solver(stack)
         self._prepared[id(stack)] = found  # what was asked for last comes last
         while len(self._prepared) > MOST_PREPARED:
             del self._prepared[next(iter(self._prepared))]
@@ -237,12 +248,15 @@ class Controller:
             raise InvalidInput(f"{part!r} is not in the stack {self.stack!r}")
         return found
 
-    def _solve(self, state: RobotState, time: float) -> Solution:
+    def _solve(self, state: RobotState, time: float) -> Solution | RegularisedSolution:
         if isfinite(time):
             self._rows.fill(state, time)
             return self._solver.solve(self.hierarchy)
         self.hierarchy.lower.fill(np.nan)  # no task is asked, and no bound left that could be met
-        return replace(self._solver.solve(self.hierarchy), message=f"t = {time} s must be finite")
+        solution, message = self._solver.solve(self.hierarchy), f"t = {time} s must be finite"
+        if isinstance(solution, RegularisedSolution):
+            return replace(solution, plain=replace(solution.plain, message=message))
+        return replace(solution, message=message)
 
     def __repr__(self) -> str:
         tick = "" if self.dt is None else f", dt={self.dt:g}"

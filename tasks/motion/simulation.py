@@ -20,12 +20,12 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hqp import InvalidInput, Solution
+from hqp import InvalidInput, RegularisedSolution, Solution
 from hqp.checks import of_type, whole_number
 
 from .._checks import Array, finite, finite_scalar, function, positive_scalar
@@ -82,7 +82,7 @@ def simulate(
     start: float = 0.0,
     speed_cap: float = SPEED_CAP,
     certify: int = 50,
-    proof: Callable[[Solution], bool] | None = None,
+    proof: Callable[[Any], bool] | None = None,
     changes: Iterable[Change] = (),
     progress: Callable[[float], None] | None = None,
     plant: Plant | None = None,
@@ -106,7 +106,7 @@ def simulate(
     certify : int
         Put every so many-th tick to the certificate; 0 for none.
     proof : callable, optional
-        The judge of those ticks (default: ``solution.certify().ok``).
+        The judge of the solutions of those ticks (default: ``solution.certify().ok``).
     changes : iterable of Change
         Stacks to go over to on the way; the controller keeps the last.
     progress : callable, optional
@@ -194,5 +194,5 @@ def simulate(
     return log.record(stopped)
 
 
-def _certified(solution: Solution) -> bool:
+def _certified(solution: Solution | RegularisedSolution) -> bool:
     return solution.certify().ok
