@@ -10,6 +10,7 @@ from hqp import InvalidInput
 from tasks import (
     Change,
     Controller,
+    Damped,
     JointAccelerationLimit,
     JointVelocityLimit,
     Line,
@@ -224,3 +225,16 @@ def test_an_abrupt_swap_jumps_where_a_smooth_one_does_not() -> None:
     plain, smooth, abrupt = (np.array([steps_between(s, d)[100:].max() for s in range(4)]) for d in (None, 0.5, 1e-9))
     assert (abrupt > 10.0 * plain).all(), "once under way"
     assert (smooth < 0.1 * abrupt).all()
+
+
+def test_a_damped_level_keeps_its_rule_when_it_changes_places() -> None:
+    stack = LIMIT >> HAND >> Damped(TURN, 0.1) >> REST
+    assert stack.swapped(HAND, TURN) == LIMIT >> Damped(TURN, 0.1) >> HAND >> REST
+    assert stack.without(HAND) == LIMIT >> Damped(TURN, 0.1) >> REST
+    assert (LIMIT >> HAND >> REST).inserted(Damped(TURN, 0.1), below=HAND) == stack
+    controller = Controller(ARM, stack, dt=DT)
+    before = run(controller, 5)
+    controller.change(stack.swapped(HAND, TURN), duration=0.05)
+    after = run(controller, 20, 5)
+    assert np.isfinite([*before, *after]).all()
+    assert controller(Q, np.zeros(4), 1.0).relaxed
