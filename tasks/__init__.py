@@ -35,6 +35,10 @@ from .motion.simulation import simulate
 from .motion.timing import cubic, cycloid, harmonic, quintic
 from .motion.trajectories import Fixed, Setpoint, Trajectory
 from .motion.turns import FixedRotation, RotationSetpoint, RotationTrajectory, Turn
+from .obstacles.avoidance import AvoidanceTask
+from .obstacles.distance import DistanceLimit
+from .obstacles.links import LinkCapsule, planar_links
+from .obstacles.shapes import Capsule, Sphere
 from .orientation import OrientationTask
 from .part import Order, Part, Tick
 from .plane import PlaneTask
@@ -67,14 +71,17 @@ def __getattr__(name: str) -> Any:
 __all__ = [
     "AtLeast",
     "AtMost",
+    "AvoidanceTask",
     "AxisTask",
     "BoxLimit",
+    "Capsule",
     "CenterOfMassTask",
     "Chain",
     "Circle",
     "Controller",
     "Damping",
     "Degrees",
+    "DistanceLimit",
     "Fixed",
     "FixedRotation",
     "Frame",
@@ -88,6 +95,7 @@ __all__ = [
     "JointPositionLimit",
     "JointVelocityLimit",
     "Line",
+    "LinkCapsule",
     "LookAtTask",
     "ManipulabilityTask",
     "Order",
@@ -109,6 +117,7 @@ __all__ = [
     "RotationSetpoint",
     "RotationTrajectory",
     "Setpoint",
+    "Sphere",
     "Stack",
     "Step",
     "Stop",
@@ -125,6 +134,7 @@ __all__ = [
     "harmonic",
     "load_robot",
     "manipulability",
+    "planar_links",
     "quintic",
     "simulate",
     "skeleton",

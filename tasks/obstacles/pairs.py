@@ -69,7 +69,7 @@ class Pairs:
             if wrong or not given:
                 got = f"{wrong[0]!r}" if wrong else "none"
                 raise InvalidInput(f"{what}: got {got}; it takes at least one {kind.__name__} in a list")
-        self._ends: list[Array] | None = None
+        self._bound: tuple[Robot, list[Array]] | None = None
 
     def __len__(self) -> int:
         return len(self.links) * len(self.obstacles)
@@ -80,10 +80,12 @@ class Pairs:
 
     def bind(self, robot: Robot) -> list[Array]:
         """Where the links end, in the coordinates of their frames; refuses what the robot has not."""
-        try:
-            return [link.bind(robot) for link in self.links]
-        except InvalidInput as refusal:
-            raise InvalidInput(f"{self._what}: {refusal}") from None
+        if self._bound is None or self._bound[0] is not robot:
+            try:
+                self._bound = robot, [link.bind(robot) for link in self.links]
+            except InvalidInput as refusal:
+                raise InvalidInput(f"{self._what}: {refusal}") from None
+        return self._bound[1]
 
     def at(self, state: RobotState, ends: list[Array], t: float) -> list[Distance]:
         """All pairs in this state, at time t [s]."""
