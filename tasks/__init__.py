@@ -38,6 +38,7 @@ from .motion.turns import FixedRotation, RotationSetpoint, RotationTrajectory, T
 from .obstacles.avoidance import AvoidanceTask
 from .obstacles.distance import DistanceLimit
 from .obstacles.links import LinkCapsule, planar_links
+from .obstacles.self_collision import SelfCollisionLimit
 from .obstacles.shapes import Capsule, Sphere
 from .orientation import OrientationTask
 from .part import Order, Part, Tick
@@ -116,6 +117,7 @@ __all__ = [
     "RobotState",
     "RotationSetpoint",
     "RotationTrajectory",
+    "SelfCollisionLimit",
     "Setpoint",
     "Sphere",
     "Stack",

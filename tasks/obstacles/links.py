@@ -14,6 +14,7 @@ from .._checks import Array, finite, finite_scalar
 from ..robots.frame import Frame
 from ..robots.planar import PlanarArm
 from ..robots.robot import Robot, nearest, neutral
+from ..rotations import cross
 
 #: What "carried by a frame" may differ by when the joints move [m].
 RIGID = 1e-9
@@ -103,7 +104,7 @@ class Placed:
     @property
     def jacobian(self) -> Array:
         r = self.point - self.frame.position
-        return self.frame.linear - np.cross(r, self.frame.angular, axisb=0, axisc=0)
+        return self.frame.linear - cross(r, self.frame.angular)
 
     def drift(self, v: Array) -> Array:
         """``Jdot v``, shape (3,) [m/s^2]."""

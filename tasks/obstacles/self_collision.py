@@ -13,6 +13,7 @@ no reserve is kept for that: the margin is passed by what one tick bends. Where 
 
 from __future__ import annotations
 
+from bisect import insort
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -98,10 +99,8 @@ class SelfCollisionLimit(Part):
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         assert A is not None
         shapes, v = self.shapes(tick.robot), tick.state.v
-        apart = shapes.distances(tick.state)
-        chosen = np.sort(np.argsort(apart, kind="stable")[: len(lower)])
-        for row, k in enumerate(chosen):
-            contact = shapes.contact(tick.state, int(k))
+        for row, k in enumerate(sorted(shapes.nearest(tick.state, len(lower)))):
+            contact = shapes.contact(tick.state, k)
             A[row] = J = contact.gradient
             room = contact.distance - self.margin
             if tick.order == "velocity":
@@ -162,6 +161,11 @@ class Shapes:
         if not len(self):
             raise InvalidInput(f"{what}: no pair of {robot!r} is left to be kept apart; name some in pairs")
         self._bodies = bodies
+        for shape in shapes:
+            shape.geometry.computeLocalAABB()
+        self._centres = [np.array(shape.geometry.aabb_center) for shape in shapes]
+        self._radii = np.array([shape.geometry.aabb_radius for shape in shapes])
+        self._sides = np.array([(pair.first, pair.second) for pair in self.geometry.collisionPairs]).T
 
     def __len__(self) -> int:
         return len(self.geometry.collisionPairs)
@@ -172,19 +176,40 @@ class Shapes:
 
     def distances(self, state: RobotState) -> Array:
         """Of all pairs [m]; negative where two overlap."""
-        # Coal's placements need those of the joints, which the joint Jacobians of a state come with.
-        data = state.ready()  # type: ignore[attr-defined]
-        self._pin.updateGeometryPlacements(self._robot.model, data, self.geometry, self._data)
+        self._place(state)
         self._pin.computeDistances(self.geometry, self._data)
         return np.array([result.min_distance for result in self._data.distanceResults])
 
+    def nearest(self, state: RobotState, count: int) -> list[int]:
+        """So many pairs, none of the others nearer.
+
+        A ball about each shape tells the least that a pair can be apart; those farther than the last one wanted are
+        not measured.
+        """
+        self._place(state)
+        centres = np.array([place.act(ball) for place, ball in zip(self._data.oMg, self._centres, strict=True)])
+        first, second = self._sides
+        least = np.linalg.norm(centres[first] - centres[second], axis=1) - self._radii[first] - self._radii[second]
+        found: list[tuple[float, int]] = []
+        for k in np.argsort(least, kind="stable").tolist():
+            if len(found) == count and least[k] > found[-1][0]:
+                break
+            insort(found, (float(self._pin.computeDistance(self.geometry, self._data, k).min_distance), k))
+            del found[count:]
+        return [k for _, k in found]
+
     def contact(self, state: RobotState, k: int) -> Contact:
-        """One of them, as the last `distances` found it."""
+        """One of them, as the last look at the distances found it."""
         d, first, second, normal = self._witnesses(self._data.distanceResults[k])
         pair, model = self.geometry.collisionPairs[k], self._robot.model
         frames = (model.frames[self.geometry.geometryObjects[i].parentFrame].name for i in (pair.first, pair.second))
         carried = [Placed(state.frame(name), point) for name, point in zip(frames, (first, second), strict=True)]
         return Contact(d, normal, *carried)
+
+    def _place(self, state: RobotState) -> None:
+        """Put the shapes where the joints are, whose places come with the joint Jacobians of a state."""
+        data = state.ready()  # type: ignore[attr-defined]
+        self._pin.updateGeometryPlacements(self._robot.model, data, self.geometry, self._data)
 
     @staticmethod
     def _known(pair: tuple[str, str], bodies: list[str], what: str) -> tuple[str, str]:
