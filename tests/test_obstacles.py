@@ -190,7 +190,7 @@ def test_nearest_points_of_segments():
 def test_an_obstacle_that_comes_drives_the_arm_away():
     arm = PlanarArm([0.4, 0.4, 0.4], velocity_limit=3.0)
     links = planar_links(arm, 0.02)
-    coming = Sphere(Circle([1.0, 1.0], 0.5, period=4.0), 0.1)
+    coming = Sphere(Circle([1.0, 1.0], 0.5, 4.0), 0.1)
     limit = DistanceLimit(links, [coming], margin=MARGIN, gain=30.0)
     q = np.array([0.3, 0.5, 0.5])
     stack = JointVelocityLimit() >> limit >> PostureTask(q, gain=5.0)
@@ -232,7 +232,7 @@ def test_a_few_rows_keep_what_all_of_them_keep():
     arm, links, circles, start, target = scene(4)
     every, few = (DistanceLimit(links, circles, margin=MARGIN, gain=20.0, nearest=k) for k in (None, 3))
     assert every.rows == len(links) * len(circles)
-    assert [label.row for label in every.labels(arm, "velocity")][0] == "link 1 - obstacle 1"
+    assert every.labels(arm, "velocity")[0].row == "link 1 - obstacle 1"
     assert every.labels(arm, "velocity")[0].unit == "m/s"
     stack = JointLimits() >> few >> PositionTask(target, gain=5.0)
     record = simulate(Controller(arm, stack, dt=DT), start, duration=2.5, certify=0)
@@ -256,7 +256,7 @@ def test_a_hand_stops_before_its_own_body(order):
 
 
 def test_gradients_of_pairs_of_bodies_are_those_of_finite_differences():
-    robot, h = panda(), 1e-6
+    robot, h = panda(), 1e-4
     body = SelfCollisionLimit([("panda_hand", "panda_link0"), ("panda_link6", "panda_link1")], margin=0.01, gain=5.0)
     shapes, rng = body.shapes(robot), np.random.default_rng(1)
     assert sorted(shapes.names()) == ["panda_link0 - panda_hand", "panda_link1 - panda_link6"]
@@ -270,7 +270,7 @@ def test_gradients_of_pairs_of_bodies_are_those_of_finite_differences():
         state = robot.at(q, np.zeros(7))
         shapes.distances(state)
         for k in range(2):
-            np.testing.assert_allclose(shapes.contact(state, k).gradient, slope[k], atol=1e-4)
+            np.testing.assert_allclose(shapes.contact(state, k).gradient, slope[k], atol=1e-3)
 
 
 def test_the_nearest_bodies_are_found_without_measuring_all():

@@ -16,10 +16,13 @@ Where the row is met, :math:`d \ge d_{min}` now gives :math:`d^+ \ge d_{min}` at
 velocity damper of B. Faverjon and P. Tournassoud, "A local based approach for path planning of manipulators with a
 high number of degrees of freedom", IEEE ICRA 1987; the reserve makes it hold in discrete time.
 
-At acceleration order the same e, with the reserve of the present speeds, obeys :math:`\ddot d + 2 K \dot d + K^2 e \ge
-0`, where :math:`\ddot d \ge n^T (J \ddot q + \dot J \dot q - \ddot o) - 2 \omega \lVert \dot p_t \rVert - D \omega^2`
-with the turn :math:`\omega` of the link and the velocity :math:`\dot p_t` along the obstacle. It brakes in time at the
-rate K, and is exact but for the length of a tick: nothing is proved there.
+At acceleration order, with b the right side, the velocity at the end of the tick obeys the same law, and the mean
+velocity of the tick its strictest form b', that of K = 1/dt, so that the next distance is proved there too:
+
+.. math:: n^T J a \ge \max\left( (b - \dot d) / dt - n^T \dot J v,\ 2 (b' - \dot d) / dt \right).
+
+What is proved is one tick. Whether the row can be met is a matter of the levels above it: acceleration limits may
+leave too little to brake with, in the order of K times the speed, and then a smaller K keeps farther away.
 """
 
 from __future__ import annotations
@@ -112,44 +115,34 @@ class DistanceLimit(Part):
         if len(lower) < len(pairs):  # in their own order, so that rows seldom change places
             order = np.argsort([pair.distance for pair in pairs], kind="stable")
             chosen = sorted(order[: len(lower)].tolist())  # type: ignore[assignment]
-        law = self._velocity if tick.order == "velocity" else self._acceleration
         for row, k in enumerate(chosen):
             A[row] = pairs[k].gradient
-            lower[row] = law(tick, pairs[k], self.pairs.obstacles[k % len(self.pairs.obstacles)])
+            lower[row] = self._least(tick, pairs[k], self.pairs.obstacles[k % len(self.pairs.obstacles)])
         upper[:] = np.inf
 
-    def _velocity(self, tick: Tick, pair: Distance, obstacle: Obstacle) -> float:
-        """The least n^T J x [m/s]."""
-        dt = tick.dt
+    def _least(self, tick: Tick, pair: Distance, obstacle: Obstacle) -> float:
+        """The least n^T J x [m/s], [m/s^2]."""
+        dt, n, v = tick.dt, pair.normal, tick.state.v
         assert dt is not None  # checked before the first tick
+        w = fastest(tick)
+        if tick.order == "acceleration":
+            w = np.where(np.isfinite(w), np.maximum(w, np.abs(v)), np.abs(v))
         shift = obstacle.core(tick.t + dt)[0] - obstacle.core(tick.t)[0]
-        rho = self._reserve(tick, pair, fastest(tick), float(np.linalg.norm(shift)))
+        gaps, base = pair.witness - pair.core, int(getattr(tick.robot, "base", 0))
+        rho = reserve(pair.place, n, gaps, w, dt, shift=float(np.linalg.norm(shift)), base=base)
         if not rho < np.inf:
             raise InvalidInput(
                 f"{self.label()}: nothing keeps the joints from turning a link by a quarter within a tick of {dt:g} s;"
                 " add a JointVelocityLimit(2.0), in rad/s, to the stack, above it or on its level"
             )
-        e = pair.distance - self.margin - rho
+        e, along = pair.distance - self.margin - rho, float(n @ shift) / dt
         back = min(max(-e, 0.0), rho) / dt + self.gain * max(-e - rho, 0.0)
-        return float(pair.normal @ shift) / dt + back - self.gain * max(e, 0.0)
-
-    def _acceleration(self, tick: Tick, pair: Distance, obstacle: Obstacle) -> float:
-        """The least n^T J x [m/s^2]."""
-        v, n = tick.state.v, pair.normal
-        moving = pair.place.jacobian @ v - obstacle.velocity(tick.t)
-        rate = float(n @ moving)
-        spin = float(np.linalg.norm(pair.place.frame.angular @ v))
-        along = float(np.linalg.norm(moving - rate * n))
-        D = float(n @ (pair.witness - pair.other))
-        drift = float(n @ (pair.place.drift(v) - obstacle.acceleration(tick.t)))
-        drift -= 2.0 * spin * along + D * spin * spin
-        e = pair.distance - self.margin - self._reserve(tick, pair, np.abs(v), 0.0)
-        return -drift - 2.0 * self.gain * rate - self.gain**2 * e
-
-    def _reserve(self, tick: Tick, pair: Distance, w: Array, shift: float) -> float:
-        assert tick.dt is not None  # checked before the first tick
-        gaps, base = pair.witness - pair.core, int(getattr(tick.robot, "base", 0))
-        return reserve(pair.place, pair.normal, gaps, w, tick.dt, shift=shift, base=base)
+        end = along + back - self.gain * max(e, 0.0)
+        if tick.order == "velocity":
+            return end
+        now = float(pair.gradient @ v)
+        mean = along + back - max(e, 0.0) / dt
+        return max((end - now) / dt - float(n @ pair.place.drift(v)), 2.0 * (mean - now) / dt)
 
     def __repr__(self) -> str:
         return f"DistanceLimit({len(self.pairs)} pairs, margin={self.margin:g}, gain={self.gain:g})"

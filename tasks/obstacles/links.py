@@ -78,7 +78,9 @@ class LinkCapsule:
             frame = state.frame(self.frame)
             local.append(axes(frame).T @ (state.frame(self.end).position - frame.position))
         if np.abs(local[0] - local[1]).max() > RIGID:
-            raise InvalidInput(f"LinkCapsule: {self.frame!r} does not carry {self.end!r}; name them the other way round")
+            raise InvalidInput(
+                f"LinkCapsule: {self.frame!r} does not carry {self.end!r}; name them the other way round"
+            )
         return local[0]
 
     def __repr__(self) -> str:

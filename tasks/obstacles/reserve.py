@@ -36,17 +36,15 @@ from .links import Placed
 def fastest(tick: Tick) -> Array:
     """How fast each joint may turn in this tick, by the limits of the stack, shape (nv,) [rad/s]; infinite without."""
     v, envelope = np.abs(tick.state.v), tick.envelope
-    most = least = np.full(len(v), np.inf)
-    if envelope is None:
-        return most
-    if any(isinstance(limit, JointVelocityLimit) for limit in envelope.limits):
-        most = envelope.velocity
-    if any(isinstance(limit, JointAccelerationLimit) for limit in envelope.limits):
+    limits = () if envelope is None else envelope.limits
+    w = np.full(len(v), np.inf)
+    if envelope is not None and any(isinstance(limit, JointVelocityLimit) for limit in limits):
+        w = envelope.velocity
+    if envelope is not None and any(isinstance(limit, JointAccelerationLimit) for limit in limits):
         assert tick.dt is not None  # checked before the first tick
         step = envelope.acceleration * tick.dt
-        least = np.minimum(v + step, least)
-        return np.maximum(np.minimum(most, least), v - step)
-    return most
+        w = np.maximum(np.minimum(w, v + step), v - step)  # a joint that is too fast can only slow down so much
+    return w
 
 
 def reserve(

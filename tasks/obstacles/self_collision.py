@@ -4,7 +4,7 @@ With the witnesses p_1 and p_2 of a pair, n the unit normal from the second to t
 
 .. math:: n^T (J_1 - J_2) x \ge -K (d - d_{min}),
 
-and at acceleration order :math:`n^T (J_1 - J_2) a \ge -n^T (\dot J_1 - \dot J_2) v - 2 K \dot d - K^2 (d - d_{min})`.
+and the same of the velocity at the end of the tick at acceleration order.
 Shapes are convex, meshes by their hulls, and their distances come from Coal, by the method of E. G. Gilbert, D. W.
 Johnson and S. S. Keerthi, "A fast procedure for computing the distance between complex objects in three-dimensional
 space", IEEE Journal on Robotics and Automation 4(2), 1988. The witness of two flat faces may jump within a tick, and
@@ -103,10 +103,10 @@ class SelfCollisionLimit(Part):
             contact = shapes.contact(tick.state, k)
             A[row] = J = contact.gradient
             room = contact.distance - self.margin
-            if tick.order == "velocity":
-                lower[row] = -self.gain * room
-            else:
-                lower[row] = -contact.drift(v) - 2.0 * self.gain * float(J @ v) - self.gain**2 * room
+            lower[row] = -self.gain * room
+            if tick.order == "acceleration":
+                assert tick.dt is not None  # checked before the first tick
+                lower[row] = (lower[row] - float(J @ v)) / tick.dt - contact.drift(v)
         upper[:] = np.inf
 
     def __repr__(self) -> str:
@@ -215,5 +215,7 @@ class Shapes:
     def _known(pair: tuple[str, str], bodies: list[str], what: str) -> tuple[str, str]:
         for name in pair:
             if name not in bodies:
-                raise InvalidInput(f"{what}: {name!r} is no body with a shape{nearest(str(name), dict.fromkeys(bodies))}")
+                raise InvalidInput(
+                    f"{what}: {name!r} is no body with a shape{nearest(str(name), dict.fromkeys(bodies))}"
+                )
         return pair
