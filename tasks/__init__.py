@@ -43,6 +43,11 @@ from .motion.simulation import Change, Plant, simulate
 from .motion.timing import cubic, cycloid, harmonic, quintic
 from .motion.trajectories import Fixed, Setpoint, Trajectory
 from .motion.turns import FixedRotation, RotationSetpoint, RotationTrajectory, Turn
+from .obstacles.avoidance import AvoidanceTask
+from .obstacles.distance import DistanceLimit
+from .obstacles.links import LinkCapsule, planar_links
+from .obstacles.self_collision import SelfCollisionLimit
+from .obstacles.shapes import Capsule, Sphere
 from .orientation import OrientationTask
 from .part import Command, Order, Part, Tick
 from .plane import PlaneTask
@@ -75,8 +80,10 @@ def __getattr__(name: str) -> Any:
 __all__ = [
     "AtLeast",
     "AtMost",
+    "AvoidanceTask",
     "AxisTask",
     "BoxLimit",
+    "Capsule",
     "CenterOfMassTask",
     "Chain",
     "Change",
@@ -86,6 +93,7 @@ __all__ = [
     "Damped",
     "Damping",
     "Degrees",
+    "DistanceLimit",
     "DynamicManipulabilityTask",
     "Fixed",
     "FixedRotation",
@@ -104,6 +112,7 @@ __all__ = [
     "JointVelocityLimit",
     "KineticEnergyTask",
     "Line",
+    "LinkCapsule",
     "LookAtTask",
     "ManipulabilityTask",
     "MinimumMotionTask",
@@ -129,7 +138,9 @@ __all__ = [
     "RobotState",
     "RotationSetpoint",
     "RotationTrajectory",
+    "SelfCollisionLimit",
     "Setpoint",
+    "Sphere",
     "Stack",
     "Step",
     "Stop",
@@ -147,6 +158,7 @@ __all__ = [
     "harmonic",
     "load_robot",
     "manipulability",
+    "planar_links",
     "quintic",
     "simulate",
     "skeleton",

@@ -205,6 +205,7 @@ def load_robot(
         q[2] += entry.height
     robot.home = np.array(q)
     robot.home.flags.writeable = False
+    robot.source = path.resolve()
     return robot
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -59,6 +60,8 @@ class PinocchioRobot:
         The neutral configuration, moved into the position limits where it lies outside.
     home : array, shape (nq,)
         A configuration to start from: that of the library, or the neutral one.
+    source : pathlib.Path or None
+        The file that it was loaded from, for its shapes; see :meth:`geometry`.
 
     Raises
     ------
@@ -99,6 +102,24 @@ class PinocchioRobot:
         self.tip = None if tip is None else self.check_frame(tip)
         self.neutral = self._inside(pin.neutral(model))
         self.home = self.neutral
+        self.source: Path | None = None
+        self._geometry: pin.GeometryModel | None = None
+
+    def geometry(self) -> pin.GeometryModel:
+        """The collision shapes of its file, read when first asked for; meshes become their convex hulls.
+
+        Raises
+        ------
+        InvalidInput
+            If there is no URDF file, or a mesh of it cannot be read.
+        """
+        if self._geometry is None:
+            from .geometry import collision_geometry
+
+            if self.source is None or self.source.suffix != ".urdf":
+                raise InvalidInput(f"{self!r} has no URDF file to read shapes from; use load_robot, or set its source")
+            self._geometry = collision_geometry(self.model, self.source)
+        return self._geometry
 
     # Limits.
 

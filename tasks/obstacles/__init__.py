@@ -1,0 +1,1 @@
+"""Distances: of links to obstacles, and of a robot to itself."""

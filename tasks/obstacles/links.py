@@ -1,0 +1,123 @@
+"""Links of a robot as capsules that a frame carries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+from hqp.checks import of_type
+
+from .._checks import Array, finite, finite_scalar
+from ..robots.frame import Frame
+from ..robots.planar import PlanarArm
+from ..robots.robot import Robot, nearest, neutral
+from ..rotations import cross
+
+#: What "carried by a frame" may differ by when the joints move [m].
+RIGID = 1e-9
+
+
+class LinkCapsule:
+    """All points within a radius of the segment from one frame to another, carried by the first.
+
+    Parameters
+    ----------
+    frame : str
+        The frame that carries it.
+    end : str or array, shape (3,) or (2,)
+        Where the segment ends: another frame whose origin the first carries too, as that of the next joint; or a point
+        in the coordinates of `frame` [m].
+    radius : float
+        [m].
+    name : str, optional
+        For labels (default: the name of the frame).
+
+    Raises
+    ------
+    InvalidInput
+        If the radius is negative or the end neither a name nor a point.
+    """
+
+    def __init__(self, frame: str, end: str | ArrayLike, radius: float, *, name: str | None = None) -> None:
+        self.frame = of_type(frame, str, "LinkCapsule: frame")
+        self.name = frame if name is None else of_type(name, str, "LinkCapsule: name")
+        self.radius = finite_scalar(radius, f"LinkCapsule {frame!r}: radius")
+        if self.radius < 0.0:
+            raise InvalidInput(f"LinkCapsule {frame!r}: radius = {radius:g} m must not be negative")
+        self.end: str | Array
+        if isinstance(end, str):
+            self.end = end
+        else:
+            point = finite(end, f"LinkCapsule {frame!r}: end")
+            if point.shape not in {(2,), (3,)}:
+                raise InvalidInput(f"LinkCapsule {frame!r}: end has shape {point.shape}; it must be (3,), or a frame")
+            self.end = np.append(point, np.zeros(3 - len(point)))
+
+    def bind(self, robot: Robot) -> Array:
+        """Where the segment ends in the coordinates of the frame, shape (3,) [m].
+
+        Raises
+        ------
+        InvalidInput
+            If the robot has no such frame, or the end moves against it.
+        """
+        names = getattr(robot, "frame_names", ())
+        for name in (self.frame, self.end):
+            if isinstance(name, str) and names and name not in names:
+                raise InvalidInput(f"LinkCapsule: {name!r} is no frame of {robot!r}{nearest(name, names)}")
+        if not isinstance(self.end, str):
+            return self.end
+        q, step = neutral(robot), 0.3 * np.cos(np.arange(robot.nv))
+        own = getattr(robot, "integrate", np.add)
+        local = []
+        for there in (q, np.asarray(own(q, step))):
+            state = robot.at(there, np.zeros(robot.nv))
+            frame = state.frame(self.frame)
+            local.append(axes(frame).T @ (state.frame(self.end).position - frame.position))
+        if np.abs(local[0] - local[1]).max() > RIGID:
+            raise InvalidInput(
+                f"LinkCapsule: {self.frame!r} does not carry {self.end!r}; name them the other way round"
+            )
+        return local[0]
+
+    def __repr__(self) -> str:
+        end = self.end if isinstance(self.end, str) else self.end.tolist()
+        return f"LinkCapsule({self.frame!r}, {end!r}, {self.radius:g})"
+
+
+def planar_links(arm: PlanarArm, radius: float) -> tuple[LinkCapsule, ...]:
+    """Every link of a planar arm, from the base on, with a radius [m]."""
+    lengths = of_type(arm, PlanarArm, "arm").lengths
+    return tuple(
+        LinkCapsule(f"link{i + 1}", [-length, 0.0], radius, name=f"link {i + 1}") for i, length in enumerate(lengths)
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """A point that a frame carries, at one instant: its Jacobian, shape (3, nv), and what its joints leave it."""
+
+    frame: Frame
+    point: Array
+
+    @property
+    def jacobian(self) -> Array:
+        r = self.point - self.frame.position
+        return self.frame.linear - cross(r, self.frame.angular)
+
+    def drift(self, v: Array) -> Array:
+        """``Jdot v``, shape (3,) [m/s^2]."""
+        r, spin = self.point - self.frame.position, self.frame.angular @ v
+        turning = np.cross(self.frame.angular_drift, r) + np.cross(spin, np.cross(spin, r))
+        return self.frame.linear_drift + turning
+
+
+def axes(frame: Frame) -> Array:
+    """The axes of a frame in columns, shape (3, 3), of a planar arm too."""
+    if frame.rotation.ndim == 2:
+        return frame.rotation
+    c, s = np.cos(frame.rotation[0]), np.sin(frame.rotation[0])
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

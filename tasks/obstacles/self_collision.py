@@ -1,0 +1,221 @@
+r"""A robot stays away from itself: the nearest pairs of its own bodies, by the shapes of its file.
+
+With the witnesses p_1 and p_2 of a pair, n the unit normal from the second to the first,
+
+.. math:: n^T (J_1 - J_2) x \ge -K (d - d_{min}),
+
+and the same of the velocity at the end of the tick at acceleration order.
+Shapes are convex, meshes by their hulls, and their distances come from Coal, by the method of E. G. Gilbert, D. W.
+Johnson and S. S. Keerthi, "A fast procedure for computing the distance between complex objects in three-dimensional
+space", IEEE Journal on Robotics and Automation 4(2), 1988. The witness of two flat faces may jump within a tick, and
+no reserve is kept for that: the margin is passed by what one tick bends. Where that matters, take a larger one.
+"""
+
+from __future__ import annotations
+
+from bisect import insort
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from hqp import InvalidInput, Label
+from hqp.checks import of_type, whole_number
+
+from .._checks import Array, finite_scalar, numbers, positive_scalar
+from ..part import PER, Order, Part, Tick
+from ..robots.robot import Robot, RobotState, nearest
+from .distance import check_rate
+from .links import Placed
+
+
+class SelfCollisionLimit(Part):
+    """Keep the bodies of a robot at a distance from each other; see :mod:`tasks.obstacles.self_collision`.
+
+    Parameters
+    ----------
+    pairs : iterable of (str, str), optional
+        Frames of the bodies to be kept apart (default: all, but those with one joint between them or none, and those
+        which are nearer than the margin at the robot's home).
+    margin : float
+        The least distance [m]; not negative.
+    gain : float
+        K [1/s]: the rate at which the margin is neared; at most 1/dt.
+    rows : int
+        For so many pairs, those which are nearest.
+    name : str
+
+    Raises
+    ------
+    InvalidInput
+        If the margin is negative, the gain not positive or more than 1/dt, the robot has no file of shapes, a frame is
+        none of its, or no pair is left.
+    """
+
+    def __init__(
+        self,
+        pairs: Iterable[tuple[str, str]] | None = None,
+        *,
+        margin: float,
+        gain: float,
+        rows: int = 8,
+        name: str = "self-collision",
+    ) -> None:
+        self.name = of_type(name, str, "name of a SelfCollisionLimit")
+        self.asked = None if pairs is None else tuple(pairs)
+        self.margin = finite_scalar(margin, f"{self.label()}: margin")
+        if self.margin < 0.0:
+            raise InvalidInput(f"{self.label()}: margin = {self.margin:g} m must not be negative")
+        self.gain = positive_scalar(gain, f"{self.label()}: gain", unit="1/s")
+        self.rows = whole_number(rows, f"{self.label()}: rows", least=1)
+        self.weight = numbers(1.0, "weight")
+        self._bound: tuple[Robot, Shapes] | None = None
+
+    def shapes(self, robot: Robot) -> Shapes:
+        """The pairs of this robot."""
+        if self._bound is None or self._bound[0] is not robot:
+            self._bound = robot, Shapes(robot, self.asked, self.margin, self.label())
+        return self._bound[1]
+
+    def size(self, robot: Robot) -> int:
+        assert self.rows is not None
+        return min(self.rows, len(self.shapes(robot)))
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        shapes = self.shapes(robot)
+        whole = self.size(robot) == len(shapes)
+        rows = shapes.names() if whole else [f"nearest {i + 1}" for i in range(self.size(robot))]
+        return [Label(self.name, row, "m" + PER[order]) for row in rows]
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        check_rate(self.label(), self.gain, dt)
+        self.shapes(robot)
+
+    def distances(self, robot: Robot, state: RobotState) -> Array:
+        """Of the pairs, in the order of ``shapes(robot).names()`` [m]."""
+        return self.shapes(robot).distances(state)
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        assert A is not None
+        shapes, v = self.shapes(tick.robot), tick.state.v
+        for row, k in enumerate(sorted(shapes.nearest(tick.state, len(lower)))):
+            contact = shapes.contact(tick.state, k)
+            A[row] = J = contact.gradient
+            room = contact.distance - self.margin
+            lower[row] = -self.gain * room
+            if tick.order == "acceleration":
+                assert tick.dt is not None  # checked before the first tick
+                lower[row] = (lower[row] - float(J @ v)) / tick.dt - contact.drift(v)
+        upper[:] = np.inf
+
+    def __repr__(self) -> str:
+        return f"SelfCollisionLimit(margin={self.margin:g}, gain={self.gain:g}, rows={self.rows})"
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """A pair of bodies at one instant: distance [m], the unit normal to the first, and both witnesses."""
+
+    distance: float
+    normal: Array
+    first: Placed
+    second: Placed
+
+    @property
+    def gradient(self) -> Array:
+        """How the distance follows the joints, shape (nv,)."""
+        return np.asarray(self.normal @ (self.first.jacobian - self.second.jacobian))
+
+    def drift(self, v: Array) -> float:
+        """Along the normal, while the joints do not accelerate [m/s^2]."""
+        return float(self.normal @ (self.first.drift(v) - self.second.drift(v)))
+
+
+class Shapes:
+    """The shapes of one robot, and which pairs of them are watched."""
+
+    def __init__(self, robot: Any, asked: tuple[tuple[str, str], ...] | None, margin: float, what: str) -> None:
+        if not hasattr(robot, "geometry"):
+            raise InvalidInput(f"{what}: {robot!r} has no shapes; it needs a robot of load_robot")
+        import pinocchio as pin
+
+        from ..robots.geometry import neighbours, witnesses
+
+        self._robot, self._pin, self._witnesses = robot, pin, witnesses
+        self.geometry = pin.GeometryModel(robot.geometry())
+        model, shapes = robot.model, self.geometry.geometryObjects
+        bodies = [model.frames[shape.parentFrame].name for shape in shapes]
+        wanted = None if asked is None else {frozenset(self._known(pair, bodies, what)) for pair in asked}
+        for i in range(len(shapes)):
+            for j in range(i + 1, len(shapes)):
+                apart = not neighbours(model, shapes[i].parentJoint, shapes[j].parentJoint)
+                if apart if wanted is None else frozenset((bodies[i], bodies[j])) in wanted:
+                    self.geometry.addCollisionPair(pin.CollisionPair(i, j))
+        self._data = pin.GeometryData(self.geometry)
+        if wanted is None:
+            home = self.distances(robot.at(robot.home, np.zeros(robot.nv)))
+            for k in np.flatnonzero(home <= margin)[::-1]:
+                self.geometry.removeCollisionPair(self.geometry.collisionPairs[int(k)])
+            self._data = pin.GeometryData(self.geometry)
+        if not len(self):
+            raise InvalidInput(f"{what}: no pair of {robot!r} is left to be kept apart; name some in pairs")
+        self._bodies = bodies
+        for shape in shapes:
+            shape.geometry.computeLocalAABB()
+        self._centres = [np.array(shape.geometry.aabb_center) for shape in shapes]
+        self._radii = np.array([shape.geometry.aabb_radius for shape in shapes])
+        self._sides = np.array([(pair.first, pair.second) for pair in self.geometry.collisionPairs]).T
+
+    def __len__(self) -> int:
+        return len(self.geometry.collisionPairs)
+
+    def names(self) -> list[str]:
+        """One a pair: ``"panda_hand - panda_link0"``."""
+        return [" - ".join(self._bodies[i] for i in (p.first, p.second)) for p in self.geometry.collisionPairs]
+
+    def distances(self, state: RobotState) -> Array:
+        """Of all pairs [m]; negative where two overlap."""
+        self._place(state)
+        self._pin.computeDistances(self.geometry, self._data)
+        return np.array([result.min_distance for result in self._data.distanceResults])
+
+    def nearest(self, state: RobotState, count: int) -> list[int]:
+        """So many pairs, none of the others nearer.
+
+        A ball about each shape tells the least that a pair can be apart; those farther than the last one wanted are
+        not measured.
+        """
+        self._place(state)
+        centres = np.array([place.act(ball) for place, ball in zip(self._data.oMg, self._centres, strict=True)])
+        first, second = self._sides
+        least = np.linalg.norm(centres[first] - centres[second], axis=1) - self._radii[first] - self._radii[second]
+        found: list[tuple[float, int]] = []
+        for k in np.argsort(least, kind="stable").tolist():
+            if len(found) == count and least[k] > found[-1][0]:
+                break
+            insort(found, (float(self._pin.computeDistance(self.geometry, self._data, k).min_distance), k))
+            del found[count:]
+        return [k for _, k in found]
+
+    def contact(self, state: RobotState, k: int) -> Contact:
+        """One of them, as the last look at the distances found it."""
+        d, first, second, normal = self._witnesses(self._data.distanceResults[k])
+        pair, model = self.geometry.collisionPairs[k], self._robot.model
+        frames = (model.frames[self.geometry.geometryObjects[i].parentFrame].name for i in (pair.first, pair.second))
+        carried = [Placed(state.frame(name), point) for name, point in zip(frames, (first, second), strict=True)]
+        return Contact(d, normal, *carried)
+
+    def _place(self, state: RobotState) -> None:
+        """Put the shapes where the joints are, whose places come with the joint Jacobians of a state."""
+        data = state.ready()  # type: ignore[attr-defined]
+        self._pin.updateGeometryPlacements(self._robot.model, data, self.geometry, self._data)
+
+    @staticmethod
+    def _known(pair: tuple[str, str], bodies: list[str], what: str) -> tuple[str, str]:
+        for name in pair:
+            if name not in bodies:
+                raise InvalidInput(
+                    f"{what}: {name!r} is no body with a shape{nearest(str(name), dict.fromkeys(bodies))}"
+                )
+        return pair

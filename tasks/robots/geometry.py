@@ -1,0 +1,77 @@
+"""The collision shapes of a robot, read from its URDF."""
+
+from __future__ import annotations
+
+from contextlib import redirect_stderr
+from io import StringIO
+from pathlib import Path
+
+import coal
+import numpy as np
+import pinocchio as pin
+
+from hqp import InvalidInput
+
+
+def collision_geometry(model: pin.Model, source: Path) -> pin.GeometryModel:
+    """The shapes of a URDF on the joints of a model, which may hold some of the file's joints.
+
+    A mesh is replaced by its convex hull: the hull contains it, has one nearest point where a mesh has many, and takes
+    microseconds. Shapes of bodies whose joints the model holds are carried by the joint before, as its frames say.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+    source : path
+        The URDF. Meshes are sought beside it and in all folders above, as ``package://`` names them.
+
+    Raises
+    ------
+    InvalidInput
+        If a mesh cannot be read.
+    """
+    folders = [str(folder) for folder in source.parents]
+    try:
+        with redirect_stderr(StringIO()):
+            whole = pin.buildModelFromUrdf(str(source))
+            shapes = pin.buildGeomFromUrdf(whole, str(source), pin.GeometryType.COLLISION, package_dirs=folders)
+    except (ValueError, RuntimeError) as error:
+        raise InvalidInput(f"the collision shapes of {str(source)!r} cannot be read: {error}") from None
+    geometry = pin.GeometryModel()
+    for shape in shapes.geometryObjects:
+        body = whole.frames[shape.parentFrame]
+        frame = model.getFrameId(body.name)
+        if frame >= model.nframes:
+            raise InvalidInput(f"{str(source)!r}: the model has no frame {body.name!r}, which carries {shape.name!r}")
+        own = model.frames[frame]
+        placement = own.placement * body.placement.inverse() * shape.placement
+        geometry.addGeometryObject(
+            pin.GeometryObject(shape.name, own.parentJoint, frame, placement, convex(shape.geometry))
+        )
+    return geometry
+
+
+def convex(shape: coal.CollisionGeometry) -> coal.CollisionGeometry:
+    """The convex hull of a mesh, anything else as it is."""
+    if not isinstance(shape, coal.BVHModelBase):
+        return shape
+    shape.buildConvexHull(True, "Qt")
+    return shape.convex
+
+
+def neighbours(model: pin.Model, first: int, second: int) -> bool:
+    """Whether two joints are one, or one carries the other with none between."""
+    return first == second or model.parents[first] == second or model.parents[second] == first
+
+
+def witnesses(distance: coal.DistanceResult) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
+    """Distance [m], nearest points (3,) of both, and the unit normal from the second to the first.
+
+    Where the shapes overlap the distance is negative, and the points are the deepest.
+    """
+    d = float(distance.min_distance)
+    first, second = np.array(distance.getNearestPoint1()), np.array(distance.getNearestPoint2())
+    gap = first - second
+    size = float(np.linalg.norm(gap))
+    normal = gap / size * (1.0 if d >= 0.0 else -1.0) if size > 1e-9 else -np.array(distance.normal)
+    return d, first, second, normal

@@ -1,0 +1,329 @@
+"""Distances of links to obstacles: their gradients, and a margin that is kept tick by tick, whatever is asked."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from hqp import InvalidInput
+from tasks import (
+    AvoidanceTask,
+    Capsule,
+    Circle,
+    Controller,
+    DistanceLimit,
+    JointAccelerationLimit,
+    JointLimits,
+    JointVelocityLimit,
+    LinkCapsule,
+    PlanarArm,
+    PositionTask,
+    PostureTask,
+    SelfCollisionLimit,
+    Sphere,
+    load_robot,
+    planar_links,
+    simulate,
+)
+from tasks.obstacles.links import Placed
+from tasks.obstacles.pairs import Pairs
+from tasks.obstacles.reserve import reserve
+from tasks.obstacles.shapes import nearest_points
+
+KEPT = 1e-6
+MARGIN, DT, SPEED = 0.03, 0.01, 1.5
+#: Links of a Panda, each carried by the first of its frames.
+PANDA = [("panda_link2", "panda_link3"), ("panda_link4", "panda_link5"), ("panda_link7", "panda_hand_tcp")]
+
+
+@cache
+def panda():
+    return load_robot("panda", lock=["panda_finger_joint1"], acceleration_limit=15.0)
+
+
+def scene(seed):
+    """An arm among circles, a start, and a path of its tip that can be followed at one and a half times the margin."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(4, 7))
+    arm = PlanarArm(rng.uniform(0.2, 0.4, n), position_limit=(-2.6, 2.6), velocity_limit=SPEED)
+    links = planar_links(arm, 0.02)
+    while True:
+        circles = [
+            Sphere(rng.uniform(0.35, 1.2) * np.array([np.cos(a), np.sin(a)]), rng.uniform(0.05, 0.2))
+            for a in rng.uniform(-np.pi, np.pi, int(rng.integers(1, 4)))
+        ]
+        limit = DistanceLimit(links, circles, margin=MARGIN, gain=20.0)
+        for _ in range(20):
+            start, end = rng.uniform(-1.5, 1.5, (2, n))
+            postures = (start + s * (end - start) for s in np.linspace(0.0, 1.0, 30))
+            room = min(limit.distances(arm, arm.at(q, 0 * q)).min() for q in postures)
+            if 1.5 * MARGIN < room < 3.0 * MARGIN:
+                return arm, links, circles, start, path(arm, start, end, 2.0)
+
+
+def path(arm, start, end, duration):
+    """The tip while the joints go from start to end."""
+
+    def tip(t):
+        s, rate = min(t / duration, 1.0), float(t < duration) / duration
+        q, v = start + s * (end - start), rate * (end - start)
+        state = arm.at(q, v)
+        return state.pose[:2], state.twist[:2], state.drift[:2]
+
+    return tip
+
+
+def least(limit, record, arm, ticks=slice(None)):
+    """The least distance at each tick."""
+    told = zip(record.q[ticks], record.t[ticks], strict=True)
+    return np.array([limit.distances(arm, arm.at(q, np.zeros(arm.nv)), t).min() for q, t in told])
+
+
+def kept(seed, kind="limit", order="velocity"):
+    """The least distance of a run less the margin [m], and how far the tip is off its path at the end [m]."""
+    arm, links, circles, start, target = scene(seed)
+    measure = DistanceLimit(links, circles, margin=MARGIN, gain=20.0)
+    own = {
+        "limit": measure,
+        "task": AvoidanceTask(links, circles, influence=4 * MARGIN, speed=0.3),
+        "none": None,
+    }[kind]
+    limits = JointLimits() if order == "velocity" else JointLimits(JointVelocityLimit(), JointAccelerationLimit(40.0))
+    reach = PositionTask(target, gain=5.0)
+    stack = limits >> reach if own is None else limits >> own >> reach
+    if order == "acceleration":  # joints that no task asks for would go on and on
+        stack = stack >> PostureTask(start, gain=2.0)
+    record = simulate(Controller(arm, stack, order=order, dt=DT), start, duration=2.5, certify=0)
+    assert record.stopped is None, record.stopped
+    return least(measure, record, arm).min() - MARGIN, np.linalg.norm(record.errors["position"][-1])
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_margin_is_kept_at_every_tick(seed):
+    assert kept(seed)[0] >= -KEPT
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("seed", range(10, 200))
+def test_the_margin_is_kept_in_many_scenes(seed):
+    assert kept(seed)[0] >= -KEPT
+
+
+def test_at_acceleration_order_it_brakes_in_time():
+    assert min(kept(seed, order="acceleration")[0] for seed in range(4)) >= -KEPT
+
+
+def test_without_it_links_go_through_obstacles():
+    """So the scenes do ask for it."""
+    assert min(kept(seed, "none")[0] for seed in (4, 10)) < -MARGIN
+
+
+def scenery():
+    """Pairs of all kinds, at random states: of a planar arm, and of a Panda."""
+    arm, rng = PlanarArm([0.5, 0.4, 0.3]), np.random.default_rng(3)
+    circle, pole = Sphere([0.9, 0.5], 0.1), Capsule([-0.2, 0.8], [0.3, 0.9], 0.05)
+    ball, rail = Sphere([0.6, 0.3, 0.4], 0.1), Capsule([0.5, -0.5, 0.2], [0.7, 0.5, 0.3], 0.04)
+    chains = [LinkCapsule(frame, end, 0.06) for frame, end in PANDA]
+    for robot, links, shapes in (arm, planar_links(arm, 0.02), [circle, pole]), (panda(), chains, [ball, rail]):
+        pairs = Pairs(links, shapes, "pairs")
+        for _ in range(6):
+            q = rng.uniform(-1.2, 1.2, arm.nv) if robot is arm else robot.random(rng)
+            yield robot, pairs, q, rng.uniform(-1.0, 1.0, robot.nv)
+
+
+def test_gradients_and_drifts_are_those_of_finite_differences():
+    h = 1e-5
+    for robot, pairs, q, v in scenery():
+        ends = pairs.bind(robot)
+
+        def told(q, ends=ends, robot=robot, pairs=pairs):
+            return pairs.at(robot.at(q, np.zeros(robot.nv)), ends, 0.0)
+
+        here = pairs.at(robot.at(q, v), ends, 0.0)
+        both = [[told(q + side * h * step) for side in (1, -1)] for step in np.eye(robot.nv)]
+        for k, pair in enumerate(here):
+            slope = [(ahead[k].distance - behind[k].distance) / (2 * h) for ahead, behind in both]
+            np.testing.assert_allclose(pair.gradient, slope, atol=1e-6)
+            # The point stays where it is on its link: its acceleration is that of the drift.
+            frame = pairs.links[k // len(pairs.obstacles)].frame
+            local = robot.at(q, v).frame(frame)
+            moved = []
+            for side in (h, -h):
+                there = robot.at(q + side * v, v).frame(frame)
+                moved.append(carry(local, there, pair.witness))
+            jdot = (moved[0].jacobian - moved[1].jacobian) @ v / (2 * h)
+            np.testing.assert_allclose(pair.place.drift(v), jdot, atol=1e-5)
+
+
+def carry(old, new, point):
+    """The same point of the body after it moved."""
+    from tasks.obstacles.links import axes
+
+    return Placed(new, new.position + axes(new) @ axes(old).T @ (point - old.position))
+
+
+def test_the_reserve_is_never_less_than_what_a_tick_takes():
+    rng, dt, w = np.random.default_rng(8), 0.02, 1.5
+    for robot, pairs, q, _ in scenery():
+        ends, rest = pairs.bind(robot), np.zeros(robot.nv)
+        here = pairs.at(robot.at(q, rest), ends, 0.0)
+        for v in rng.choice([-w, w], (20, robot.nv)):
+            there = pairs.at(robot.at(q + dt * v, rest), ends, 0.0)
+            for pair, after in zip(here, there, strict=True):
+                if min(np.linalg.norm(p.witness - p.other) for p in (pair, after)) > 1e-3:
+                    rho = reserve(pair.place, pair.normal, pair.witness - pair.core, np.full(robot.nv, w), dt)
+                    assert after.distance >= pair.distance + dt * pair.gradient @ v - rho - 1e-12
+
+
+def test_nearest_points_of_segments():
+    rng, grid = np.random.default_rng(0), np.linspace(0.0, 1.0, 101)[:, None]
+    for _ in range(50):
+        first, second = rng.uniform(-1.0, 1.0, (2, 2, 3))
+        p, o = nearest_points(first, second)
+        ways = [a + grid * (b - a) for a, b in (first, second)]
+        best = np.linalg.norm(ways[0][:, None] - ways[1][None], axis=2).min()
+        assert best - 0.03 < np.linalg.norm(p - o) <= best + 1e-12
+
+
+def test_an_obstacle_that_comes_drives_the_arm_away():
+    arm = PlanarArm([0.4, 0.4, 0.4], velocity_limit=3.0)
+    links = planar_links(arm, 0.02)
+    coming = Sphere(Circle([1.0, 1.0], 0.5, 4.0), 0.1)
+    limit = DistanceLimit(links, [coming], margin=MARGIN, gain=30.0)
+    q = np.array([0.3, 0.5, 0.5])
+    stack = JointVelocityLimit() >> limit >> PostureTask(q, gain=5.0)
+    record = simulate(Controller(arm, stack, dt=DT), q, duration=4.0, certify=25)
+    apart = least(limit, record, arm)
+    assert record.stopped is None
+    assert record.certified_share == 1.0
+    assert apart.min() >= MARGIN - KEPT
+    assert apart.min() < 2 * MARGIN  # it did come
+
+
+@pytest.mark.parametrize("order", ["velocity", "acceleration"])
+def test_far_away_it_is_in_nobodys_way(order):
+    arm = PlanarArm([0.4, 0.4, 0.4], velocity_limit=2.0, acceleration_limit=20.0)
+    limit = DistanceLimit(planar_links(arm, 0.02), [Sphere([9.0, 9.0], 0.1)], margin=MARGIN, gain=20.0)
+    task = AvoidanceTask(planar_links(arm, 0.02), [Sphere([9.0, 9.0], 0.1)], influence=0.3, speed=0.3)
+    reach, q = PositionTask([0.6, 0.5], gain=3.0), [0.1, 0.4, 0.4]
+    limits = JointVelocityLimit() + JointAccelerationLimit()
+    runs = [
+        simulate(Controller(arm, stack, order=order, dt=DT), q, duration=1.0, certify=0).q
+        for stack in (limits >> reach, limits >> limit >> reach, limits >> task >> reach)
+    ]
+    np.testing.assert_allclose(runs[1], runs[0], atol=1e-9)
+    np.testing.assert_allclose(runs[2], runs[0], atol=1e-9)
+
+
+def test_from_inside_the_margin_it_comes_back():
+    arm = PlanarArm([0.5, 0.5], velocity_limit=2.0)
+    limit = DistanceLimit(planar_links(arm, 0.02), [Sphere([0.7, 0.15], 0.1)], margin=0.1, gain=10.0)
+    q = np.zeros(2)
+    record = simulate(Controller(arm, JointVelocityLimit() >> limit, dt=DT), q, duration=1.0, certify=0)
+    apart = least(limit, record, arm)
+    assert apart[0] < 0.05
+    assert apart[-1] >= 0.1 - KEPT
+    assert (np.diff(apart) > -KEPT).all()
+
+
+def test_a_few_rows_keep_what_all_of_them_keep():
+    arm, links, circles, start, target = scene(4)
+    every, few = (DistanceLimit(links, circles, margin=MARGIN, gain=20.0, nearest=k) for k in (None, 3))
+    assert every.rows == len(links) * len(circles)
+    assert every.labels(arm, "velocity")[0].row == "link 1 - obstacle 1"
+    assert every.labels(arm, "velocity")[0].unit == "m/s"
+    stack = JointLimits() >> few >> PositionTask(target, gain=5.0)
+    record = simulate(Controller(arm, stack, dt=DT), start, duration=2.5, certify=0)
+    assert least(every, record, arm).min() >= MARGIN - KEPT
+
+
+@pytest.mark.parametrize("order", ["velocity", "acceleration"])
+def test_a_hand_stops_before_its_own_body(order):
+    body = SelfCollisionLimit(margin=0.03, gain=10.0)
+    limits = JointLimits() if order == "velocity" else JointLimits(JointVelocityLimit(), JointAccelerationLimit(15.0))
+    reach = PositionTask([0.0, 0.0, 0.2], gain=3.0)
+    least = {}
+    for name, stack in ("free", limits >> reach), ("kept", limits >> body >> reach):
+        stack = stack >> PostureTask(panda().home, gain=1.0)
+        record = simulate(Controller(panda(), stack, order=order, dt=DT), panda().home, duration=2.0, certify=25)
+        assert record.stopped is None
+        apart = [body.distances(panda(), panda().at(q, np.zeros(7))).min() for q in record.q[::4]]
+        least[name] = min(apart)
+    assert least["free"] < -0.01
+    assert 0.03 - 1e-4 < least["kept"] < 0.035
+
+
+def test_gradients_of_pairs_of_bodies_are_those_of_finite_differences():
+    robot, h = panda(), 1e-4
+    body = SelfCollisionLimit([("panda_hand", "panda_link0"), ("panda_link6", "panda_link1")], margin=0.01, gain=5.0)
+    shapes, rng = body.shapes(robot), np.random.default_rng(1)
+    assert sorted(shapes.names()) == ["panda_link0 - panda_hand", "panda_link1 - panda_link6"]
+    for _ in range(5):
+        q = robot.home + rng.uniform(-0.2, 0.2, 7)
+
+        def told(q):
+            return shapes.distances(robot.at(q, np.zeros(7)))
+
+        slope = np.array([(told(q + h * step) - told(q - h * step)) / (2 * h) for step in np.eye(7)]).T
+        state = robot.at(q, np.zeros(7))
+        shapes.distances(state)
+        for k in range(2):
+            np.testing.assert_allclose(shapes.contact(state, k).gradient, slope[k], atol=1e-3)
+
+
+def test_the_nearest_bodies_are_found_without_measuring_all():
+    shapes, rng = SelfCollisionLimit(margin=0.01, gain=5.0).shapes(panda()), np.random.default_rng(2)
+    for _ in range(10):
+        state = panda().at(panda().random(rng), np.zeros(7))
+        apart = shapes.distances(state)
+        np.testing.assert_allclose(apart[shapes.nearest(state, 6)], np.sort(apart)[:6], atol=1e-9)
+
+
+ARM = PlanarArm([0.5, 0.5])
+LINKS, BALL = planar_links(ARM, 0.02), Sphere([0.5, 0.5], 0.1)
+
+
+@pytest.mark.parametrize(
+    ("make", "word"),
+    [
+        (lambda: Sphere([0.0, 0.0], -0.1), "radius"),
+        (lambda: Sphere([np.nan, 0.0], 0.1), "centre"),
+        (lambda: Sphere([0.0], 0.1), "centre"),
+        (lambda: Capsule([0.0, 0.0], [np.inf, 0.0], 0.1), "end"),
+        (lambda: LinkCapsule("tip", [0.1, 0.0], -1.0), "radius"),
+        (lambda: DistanceLimit(LINKS, [BALL], margin=-0.1, gain=5.0), "margin"),
+        (lambda: DistanceLimit(LINKS, [BALL], margin=0.1, gain=0.0), "gain"),
+        (lambda: DistanceLimit([], [BALL], margin=0.1, gain=5.0), "LinkCapsule"),
+        (lambda: DistanceLimit(LINKS, ["ball"], margin=0.1, gain=5.0), "Obstacle"),
+        (lambda: AvoidanceTask(LINKS, [BALL], influence=0.0, speed=0.1), "influence"),
+        (lambda: SelfCollisionLimit(margin=np.nan, gain=5.0), "margin"),
+    ],
+)
+def test_refusals_of_numbers(make, word):
+    with pytest.raises(InvalidInput, match=word):
+        make()
+
+
+@pytest.mark.parametrize(
+    ("robot", "part", "word"),
+    [
+        (ARM, lambda: DistanceLimit(LINKS, [BALL], margin=0.1, gain=101.0), "at most 100"),
+        (ARM, lambda: DistanceLimit([LinkCapsule("hand", [0.1, 0.0], 0.1)], [BALL], margin=0.1, gain=5.0), "hand"),
+        (ARM, lambda: DistanceLimit([LinkCapsule("link1", "tip", 0.1)], [BALL], margin=0.1, gain=5.0), "carry"),
+        (ARM, lambda: SelfCollisionLimit(margin=0.1, gain=5.0), "load_robot"),
+        (None, lambda: SelfCollisionLimit([("hand", "panda_link0")], margin=0.1, gain=5.0), "panda_hand"),
+    ],
+)
+def test_refusals_by_the_robot(robot, part, word):
+    with pytest.raises(InvalidInput, match=word):
+        Controller(robot or panda(), part(), dt=DT)
+
+
+def test_refused_without_a_limit_of_the_speed():
+    limit = DistanceLimit(LINKS, [BALL], margin=0.1, gain=5.0)
+    with pytest.raises(InvalidInput, match="JointVelocityLimit"):
+        Controller(ARM, limit, dt=DT)([0.0, 0.0], [0.0, 0.0])
+    with pytest.raises(InvalidInput, match="dt"):
+        Controller(ARM, limit)
