@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -19,6 +20,7 @@ from benchmarks.race import COLD, Timing, race
 from benchmarks.ratios import table, yardstick
 from benchmarks.tick import PEERS, _drivers
 from benchmarks.ticks.interleaved import measure as measure_ticks
+from benchmarks.ticks.redundancy import STACKS
 from benchmarks.ticks.scenes import SCENES, Scene
 from benchmarks.ticks.stream import record
 from hqp import Hierarchy, InvalidInput, certify, solve
@@ -307,6 +309,9 @@ def test_a_few_ticks_fill_tables_and_csv(tmp_path: Path) -> None:
             assert (row["kept"], row["proved"], float(row["off"])) == ("100%", "1/1", 0.0)
     for s in SCENES:
         assert f"{s.name}: {s.about}" in done.stdout
+    alone = done.stdout[done.stdout.index("what else the joints are used for") :]
+    for name in STACKS:
+        assert re.search(rf"{re.escape(name)} .* 20/20", alone), name
     for peer in {name for name, _, _ in PEERS}:
         here = any(row["method"].startswith(peer) for row in rows)
         assert here != (f"{peer}: left out, it is not installed: python -m pip install -e '.[peers]'" in done.stdout)
