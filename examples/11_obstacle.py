@@ -22,7 +22,7 @@ MARGIN, THICK = 0.03, 0.02  # [m]
 arm = PlanarArm([0.35, 0.35, 0.35, 0.35, 0.3])
 links, circle = planar_links(arm, THICK), Sphere([0.48, 0.42], 0.12)
 start = np.radians([100.0, -40.0, -50.0, -45.0, -30.0])
-path = Line(arm.pose(start)[:2], [0.5, 0.18], duration=3.0, timing=quintic)
+path = Line(arm.pose(start)[:2], [0.5, 0.235], duration=3.0, timing=quintic)
 
 limits, tip = JointVelocityLimit(2.0), PositionTask(path, gain=10.0)
 distance = DistanceLimit(links, [circle], margin=MARGIN, gain=20.0)

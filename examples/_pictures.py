@@ -10,10 +10,11 @@ from matplotlib.animation import PillowWriter
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle as Disk
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 
-from tasks import Record, Robot
+from tasks import PlanarArm, Record, Robot, Sphere
 from tasks.robots.skeleton import skeleton
 
 BLUE, ORANGE, GREEN, GREY, RED = "#0072b2", "#d55e00", "#009e73", "#8c8c8c", "#b2182b"
@@ -193,6 +194,34 @@ def torque_film(path: Path, robot: Robot, record: Record, seconds: float = 4.0, 
                 axes.scatter(*placements.frame(robot.joint_names[joint]).position, color=RED, s=40, depthshade=False)
             axes.set_title(f"t = {record.t[k]:5.2f} s")
             writer.grab_frame()
+
+
+def obstacle(
+    folder: str, arm: PlanarArm, records: dict[str, Record], apart: dict[str, np.ndarray], circle: Sphere, margin: float
+) -> None:
+    """Each run as stick figures about the obstacle; the least distance and the error of the tip over time."""
+    figure = Figure(figsize=(9.0, 5.4), layout="constrained")
+    grid = figure.add_gridspec(2, len(records))
+    distance, error = figure.add_subplot(grid[1, :2]), figure.add_subplot(grid[1, 2:])
+    centre = circle.centre(0.0)[0]
+    for column, (name, record) in enumerate(records.items()):
+        colour = (GREY, ORANGE, GREEN, BLUE)[column]
+        side = figure.add_subplot(grid[0, column], aspect="equal", xlim=(-0.5, 0.95), ylim=(-0.25, 1.2))
+        side.set(title=name, xlabel="x [m]")
+        side.set_ylabel("y [m]" if column == 0 else "")
+        side.add_patch(Disk(centre, circle.radius, color=RED, alpha=0.5, lw=0))
+        side.add_patch(Disk(centre, circle.radius + margin, fill=False, ec=RED, ls="--", lw=0.8))
+        side.plot(record.pose[:, 0], record.pose[:, 1], color="black", lw=0.8)
+        for t, alpha in (0.0, 0.2), (1.2, 0.35), (1.8, 0.5), (4.0, 1.0):
+            points = arm.points(record.q[int(np.argmin(np.abs(record.t - t)))])
+            side.plot(*points.T, "-o", color=colour, alpha=alpha, lw=2.2, ms=3)
+        distance.plot(record.t, 1e3 * apart[name], color=colour, label=name)
+        error.plot(record.t, 1e3 * np.linalg.norm(record.errors["position"], axis=1), color=colour)
+    distance.axhline(1e3 * margin, color=RED, ls="--", lw=0.8)
+    distance.set(title="least distance of a link [mm], and the margin", xlabel="t [s]", ylim=(-130.0, 200.0))
+    distance.legend(loc="lower left", fontsize=8)
+    error.set(title="error of the tip [mm]", xlabel="t [s]")
+    save(figure, folder, "obstacle.png")
 
 
 def stick(axes: Axes3D, segments: np.ndarray, colour: str, alpha: float = 1.0) -> None:

@@ -26,6 +26,7 @@ SAYS = {
     "13_priority_swap": "hand off by 373.4 mm, rest by 0.1 deg",
     "09_torque_minimisation": "diverged at t = 1.8",
     "10_liegeois": "a joint at 100 % of its half range",
+    "11_obstacle": "limit above the tip  nearest   38.23 mm",
     "12_torque_limited_panda": "slow: hand at most 0.68 mm off",
 }
 
@@ -36,6 +37,7 @@ DRAWS = {
     "08_humanoid_reach": ["humanoid_reach.png"],
     "09_torque_minimisation": ["torque_minimisation.png"],
     "10_liegeois": ["liegeois.png"],
+    "11_obstacle": ["obstacle.png"],
     "12_torque_limited_panda": ["torque_panda.gif", "torque_panda.png"],
     "13_priority_swap": ["priority_swap.png"],
 }

@@ -252,7 +252,9 @@ def test_a_hand_stops_before_its_own_body(order):
         apart = [body.distances(panda(), panda().at(q, np.zeros(7))).min() for q in record.q[::4]]
         least[name] = min(apart)
     assert least["free"] < -0.01
-    assert 0.03 - 1e-4 < least["kept"] < 0.035
+    # Faces of hulls turn within a tick, for which no reserve is kept; at acceleration order they do so twice.
+    missed = 1e-4 if order == "velocity" else 5e-4
+    assert 0.03 - missed < least["kept"] < 0.035
 
 
 def test_gradients_of_pairs_of_bodies_are_those_of_finite_differences():
