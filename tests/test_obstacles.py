@@ -112,6 +112,7 @@ def test_the_margin_is_kept_in_many_scenes(seed):
 
 
 def test_at_acceleration_order_it_brakes_in_time():
+    """Here the acceleration limits leave enough; it is not so in every scene."""
     assert min(kept(seed, order="acceleration")[0] for seed in range(4)) >= -KEPT
 
 
