@@ -6,7 +6,7 @@ import gc
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 import typer
@@ -39,6 +39,7 @@ def ik(
         typer.Option("--budget", "-b", min=1, help="Steps; may be given several times (default: 100 and 300)."),
     ] = None,
     seed: Annotated[int, typer.Option("--seed", min=0)] = 0,
+    start: Annotated[Literal["home", "neutral"], typer.Option("--start", help="Where all of them start.")] = "home",
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=path)
     ] = None,
@@ -58,6 +59,7 @@ def ik(
     with Progress(console=Console(stderr=True), transient=True) as progress:
         for name in MACHINES if not robot else dict.fromkeys(robot):
             machine = load_robot(name, lock=MACHINES[name])
+            machine.home = getattr(machine, start)
             targets = poses(machine, count, seed)
             here: list[Row] = []
             for most in budget or BUDGETS:
@@ -66,7 +68,7 @@ def ik(
                 timed = measure(methods, targets, most, lambda bar=bar: progress.advance(bar))
                 here += [row(name, most, method, timed[method]) for method in methods]
             rows += here
-            printer.print(terminal(f"{name}: {count} poses in reach, from home", here, group="budget"))
+            printer.print(terminal(f"{name}: {count} poses in reach, from {start}", here, group="budget"))
             if out is not None:
                 save(out, rows)
     printer.print(
