@@ -57,7 +57,7 @@ class Entry:
 
 
 def _both(left: str, right: str, **joints: float) -> dict[str, float]:
-    """The same joints on both sides; ``{}`` in their names is filled by the side."""
+    """The same joints on both sides: ``SIDE`` in their names is one, and the other."""
     return {name.replace("SIDE", side): value for name, value in joints.items() for side in (left, right)}
 
 

@@ -1,0 +1,115 @@
+"""A robot of Pinocchio at one instant, and its frames: each quantity computed when first asked for, and once."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+
+from .._checks import Array
+from .frame import FixedFrame
+
+if TYPE_CHECKING:
+    from .pinocchio import PinocchioRobot
+
+
+class PinocchioState:
+    """A robot at one instant; see :class:`tasks.robots.robot.RobotState`."""
+
+    def __init__(self, robot: PinocchioRobot, q: Array, v: Array) -> None:
+        self.robot, self.q, self.v = robot, q, v
+        self._frames: dict[str | None, PinocchioFrame] = {}
+
+    @cached_property
+    def joints(self) -> Array:
+        """The position of each joint that has one, 0 elsewhere, shape (nv,)."""
+        robot = self.robot
+        if robot.nq == robot.nv:
+            return self.q
+        joints = np.zeros(robot.nv)
+        joints[robot._columns] = self.q[robot._places]
+        return joints
+
+    def frame(self, name: str | None = None) -> PinocchioFrame:
+        """The frame of that name, by default the tip.
+
+        Raises
+        ------
+        InvalidInput
+            If there is no such frame; tells the nearest names.
+        """
+        found = self._frames.get(name)
+        if found is None:
+            found = self._frames[name] = PinocchioFrame(self, self.robot.frame_index(name))
+        return found
+
+    @cached_property
+    def pose(self) -> Array:
+        """Of the tip, for records: its position [m] and rotation vector [rad], shape (6,); empty without a tip."""
+        if self.robot.tip is None:
+            return np.zeros(0)
+        tip = self.frame()
+        return np.concatenate([tip.position, pin.log3(tip.rotation)])
+
+    @cached_property
+    def center_of_mass(self) -> FixedFrame:
+        """The centre of mass: a frame along the axes of the world."""
+        model, data = self.robot.model, self.robot.data
+        pin.centerOfMass(model, data, self.q, self.v, np.zeros(model.nv))
+        drift = np.array(data.acom[0])
+        self.robot.compute_center_of_mass(self.q)
+        position, linear = np.array(data.com[0]), np.array(data.Jcom).reshape(3, -1)
+        return FixedFrame(position, np.eye(3), linear, np.zeros_like(linear), drift, np.zeros(3))
+
+    def ready(self) -> pin.Data:
+        """Pinocchio's data with the joint Jacobians of this state: computed once, while no other state is asked."""
+        robot = self.robot
+        if robot._state is not self:
+            pin.computeJointJacobians(robot.model, robot.data, self.q)
+            robot._state, robot._accelerated = self, False
+        return robot.data
+
+    def accelerated(self) -> pin.Data:
+        """The same, and the accelerations while the joints do not accelerate."""
+        data, robot = self.ready(), self.robot
+        if not robot._accelerated:
+            pin.forwardKinematics(robot.model, data, self.q, self.v, np.zeros(robot.nv))
+            robot._accelerated = True
+        return data
+
+
+class PinocchioFrame:
+    """A frame at one instant; see :class:`tasks.robots.frame.Frame`."""
+
+    def __init__(self, state: PinocchioState, index: int) -> None:
+        self._state, self._index = state, index
+        model, data = state.robot.model, state.ready()
+        place = pin.updateFramePlacement(model, data, index)
+        self.position, self.rotation = np.array(place.translation), np.array(place.rotation)
+        jacobian = pin.getFrameJacobian(model, data, index, pin.LOCAL_WORLD_ALIGNED)
+        self._jacobian = np.asarray(jacobian).reshape(6, -1)  # Pinocchio gives a vector where nv is 1
+
+    @property
+    def linear(self) -> Array:
+        return self._jacobian[:3]
+
+    @property
+    def angular(self) -> Array:
+        return self._jacobian[3:]
+
+    @cached_property
+    def _drift(self) -> Array:
+        robot, data = self._state.robot, self._state.accelerated()
+        return np.array(
+            pin.getFrameClassicalAcceleration(robot.model, data, self._index, pin.LOCAL_WORLD_ALIGNED).vector
+        )
+
+    @property
+    def linear_drift(self) -> Array:
+        return self._drift[:3]
+
+    @property
+    def angular_drift(self) -> Array:
+        return self._drift[3:]
