@@ -1,15 +1,10 @@
-"""Classical remedies for singularities, and the bench that compares them."""
+"""Classical remedies for singularities."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from benchmarks.singular_pictures import draw
-from benchmarks.singular_scenes import FASTEST, METHODS, scenes
-from benchmarks.singularities import run
 from hqp import InvalidInput
 from tasks import Controller, JointMotion, OrientationTask, PlanarArm, PositionTask, Reconstructed
 from tasks.robots.manipulability import manipulability
@@ -106,20 +101,3 @@ def test_it_tells_what_it_is_and_leaves_bad_numbers_to_the_solver():
     assert repr(task).startswith("Reconstructed(OrientationTask(")
     assert repr(task).count("above=") == 1
     assert not Controller(ARM, tip() >> task)([np.nan, 0.0, 0.0], STILL).ok
-
-
-def test_what_the_bench_is_to_show(tmp_path: Path):
-    """Where two tasks conflict: the strict stack is fast, limits chatter, damping is slow, calm, and tells its cost."""
-    scene = next(scene for scene in scenes() if scene.name == "planar arm, conflict")
-    runs = {name: run(scene, name) for name in METHODS}
-    assert runs["strict"].speed > 20.0
-    assert runs["strict, limits"].speed <= FASTEST + 1e-9
-    assert runs["strict, limits"].jump > FASTEST
-    for name in "fixed damping", "fixed, limits", "by singular value", "filtering", "Chiaverini":
-        assert runs[name].jump < 0.5
-    assert runs["fixed damping"].speed < 3.0
-    assert set(runs["fixed damping"].reported) == {"position", "orientation"}
-    for each in runs.values():
-        assert each.record.certified == each.record.checked
-    draw(tmp_path / "runs.png", {scene.name: list(runs.values())})
-    assert (tmp_path / "runs.png").stat().st_size > 0

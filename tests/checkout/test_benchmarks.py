@@ -25,7 +25,7 @@ from benchmarks.ticks.scenes import SCENES, Scene
 from benchmarks.ticks.stream import record
 from hqp import Hierarchy, InvalidInput, certify, solve
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 
 
 def run(*arguments: str) -> subprocess.CompletedProcess[str]:

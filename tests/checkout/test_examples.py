@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("[0-9]*.py"))
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("[0-9]*.py"))
 MOST_LINES = 60
 IMAGES = EXAMPLES[0].parents[1] / "docs" / "images"
 LARGEST = {".png": 150_000, ".gif": 1_000_000}  # of a picture [bytes]
