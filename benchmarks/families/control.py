@@ -7,16 +7,14 @@ unique. P3h is P3 with a level that cannot be met.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
 from hqp import Hierarchy, Level
 from hqp.arrays import Array
 
-from .families import Family
+from .family import Family, drawn
 
 #: Half of what the bounds of a two-sided row leave between them, and the standard deviation of their centre.
 HALF_WIDTH, CENTRE = 0.8, 0.4
@@ -56,7 +54,7 @@ class Shape:
 
     def family(self, name: str) -> Family:
         """The family of that name."""
-        return Family(name, self.about, self.limits, partial(_problems, self))
+        return Family("control", name, self.about, drawn(self.hierarchy), self.limits)
 
     def hierarchy(self, rng: np.random.Generator) -> Hierarchy:
         """One draw."""
@@ -79,26 +77,10 @@ class Shape:
         return Level(A, centre - HALF_WIDTH, centre + HALF_WIDTH)
 
 
-def _problems(shape: Shape, count: int, seed: int) -> Iterator[Hierarchy]:
-    for draw in range(count):
-        yield shape.hierarchy(np.random.default_rng([seed, draw]))
-
-
-def moved(hierarchy: Hierarchy, rng: np.random.Generator, share: float) -> Hierarchy:
-    """A copy whose equality targets b have moved by ``share * std(b) * N(0, 1)``, level by level; the rest stays."""
-    twin = hierarchy.copy()
-    for level in twin.levels:
-        equal = level.lower == level.upper
-        if equal.any():
-            b = level.lower[equal]
-            level.lower[equal] = level.upper[equal] = b + share * b.std() * rng.standard_normal(len(b))
-    return twin
-
-
 _THIRTY = ((12, "="), (3, "="), (6, "="), (10, "<>"))
 _SIXTY = ((12, "="), (6, "="), (6, "="), (12, "<>"), (6, "="), (10, "<>"))
 
-CONTROL = (
+FAMILIES = (
     Shape(3, 0.5, ((2, "="), (1, "=")), limits=False).family("P1"),
     Shape(7, 0.5, ((3, "="), (3, "="))).family("P2"),
     Shape(30, 0.35, _THIRTY).family("P3"),
