@@ -8,9 +8,9 @@ import typer
 
 from tasks.cli.command import run
 
-from .backends import backends
 from .batch import batch
 from .ik import ik
+from .run import run as run_plan
 from .singularities import singularities
 from .solve import solve
 from .tick import tick
@@ -21,7 +21,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-app.command()(backends)
+app.command("run")(run_plan)
 app.command()(solve)
 app.command()(batch)
 app.command()(tick)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import gc
-import time
 from collections.abc import Callable
 from typing import Annotated
 
@@ -13,9 +11,11 @@ import typer
 from hqp import Batch, BatchSolver, Hierarchy, Solver
 from tasks._terminal import console
 
-from .control import CONTROL, moved
-from .families import Family, select
+from .families import Family, moved
+from .families.control import CONTROL
+from .registry import select
 from .tables import Row, terminal
+from .timing import timed
 
 #: How far the targets move since the problems just solved, and how often all is repeated.
 SHARE, REPETITIONS = 0.02, 9
@@ -31,7 +31,7 @@ def batch(
     ] = None,
 ) -> None:
     """Race batches, warm after the targets have moved by 2 %, against as many single warm calls."""
-    rows = [row for f in select(family, CONTROL) for row in compare(f, count, threads or [1, 2])]
+    rows = [row for f in select(family, CONTROL, "family") for row in compare(f, count, threads or [1, 2])]
     printer = console(110)
     printer.print(terminal(f"{count} hierarchies, warm, targets moved by {100 * SHARE:g} %", rows, group="problem"))
     printer.print(
@@ -76,16 +76,10 @@ def _row(family: Family, what: str, seconds: float, ratio: float, proved: str) -
     }
 
 
-def _median(before: Callable[[], object], timed: Callable[[], object]) -> float:
-    """Seconds of `timed`, each time right after `before`."""
+def _median(before: Callable[[], object], run: Callable[[], object]) -> float:
+    """Seconds of `run`, each time right after `before`."""
     seconds = []
-    gc.disable()
-    try:
-        for _ in range(REPETITIONS):
-            before()
-            start = time.perf_counter_ns()
-            timed()
-            seconds.append(1e-9 * (time.perf_counter_ns() - start))
-    finally:
-        gc.enable()
+    for _ in range(REPETITIONS):
+        before()
+        seconds.append(timed(run)[0])
     return float(np.median(seconds))

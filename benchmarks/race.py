@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import gc
-import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 
@@ -14,10 +11,21 @@ import numpy as np
 from hqp import Hierarchy, InvalidInput, certify
 from hqp.arrays import Array
 
-from .control import moved
-from .families import Family
-from .methods import Call, Method
+from .families import Family, moved
+from .methods import METHODS, Call, Method
+from .methods.daqp_direct import DAQP_COST, DAQP_ROWS
+from .timing import timed
 
+#: The methods that are raced where none is named, as far as they are here.
+RACED = (
+    "native",
+    DAQP_ROWS,
+    DAQP_COST,
+    "cascade:proxsuite",
+    "cascade:qpsolvers/daqp",
+    "cascade:qpsolvers/quadprog",
+    "pseudoinverse",
+)
 #: The shortest of so many calls from the same start counts: what the machine adds is never negative.
 REPETITIONS = 3
 #: Draws that a slow method gets at most, spread over all; and how the start without any memory is called.
@@ -47,6 +55,11 @@ class Timing:
     error: float
 
 
+def raced() -> list[Method]:
+    """Those of `RACED` that are here."""
+    return [METHODS[name] for name in RACED if not METHODS[name].missing()]
+
+
 def race(
     family: Family,
     methods: Sequence[Method],
@@ -56,7 +69,7 @@ def race(
     tick: Callable[[], None] = lambda: None,
 ) -> list[Timing]:
     """Time the methods that take the family on `draws` draws of each of `seeds` seeds."""
-    able = [method for method in methods if method.takes(family)]
+    able = [method for method in methods if not method.refusal(family)]
     every = -(-seeds * draws // FEW)
     timings: list[Timing] = []
     if not able:
@@ -82,7 +95,7 @@ def _problem(methods: Sequence[Method], start: str, draw: int, base: Hierarchy, 
     found: dict[str, tuple[float, Array]] = {}
     for method in methods:
         prepare = partial(method.cold, problem) if start == COLD else partial(method.warm, base, problem)
-        found[method.name] = _shortest(prepare)
+        found[method.name] = _shortest(method, prepare)
     proved = {name: _proved(problem, x) for name, (_, x) in found.items()}
     truth = next((x for name, (_, x) in found.items() if proved[name]), np.full(problem.n, np.nan))
     for name, (seconds, x) in found.items():
@@ -97,27 +110,13 @@ def _proved(problem: Hierarchy, x: Array) -> bool:
         return False
 
 
-def _shortest(prepare: Callable[[], Call]) -> tuple[float, Array]:
+def _shortest(method: Method, prepare: Callable[[], Call]) -> tuple[float, Array]:
     """Seconds and x of the shortest of some calls, each prepared anew."""
     shortest, x = np.inf, np.zeros(0)
     for _ in range(REPETITIONS):
-        call = prepare()
-        with undisturbed():
-            start = time.perf_counter_ns()
-            x = call()
-            end = time.perf_counter_ns()
-        shortest = min(shortest, 1e-9 * (end - start))
+        seconds, answer = timed(prepare())
+        shortest, x = min(shortest, seconds), method.outcome(answer).x
     return shortest, x
-
-
-@contextmanager
-def undisturbed() -> Iterator[None]:
-    """Without the garbage collector."""
-    gc.disable()
-    try:
-        yield
-    finally:
-        gc.enable()
 
 
 def _warm_up(methods: Sequence[Method], problem: Hierarchy) -> None:

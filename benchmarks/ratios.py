@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from .methods import DAQP_COST, DAQP_ROWS
+from .methods.daqp_direct import DAQP_COST, DAQP_ROWS
 from .race import Timing
 from .tables import Row
 

@@ -15,12 +15,11 @@ from tasks._checks import writable
 from tasks._terminal import console
 from tasks.cli.command import path
 
-from .control import CONTROL
-from .families import select
-from .methods import method as named
-from .methods import raced
-from .race import COLD, FEW, REPETITIONS, race
+from .families.control import CONTROL
+from .methods import METHODS, required
+from .race import COLD, FEW, REPETITIONS, race, raced
 from .ratios import table, yardstick
+from .registry import select
 from .tables import Row, save, terminal
 
 #: How far the targets move between two ticks, as a share of their standard deviation.
@@ -46,8 +45,8 @@ def solve(
     ] = None,
 ) -> None:
     """Race solvers on what a controller solves: cold, and warm after the targets have moved."""
-    families = select(family, CONTROL)
-    methods = [named(name) for name in dict.fromkeys(method or raced())]
+    families = select(family, CONTROL, "family")
+    methods = required(select(method, METHODS, "method")) if method else raced()
     shares = list(dict.fromkeys(SHARES if moved is None else moved))
     if not np.isfinite(shares).all():
         raise InvalidInput(f"--moved {', '.join(map(str, shares))}: give finite shares")

@@ -12,7 +12,7 @@ from rich.table import Table
 #: One row: what stands under each column.
 Row = dict[str, str]
 #: The columns that hold words, and those that are in the title of what is printed.
-WORDS, TITLE = ("start", "method", "backend"), ("family", "scene")
+WORDS, TITLE = ("start", "method", "setting", "name", "about"), ("family", "scene")
 
 
 def terminal(title: str, rows: Sequence[Row], *, group: str = "") -> Table:
@@ -25,6 +25,14 @@ def terminal(title: str, rows: Sequence[Row], *, group: str = "") -> Table:
         last = bool(group) and row[group] != following.get(group)
         table.add_row(*(row[column] for column in columns), end_section=last)
     return table
+
+
+def markdown(rows: Sequence[Row]) -> str:
+    """A table of these rows for a page."""
+    columns = list(rows[0])
+    rule = [":--" if column in WORDS else "--:" for column in columns]
+    lines = [columns, rule, *([row[column] for column in columns] for row in rows)]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
 
 
 def save(path: Path, rows: Iterable[Row]) -> None:

@@ -54,7 +54,7 @@ class Shape:
 
     def family(self, name: str) -> Family:
         """The family of that name."""
-        return Family("control", name, self.about, drawn(self.hierarchy), self.limits)
+        return Family("control", name, self.about, drawn(self.hierarchy), self.limits, feasible=True, posture=True)
 
     def hierarchy(self, rng: np.random.Generator) -> Hierarchy:
         """One draw."""
@@ -87,3 +87,6 @@ FAMILIES = (
     Shape(30, 0.35, _THIRTY, conflict=True).family("P3h"),
     Shape(60, 0.35, _SIXTY).family("P4"),
 )
+
+#: By name.
+CONTROL = {family.name: family for family in FAMILIES}

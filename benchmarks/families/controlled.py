@@ -72,7 +72,14 @@ def active(share: float, rng: np.random.Generator) -> Hierarchy:
 
 
 FAMILIES = tuple(
-    Family("random", f"{what.__name__} {share:.0%}", f"n = 7, {text}: {share:.0%}", drawn(partial(what, share)))
+    Family(
+        "random",
+        f"{what.__name__} {share:.0%}",
+        f"n = 7, {text}: {share:.0%}",
+        drawn(partial(what, share)),
+        feasible=True,
+        posture=True,
+    )
     for what, text in (
         (rank, "rows of each task that depend on its others"),
         (conflict, "rows of lower tasks that contradict the first"),

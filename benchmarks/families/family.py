@@ -35,6 +35,10 @@ class Family:
         The problem of a seed and a number: ``sample(seed, draw)``, the same for the same arguments.
     inequalities : bool
         Whether some row has a bound on one side only, or two different ones.
+    feasible : bool
+        Whether the first level can be met in all of them.
+    posture : bool
+        Whether the last level asks for one x, as an equality on each variable alone.
     draws : int, optional
         How many there are; by default without end. Where there is an end, all seeds have the same ones.
     curve : str
@@ -50,6 +54,8 @@ class Family:
     about: str
     sample: Callable[[int, int], Sample]
     inequalities: bool = True
+    feasible: bool = False
+    posture: bool = False
     draws: int | None = None
     curve: str = ""
     at: int = 0

@@ -44,7 +44,16 @@ def _parts(rows: int, tasks: int) -> tuple[int, ...]:
 
 def _family(curve: str, at: int, n: int, rows: tuple[int, ...]) -> Family:
     shape = " | ".join([f"{n} bounds", *(f"{m} {'<>' if k % 2 else '='}" for k, m in enumerate(rows)), "identity"])
-    return Family("size", f"{curve} {at}", f"n = {n}: {shape}", drawn(partial(stack, n, rows)), curve=curve, at=at)
+    return Family(
+        "size",
+        f"{curve} {at}",
+        f"n = {n}: {shape}",
+        drawn(partial(stack, n, rows)),
+        feasible=True,
+        posture=True,
+        curve=curve,
+        at=at,
+    )
 
 
 FAMILIES = (

@@ -9,8 +9,8 @@ import numpy as np
 
 from hqp.arrays import Array
 
-from ..race import undisturbed
 from ..tables import Row
+from ..timing import undisturbed
 from .driver import STAGES, Driver
 from .stream import Stream
 

@@ -1,0 +1,114 @@
+"""Who does the work: this process, processes beside it, or the workers of a Dask cluster. The results are the same.
+
+Every way hands out pairs of a cell and what came of it, in any order, and gives a cell to another worker when the one
+that had it dies.
+"""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from hqp import InvalidInput
+
+from .cell import Row, measure
+from .machine import describe, sources
+from .plan import Cell, Plan
+
+#: How often cells may lose their workers before they count as what kills them.
+LIVES = 3
+#: How long to wait for a cluster and its workers [s].
+PATIENCE = 30
+
+
+class Measured(NamedTuple):
+    """A finished cell, and where it was measured."""
+
+    rows: list[Row]
+    machine: dict[str, str]
+
+
+class Failed(NamedTuple):
+    """A cell that could not be measured: the traceback."""
+
+    why: str
+
+
+Done = tuple[Cell, Measured | Failed]
+
+
+def work(plan: Plan, cell: Cell) -> Done:
+    """Measure one cell, here."""
+    try:
+        return cell, Measured(measure(plan, cell), describe())
+    except Exception:  # nothing that one cell does may cost the others
+        return cell, Failed(traceback.format_exc())
+
+
+def serial(plan: Plan, cells: Sequence[Cell]) -> Iterator[Done]:
+    """One after the other, in this process."""
+    return (work(plan, cell) for cell in cells)
+
+
+def processes(plan: Plan, cells: Sequence[Cell], jobs: int) -> Iterator[Done]:
+    """In so many processes, or -1 for one a core, by joblib."""
+    from joblib import Parallel, delayed
+    from joblib.externals.loky.process_executor import TerminatedWorkerError
+
+    left = list(cells)
+    for _ in range(LIVES):
+        parallel = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1, pre_dispatch="n_jobs")
+        try:
+            for cell, result in parallel(delayed(work)(plan, cell) for cell in list(left)):
+                left.remove(cell)
+                yield cell, result
+        except TerminatedWorkerError:  # all workers go with it; what they had is done again
+            continue
+        return
+    yield from ((cell, Failed(f"worker processes died, {LIVES} times")) for cell in left)
+
+
+def cluster(plan: Plan, cells: Sequence[Cell], address: str) -> Iterator[Done]:
+    """On the workers of the Dask cluster whose scheduler has this address.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no cluster, or a worker would measure something else: other sources, several threads at once.
+    """
+    try:
+        from dask.distributed import Client, KilledWorker, as_completed
+    except ImportError:
+        raise InvalidInput("--dask needs the package 'distributed': python -m pip install -e '.[cluster]'") from None
+
+    try:
+        client = Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise InvalidInput(f"--dask {address}: no cluster answers: {error}") from None
+    with client:
+        try:
+            client.wait_for_workers(1, timeout=PATIENCE)
+        except TimeoutError:
+            raise InvalidInput(f"--dask {address}: the cluster has no workers") from None
+        _check(client, address)
+        futures = {client.submit(work, plan, cell, pure=False, retries=LIVES): cell for cell in cells}
+        for future in as_completed(list(futures)):
+            try:
+                yield future.result()
+            except KilledWorker as error:
+                yield futures[future], Failed(str(error))
+            future.release()
+
+
+def _check(client: Any, address: str) -> None:
+    for worker, number in client.nthreads().items():
+        if number != 1:
+            raise InvalidInput(f"--dask {address}: worker {worker} has {number} threads; start it with --nthreads 1")
+    try:
+        digests = client.run(sources)
+    except ImportError as error:
+        raise InvalidInput(f"--dask {address}: a worker lacks our sources, start it in the checkout: {error}") from None
+    for worker, theirs in digests.items():
+        if theirs != sources():
+            raise InvalidInput(f"--dask {address}: worker {worker} has other sources or package versions")
