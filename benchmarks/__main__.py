@@ -1,4 +1,4 @@
-"""``python -m benchmarks backends``, ``solve``, ``batch``, ``tick``, ``ik``, ``singularities``: a small file each."""
+"""``python -m benchmarks``: a small file each command."""
 
 from __future__ import annotations
 
@@ -9,19 +9,27 @@ import typer
 from tasks.cli.command import run
 
 from .batch import batch
+from .compare import compare
 from .ik import ik
+from .list import list_
+from .report import export, plot, report
 from .run import run as run_plan
 from .singularities import singularities
 from .solve import solve
 from .tick import tick
 
 app = typer.Typer(
-    help="Measurements: every backend on every problem family; what a controller solves, and its tick, against peers.",
+    help="Measurements: every method on every problem family; what a controller solves, and its tick, against peers.",
     rich_markup_mode=None,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+app.command("list")(list_)
 app.command("run")(run_plan)
+app.command()(report)
+app.command()(compare)
+app.command()(plot)
+app.command()(export)
 app.command()(solve)
 app.command()(batch)
 app.command()(tick)

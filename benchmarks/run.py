@@ -82,7 +82,8 @@ def run(
             else:
                 store.add(cell, result.rows, result.machine)
             progress.update(bar, advance=1, description=cell.name)
-    summary(printer, store)
+    if len(failed) < everything:
+        summary(printer, store)
     printer.print(f"{everything - len(failed)} of {everything} cells in {folder}", markup=False, soft_wrap=True)
     for file in failed:
         printer.print(f"not measured, see {file}", markup=False, soft_wrap=True)

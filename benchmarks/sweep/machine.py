@@ -53,8 +53,8 @@ def sources() -> str:
 
 
 def commit() -> str:
-    """The commit that is checked out, with a plus sign where something is changed; empty outside a repository."""
-    here = Path(__file__).parent
+    """The commit of the library, with a plus sign where something is changed; empty outside a repository."""
+    here = Path(str(hqp.__file__)).resolve().parent
     try:
         done = [
             subprocess.run(["git", *command], cwd=here, capture_output=True, text=True, check=True, timeout=10).stdout

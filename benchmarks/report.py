@@ -1,0 +1,71 @@
+"""``python -m benchmarks report``, ``plot``, ``export``: a run as a page, as a figure, as a table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from hqp import InvalidInput
+from tasks._checks import writable
+from tasks._terminal import console
+from tasks.cli.command import path
+
+Run = Annotated[Path, typer.Argument(help="The folder of a run.", metavar="RUN", parser=path)]
+
+
+def report(
+    run: Run,
+    out: Annotated[
+        Path, typer.Option("--out", "-o", help="The page; figures go to 'images' beside it.", parser=path)
+    ] = Path("out/benchmarks/report/benchmark-results.md"),
+) -> None:
+    """Write a run as a Markdown page with figures."""
+    from .analysis.report import report as write
+    from .sweep.store import Store
+
+    store = Store.open(run)
+    images = out.parent / "images"
+    writable(out.parent, [out.name])
+    writable(images, [])
+    printer = console(120)
+    if missing := len(store.missing()):
+        printer.print(f"the run is not finished: {missing} of {len(store.plan.cells())} cells are missing")
+    for file in write(store, out, images):
+        printer.print(str(file), markup=False, soft_wrap=True)
+
+
+def plot(
+    run: Run,
+    figure: Annotated[str, typer.Argument(help="profiles, growth, accuracy, or tails.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="A PNG, PDF or SVG file.", parser=path)] = Path("plot.png"),
+) -> None:
+    """Draw one figure of a run."""
+    from .analysis.figures import FIGURES
+    from .sweep.store import Store
+
+    if figure not in FIGURES:
+        raise InvalidInput(f"unknown figure {figure!r}; there are {', '.join(FIGURES)}")
+    if out.suffix not in (".png", ".pdf", ".svg"):
+        raise InvalidInput(f"--out {str(out)!r}: give a file that ends in .png, .pdf or .svg")
+    rows = Store.open(run).table()
+    writable(out.parent, [out.name])
+    FIGURES[figure](rows, out)
+
+
+def export(
+    run: Run,
+    out: Annotated[Path, typer.Argument(help="A CSV or Parquet file.", metavar="FILE", parser=path)],
+) -> None:
+    """Write all rows of a run into one file."""
+    from .sweep.store import Store
+
+    if out.suffix not in (".csv", ".parquet"):
+        raise InvalidInput(f"{str(out)!r}: give a file that ends in .csv or .parquet")
+    rows = Store.open(run).table()
+    writable(out.parent, [out.name])
+    if out.suffix == ".csv":
+        rows.to_csv(out, index=False)
+    else:
+        rows.to_parquet(out, index=False)

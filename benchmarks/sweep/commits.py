@@ -1,0 +1,50 @@
+"""The benchmarks of now on the library of then: a run of one commit."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from hqp import InvalidInput
+
+_HERE = Path(__file__).parents[2]
+
+
+def run_commit(revision: str, plan: str, options: list[str]) -> Path:
+    """Measure the library at a commit; the folder of the run. What is finished already is not measured again.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no such commit, or it cannot be measured.
+    """
+    commit = _git("rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}", what=revision)
+    place = Path("out", "benchmarks", "commits", commit[:12]).absolute()
+    tree, front = place / "tree", place / "front"
+    if not tree.exists():
+        _git("worktree", "prune", what=revision)
+        _git("worktree", "add", "--detach", "--force", str(tree), commit, what=revision)
+    front.mkdir(exist_ok=True)
+    for package, source in (("hqp", tree), ("tasks", tree), ("benchmarks", _HERE)):
+        if not (front / package).exists():
+            (front / package).symlink_to(source / package)
+    folder = place / plan
+    command = [sys.executable, "-m", "benchmarks", "run", plan, "-o", str(folder), *options]
+    environment = os.environ | {"PYTHONPATH": str(front)}
+    done = subprocess.run(command, cwd=front, env=environment, stdout=subprocess.DEVNULL, check=False)
+    if done.returncode:
+        raise InvalidInput(f"commit {revision}: it could not be measured, exit code {done.returncode}")
+    return folder
+
+
+def _git(*command: str, what: str) -> str:
+    try:
+        done = subprocess.run(["git", *command], cwd=_HERE, capture_output=True, text=True, check=True)
+    except OSError as error:
+        raise InvalidInput(f"git: {error.strerror}") from None
+    except subprocess.CalledProcessError as error:
+        why = error.stderr.strip() or "there is no such commit"
+        raise InvalidInput(f"{what!r} is neither the folder of a run nor a commit: {why}") from None
+    return done.stdout.strip()
