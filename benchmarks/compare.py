@@ -22,7 +22,7 @@ def compare(
     everything: Annotated[bool, typer.Option("--all", help="Show times that did not change, too.")] = False,
 ) -> None:
     """Compare two runs, or the library at two commits, which are measured first, by the benchmarks of now."""
-    from .analysis.comparison import answers, changes, differences, paired
+    from .analysis.comparison import ROUND_OFF, answers, changes, differences, paired
     from .sweep.store import Store
 
     if plan not in PLANS:
@@ -40,7 +40,7 @@ def compare(
         if worth := answers(a, b, pairs):
             printer.print(terminal("what they are worth, where it changed", worth))
     else:
-        printer.print("all answers are the same, to the last bit")
+        printer.print(f"all answers are the same, to {ROUND_OFF:g}")
     times = changes(pairs, by)
     shown: list[Row] = [
         {

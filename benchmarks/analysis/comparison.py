@@ -1,13 +1,16 @@
 """What changed from one run to another, beyond noise.
 
-Answers are compared one by one: but for times, two runs of the same sources are equal. Times are compared problem by
-problem, and what a machine does to all methods alike, its drift, is taken out: the median over all other methods of the
-same families. A change counts where it is larger than the 99 % interval of both medians, and than `LEAST`.
+Answers are compared one by one: but for times, two runs of the same sources are equal. ProxQP's last bits change with
+where its memory lies, so numbers, which are relative to the size of a problem, are equal to `ROUND_OFF`.
+
+Times are compared problem by problem, and what a machine does to all methods alike, its drift, is taken out: the median
+of what the other methods say. A change counts where it is larger than `LEAST` and than the noise: the 99 % interval of
+its median, together with the spread of what the others say about the drift.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -15,13 +18,14 @@ import pandas as pd
 from hqp.arrays import Array
 
 from ..sweep.schema import COLUMNS, KEYS, TIMES
-from .metrics import METRICS, of_entrant
+from .metrics import ENTRANT, METRICS, of_entrant
 
 #: A change of time that is always taken for noise; and problems that it takes to say anything.
 LEAST, FEWEST = 0.05, 6
-#: Half of the 99 % interval of a median over its standard error, and that error over MAD / sqrt(n).
-_SURE, _ERROR = 2.58, 1.4826 * 1.2533
-#: What an answer is, to the last bit.
+#: A standard deviation over the MAD; a median's standard error over MAD / sqrt(n); half of a 99 % interval over it.
+_NORMAL, _ERROR, _SURE = 1.4826, 1.4826 * 1.2533, 2.58
+#: What an answer is; and from where on two numbers of it differ.
+ROUND_OFF = 1e-9
 ANSWERS = tuple(name for name in COLUMNS if name not in (*KEYS, *TIMES))
 #: What is told of answers that changed.
 _TOLD = ("certified", "silent", "failures", "gap", "violation", "error", "iterations")
@@ -70,8 +74,10 @@ def differences(pairs: pd.DataFrame) -> dict[str, int]:
     }
 
 
-def _same(a: object, b: object) -> bool:
-    return bool(np.array_equal(a, b, equal_nan=isinstance(a, float | np.ndarray)))
+def _same(a: Any, b: Any) -> bool:
+    if isinstance(a, float | np.ndarray):
+        return np.shape(a) == np.shape(b) and np.allclose(a, b, rtol=0.0, atol=ROUND_OFF, equal_nan=True)
+    return bool(a == b)
 
 
 def answers(before: pd.DataFrame, after: pd.DataFrame, pairs: pd.DataFrame) -> list[dict[str, str]]:
@@ -95,19 +101,18 @@ def changes(pairs: pd.DataFrame, by: str) -> list[Change]:
     logs = np.log(pairs["seconds after"] / pairs["seconds"])
     found = []
     for (where, start), here in pairs.groupby([by, "start"], sort=False):
-        for (method, setting), mine in here.groupby(["method", "setting"], sort=False):
-            others = logs[here.index[here["method"] != method]]
-            own = logs[mine.index]
+        each = {key: logs[mine.index].to_numpy() for key, mine in here.groupby(ENTRANT, sort=False)}
+        for (method, setting), own in each.items():
             if len(own) < FEWEST:
                 continue
-            drift, shaky = _median(others.to_numpy()) if len(others) else (0.0, 0.0)
-            middle, unsure = _median(own.to_numpy())
-            numbers = np.exp([middle - drift, drift, np.hypot(shaky, unsure)])
-            found.append(Change(where, method, setting, start, len(own), *map(float, numbers)))
+            others = np.array([np.median(values) for key, values in each.items() if key[0] != method])
+            drift, middle = float(np.median(others)) if len(others) else 0.0, float(np.median(own))
+            noise = np.hypot(_SURE * _ERROR * _mad(own) / np.sqrt(len(own)), _NORMAL * _mad(others))
+            numbers = map(float, np.exp([middle - drift, drift, noise]))
+            found.append(Change(where, method, setting, start, len(own), *numbers))
     return found
 
 
-def _median(values: Array) -> tuple[float, float]:
-    """The median, and half of its 99 % interval."""
-    middle = float(np.median(values))
-    return middle, _SURE * _ERROR * float(np.median(np.abs(values - middle))) / np.sqrt(len(values))
+def _mad(values: Array) -> float:
+    """Median of the absolute distances from the median."""
+    return float(np.median(np.abs(values - np.median(values)))) if len(values) else 0.0

@@ -83,7 +83,7 @@ def cluster(plan: Plan, cells: Sequence[Cell], address: str) -> Iterator[Done]:
         raise InvalidInput("--dask needs the package 'distributed': python -m pip install -e '.[cluster]'") from None
 
     try:
-        client = Client(address, timeout=PATIENCE, set_as_default=False)
+        client = Client(address, timeout=PATIENCE)
     except (OSError, ValueError, TimeoutError) as error:
         raise InvalidInput(f"--dask {address}: no cluster answers: {error}") from None
     with client:
