@@ -22,7 +22,7 @@ def compare(
     everything: Annotated[bool, typer.Option("--all", help="Show times that did not change, too.")] = False,
 ) -> None:
     """Compare two runs, or the library at two commits, which are measured first, by the benchmarks of now."""
-    from .analysis.comparison import ROUND_OFF, answers, changes, differences, paired
+    from .analysis.comparison import ROUND_OFF, UNSTEADY, answers, changes, differences, paired
     from .sweep.store import Store
 
     if plan not in PLANS:
@@ -59,6 +59,11 @@ def compare(
     ]
     if shown:
         printer.print(terminal("times after over before, the drift of the machine taken out", shown))
+    drifts = [change.drift for change in times]
+    if drifts and max(*drifts, 1.0 / min(drifts)) > 1.0 + UNSTEADY:
+        printer.print(
+            "the machine was not equally fast in both runs: what is short and what is long drift apart; see drift"
+        )
     real = sum(change.real for change in times)
     printer.print(f"{real} of {len(times)} times changed beyond noise; one of a hundred does by chance")
 

@@ -22,6 +22,8 @@ from .metrics import ENTRANT, METRICS, of_entrant
 
 #: A change of time that is always taken for noise; and problems that it takes to say anything.
 LEAST, FEWEST = 0.05, 6
+#: A drift of the machine that is worth a word.
+UNSTEADY = 0.15
 #: A standard deviation over the MAD; a median's standard error over MAD / sqrt(n); half of a 99 % interval over it.
 _NORMAL, _ERROR, _SURE = 1.4826, 1.4826 * 1.2533, 2.58
 #: What an answer is; and from where on two numbers of it differ.

@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from hqp import Hierarchy, Level
+from hqp import Hierarchy, Level, solve
 from hqp.arrays import Array
 
 from .family import Family, drawn
@@ -31,19 +31,11 @@ def _tasks(rng: np.random.Generator) -> list[Array]:
 def _stack(rng: np.random.Generator, tasks: list[Array], bound: Callable[[Array], float]) -> Hierarchy:
     """Bounds, tasks and posture; `bound` tells the bounds from where x would be without them."""
     targets = [A @ (0.5 * rng.standard_normal(_N)) + 0.5 * rng.standard_normal(len(A)) for A in tasks]
+    levels = [Level.equality(A, b) for A, b in zip(tasks, targets, strict=True)]
     posture = 0.25 * rng.standard_normal(_N)
-    free, N = np.zeros(_N), np.eye(_N)
-    for A, b in (*zip(tasks, targets, strict=True), (np.eye(_N), posture)):
-        inverse = np.linalg.pinv(A @ N, rcond=1e-9)
-        free, N = free + inverse @ (b - A @ free), N - inverse @ (A @ N)
-    width = bound(np.abs(free))
-    return Hierarchy(
-        [
-            Level.bounds(np.full(_N, -width), np.full(_N, width), name="limits"),
-            *(Level.equality(A, b) for A, b in zip(tasks, targets, strict=True)),
-            Level.bounds(posture, posture, name="posture"),
-        ]
-    )
+    levels.append(Level.bounds(posture, posture, name="posture"))
+    width = bound(np.abs(solve(Hierarchy(levels), backend="pseudoinverse").x))
+    return Hierarchy([Level.bounds(np.full(_N, -width), np.full(_N, width), name="limits"), *levels])
 
 
 def rank(share: float, rng: np.random.Generator) -> Hierarchy:

@@ -1,227 +1,71 @@
-"""The benchmarks run, measure what they say, and refuse what they cannot."""
+"""The races and ticks run, measure what they say, and refuse what they cannot."""
 
 from __future__ import annotations
 
 import csv
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from command import refused, run
 
-from benchmarks.__main__ import main
-from benchmarks.control import CONTRADICTION, CONTROL, moved
-from benchmarks.families import FAMILIES, Family
-from benchmarks.measure import measure
-from benchmarks.methods import DAQP_COST, DAQP_ROWS, RACED, TIGHT, method, raced
-from benchmarks.race import COLD, Timing, race
+from benchmarks.families.control import CONTROL
+from benchmarks.methods import METHODS, required
+from benchmarks.methods.daqp_direct import DAQP_COST, DAQP_ROWS, TOLERANCES
+from benchmarks.race import COLD, RACED, Timing, race, raced
 from benchmarks.ratios import table, yardstick
 from benchmarks.tick import PEERS, _drivers
 from benchmarks.ticks.interleaved import measure as measure_ticks
 from benchmarks.ticks.redundancy import STACKS
 from benchmarks.ticks.scenes import SCENES, Scene
 from benchmarks.ticks.stream import record
-from hqp import Hierarchy, InvalidInput, certify, solve
-
-ROOT = Path(__file__).parents[2]
-
-
-def run(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "benchmarks", *arguments], capture_output=True, text=True, cwd=ROOT, check=False
-    )
-
-
-def refused(done: subprocess.CompletedProcess[str], said: str) -> None:
-    assert done.returncode == 2
-    assert done.stdout == ""  # nothing was measured before
-    assert done.stderr.startswith("benchmarks: ")
-    assert said in done.stderr
-    assert done.stderr.count("\n") == 1
+from hqp import InvalidInput, certify, solve
 
 
 def test_without_a_command_it_tells_the_commands() -> None:
     done = run()
     assert done.returncode == 0
-    assert "backends" in done.stdout
+    assert "compare" in done.stdout
     assert "solve" in done.stdout
 
 
-def test_a_small_run_fills_table_and_csv(tmp_path: Path) -> None:
-    out = tmp_path / "deep" / "table.csv"
-    backends = ("-b", "pseudoinverse", "-b", "cascade:proxsuite", "-b", "cascade:osqp")
-    done = run("backends", "-n", "4", *backends, "-o", str(out))
-    assert done.returncode == 0, done.stderr
-    rows = list(csv.DictReader(out.read_text().splitlines()))
-    assert [(row["family"], row["backend"]) for row in rows] == [
-        ("equalities", "pseudoinverse"),
-        ("equalities", "cascade:proxsuite"),
-        ("equalities", "cascade:osqp"),
-        ("mixed", "cascade:proxsuite"),
-        ("mixed", "cascade:osqp"),
-        ("adversarial", "cascade:proxsuite"),
-        ("adversarial", "cascade:osqp"),
-    ]
-    for row in rows:
-        assert row["certified"] == row["rejected"] == "100.00%"
-        assert float(row["cold us"]) > 0
-        assert row["backend"] in done.stdout
-    assert {row["ratio"] for row in rows if row["backend"] == "cascade:proxsuite"} == {"1.00"}
-
-
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        (("-b", "pseudoinverse", "-f", "mixed"), "nothing to measure; mixed: left out, pseudoinverse takes no inequal"),
-        (
-            ("-b", "pseudoinverse:joint"),
-            "equalities: left out, pseudoinverse:joint aims at the optimum of another hier",
-        ),
-        (("--count", "0"), "'--count'"),
-        (("--count", "-1"), "'--count'"),
-        (("--count", "abc"), "'--count'"),
-        (("--seed", "-1"), "'--seed'"),
-        (("extra",), "unexpected extra argument"),
-        (("--out", ""), "'--out' / '-o': it is empty"),
-        (("--out", "/dev/null/here/table.csv"), "cannot write to the folder '/dev/null/here': "),
-        (("--out", "."), "cannot write '.': Is a directory"),
-        (("-b", "nonsense"), "unknown backend 'nonsense'; installed here: "),
-        (("-f", "nonsense"), "unknown family 'nonsense'; there are equalities, mixed"),
-    ],
-)
-def test_wrong_input_is_one_line(arguments: tuple[str, ...], said: str) -> None:
-    done = run("backends", "-n", "1", *arguments)
-    refused(done, said)
-
-
-def test_a_family_that_no_backend_takes_is_left_out_aloud() -> None:
-    done = run("backends", "-n", "1", "-b", "pseudoinverse")
-    assert done.returncode == 0, done.stderr
-    assert "mixed: left out, pseudoinverse takes no inequalities" in done.stdout
-    assert "equalities: the shapes" in done.stdout
-    assert measure(FAMILIES[1], ["pseudoinverse"], 3, 0) == []
-
-
-def test_an_interruption_is_exit_code_130(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    def interrupted(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("benchmarks.backends.measure", interrupted)
-    monkeypatch.setattr("sys.argv", ["benchmarks", "backends", "-n", "1"])
-    with pytest.raises(SystemExit) as leaving:
-        main()
-    assert leaving.value.code == 130
-    assert capsys.readouterr().err.endswith("benchmarks: interrupted; what was finished is kept\n")
-
-
-ROWS = {
-    "P1": (3, (2, 1, 3)),
-    "P2": (7, (7, 3, 3, 7)),
-    "P3": (30, (30, 12, 3, 6, 10, 30)),
-    "P3h": (30, (30, 12, 3, 6, 11, 30)),
-    "P4": (60, (60, 12, 6, 6, 12, 6, 10, 60)),
-}
-
-
-def family(name: str) -> Family:
-    return next(family for family in CONTROL if family.name == name)
-
-
-def draws(name: str, count: int = 4, seed: int = 0) -> list[Hierarchy]:
-    return list(family(name).problems(count, seed))
-
-
-def numbers(h: Hierarchy) -> np.ndarray:
-    return np.concatenate([h.A.ravel(), h.lower, h.upper, h.weights])
-
-
-@pytest.mark.parametrize("name", ROWS)
-def test_the_families_of_a_controller_are_made_as_told(name: str) -> None:
-    n, rows = ROWS[name]
-    for h in draws(name):
-        assert (h.n, tuple(len(level) for level in h.levels)) == (n, rows)
-        np.testing.assert_allclose(h.row_norms(), 1.0, rtol=1e-14)
-        limits, posture = h.levels[0], h.levels[-1]
-        if name != "P1":
-            assert (limits.lower == -1).all()
-            assert (limits.upper == 1).all()
-        np.testing.assert_array_equal(h.matrix(len(rows) - 1), np.eye(n))
-        assert (posture.lower == posture.upper).all()
-        for level in h.levels:
-            equal = level.lower == level.upper
-            assert equal.all() or not equal.any()
-    assert family(name).about.startswith(f"n = {n}: ")
-
-
-@pytest.mark.parametrize("name", ROWS)
-def test_a_draw_is_named_by_its_seed_and_number(name: str) -> None:
-    long, short, other = draws(name, 4), draws(name, 2), draws(name, 1, seed=1)
-    for a, b in zip(long, short, strict=False):
-        np.testing.assert_array_equal(numbers(a), numbers(b))
-    assert not np.array_equal(numbers(long[0]), numbers(long[1]))
-    assert not np.array_equal(numbers(long[0]), numbers(other[0]))
-
-
-def test_p3h_has_a_level_that_cannot_be_met() -> None:
-    for h in draws("P3h"):
-        level = h.levels[4]
-        assert level.A is not None
-        np.testing.assert_array_equal(level.A[0], level.A[-1])
-        assert level.lower[-1] - level.upper[0] == pytest.approx(CONTRADICTION)
-        assert solve(h).levels[4].residual_norm >= CONTRADICTION / np.sqrt(2) - 1e-9
-
-
-@pytest.mark.parametrize("name", ROWS)
-def test_moved_changes_equality_targets_and_nothing_else(name: str) -> None:
-    for h in draws(name, 2):
-        before = numbers(h)
-        still, twin = (moved(h, np.random.default_rng(3), share) for share in (0.0, 0.1))
-        np.testing.assert_array_equal(numbers(h), before)
-        np.testing.assert_array_equal(numbers(still), before)
-        np.testing.assert_array_equal(twin.A, h.A)
-        equal = h.lower == h.upper
-        np.testing.assert_array_equal(twin.lower == twin.upper, equal)
-        np.testing.assert_array_equal(twin.lower[~equal], h.lower[~equal])
-        np.testing.assert_array_equal(twin.upper[~equal], h.upper[~equal])
-        for level, other in zip(h.levels, twin.levels, strict=True):
-            if (level.lower == level.upper).all() and len(level) > 1:
-                assert (level.lower != other.lower).all()
-
-
-@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("name", CONTROL)
 def test_daqp_is_certified_on_rows_of_norm_one(name: str) -> None:
     pytest.importorskip("daqp")
-    for h in draws(name, 8):
+    for h in CONTROL[name].problems(8, 0):
         assert solve(h, backend="daqp").certify().ok
 
 
-@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("name", CONTROL)
 def test_both_forms_of_daqp_solve_the_same_problem(name: str) -> None:
     pytest.importorskip("daqp")
-    for h in draws(name, 2):
+    for h in CONTROL[name].problems(2, 0):
         x = solve(h).x
         for form in DAQP_ROWS, DAQP_COST:
-            np.testing.assert_allclose(method(form).cold(h)(), x, atol=1e-6)
-            assert certify(h, method(form).warm(h, h)(), tolerance=1e-6).ok
-    assert TIGHT["primal_tol"] == 1e-9
+            method = METHODS[form]
+            cold, warm = (method.outcome(call()) for call in (method.cold(h), method.warm(h, h)))
+            assert cold.claimed
+            assert cold.iterations > 0
+            np.testing.assert_allclose(cold.x, x, atol=1e-6)
+            assert certify(h, warm.x, tolerance=1e-6).ok
+    assert TOLERANCES["primal_tol"] == 1e-9
 
 
 def test_the_race_is_run_by_what_is_here(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert set(raced()) <= set(RACED)
-    assert {"cascade:proxsuite", "pseudoinverse"} <= set(raced())
-    monkeypatch.setattr("benchmarks.methods.available_backends", lambda: ("native", "cascade:osqp"))
-    assert raced() == ["native"]
-    assert method("native").name == "native"
-    with pytest.raises(InvalidInput, match="unknown method 'nonsense'; there are daqp"):
-        method("nonsense")
+    names = [method.name for method in raced()]
+    assert set(names) <= set(RACED)
+    assert {"native", "cascade:proxsuite", "pseudoinverse"} <= set(names)
+    monkeypatch.setattr(type(METHODS[DAQP_ROWS]), "missing", lambda self: "not here")
+    assert not {DAQP_ROWS, DAQP_COST} & {method.name for method in raced()}
+    with pytest.raises(InvalidInput, match="daqp.solve/rows: not here"):
+        required([METHODS["native"], METHODS[DAQP_ROWS]])
 
 
 def test_a_race_pairs_every_draw_and_start() -> None:
     seen = []
-    methods = [method("pseudoinverse"), method("cascade:proxsuite")]
-    timings = race(family("P1"), methods, 2, 10, [0.0, 0.1], lambda: seen.append(1))
+    methods = [METHODS["pseudoinverse"], METHODS["cascade:proxsuite"]]
+    timings = race(CONTROL["P1"], methods, 2, 10, [0.0, 0.1], lambda: seen.append(1))
     assert len(seen) == 20
     assert {t.start for t in timings} == {COLD, "0 %", "10 %"}
     assert all(t.certified and t.seconds > 0 and t.error < 1e-9 for t in timings)
@@ -229,7 +73,7 @@ def test_a_race_pairs_every_draw_and_start() -> None:
     assert len(keys["pseudoinverse"]) == len(set(keys["pseudoinverse"])) == 60
     assert len(keys["cascade:proxsuite"]) == 30  # slow: every other draw
     assert set(keys["cascade:proxsuite"]) < set(keys["pseudoinverse"])
-    assert race(family("P2"), [method("pseudoinverse")], 1, 1, []) == []
+    assert race(CONTROL["P2"], [METHODS["pseudoinverse"]], 1, 1, []) == []
 
 
 def test_ratios_are_taken_draw_by_draw_to_the_better_form() -> None:
@@ -254,16 +98,16 @@ def test_a_small_race_fills_tables_and_csv(tmp_path: Path) -> None:
     done = run("solve", "--seeds", "1", "--draws", "2", "-o", str(out))
     assert done.returncode == 0, done.stderr
     rows = list(csv.DictReader(out.read_text().splitlines()))
-    assert list(dict.fromkeys(row["family"] for row in rows)) == list(ROWS)
+    assert list(dict.fromkeys(row["family"] for row in rows)) == list(CONTROL)
     assert list(dict.fromkeys(row["start"] for row in rows)) == [COLD, "0 %", "2 %", "10 %"]
     for row in rows:
-        assert row["method"] in raced()
+        assert row["method"] in [method.name for method in raced()]
         assert row["method"] != "pseudoinverse" or row["family"] == "P1"
         assert float(row["median us"]) > 0
         assert row["certified"].endswith("/2")
         if not row["method"].startswith("daqp"):
             assert row["certified"] == "2/2", row
-    for f in CONTROL:
+    for f in CONTROL.values():
         assert f"{f.name}: {f.about}" in done.stdout
 
 
@@ -281,7 +125,7 @@ def test_a_race_of_chosen_ones() -> None:
     ("arguments", "said"),
     [
         (("-f", "nonsense"), "unknown family 'nonsense'; there are P1, P2, P3, P3h, P4"),
-        (("-m", "nonsense"), "unknown method 'nonsense'; there are daqp.solve/rows, daqp.solve/cost, "),
+        (("-m", "nonsense"), "unknown method 'nonsense'; there are native, pseudoinverse, "),
         (("--seeds", "0"), "'--seeds'"),
         (("--draws", "0"), "'--draws'"),
         (("--moved", "-1"), "'--moved'"),
