@@ -10,6 +10,7 @@ import numpy as np
 
 from hqp.arrays import Array
 from tasks import load_robot
+from tasks.robots.robot import joint_index
 from tasks.rotations import exp
 
 if TYPE_CHECKING:
@@ -31,11 +32,14 @@ class Goal:
         Whose position, orientation or pose.
     cost : float
         For libraries whose priorities are weights.
+    mask : str, optional
+        The coordinates of a position that count, as in ``"z"``; by default all.
     """
 
     what: What
     frame: str = ""
     cost: float = 1.0
+    mask: str | None = None
 
 
 @dataclass(frozen=True)
@@ -60,10 +64,11 @@ class Motion:
     rate: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def at(self, t: float, position: Array, rotation: Array) -> tuple[Array, Array]:
-        """The target at time t [s] of a frame that started there."""
+        """The target at time t [s] of a frame that started there; of a planar arm, that turns about z by an angle."""
         wave = np.sin(2.0 * np.pi * np.asarray(self.rate) * t)
         moved = position + np.asarray(self.shift) + np.asarray(self.sway) * wave
-        return moved, exp(np.asarray(self.turn) * wave[0]) @ rotation
+        turn = np.asarray(self.turn) * wave[0]
+        return moved, rotation + turn[2:] if rotation.ndim == 1 else exp(turn) @ rotation
 
 
 @dataclass(frozen=True)
@@ -80,6 +85,8 @@ class Scene:
         Of each frame, and of `COM`; what is not named stands still.
     held : tuple of str
         Joints that do not move.
+    start : dict of str to float
+        Joints that start elsewhere than at home [rad], [m]; the posture is that of the start.
     gain : float
         The rate at which errors decay [1/s].
     dt : float
@@ -92,6 +99,7 @@ class Scene:
     levels: tuple[tuple[Goal, ...], ...]
     motions: Mapping[str, Motion] = field(default_factory=dict)
     held: tuple[str, ...] = ()
+    start: Mapping[str, float] = field(default_factory=dict)
     gain: float = 10.0
     dt: float = 0.005
 
@@ -115,8 +123,15 @@ class Scene:
         return float(sum(goal.cost for goal in self.goals if goal.frame == frame and goal.what in what))
 
     def load(self) -> PinocchioRobot:
-        """The robot."""
-        return load_robot(self.robot, mimic="free", lock=self.held)
+        """The robot, at home where it starts."""
+        robot = load_robot(self.robot, mimic="free", lock=self.held)
+        step, joints = np.zeros(robot.nv), robot.at(robot.home, np.zeros(robot.nv)).joints
+        for name, position in self.start.items():
+            joint = joint_index(robot.joint_names, name, "joint")
+            step[joint] = position - joints[joint]
+        if self.start:
+            robot.home = robot.integrate(robot.home, step)
+        return robot
 
     def motion(self, what: str) -> Motion:
         """How the target of a frame or of the centre of mass moves."""

@@ -34,13 +34,14 @@ class Targets:
     positions : dict of str to Setpoint
         Of each frame, and of the centre of mass, where it has a task.
     rotations : dict of str to RotationSetpoint
-        Of each frame.
+        Of each frame; of a planar arm a Setpoint, of the angle.
     """
 
     def __init__(self, scene: Scene, robot: PinocchioRobot) -> None:
         state = robot.at(robot.home, np.zeros(robot.nv))
         self.positions = {name: Setpoint(state.frame(name).position) for name in scene.frames}
-        self.rotations = {name: RotationSetpoint(state.frame(name).rotation) for name in scene.frames}
+        turns = {name: state.frame(name).rotation for name in scene.frames}
+        self.rotations = {name: Setpoint(R) if R.ndim == 1 else RotationSetpoint(R) for name, R in turns.items()}
         if any(goal.what == "com" for goal in scene.goals):
             self.positions[COM] = Setpoint(state.center_of_mass.position)
 
@@ -60,7 +61,7 @@ def _task(
     gain: float,
     robot: PinocchioRobot,
     positions: Mapping[str, Setpoint],
-    rotations: Mapping[str, RotationSetpoint],
+    rotations: Mapping[str, RotationSetpoint | Setpoint],
 ) -> Task:
     frame = goal.frame
     if goal.what == "posture":
@@ -70,5 +71,5 @@ def _task(
     if goal.what == "pose":
         return PoseTask(positions[frame], rotations[frame], frame=frame, gain=gain)
     if goal.what == "position":
-        return PositionTask(positions[frame], frame=frame, gain=gain)
+        return PositionTask(positions[frame], frame=frame, mask=goal.mask, gain=gain)
     return OrientationTask(rotations[frame], frame=frame, gain=gain)

@@ -9,6 +9,7 @@ import numpy as np
 
 from hqp.arrays import Array
 from tasks import Controller
+from tasks.robots.robot import integrate, joint_positions
 
 from .scenes import COM, Scene
 from .stack import declare
@@ -68,14 +69,15 @@ def record(scene: Scene, ticks: int) -> Stream:
         step = controller(q[k], v[k])
         assert step.v is not None
         v[k + 1] = step.v
-        q[k + 1] = robot.integrate(q[k], scene.dt * step.v)
+        q[k + 1] = integrate(robot, q[k], scene.dt * step.v)
     return Stream(scene, robot, q[:-1], v[:-1], positions, rotations, _saturated(robot, q[1:], v[1:]))
 
 
 def _targets(scene: Scene, robot: PinocchioRobot, ticks: int) -> tuple[dict[str, Array], dict[str, Array]]:
     state = robot.at(robot.home, np.zeros(robot.nv))
     starts = {name: (state.frame(name).position, state.frame(name).rotation) for name in scene.frames}
-    starts[COM] = state.center_of_mass.position, np.eye(3)
+    if hasattr(state, "center_of_mass"):
+        starts[COM] = state.center_of_mass.position, np.eye(3)
     positions, rotations = {}, {}
     for name, start in starts.items():
         places = [scene.motion(name).at(k * scene.dt, *start) for k in range(ticks)]
@@ -89,7 +91,7 @@ def _saturated(robot: PinocchioRobot, q: Array, v: Array) -> float:
     if robot.velocity_limit is not None:
         at_limit |= np.abs(v) >= robot.velocity_limit - NEAR
     if robot.position_limit is not None:
-        joints = np.array([robot.at(row, v[0]).joints for row in q])
+        joints = np.array([joint_positions(robot.at(row, v[0])) for row in q])
         low, high = robot.position_limit
         at_limit |= (joints <= low + NEAR) | (joints >= high - NEAR)
     return float(at_limit.sum(axis=1).mean())
