@@ -37,8 +37,7 @@ def compare(
     if unequal:
         told = ", ".join(f"{name} in {number}" for name, number in unequal.items())
         printer.print(f"answers that are not the same: {told}", soft_wrap=True)
-        if worth := answers(a, b, pairs):
-            printer.print(terminal("what they are worth, where it changed", worth))
+        printer.print(terminal("what they are worth, where some are not the same", answers(pairs)))
     else:
         printer.print(f"all answers are the same, to {ROUND_OFF:g}")
     times = changes(pairs, by)

@@ -12,7 +12,7 @@ from rich.table import Table
 #: One row: what stands under each column.
 Row = dict[str, str]
 #: The columns that hold words, and those that are in the title of what is printed.
-WORDS, TITLE = ("start", "method", "setting", "name", "about"), ("family", "scene")
+WORDS, TITLE = ("family", "start", "method", "setting", "name", "about", "faster"), ("family", "scene")
 
 
 def terminal(title: str, rows: Sequence[Row], *, group: str = "") -> Table:
@@ -20,7 +20,7 @@ def terminal(title: str, rows: Sequence[Row], *, group: str = "") -> Table:
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
     columns = [column for column in rows[0] if column not in TITLE]
     for column in columns:
-        table.add_column(column, justify="left" if column in WORDS else "right", no_wrap=True)
+        table.add_column(column, justify="left" if column in WORDS else "right", no_wrap=column != "about")
     for row, following in zip(rows, [*rows[1:], {}], strict=True):
         last = bool(group) and row[group] != following.get(group)
         table.add_row(*(row[column] for column in columns), end_section=last)

@@ -18,7 +18,8 @@ import pandas as pd
 from hqp.arrays import Array
 
 from ..sweep.schema import COLUMNS, KEYS, TIMES
-from .metrics import ENTRANT, METRICS, of_entrant
+from ..tables import Row
+from .metrics import ENTRANT, METRICS
 
 #: A change of time that is always taken for noise; and problems that it takes to say anything.
 LEAST, FEWEST = 0.05, 6
@@ -82,18 +83,14 @@ def _same(a: Any, b: Any) -> bool:
     return bool(a == b)
 
 
-def answers(before: pd.DataFrame, after: pd.DataFrame, pairs: pd.DataFrame) -> list[dict[str, str]]:
-    """Entrants whose answers are worth more or less than before, on the problems of both."""
-    shared = pd.MultiIndex.from_frame(pairs[list(KEYS)])
+def answers(pairs: pd.DataFrame) -> list[Row]:
+    """Entrants whose answers differ, and what these are worth before and after."""
+    after = pairs[[f"{name} after" for name in ANSWERS]].set_axis(list(ANSWERS), axis="columns")
     found = []
-    for method, setting in dict.fromkeys(zip(pairs["method"], pairs["setting"], strict=True)):
-        texts = []
-        for frame in before, after:
-            mine = of_entrant(frame, method, setting)
-            keys = pd.MultiIndex.from_frame(mine[list(KEYS)].astype({"family": str, "method": str, "setting": str}))
-            texts.append({name: METRICS[name].text(mine[keys.isin(shared)]) for name in _TOLD})
-        if texts[0] != texts[1]:
-            told = {name: a if a == texts[1][name] else f"{a} -> {texts[1][name]}" for name, a in texts[0].items()}
+    for (method, setting), mine in pairs.groupby(ENTRANT, sort=False):
+        if differences(mine):
+            texts = {name: [METRICS[name].text(rows.loc[mine.index]) for rows in (pairs, after)] for name in _TOLD}
+            told = {name: old if old == new else f"{old} -> {new}" for name, (old, new) in texts.items()}
             found.append({"method": method, "setting": setting} | told)
     return found
 

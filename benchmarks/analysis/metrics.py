@@ -22,7 +22,7 @@ class Metric:
     ----------
     name, about : str
     unit : str
-        ``us``, ``%``, or nothing.
+        ``us``, ``%``, ``1`` for a count, or nothing.
     of : callable
         From rows to the number, in SI units and shares.
     """
@@ -41,6 +41,8 @@ class Metric:
             return f"{1e6 * value:.{0 if value >= 1e-4 else 1}f}"
         if self.unit == "%":
             return share(value)
+        if self.unit == "1":
+            return f"{value:.0f}"
         return f"{value:.0e}" if 0.0 < value < 0.1 else f"{value:.3g}"
 
 
@@ -67,7 +69,7 @@ def _quantile(share: float, least: int) -> Callable[[pd.DataFrame], float]:
 METRICS: dict[str, Metric] = {
     metric.name: metric
     for metric in (
-        Metric("problems", "how many were solved", "", lambda rows: float(len(rows))),
+        Metric("problems", "how many were solved", "1", lambda rows: float(len(rows))),
         Metric("certified", "answers that the certificate accepts", "%", lambda rows: float(rows["certified"].mean())),
         Metric(
             "silent",
@@ -96,7 +98,7 @@ METRICS: dict[str, Metric] = {
             "",
             lambda rows: float((rows["slowest"] / rows["seconds"]).median()),
         ),
-        Metric("iterations", "median, as the method counts", "", lambda rows: float(rows["iterations"].median())),
+        Metric("iterations", "median, as the method counts", "1", lambda rows: float(rows["iterations"].median())),
     )
 }
 

@@ -22,9 +22,8 @@ class Profile(NamedTuple):
 
     def at(self, factor: float) -> float:
         """The share of the problems that are solved within this factor."""
-        return (
-            float(np.searchsorted(self.factors, factor, side="right")) / len(self.shares) if len(self.shares) else 0.0
-        )
+        within = int(np.searchsorted(self.factors, factor, side="right"))
+        return float(self.shares[within - 1]) if within else 0.0
 
 
 def profiles(rows: pd.DataFrame, good: pd.Series) -> list[Profile]:

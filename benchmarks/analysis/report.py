@@ -7,7 +7,6 @@ from pathlib import Path
 import pandas as pd
 
 from ..families import FAMILIES
-from ..methods import METHODS
 from ..settings import SETTINGS
 from ..sweep.cell import STARTS
 from ..sweep.store import Store
@@ -57,8 +56,9 @@ def report(store: Store, page: Path, images: Path) -> list[Path]:
 
 
 _GROWTH = (
-    "Median time over unknowns (four tasks with 0.6 n rows), levels (36 unknowns, 22 rows), and rows (50 unknowns, four"
-    " tasks), and the exponent p of time ~ size^p, fitted to the upper half of each curve."
+    "Median time over unknowns (four tasks of 0.6 n rows in all), levels (36 unknowns, 18 equality rows on more and"
+    " more levels), and rows (36 unknowns, more and more inequalities, few of them active), and the exponent p of time"
+    " ~ size^p, fitted to the upper half of each curve; of the two best others in bold."
 )
 
 
@@ -140,12 +140,4 @@ def _shortfalls(rows: pd.DataFrame) -> list[str]:
         "Families in which some answer of native is not certified, or in which another method, no less certified, has a"
         " lower median. The reasons are in [benchmarks.md](benchmarks.md#where-native-is-not-best).",
         markdown(found),
-    ]
-
-
-def methods_table() -> list[Row]:
-    """All methods there are."""
-    return [
-        {"name": f"`{method.name}`", "about": method.about, "here": method.missing() or "yes"}
-        for method in METHODS.values()
     ]

@@ -39,7 +39,7 @@ def overview(rows: pd.DataFrame) -> list[Row]:
 def ratio(values: pd.Series) -> str:
     """Their median, or nothing where there is none."""
     middle = values.median()
-    return "" if np.isnan(middle) else f"{middle:.3g}"
+    return "" if np.isnan(middle) else f"{middle:.{0 if middle >= 100 else 1 if middle >= 10 else 2}f}"
 
 
 def summary(printer: Console, store: Store) -> None:

@@ -1,7 +1,7 @@
 """Random hierarchies of the size of an arm, of which one thing is controlled: rank, conflict, or active bounds.
 
 Seven unknowns: bounds on all of them above four equality levels of three, three, two and seven rows, the last one a
-posture.
+posture. All rows have norm one, so that every method solves the same problem.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ _SHARES = (0.0, 0.25, 0.5, 0.75)
 
 
 def _tasks(rng: np.random.Generator) -> list[Array]:
-    tasks = [rng.standard_normal((m, _N)) for m in _ROWS]
-    return [A / np.linalg.norm(A, axis=1)[:, None] for A in tasks]
+    return [rng.standard_normal((m, _N)) for m in _ROWS]
 
 
 def _stack(rng: np.random.Generator, tasks: list[Array], bound: Callable[[Array], float]) -> Hierarchy:
     """Bounds, tasks and posture; `bound` tells the bounds from where x would be without them."""
+    tasks = [A / np.linalg.norm(A, axis=1)[:, None] for A in tasks]
     targets = [A @ (0.5 * rng.standard_normal(_N)) + 0.5 * rng.standard_normal(len(A)) for A in tasks]
     levels = [Level.equality(A, b) for A, b in zip(tasks, targets, strict=True)]
     posture = 0.25 * rng.standard_normal(_N)

@@ -20,8 +20,20 @@ def _sample(name: str, seed: int, draw: int) -> Sample:
     return motion(name).sample(draw)
 
 
+#: Robots with a floating base, which has no posture.
+_FLOATING = ("g1", "talos")
+
 FAMILIES = tuple(
-    Family(entry.group, entry.name, entry.about, partial(_sample, entry.name), draws=DRAWS, needs=entry.needs)
+    Family(
+        entry.group,
+        entry.name,
+        entry.about,
+        partial(_sample, entry.name),
+        feasible=True,
+        posture=not entry.name.startswith(_FLOATING),
+        draws=DRAWS,
+        needs=entry.needs,
+    )
     for entry in table()
     if entry.group == "motion"
 )

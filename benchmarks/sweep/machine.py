@@ -19,7 +19,7 @@ PACKAGES = (
     *("cvxopt", "ecos", "highspy", "jaxopt", "qpalm", "qpax", "scs", "pin", "example-robot-data", "pin-pink", "mink"),
 )
 #: What of the benchmarks makes the numbers; the rest only shows them.
-_MEASURING = ("families", "methods", "sweep", "ticks", "settings.py", "timing.py")
+_MEASURING = ("families", "methods", "motions", "sweep", "ticks", "settings.py", "timing.py")
 
 
 def describe() -> dict[str, str]:
@@ -45,7 +45,7 @@ def sources() -> str:
     digest = sha256()
     for root in roots:
         for path in sorted(root.rglob("*")) if root.is_dir() else [root]:
-            if path.suffix in (".py", ".npz"):
+            if path.suffix in (".py", ".npz", ".csv"):
                 digest.update(f"{root.name}/{path.relative_to(root)}\n".encode() + path.read_bytes())
     for package in PACKAGES:
         digest.update(f"{package} {_version(package)}\n".encode())

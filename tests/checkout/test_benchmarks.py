@@ -58,7 +58,7 @@ def test_the_race_is_run_by_what_is_here(monkeypatch: pytest.MonkeyPatch) -> Non
     assert {"native", "cascade:proxsuite", "pseudoinverse"} <= set(names)
     monkeypatch.setattr(type(METHODS[DAQP_ROWS]), "missing", lambda self: "not here")
     assert not {DAQP_ROWS, DAQP_COST} & {method.name for method in raced()}
-    with pytest.raises(InvalidInput, match="daqp.solve/rows: not here"):
+    with pytest.raises(InvalidInput, match=r"daqp\.solve/rows: not here"):
         required([METHODS["native"], METHODS[DAQP_ROWS]])
 
 
