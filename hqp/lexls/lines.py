@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable
 from reprlib import repr as brief
@@ -58,10 +59,10 @@ class Lines:
 
     def bound(self, word: str, what: str) -> float:
         """`word` as a bound: a number, which may be infinite."""
-        value = float(word) if _REAL.fullmatch(word) else float("nan")
-        if value != value:
+        value = float(word) if _REAL.fullmatch(word) else math.nan
+        if math.isnan(value):
             raise self.fault(f"{what} = {brief(word)}", "a number, or inf or -inf")
-        return value if abs(value) <= LARGEST else value * float("inf")
+        return value if abs(value) <= LARGEST else math.copysign(math.inf, value)
 
     def fault(self, found: str, expected: str, number: int | None = None) -> ValueError:
         """What is wrong with the line that was read last, or with line `number`."""
@@ -73,7 +74,7 @@ class Lines:
             try:
                 text = line.decode("utf-8-sig" if self.number == 1 else "utf-8").strip()
             except UnicodeDecodeError as error:
-                raise self.fault(f"the byte 0x{line[error.start]:02x}", "UTF-8 text") from None
+                raise self.fault(f"the byte 0x{error.object[error.start]:02x}", "UTF-8 text") from None
             if not text.startswith("#"):
                 if text:
                     return text

@@ -62,14 +62,14 @@ def _header(lines: Lines) -> _Header:
             raise lines.fault(f"{name} again", f"it once, as on line {found[name][1]}")
         words = lines.words(f"the numbers of {name}")
         found[name] = [lines.count(word, f"{name} in whole numbers") for word in words], lines.number
-        lines.next_field(f"a field or #OBJECTIVE 0, for {name} has its line")
+        lines.next_field(f"a field or #OBJECTIVE 0: {name} is complete")
 
     def numbers(name: str, count: int, allowed: tuple[int, ...] = ()) -> list[int]:
         if name not in found:
             raise lines.fault(named(lines.field), f"{name} before it")
         given, number = found[name]
         if len(given) != count:
-            raise lines.fault(f"{len(given)} numbers of {name}", f"{count}", number)
+            raise lines.fault(f"numbers of {name}: {len(given)}", f"{count}", number)
         if strange := set(given).difference(allowed or given):
             raise lines.fault(f"{name} {min(strange)}", " or ".join(map(str, allowed)), number)
         return given
@@ -90,34 +90,42 @@ def _objective(lines: Lines, header: _Header, k: int) -> tuple[Level, NDArray[np
     match = _OBJECTIVE.fullmatch(lines.field or "")
     if not match or match[1] not in ("", str(k)):
         raise lines.fault(named(lines.field), f"#OBJECTIVE {k}")
-    name, m, n, bounds = _name(lines, match[2]), header.rows[k], header.n, header.types[k] == BOUNDS
-    ends = ("b",) if header.kind == EQUALITIES else ("lower", "upper")
-    parts = ["the number of a variable" if bounds else f"{n} of A", *ends]
-    first, last = 1 if bounds else n, 1 if header.kind == WITH_GUESS else 0
-    width, layout = first + len(ends) + last, ", ".join(parts + ["activation"] * last)
+    name, m, n = _name(lines, match[2]), header.rows[k], header.n
+    table, variables = _rows(lines, header, k)
+    lines.next_field(f"a field: objective {k} is complete with #nCtr {m}")
 
-    table, seen = [], dict[int, int]()
-    for row in range(m):
-        words = lines.words(f"row {row} of the {m} of objective {k}")
-        if len(words) != width:
-            raise lines.fault(f"{len(words)} numbers", f"{width}: {layout}")
-        numbers = [lines.real(word, f"A[{column}]") for column, word in enumerate(words[:n])] if not bounds else []
+    data = np.reshape(np.array(table, dtype=float), (m, -1 if m else 3))
+    A, (lower, upper, sides) = data[:, :-3], data[:, -3:].T
+    if header.types[k] == BOUNDS:
+        level = Level.bounds(lower, upper, indices=np.array(variables, dtype=int) - 1, name=name)
+    else:
+        level = Level(A.reshape(m, n), lower, upper, name=name)
+    return level, sides.astype(np.int8)
+
+
+def _rows(lines: Lines, header: _Header, k: int) -> tuple[list[list[float]], list[int]]:
+    """Of every row of level k the numbers of A if it has any, lower, upper and side; and the variables of bounds."""
+    n, bounds, guess = header.n, header.types[k] == BOUNDS, ["activation"] * (header.kind == WITH_GUESS)
+    ends = ["b"] if header.kind == EQUALITIES else ["lower", "upper"]
+    layout = ", ".join(["the number of a variable" if bounds else f"{n} of A", *ends, *guess])
+    first = 1 if bounds else n
+    last = first + len(ends)
+
+    table: list[list[float]] = []
+    seen: dict[int, int] = {}
+    for row in range(header.rows[k]):
+        words = lines.words(f"row {row} of the {header.rows[k]} of objective {k}")
+        if len(words) != last + len(guess):
+            raise lines.fault(f"a row of {len(words)}", f"one of {last + len(guess)}: {layout}")
+        numbers = [] if bounds else [lines.real(word, f"A[{column}]") for column, word in enumerate(words[:n])]
         if bounds:
             variable = lines.count(words[0], f"the number of a variable, from 1 to {n}", 1, n)
             if variable in seen:
                 raise lines.fault(f"variable {variable} again", f"it once, as on line {seen[variable]}")
             seen[variable] = lines.number
-        side = SIDES[lines.count(words[-1], "activation 0, 1, 2 or 3", 0, 3)] if last else Side.INACTIVE
-        table.append([*numbers, *_interval(lines, words[first : first + len(ends)], ends), side])
-    lines.next_field(f"a field, for the {m} rows of objective {k} are complete")
-
-    data = np.reshape(np.array(table, dtype=float), (m, -1 if m else 3))
-    A, (lower, upper, sides) = data[:, :-3], data[:, -3:].T
-    if bounds:
-        level = Level.bounds(lower, upper, indices=np.array([*seen], dtype=int) - 1, name=name)
-    else:
-        level = Level(A.reshape(m, n), lower, upper, name=name)
-    return level, sides.astype(np.int8)
+        side = SIDES[lines.count(words[-1], "activation 0, 1, 2 or 3", 0, 3)] if guess else Side.INACTIVE
+        table.append([*numbers, *_interval(lines, words[first:last], ends), side])
+    return table, [*seen]
 
 
 def _name(lines: Lines, text: str) -> str:
@@ -132,14 +140,13 @@ def _name(lines: Lines, text: str) -> str:
         raise lines.fault(f"the name {brief(text)}", "a string of JSON, as it begins with a quote") from None
 
 
-def _interval(lines: Lines, words: list[str], ends: tuple[str, ...]) -> tuple[float, float]:
+def _interval(lines: Lines, words: list[str], ends: list[str]) -> tuple[float, float]:
     """Lower and upper bound of a row, which are the same where only b is given."""
     values = [lines.bound(word, end) for word, end in zip(words, ends, strict=True)]
     lower, upper = values[0], values[-1]
-    if lower == np.inf or upper == -np.inf:
-        raise lines.fault(f"{' '.join(words)}", "lower below inf, and upper above -inf")
-    if lower > upper:
-        raise lines.fault(f"lower = {lower} > upper = {upper}", "lower not to exceed upper")
+    if lower > upper or lower == np.inf or upper == -np.inf:
+        limits = "lower at most upper, lower below inf, and upper above -inf"
+        raise lines.fault(" and ".join(f"{end} = {value}" for end, value in zip(ends, values, strict=True)), limits)
     return lower, upper
 
 
@@ -156,7 +163,7 @@ def _points(lines: Lines, n: int) -> dict[str, Array]:
             words = lines.words(f"number {len(values)} of the {n} of {name}")
             values += [lines.real(word, f"x[{i}]") for i, word in enumerate(words, len(values))]
         if len(values) > n:
-            raise lines.fault(f"{len(values)} numbers of {name}", f"{n}")
+            raise lines.fault(f"numbers of {name}: {len(values)}", f"{n}")
         points[name] = np.array(values)
-        lines.next_field(f"a field or the end of the file, for {name} has its {n} numbers")
+        lines.next_field(f"a field or the end of the file: {name} is complete with #nVar {n}")
     return points
