@@ -23,6 +23,7 @@ from .hierarchy import Hierarchy
 from .io import load, save
 from .label import Label
 from .level import Level
+from .lexls import LexLSProblem, read_lexls, write_lexls
 from .nearest import nearest
 from .regularisation import RegularisedSolver, solve_regularised
 from .relaxation import RegularisedSolution, Relaxation, StageCertificates
@@ -57,6 +58,7 @@ __all__ = [
     "LevelCertificate",
     "LevelExplanation",
     "LevelSolution",
+    "LexLSProblem",
     "ManipulabilityDamping",
     "MissingPackage",
     "NumericalFiltering",
@@ -78,8 +80,10 @@ __all__ = [
     "certify",
     "load",
     "nearest",
+    "read_lexls",
     "save",
     "solve",
     "solve_batch",
     "solve_regularised",
+    "write_lexls",
 ]

@@ -1,20 +1,23 @@
-"""Arrays in a file: numpy's .npz without pickle, written whole or not at all, read whole or refused with a reason."""
+"""Files: written whole or not at all, read whole or refused with a reason. Arrays are numpy's .npz without pickle."""
 
 from __future__ import annotations
 
 import os
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 from uuid import uuid4
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .errors import InvalidInput
+
+#: How a zip archive begins.
+_ARCHIVE = b"PK\x03\x04"
 
 #: What numpy and zipfile say of a file that is another's or damaged, and what its reader says of the contents.
 _DAMAGED = (
@@ -30,15 +33,23 @@ def write_arrays(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]
     InvalidInput
         If the file cannot be written.
     """
-    file = _as_path(path)
     method = zipfile.ZIP_DEFLATED if compressed else zipfile.ZIP_STORED
-    try:
-        with _whole_or_nothing(file) as part, zipfile.ZipFile(part, "w", method) as archive:
-            for name, array in arrays.items():
-                with archive.open(f"{name}.npy", "w", force_zip64=True) as stream:
-                    np.lib.format.write_array(stream, array, allow_pickle=False)
-    except (OSError, ValueError) as error:  # ValueError: a name that no file can have
-        raise InvalidInput(f"cannot write {str(file)!r}: {getattr(error, 'strerror', None) or error}") from None
+    with _whole_or_nothing(path) as part, zipfile.ZipFile(part, "w", method) as archive:
+        for name, array in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as stream:
+                np.lib.format.write_array(stream, array, allow_pickle=False)
+
+
+def write_lines(path: str | os.PathLike[str], lines: Iterable[str]) -> None:
+    """Write lines of text to a file, which appears whole or not at all, the same on every system.
+
+    Raises
+    ------
+    InvalidInput
+        If the file cannot be written.
+    """
+    with _whole_or_nothing(path) as part, open(part, "w", encoding="utf-8", newline="\n") as stream:
+        stream.writelines(f"{line}\n" for line in lines)
 
 
 @contextmanager
@@ -56,11 +67,37 @@ def arrays_of(path: str | os.PathLike[str], what: str) -> Iterator[dict[str, NDA
     InvalidInput
         If the file cannot be read, or is not what it should be.
     """
-    file = _as_path(path)
-    try:
+    with _blamed(path, what) as file:
         with zipfile.ZipFile(file) as archive:
             members = dict(_members(archive))
         yield members
+
+
+@contextmanager
+def bytes_of(path: str | os.PathLike[str], what: str) -> Iterator[BinaryIO]:
+    """The bytes of a file, as a stream to read; for the rest see :func:`arrays_of`."""
+    with _blamed(path, what) as file, open(file, "rb") as stream:
+        yield stream
+
+
+def is_archive(path: str | os.PathLike[str]) -> bool:
+    """Whether a file holds arrays, or should: it begins as an archive does, or it is called .npz.
+
+    Raises
+    ------
+    InvalidInput
+        If the file cannot be read.
+    """
+    with bytes_of(path, "file") as stream:
+        return stream.read(len(_ARCHIVE)) == _ARCHIVE or Path(path).suffix == ".npz"
+
+
+@contextmanager
+def _blamed(path: str | os.PathLike[str], what: str) -> Iterator[Path]:
+    """The file to read; what goes wrong with it inside the block is told as its fault."""
+    file = _as_path(path)
+    try:
+        yield file
     except OSError as error:
         raise InvalidInput(f"cannot read {str(file)!r}: {error.strerror or error}") from None
     except _DAMAGED as error:
@@ -80,14 +117,18 @@ def _as_path(path: str | os.PathLike[str]) -> Path:
 
 
 @contextmanager
-def _whole_or_nothing(file: Path) -> Iterator[Path]:
-    """A place beside `file` to write to; what stands there in the end takes the place of `file` in one stroke."""
+def _whole_or_nothing(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """A place beside the file to write to; what stands there in the end takes the place of the file in one stroke."""
+    file = _as_path(path)
     part = file.with_name(f".{file.name}.{uuid4().hex}")
     try:
-        yield part
-        os.replace(part, file)
-    finally:
-        part.unlink(missing_ok=True)
+        try:
+            yield part
+            os.replace(part, file)
+        finally:
+            part.unlink(missing_ok=True)
+    except (OSError, ValueError) as error:  # ValueError: a name that no file can have
+        raise InvalidInput(f"cannot write {str(file)!r}: {getattr(error, 'strerror', None) or error}") from None
 
 
 def _members(archive: zipfile.ZipFile) -> Iterator[tuple[str, NDArray[Any]]]:

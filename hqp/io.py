@@ -9,7 +9,8 @@ is to be reported. ``hqp solve hard.npz`` shows what comes out.
 
 The file holds the arrays of :class:`hqp.Hierarchy` under their names (A, lower, upper, weights, columns), x_ref if
 there is one, and ``head``, JSON text: the format, n, and of every level its name, how many rows it has, whether
-they are plain bounds, and their labels if they have any.
+they are plain bounds, and their labels if they have any. :func:`load` also reads the text format of :mod:`hqp.lexls`,
+which keeps less.
 """
 
 from __future__ import annotations
@@ -67,13 +68,19 @@ def save(path: str | os.PathLike[str], hierarchy: Hierarchy, x_ref: ArrayLike | 
 def load(path: str | os.PathLike[str]) -> tuple[Hierarchy, Array | None]:
     """What :func:`save` wrote: the hierarchy, and x_ref or None.
 
+    A file that is no archive, and is not called .npz, is read as text, see :func:`hqp.read_lexls`, which also tells
+    the solutions that are in it.
+
     Raises
     ------
     InvalidInput
         If the file cannot be read, is no hierarchy or is damaged; the message names the file and what is wrong.
     """
-    from .files import arrays_of
+    from .files import arrays_of, is_archive
+    from .lexls import read_lexls
 
+    if not is_archive(path):
+        return read_lexls(path).hierarchy, None
     with arrays_of(path, "hierarchy") as arrays:
         head = _head(arrays)
         n, kinds = whole_number(head["n"], "its n"), [_kind(k, level) for k, level in enumerate(head["levels"])]

@@ -101,11 +101,50 @@ def test_names_of_others_are_printed_and_do_nothing_else(tmp_path: Path, capsys:
         assert r"[red]\x1b[31m \ud800 φ" in capsys.readouterr().out
 
 
+def text(tmp_path: Path, *optimum: float) -> str:
+    """The example in the text format of LexLS, with an optimum that somebody claims."""
+    path = tmp_path / "h.dat"
+    hqp.write_lexls(path, example(), solution_guess=[1.0, 1.0, 2.0], solution=optimum)
+    return str(path)
+
+
+def test_a_text_file_is_solved_like_an_archive(file: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["solve", file]) == 0
+    archive = capsys.readouterr().out
+    assert run(["solve", text(tmp_path, 1.0, 1.0, 0.0)]) == 0
+    assert capsys.readouterr().out == (
+        archive + "#SolGuess: 2 from the x of native\n#Solution: certified; 0 from the x of native\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("optimum", "said"),
+    [
+        ((1.0, 1.0, 0.5), "certified at all 3 levels of the file, which leave x free; 0.5 from the x of native"),
+        ((1.0, 0.0, 0.0), "NOT optimal: level 1 (reach) falls short, its residual 2 could be lower by up to"),
+        ((2.0, 0.0, 0.0), "NOT optimal: level 0 (limits) falls short, its residual 1 could be lower by up to"),
+    ],
+)
+def test_the_solution_of_a_file_is_put_to_the_certificate(
+    optimum: tuple[float, ...], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for more in [], ["-b", "native", "-b", "cascade:proxsuite"]:
+        assert run(["solve", text(tmp_path, *optimum), *more]) == 0  # ours are certified, whatever theirs is
+        assert f"\n#Solution: {said}" in capsys.readouterr().out
+
+
+def test_the_solution_of_a_file_is_judged_with_the_x_ref_that_is_given(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["solve", text(tmp_path, 1.0, 1.0, 0.5), "--x-ref", "0,0,0.5"]) == 0
+    assert capsys.readouterr().out.endswith("#Solution: certified; 0 from the x of native\n")
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
         (["missing.npz"], "missing.npz': No such file"),
-        ([__file__], "is no hierarchy, or damaged: File is not a zip file"),
+        ([__file__], "is no hierarchy, or damaged: line 1: found "),
         ([""], "path = '' must be the name of a file"),
         ([], "'FILE'"),
         (["FILE", "-b", "nonsense"], "unknown backend 'nonsense'; installed here: "),

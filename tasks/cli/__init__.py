@@ -14,6 +14,7 @@ import typer
 
 from . import command
 from .backends import backends
+from .convert import convert
 from .ik import Numbers, ik
 from .solve import solve
 from .thesis import thesis
@@ -31,6 +32,7 @@ app.command()(thesis)
 app.command()(validate)
 app.command()(backends)
 app.command()(solve)
+app.command()(convert)
 app.command(cls=Numbers)(ik)
 app.command()(warmup)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -12,13 +13,16 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from hqp import Solution
+    from hqp import LexLSProblem, Solution
+    from hqp.arrays import Array
 
 NOT_CERTIFIED = 1
 
 
 def solve(
-    file: Annotated[str, typer.Argument(help="A hierarchy, written by hqp.save.", metavar="FILE")],
+    file: Annotated[
+        str, typer.Argument(help="A hierarchy, from hqp.save or in the text format of LexLS.", metavar="FILE")
+    ],
     backend: Annotated[
         list[str] | None,
         typer.Option(
@@ -37,19 +41,34 @@ def solve(
 ) -> None:
     """Solve a hierarchy from a file and put the answer to the certificate.
 
+    If the file brings a solution of somebody else, that one too is put to it.
+
     Exit code 1 if an answer is not certified.
     """
-    from hqp import DEFAULT_BACKEND, Solver, load
+    from hqp import DEFAULT_BACKEND, Solver
 
-    hierarchy, reference = load(file)
+    problem, reference = read(file)
     given = reference if x_ref is None else _numbers(x_ref)
-    solutions = [Solver(name).solve(hierarchy, given) for name in backend or [DEFAULT_BACKEND]]
+    solutions = [Solver(name).solve(problem.hierarchy, given) for name in backend or [DEFAULT_BACKEND]]
     if len(solutions) == 1:
         _show(console(), solutions[0])
     else:
         _compare(console(120), solutions)
+    for line in _theirs(problem, solutions[0]):
+        _say(console(), line)
     if not all(map(_certified, solutions)):
         raise typer.Exit(NOT_CERTIFIED)
+
+
+def read(file: str) -> tuple[LexLSProblem, Array | None]:
+    """What a file of either format holds, and the x_ref of an .npz."""
+    from hqp import LexLSProblem, load, read_lexls
+    from hqp.files import is_archive
+
+    if not is_archive(file):
+        return read_lexls(file), None
+    hierarchy, x_ref = load(file)
+    return LexLSProblem(hierarchy), x_ref
 
 
 def _numbers(text: str) -> list[float]:
@@ -102,6 +121,28 @@ def _compare(out: Console, solutions: list[Solution]) -> None:
     for solution in solutions:
         if solution.message:
             _say(out, _outcome(solution))
+
+
+def _theirs(problem: LexLSProblem, ours: Solution) -> Iterator[str]:
+    """A line for each point that the file brings."""
+    from hqp import certify
+    from hqp.arrays import length
+
+    def away(point: Array) -> str:
+        return f"{length(point - ours.x):.3g} from the x of {ours.backend}"
+
+    if (guess := problem.solution_guess) is not None:
+        yield f"#SolGuess: {away(guess)}"
+    if (solution := problem.solution) is not None:
+        certificate = certify(problem.hierarchy, solution, ours.x_ref)
+        levels = len(problem.hierarchy.levels)
+        if (failed := certificate.failed) is None:
+            verdict = "certified"
+        elif failed.level == levels:
+            verdict = f"certified at all {levels} levels of the file, which leave x free"
+        else:
+            verdict = str(certificate).partition("\n")[0]
+        yield f"#Solution: {verdict}; {away(solution)}"
 
 
 def _table(first: str, *others: str) -> Table:
