@@ -77,7 +77,7 @@ def draw_growth(rows: pd.DataFrame, path: Path) -> None:
                 if here:
                     axes.set_xticks(here[0].sizes, [f"{size:.0f}" for size in here[0].sizes])
                     axes.minorticks_off()
-                    axes.legend(loc="upper left")
+                    axes.legend(loc="upper left", frameon=True, framealpha=0.9, edgecolor="none")
             line[0].set_ylabel("median time [us]")
 
 
@@ -118,7 +118,9 @@ def draw_tails(rows: pd.DataFrame, path: Path) -> None:
                 longer = 1.0 - np.arange(len(seconds)) / len(seconds)
                 axes.loglog(1e6 * seconds, 100 * longer, label=method, **styles(method))
             axes.axvline(1e6 * DEADLINE, color="#8c8c8c", lw=0.8)
-            axes.text(1e6 * DEADLINE, 100, " 1 kHz", va="top", color="#8c8c8c")
+            axes.annotate(
+                "1 kHz ", (1e6 * DEADLINE, 0.02), xycoords=("data", "axes fraction"), ha="right", color="#8c8c8c"
+            )
             axes.set(title=start, xlabel="t [us]")
         grid[0, 0].set_ylabel("problems that take longer than t [%]")
         _legend(figure, grid[0, 0])
