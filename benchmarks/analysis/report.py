@@ -81,8 +81,9 @@ _NOT_PACKAGES = ("processor", "cores", "system", "python", "threads", "commit", 
 def _setting(rows: pd.DataFrame) -> str:
     told = "; ".join(f"{name}: {SETTINGS[name].about}" for name in rows["setting"].cat.categories)
     return (
-        f"ratio: time over that of {YARDSTICK[0]} on the same problem, median; us: median. certified, silent (wrong,"
-        f" but claimed), failures, late: % of the answers. {told[:1].upper()}{told[1:]}.\n\n" + markdown(overview(rows))
+        f"cold, warm: time over that of {YARDSTICK[0]} on the same problem, median; us: median. certified, silent"
+        " (wrong, but claimed), failures, late: % of the answers; gap, violation: the largest."
+        f" {told[:1].upper()}{told[1:]}.\n\n{markdown(overview(rows))}"
     )
 
 

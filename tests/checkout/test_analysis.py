@@ -112,7 +112,7 @@ def test_ratios_are_taken_problem_by_problem() -> None:
     some = pair({"native": [1.0, 2.0, 4.0], "daqp": [2.0, 2.0, 2.0]})
     found = ratios(some, YARDSTICK)
     assert list(found[some["method"] == "daqp"]) == [2.0, 1.0, 0.5]
-    assert [row["warm ratio"] for row in overview(some)] == ["1.00", "1.00"]
+    assert [row["warm"] for row in overview(some)] == ["1.00", "1.00"]
 
 
 def test_profiles_count_good_answers_alone() -> None:
