@@ -64,11 +64,11 @@ def compare(
             "the machine was not equally fast in both runs: what is short and what is long drift apart; see drift"
         )
     real = sum(change.real for change in times)
-    printer.print(f"{real} of {len(times)} times changed beyond noise; one of a hundred does by chance")
+    printer.print(f"{real} of {len(times)} times changed beyond noise")
 
 
 def _folder(what: str, plan: str) -> Path:
     """The folder of a run, or that of a commit, which is measured now."""
     from .sweep.commits import run_commit
 
-    return Path(what) if Path(what).is_dir() else run_commit(what, plan, [])
+    return Path(what) if Path(what).is_dir() else run_commit(what, plan)

@@ -4,7 +4,7 @@ Answers are compared one by one: but for times, two runs of the same sources are
 where its memory lies, so numbers, which are relative to the size of a problem, are equal to `ROUND_OFF`.
 
 Times are compared problem by problem, and what a machine does to all methods alike, its drift, is taken out: the median
-of what the other methods say. A change counts where it is larger than `LEAST` and than the noise: the 99 % interval of
+of what the other methods say. A change counts where it is larger than `LEAST` and than the noise: the 99.9 % interval of
 its median, together with the spread of what the others say about the drift.
 """
 
@@ -25,8 +25,8 @@ from .metrics import ENTRANT, METRICS
 LEAST, FEWEST = 0.05, 6
 #: A drift of the machine that is worth a word.
 UNSTEADY = 0.15
-#: A standard deviation over the MAD; a median's standard error over MAD / sqrt(n); half of a 99 % interval over it.
-_NORMAL, _ERROR, _SURE = 1.4826, 1.4826 * 1.2533, 2.58
+#: A standard deviation over the MAD; a median's standard error over MAD / sqrt(n); half of a 99.9 % interval over it.
+_NORMAL, _ERROR, _SURE = 1.4826, 1.4826 * 1.2533, 3.29
 #: What an answer is; and from where on two numbers of it differ.
 ROUND_OFF = 1e-9
 ANSWERS = tuple(name for name in COLUMNS if name not in (*KEYS, *TIMES))

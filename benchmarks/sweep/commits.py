@@ -12,8 +12,10 @@ from hqp import InvalidInput
 _HERE = Path(__file__).parents[2]
 
 
-def run_commit(revision: str, plan: str, options: list[str]) -> Path:
+def run_commit(revision: str, plan: str) -> Path:
     """Measure the library at a commit; the folder of the run. What is finished already is not measured again.
+
+    In a clone of the repository beside the run, so that what is checked out here stays as it is.
 
     Raises
     ------
@@ -23,15 +25,17 @@ def run_commit(revision: str, plan: str, options: list[str]) -> Path:
     commit = _git("rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}", what=revision)
     place = Path("out", "benchmarks", "commits", commit[:12]).absolute()
     tree, front = place / "tree", place / "front"
-    if not tree.exists():
-        _git("worktree", "prune", what=revision)
-        _git("worktree", "add", "--detach", "--force", str(tree), commit, what=revision)
+    if not (tree / "hqp").exists():
+        place.mkdir(parents=True, exist_ok=True)
+        if not tree.exists():
+            _git("clone", "--quiet", "--shared", "--no-checkout", str(_HERE), str(tree), what=revision)
+        _git("-C", str(tree), "checkout", "--quiet", "--detach", commit, what=revision)
     front.mkdir(exist_ok=True)
     for package, source in (("hqp", tree), ("tasks", tree), ("benchmarks", _HERE)):
         if not (front / package).exists():
             (front / package).symlink_to(source / package)
     folder = place / plan
-    command = [sys.executable, "-m", "benchmarks", "run", plan, "-o", str(folder), *options]
+    command = [sys.executable, "-m", "benchmarks", "run", plan, "-o", str(folder)]
     environment = os.environ | {"PYTHONPATH": str(front)}
     done = subprocess.run(command, cwd=front, env=environment, stdout=subprocess.DEVNULL, check=False)
     if done.returncode:
