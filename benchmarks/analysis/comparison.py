@@ -4,8 +4,8 @@ Answers are compared one by one: but for times, two runs of the same sources are
 where its memory lies, so numbers, which are relative to the size of a problem, are equal to `ROUND_OFF`.
 
 Times are compared problem by problem, and what a machine does to all methods alike, its drift, is taken out: the median
-of what the other methods say. A change counts where it is larger than `LEAST` and than the noise: the 99.9 % interval of
-its median, together with the spread of what the others say about the drift.
+of what the other methods say. A change counts where it is larger than `LEAST` and than the noise: the 99.9 % interval
+of its median, together with the spread of what the others say about the drift.
 """
 
 from __future__ import annotations
