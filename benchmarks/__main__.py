@@ -13,6 +13,7 @@ from .batch import batch
 from .ik import ik
 from .singularities import singularities
 from .solve import solve
+from .teleop import teleop
 from .tick import tick
 
 app = typer.Typer(
@@ -25,6 +26,7 @@ app.command()(backends)
 app.command()(solve)
 app.command()(batch)
 app.command()(tick)
+app.command()(teleop)
 app.command()(ik)
 app.command()(singularities)
 
