@@ -18,6 +18,9 @@ from ..ticks.driver import Driver
 from ..ticks.interleaved import BLOCK, turns
 from ..ticks.stream import Stream
 
+#: The first ticks of a turn find the caches of somebody else, and are not timed.
+COLD = 5
+
 
 @dataclass(frozen=True, eq=False)
 class Run:
@@ -35,7 +38,7 @@ class Run:
     raised : Counter
         Their exceptions, by name.
     ns : array, shape (rounds, ticks)
-        Whole ticks.
+        Whole ticks; NaN at the beginning of a turn.
     """
 
     name: str
@@ -70,6 +73,7 @@ def _round(stream: Stream, drivers: Sequence[Driver], ticks: int) -> list[Run]:
     for driver, block in turns(drivers, ticks):
         for k in range(block.start, block.stop):
             _tick(stream, driver, of[driver], k)
+        of[driver].ns[:, block][:, :COLD] = np.nan
     for driver in drivers:
         driver.close()
     return runs

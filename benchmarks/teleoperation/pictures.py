@@ -13,20 +13,22 @@ from ..ticks.stream import Stream
 from .loop import Run
 from .report import Tracking
 
-#: After Okabe and Ito, told apart by all eyes; one a setup, a solid or a broken line one library.
+#: After Okabe and Ito, told apart by all eyes; one a setup; a library has one kind of line.
 STYLES = {
     "hqp strict": ("#0072b2", "-"),
     "hqp damped": ("#56b4e9", "-"),
     "hqp braked": ("#000000", "-"),
-    "pink daqp": ("#d55e00", "-"),
+    "hqp both": ("#332288", "-"),
+    "pink daqp": ("#d55e00", "--"),
     "pink proxqp": ("#e69f00", "--"),
-    "pink daqp lm": ("#cc79a7", "-"),
+    "pink daqp lm": ("#cc79a7", "--"),
+    "pink daqp lm 100": ("#882255", "--"),
     "pink daqp braked": ("#8c510a", "--"),
-    "mink daqp": ("#009e73", "--"),
-    "mink daqp lm": ("#7f7f7f", "--"),
+    "mink daqp": ("#009e73", ":"),
+    "mink daqp lm": ("#7f7f7f", ":"),
 }
 #: Below this, errors are not told apart [mm]; panels of joint velocities side by side.
-LEAST, COLUMNS = 0.1, 3
+LEAST, COLUMNS = 0.1, 4
 _STYLE = {
     "font.size": 8,
     "axes.titlesize": 8,
@@ -57,13 +59,13 @@ def draw(path: Path, stream: Stream, runs: Sequence[Run], tracking: Mapping[str,
             panel = figure.add_subplot(grid[1 + number // COLUMNS, number % COLUMNS], sharex=share, sharey=share)
             panel.plot(t, run.v[:, joint], color=colour, lw=0.5, rasterized=True)
             panel.set_title(run.name, color=colour, fontweight="bold", pad=2.0)
-            panel.label_outer()
+            last = number + COLUMNS >= len(runs)
+            panel.tick_params(labelbottom=last, labelleft=number % COLUMNS == 0)
             panels.append(panel)
         above.set_xlim(t[0], t[-1])
         panels[0].set_xlim(t[0], t[-1])
+        figure.supxlabel("t [s]", fontsize="medium")
         panels[0].set_ylabel(f"{stream.robot.joint_names[joint].removeprefix('panda_')} [rad/s]")
-        for panel in panels[-COLUMNS:]:
-            panel.set_xlabel("t [s]")
         figure.savefig(path, dpi=110, metadata={"Software": None}, pil_kwargs={"optimize": True})
 
 

@@ -97,8 +97,8 @@ def _row(stream: Stream, run: Run, tracked: Tracking) -> Row:
         "further": _small(kept.further, int(kept.further > 0.0)),
         "over ticks": str(fast),
         "over": _small(over, fast),
-        "p50": f"{np.median(us):.0f}",
-        "p99": f"{np.quantile(us, 0.99):.0f}",
+        "p50": f"{np.nanmedian(us):.0f}",
+        "p99": f"{np.nanquantile(us, 0.99):.0f}",
     }
 
 
