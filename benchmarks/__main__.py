@@ -16,6 +16,7 @@ from .report import export, plot, report
 from .run import run as run_plan
 from .singularities import singularities
 from .solve import solve
+from .teleop import teleop
 from .tick import tick
 
 app = typer.Typer(
@@ -33,6 +34,7 @@ app.command()(export)
 app.command()(solve)
 app.command()(batch)
 app.command()(tick)
+app.command()(teleop)
 app.command()(ik)
 app.command()(singularities)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
@@ -23,12 +24,25 @@ class Driver(ABC):
     Attributes
     ----------
     name : str
+    q : list
+        Where the robot is at each tick, in the types of the library.
+    raised : Counter
+        Ticks without an answer, by the name of the exception.
     """
 
     name: str
+    q: list[Any]
 
     def __init__(self, name: str, stream: Stream) -> None:
-        self.name, self.stream = name, stream
+        self.name, self.stream, self.raised = name, stream, Counter[str]()
+
+    def stand(self, k: int, q: Array, v: Array) -> None:
+        """Let the robot be elsewhere at tick k than the stream has it: where the library itself has led it."""
+        self.q[k] = self.configured(q)
+
+    def configured(self, q: Array) -> Any:
+        """A configuration of the stream as the library has it."""
+        return q
 
     @abstractmethod
     def tick(self, k: int) -> Any:
@@ -53,8 +67,9 @@ class Driver(ABC):
             start = clock()
             try:
                 answer = self.tick(k)
-            except Exception:  # each library has exceptions of its own for having no answer
+            except Exception as error:  # each library has exceptions of its own for having no answer
                 answer = None
+                self.raised[type(error).__name__] += 1
             times.append(clock() - start)
             answers.append(answer)
         nothing = np.full(self.stream.robot.nv, np.nan)

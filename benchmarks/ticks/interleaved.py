@@ -60,10 +60,10 @@ def measure(drivers: Sequence[Driver], rounds: int, progress: Callable[[], None]
         driver.split(0, min(BLOCK, ticks))
     with undisturbed():
         for number in range(rounds):
-            for driver, block in _turns(drivers, ticks):
+            for driver, block in turns(drivers, ticks):
                 ns[driver.name][number, block], v[driver.name][block] = driver.run(block.start, block.stop)
             progress()
-        for driver, block in _turns(drivers, ticks):
+        for driver, block in turns(drivers, ticks):
             stages[driver.name][block] = driver.split(block.start, block.stop)
         progress()
     sample = range(0, ticks, EVERY)
@@ -71,7 +71,7 @@ def measure(drivers: Sequence[Driver], rounds: int, progress: Callable[[], None]
     return [Measured(name, ns[name], stages[name], v[name], proofs[name]) for name in ns]
 
 
-def _turns(drivers: Sequence[Driver], ticks: int) -> Iterator[tuple[Driver, slice]]:
+def turns(drivers: Sequence[Driver], ticks: int) -> Iterator[tuple[Driver, slice]]:
     """Who runs which ticks: block by block, everyone in turn, and another one first each time."""
     for number, first in enumerate(range(0, ticks, BLOCK)):
         turn = number % len(drivers)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
 
-from hqp import Solver, certify
+import numpy as np
+
+from hqp import DampingRule, Solver, certify
 from hqp.arrays import Array
 from tasks import CenterOfMassTask, Controller, Step
 
@@ -14,12 +17,31 @@ from .stream import Stream
 
 
 class Ours(Driver):
-    """A :class:`tasks.Controller`, called as a user would."""
+    """A :class:`tasks.Controller`, called as a user would.
 
-    def __init__(self, stream: Stream) -> None:
-        super().__init__("hqp", stream)
+    Parameters
+    ----------
+    stream : Stream
+    name : str
+    damping : dict
+        Rules for the levels that begin with a goal of this kind; others are strict.
+    acceleration : float, optional
+        What the joints keep, too [rad/s^2].
+    """
+
+    def __init__(
+        self,
+        stream: Stream,
+        *,
+        name: str = "hqp",
+        damping: Mapping[str, DampingRule | float] = MappingProxyType({}),
+        acceleration: float | None = None,
+    ) -> None:
+        super().__init__(name, stream)
         scene, self.robot = stream.scene, stream.scene.load()
-        self.stack, targets = declare(scene, self.robot)
+        if acceleration is not None:
+            self.robot.acceleration_limit = np.full(self.robot.nv, acceleration)
+        self.stack, targets = declare(scene, self.robot, damping)
         self.controller = Controller(self.robot, self.stack, dt=scene.dt)
         self.q, self.v = list(stream.q), list(stream.v)
         self.targets = [(target, list(stream.positions[name])) for name, target in targets.positions.items()]
@@ -27,6 +49,9 @@ class Ours(Driver):
         # The parts alone, warm on their own.
         self.rows, self.solver = self.stack.build(self.robot, "velocity", scene.dt), Solver()
         self.weighs = any(isinstance(part, CenterOfMassTask) for part in self.stack)
+
+    def stand(self, k: int, q: Array, v: Array) -> None:
+        self.q[k], self.v[k] = q, v
 
     def tick(self, k: int) -> Step:
         self.aim(k)
@@ -51,7 +76,7 @@ class Ours(Driver):
 
     def velocity(self, answer: Step) -> Array:
         assert answer.v is not None
-        return answer.v
+        return answer.v if answer.ok else np.full_like(answer.v, np.nan)
 
     def proved(self, k: int, v: Array) -> bool:
         self.aim(k)

@@ -91,6 +91,10 @@ class Scene:
         The rate at which errors decay [1/s].
     dt : float
         Tick [s].
+    posture_gain : float, optional
+        The same of postures, where it is another one.
+    speed : float
+        The share of their speed that the joints may use.
     """
 
     name: str
@@ -102,6 +106,8 @@ class Scene:
     start: Mapping[str, float] = field(default_factory=dict)
     gain: float = 10.0
     dt: float = 0.005
+    posture_gain: float | None = None
+    speed: float = 1.0
 
     @property
     def goals(self) -> list[Goal]:
@@ -118,6 +124,11 @@ class Scene:
         """The share of an error that one tick takes away."""
         return self.gain * self.dt
 
+    @property
+    def posture_step(self) -> float:
+        """The same of postures."""
+        return self.step if self.posture_gain is None else self.posture_gain * self.dt
+
     def cost(self, frame: str, *what: What) -> float:
         """What the tasks of a frame cost that ask for this; 0 where none does."""
         return float(sum(goal.cost for goal in self.goals if goal.frame == frame and goal.what in what))
@@ -131,6 +142,8 @@ class Scene:
             step[joint] = position - joints[joint]
         if self.start:
             robot.home = robot.integrate(robot.home, step)
+        if robot.velocity_limit is not None:
+            robot.velocity_limit = self.speed * robot.velocity_limit
         return robot
 
     def motion(self, what: str) -> Motion:

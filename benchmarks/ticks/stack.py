@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hqp import DampingRule
 from tasks import (
     CenterOfMassTask,
+    Damped,
     JointLimits,
     OrientationTask,
+    Part,
     PoseTask,
     PositionTask,
     PostureTask,
@@ -46,26 +50,24 @@ class Targets:
             self.positions[COM] = Setpoint(state.center_of_mass.position)
 
 
-def declare(scene: Scene, robot: PinocchioRobot) -> tuple[Stack, Targets]:
-    """The stack of a scene, and what sets its targets."""
+def declare(
+    scene: Scene, robot: PinocchioRobot, damping: Mapping[str, DampingRule | float] = MappingProxyType({})
+) -> tuple[Stack, Targets]:
+    """The stack of a scene, its levels damped by the rule for what their first goal asks, and what sets its targets."""
     targets = Targets(scene, robot)
-    levels = [JointLimits()]
+    levels: list[Part | Stack] = [JointLimits()]
     for level in scene.levels:
-        parts = [_task(goal, scene.gain, robot, targets.positions, targets.rotations) for goal in level]
-        levels.append(sum(parts[1:], start=parts[0]))
+        parts = [_task(goal, scene, robot, targets) for goal in level]
+        tasks = sum(parts[1:], start=parts[0])
+        rule = damping.get(level[0].what)
+        levels.append(tasks if rule is None else Damped(tasks, rule))
     return Stack(*levels), targets
 
 
-def _task(
-    goal: Goal,
-    gain: float,
-    robot: PinocchioRobot,
-    positions: Mapping[str, Setpoint],
-    rotations: Mapping[str, RotationSetpoint | Setpoint],
-) -> Task:
-    frame = goal.frame
+def _task(goal: Goal, scene: Scene, robot: PinocchioRobot, targets: Targets) -> Task:
+    frame, gain, positions, rotations = goal.frame, scene.gain, targets.positions, targets.rotations
     if goal.what == "posture":
-        return PostureTask(robot.home, gain=gain)
+        return PostureTask(robot.home, gain=scene.posture_step / scene.dt)
     if goal.what == "com":
         return CenterOfMassTask(positions[COM], mask="xy", gain=gain)
     if goal.what == "pose":

@@ -57,14 +57,14 @@ class Stream:
 def record(scene: Scene, ticks: int) -> Stream:
     """Run this library on the scene, and keep what it was given."""
     robot = scene.load()
-    positions, rotations = _targets(scene, robot, ticks)
+    positions, rotations = targeted(scene, robot, ticks)
     stack, targets = declare(scene, robot)
     controller = Controller(robot, stack, dt=scene.dt)
     q, v = np.zeros((ticks + 1, robot.nq)), np.zeros((ticks + 1, robot.nv))
     q[0] = robot.home
     for k in range(ticks):
-        for targeted, values in (targets.positions, positions), (targets.rotations, rotations):
-            for name, target in targeted.items():
+        for moved, values in (targets.positions, positions), (targets.rotations, rotations):
+            for name, target in moved.items():
                 target.move(values[name][k])
         step = controller(q[k], v[k])
         assert step.v is not None
@@ -73,7 +73,8 @@ def record(scene: Scene, ticks: int) -> Stream:
     return Stream(scene, robot, q[:-1], v[:-1], positions, rotations, _saturated(robot, q[1:], v[1:]))
 
 
-def _targets(scene: Scene, robot: PinocchioRobot, ticks: int) -> tuple[dict[str, Array], dict[str, Array]]:
+def targeted(scene: Scene, robot: PinocchioRobot, ticks: int) -> tuple[dict[str, Array], dict[str, Array]]:
+    """The positions and rotations of all targets, tick by tick."""
     state = robot.at(robot.home, np.zeros(robot.nv))
     starts = {name: (state.frame(name).position, state.frame(name).rotation) for name in scene.frames}
     if hasattr(state, "center_of_mass"):

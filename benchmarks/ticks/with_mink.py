@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import mink
 import mujoco
@@ -18,11 +19,24 @@ from .urdf import bare, for_mujoco
 
 
 class Mink(Driver):
-    """``mink.solve_ik`` with limits of joint positions and velocities."""
+    """``mink.solve_ik`` with limits of joint positions and velocities.
 
-    def __init__(self, solver: str, stream: Stream) -> None:
-        super().__init__(f"mink {solver}", stream)
+    Parameters
+    ----------
+    solver : str
+    stream : Stream
+    lm_damping : float
+        Of the tasks of frames: what grows with the square of the error.
+    name : str
+        What stands behind that of the solver.
+    **options
+        Of ``mink.solve_ik``.
+    """
+
+    def __init__(self, solver: str, stream: Stream, *, lm_damping: float = 0.0, name: str = "", **options: Any) -> None:
+        super().__init__(f"mink {solver}{name}", stream)
         scene, robot, self.solver, self.dt = stream.scene, stream.robot, solver, stream.scene.dt
+        self.options = options
         model = mujoco.MjModel.from_xml_string(for_mujoco(bare(scene.robot, scene.held), robot.base > 0))
         self.configuration = mink.Configuration(model)
         names = [model.joint(i).name for i in range(model.njnt)][1 if robot.base else 0 :]
@@ -33,7 +47,7 @@ class Mink(Driver):
         self.targets = []
         for frame in scene.frames:
             position, rotation = scene.cost(frame, "position", "pose"), scene.cost(frame, "orientation", "pose")
-            task = mink.FrameTask(frame, "body", position, rotation, gain=scene.step)
+            task = mink.FrameTask(frame, "body", position, rotation, scene.step, lm_damping)
             places = zip(stream.rotations[frame], stream.positions[frame], strict=True)
             targets = [mink.SE3.from_rotation_and_translation(mink.SO3.from_matrix(R), p) for R, p in places]
             self.targets.append((task, targets))
@@ -44,7 +58,7 @@ class Mink(Driver):
         self.tasks = [task for task, _ in self.targets]
         for goal in scene.goals:
             if goal.what == "posture":
-                posture = mink.PostureTask(model, goal.cost, gain=scene.step)
+                posture = mink.PostureTask(model, goal.cost, gain=scene.posture_step)
                 posture.set_target(self.configured(robot.home))
                 self.tasks.append(posture)
         speeds = dict(zip(names, np.asarray(robot.velocity_limit)[order], strict=True))
@@ -61,7 +75,9 @@ class Mink(Driver):
         self.configuration.update(self.q[k])
         for task, values in self.targets:
             task.set_target(values[k])
-        return k, mink.solve_ik(self.configuration, self.tasks, self.dt, self.solver, limits=self.limits)
+        return k, mink.solve_ik(
+            self.configuration, self.tasks, self.dt, self.solver, limits=self.limits, **self.options
+        )
 
     def stages(self, k: int) -> Iterator[None]:
         self.configuration.update(self.q[k])

@@ -141,5 +141,5 @@ def _motion(stream: Stream, urdf: Path) -> dict[str, Any]:
     com = np.array([state.center_of_mass.position for state in states])
     given[f"position {COM}"] = com + scene.step * (stream.positions[COM] - com)
     q = stream.q[:, robot.nq - (robot.nv - robot.base) :]
-    given["posture"] = q + scene.step * (robot.home[-q.shape[1] :] - q)
+    given["posture"] = q + scene.posture_step * (robot.home[-q.shape[1] :] - q)
     return given

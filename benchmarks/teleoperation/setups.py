@@ -1,0 +1,104 @@
+"""Who follows the hand: libraries, and the settings that their users choose."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any
+
+from ..ticks.driver import Driver
+from ..ticks.ours import Ours
+from ..ticks.scenes import Goal
+from ..ticks.stream import Stream
+
+#: The joint acceleration that those keep which brake [rad/s^2].
+ACCELERATION = 15.0
+
+
+@dataclass(frozen=True)
+class Own:
+    """This library.
+
+    Attributes
+    ----------
+    name : str
+    options : dict
+        Of :class:`benchmarks.ticks.ours.Ours`.
+    """
+
+    name: str
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    def missing(self) -> str:
+        """Why it cannot be asked: it always can."""
+        return ""
+
+    def driver(self, stream: Stream) -> Driver:
+        """At work on a stream."""
+        return Ours(stream, name=self.name, **self.options)
+
+
+@dataclass(frozen=True)
+class Peer:
+    """Another library, one of its solvers, and settings.
+
+    Attributes
+    ----------
+    package, solver : str
+    variant : str
+        What the settings are called; empty for the default ones.
+    lm : float
+        Levenberg-Marquardt damping of frames: its share of the square of their whole error.
+    position : float
+        What the costs of positions are multiplied by.
+    options : dict
+        Of the driver beside the ticks, and of the ``solve_ik`` of the library.
+    """
+
+    package: str
+    solver: str
+    variant: str = ""
+    lm: float = 0.0
+    position: float = 1.0
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """Library, solver and variant."""
+        return " ".join(filter(None, (self.package, self.solver, self.variant)))
+
+    def missing(self) -> str:
+        """Why it cannot be asked; empty where it can."""
+        for package in (self.package, {"proxqp": "proxsuite"}.get(self.solver, self.solver)):
+            if find_spec(package) is None:
+                return f"{self.name}: left out, {package} is not installed: python -m pip install -e '.[peers,solvers]'"
+        return ""
+
+    def driver(self, stream: Stream) -> Driver:
+        """At work on a stream. What the libraries damp by is the error times the gain, which is taken out here."""
+        levels = tuple(tuple(self._weighed(goal) for goal in level) for level in stream.scene.levels)
+        weighed = replace(stream, scene=replace(stream.scene, levels=levels))
+        kind = getattr(import_module(f"benchmarks.ticks.with_{self.package}"), self.package.capitalize())
+        variant = f" {self.variant}" if self.variant else ""
+        return kind(self.solver, weighed, lm_damping=self.lm / stream.scene.step**2, name=variant, **self.options)
+
+    def _weighed(self, goal: Goal) -> Goal:
+        return replace(goal, cost=self.position * goal.cost) if goal.what == "position" else goal
+
+
+#: Costs and lm are 1 at a gain of 1 in the examples of both libraries with one arm; mink's also add a damping of 1e-3.
+SETUPS: tuple[Own | Peer, ...] = (
+    Own("hqp strict"),
+    Own("hqp damped", {"damping": {"position": 0.2, "orientation": 1.0}}),
+    Own("hqp braked", {"acceleration": ACCELERATION}),
+    Own("hqp both", {"acceleration": ACCELERATION, "damping": {"position": 0.1, "orientation": 0.3}}),
+    Peer("pink", "daqp"),
+    Peer("pink", "proxqp"),
+    Peer("pink", "daqp", "lm", lm=1.0, options={"safety_break": False}),
+    Peer("pink", "daqp", "lm 100", lm=1.0, position=100.0, options={"safety_break": False}),
+    Peer("pink", "daqp", "braked", options={"acceleration": ACCELERATION}),
+    Peer("mink", "daqp"),
+    Peer("mink", "daqp", "lm", lm=1.0, options={"damping": 1e-3}),
+)
