@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hqp import Hierarchy, Solution, Solver, validation
+from hqp import Hierarchy, Solution, Solver
 from hqp.problems import CASES, SHAPES, equality_cases
-from hqp.validation import merge, validate_case
+from hqp.validation import closed_forms, merge, validate_case
 
 
 def test_it_covers_every_shape_in_every_rank_case() -> None:
@@ -59,7 +59,7 @@ class Off:
 
 
 def test_a_wrong_backend_is_outside_its_class(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(validation, "Solver", lambda name: (Off if name == "cascade:proxsuite" else Solver)(name))
+    monkeypatch.setattr(closed_forms, "Solver", lambda name: (Off if name == "cascade:proxsuite" else Solver)(name))
     report = validate_case("cascade:proxsuite", next(equality_cases()), 3, seed=0)[0]
     assert not report.ok
     assert report.worst_x == pytest.approx(1e-4, rel=1e-3)

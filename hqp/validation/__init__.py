@@ -1,0 +1,37 @@
+"""Whether the solvers can be trusted: their answers against others, come by in another way.
+
+* :mod:`.closed_forms`: random equality stacks in every rank case, against Eq. 3.17 and Eq. 4.8.
+* :mod:`.conditioning`: the same where a singular value goes to zero, decade by decade.
+* :mod:`.two_formulas`: Eq. 4.8 against Eq. 3.17, where they coincide and how far they part.
+* :mod:`.known`: hierarchies whose answers are known by hand, inequalities and weights included.
+"""
+
+from ..backends.registry import ACCURACY
+from .closed_forms import FORMULAS, Report, merge, validate_case
+from .conditioning import PLACES, SIGMAS, TARGETS, UNDECIDABLE, ZONES, Point, approach, zone
+from .known import KNOWN, Finding, KnownAnswer, check
+from .two_formulas import RELATIONS, Parting, compare, part
+
+__all__ = [
+    "ACCURACY",
+    "FORMULAS",
+    "KNOWN",
+    "PLACES",
+    "RELATIONS",
+    "SIGMAS",
+    "TARGETS",
+    "UNDECIDABLE",
+    "ZONES",
+    "Finding",
+    "KnownAnswer",
+    "Parting",
+    "Point",
+    "Report",
+    "approach",
+    "check",
+    "compare",
+    "merge",
+    "part",
+    "validate_case",
+    "zone",
+]
