@@ -11,11 +11,11 @@ from hqp.families import hierarchies
 
 
 def hard() -> list[tuple[str, Hierarchy]]:
-    """Hierarchies which repairing the guess does not solve."""
+    """Hierarchies which no guess solves."""
     made = [
         (f"{name} {k}", h)
-        for name in ("vertex", "one point", "single point", "bounds")
-        for k, h in enumerate(hierarchies(name, 100))
+        for name in ("vertex", "one point", "single point", "weights")
+        for k, h in enumerate(hierarchies(name, 300))
     ]
     return [(name, h) for name, h in made if fresh(h).counts.iterations > 0]
 

@@ -1,15 +1,14 @@
-r"""A guess from little or nothing: the active rows of a weighted problem, by a dual active set.
+r"""The active rows of a weighted problem, by a dual active set.
 
-With softness :math:`\delta_i > 0` instead of priorities, many decades from level to level, the hierarchy becomes one
-strictly convex problem that always has an answer,
+With softness :math:`\delta_i > 0` instead of priorities the rows of a hierarchy become one strictly convex problem
+that always has an answer,
 
 .. math:: \min_x \tfrac12 \|x - x_0\|^2 + \sum_i \frac{w_i^2}{2 \delta_i},
    \qquad (A_W A_W^T + \operatorname{diag} \delta_W)\, \lambda = A_W x_0 - b_W, \qquad x = x_0 - A_W^T \lambda,
 
-with W the rows at a bound. Starting with the equalities, or with the last guess, the row that is violated most joins
-W, and rows whose multiplier comes to push the wrong way leave it (Goldfarb and Idnani 1983; in this form Arnstrom,
-Bemporad and Axehill 2022). Joining appends one row to a Cholesky factor. The answer is not exact, but which rows are
-active it mostly gets right; the sweep decides.
+with W the rows at a bound; their slacks are :math:`w = \delta \lambda`. The row that is violated most joins W, and
+rows whose multiplier comes to push the wrong way leave it (Goldfarb and Idnani 1983; in this form Arnstrom, Bemporad
+and Axehill 2022). Joining appends one row to a Cholesky factor. What the softness is, is a :mod:`.guess`.
 """
 
 from __future__ import annotations
@@ -19,10 +18,8 @@ import math
 from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
-from .sweep import EQUALITY, INACTIVE, LOWER, UPPER
+from .sweep import INACTIVE, LOWER, UPPER
 
-#: Softness of the highest and of the lowest level, relative to the longest row of the level.
-HARDEST, SOFTEST = 1e-17, 1e-5
 #: What counts as violated, relative to the bound and the length of x.
 VIOLATED = 1e-9
 #: Rows join together if they are violated by at least this share of the worst.
@@ -56,50 +53,42 @@ def products(rows, c, out, here):
 
 
 @inner
-def weighted_guess(here, last, cold):
-    """Set ``side`` to the active rows of the weighted problem, or to the first of them if they are more than fit.
+def join(here, i, count):
+    """Row i joins W at the bound of its side, as number `count`; whether there is room."""
+    rows, side = marks(here, at.MEMBERS), marks(here, at.SIDE)
+    lo, hi, goal = vector(here, at.LO), vector(here, at.HI), vector(here, at.LOW)
+    if count == len(rows):
+        return False
+    rows[count] = i
+    goal[i] = lo[i] if side[i] == LOWER else hi[i]
+    return True
 
-    W starts with the equalities and, unless `cold`, with the rows of the guess that is there.
+
+@inner
+def settle(here, end, count, known):
+    """Solve the weighted problem of the rows before `end`.
+
+    W has `count` rows, of which the first `known` are in the Gram matrix.
+
+    Returns
+    -------
+    count : int
+        Rows of W then, or -1 if there are more than fit.
     """
     head = ints(here, 0, at.HEAD)
-    n, boxed = head[at.N], head[at.BOXED] != 0
-    ptr, col, row_of, side = marks(here, at.PTR), marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.SIDE)
-    rows = marks(here, at.MEMBERS)
+    n = head[at.N]
+    col, row_of, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.SIDE)
+    rows, held = marks(here, at.MEMBERS), marks(here, at.DECIDED)
     lo, hi, norm, x0 = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X0)
     x, soft, multiplier = vector(here, at.X), vector(here, at.VALUE), vector(here, at.W)
-    excess, inverse, z = vector(here, at.SLOPE), vector(here, at.DIAGONAL), vector(here, at.Z)
-    d = vector(here, at.WANTED)
+    goal, excess, inverse = vector(here, at.LOW), vector(here, at.SLOPE), vector(here, at.DIAGONAL)
+    z, d = vector(here, at.Z), vector(here, at.WANTED)
     B, gram, chol = matrix(here, at.B), matrix(here, at.GRAM), matrix(here, at.CHOLESKY)
     across = matrix(here, at.ACROSS)
     most = len(rows)
-
-    # How soft each row is, and which are there from the start.
-    count = integer(0)
-    first = 1 if boxed else 0
-    softness = HARDEST
-    step = (SOFTEST / HARDEST) ** (1.0 / max(last - first - 1, 1))
-    for k in range(last):
-        longest = 0.0
-        for i in range(ptr[k], ptr[k + 1]):
-            longest = max(longest, norm[i])
-        delta = 0.0  # bounds on distinct variables are hard
-        if k >= first:
-            delta = softness * longest * longest
-            softness *= step
-        for i in range(ptr[k], ptr[k + 1]):
-            soft[i] = delta
-            multiplier[i] = 0.0
-            if norm[i] == 0.0 or (cold and lo[i] < hi[i]):
-                side[i] = INACTIVE
-            if side[i] != INACTIVE:
-                if count == most:
-                    return
-                rows[count] = i
-                count += 1
+    entered = integer(0)  # rows of W that are in the factor of the Gram matrix
     for j in range(n):
         x[j] = x0[j]
-
-    known = entered = 0  # rows of W that are in the Gram matrix, and in its factor
     for _ in range(4 * most + 4):
         for c in range(known, count):
             products(rows, c, gram[c], here)
@@ -107,8 +96,7 @@ def weighted_guess(here, last, cold):
         for c in range(entered, count):
             i = rows[c]
             mine, factor = gram[c], chol[c]
-            bound = lo[i] if side[i] == LOWER else hi[i]
-            right = -bound
+            right = -goal[i]
             if col[i] >= 0:
                 right += norm[i] * x0[col[i]]
             else:
@@ -141,7 +129,7 @@ def weighted_guess(here, last, cold):
         reach, leaves = 1.0, -1
         for c in range(count):
             i = rows[c]
-            if side[i] != EQUALITY and d[c] * side[i] < 0.0:
+            if held[i] == 0 and d[c] * side[i] < 0.0:
                 ratio = multiplier[i] / (multiplier[i] - d[c])
                 if ratio < reach:
                     reach, leaves = ratio, c
@@ -177,7 +165,7 @@ def weighted_guess(here, last, cold):
         for j in range(n):
             size = max(size, abs(x[j]))
         worst = 0.0
-        for i in range(ptr[last]):
+        for i in range(end):
             excess[i] = 0.0
             if side[i] != INACTIVE or norm[i] == 0.0:
                 continue
@@ -194,11 +182,12 @@ def weighted_guess(here, last, cold):
                 excess[i] = -under / norm[i]
             worst = max(worst, abs(excess[i]))
         if worst == 0.0:
-            return
-        for i in range(ptr[last]):
+            return count
+        for i in range(end):
             if abs(excess[i]) >= SHARE * worst:
-                if count == most:
-                    return
                 side[i] = UPPER if excess[i] > 0.0 else LOWER
-                rows[count] = i
+                if not join(here, i, count):
+                    side[i] = INACTIVE
+                    return integer(-1)
                 count += 1
+    return count

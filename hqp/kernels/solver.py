@@ -1,9 +1,10 @@
 r"""The whole solver: guess, solve the equalities, verify, repair; and where repair fails, the safe method.
 
 From one tick of a control loop to the next the active rows hardly change, so that the last ones are the guess and
-one sweep is the answer, with its proof (:mod:`.sweep`). Without a last one, or where repair gets nowhere, a weighted
-problem makes the guess (:mod:`.dual`). All rows that contradict a guess change sides at once. When that stops making
-progress the safe method decides (:mod:`.active_set`), and one more sweep gives its answer the same proof.
+one sweep is the answer, with its proof (:mod:`.sweep`). Where there is no last one, a weighted problem makes the guess
+(:mod:`.guess`). All rows that contradict a guess change sides at once. Where that makes no progress, or where many do
+although levels above others are out of reach, so that it would make none, a more careful guess is made, level by level.
+If that fails, too, the safe method decides (:mod:`.active_set`), and one more sweep gives its answer the same proof.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import math
 from . import layout as at
 from .active_set import NEVER, OPTIMAL, STALLED, active_set
 from .compile import entry, inner, stamp
-from .dual import weighted_guess
+from .guess import staged_guess, weighted_guess
 from .memory import clock, floats, given, ints, marks, matrix, vector
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep
 
@@ -29,6 +30,8 @@ EVEN = 1e-8
 
 #: How many rounds of repair in a row may fail to bring the number of contradictions down.
 PATIENCE = 2
+#: So many contradictions are repaired even where levels above others are not met.
+FEW = 2
 #: Where a row that counts as dependent shows that it is not, less of it has to be left, down to round-off.
 SHARPER, SHARPEST = 0.1, 2e-12
 
@@ -135,6 +138,16 @@ def first_contradiction(here, last):
 
 
 @inner
+def contested(here, last):
+    """Whether a level above the last one that counts is not met."""
+    forces_of = vector(here, at.FORCES)
+    met = True
+    for k in range(last - 1):
+        met = met and forces_of[k] == 0.0
+    return not met
+
+
+@inner
 def start(here):
     """Where the safe method starts: at what the last level wants, within the bounds of level 0."""
     head = ints(here, 0, at.HEAD)
@@ -160,21 +173,19 @@ def solve_one(here):
     if not load(here, warm, head[at.TRUSTED] != 0):
         return SUSPECT
     last = levels_that_count(here)
-    side, before = marks(here, at.SIDE), marks(here, at.HELD)
     deadline = NEVER if option[at.LIMIT] == math.inf else clock() + int(1e9 * option[at.LIMIT])
 
     status, level, iterations, sweeps = OPTIMAL, last, 0, 0
-    wanted, guesses, safe = not warm, 0, False
+    wanted, guesses, safe = not warm, 1 if warm else 2, False
     fewest, patience, tau = m + 1, PATIENCE, option[at.TAU]
     while True:
         if wanted:
-            guesses += 1
-            fresh = not warm or guesses == 2  # a last guess is a good start, but not always
-            if not fresh:
-                for i in range(m):
-                    side[i] = before[i]
-            weighted_guess(here, last, fresh)
-            wanted, fewest, patience = False, m + 1, PATIENCE
+            if guesses == 2:
+                weighted_guess(here, last)
+            else:
+                staged_guess(here, last)
+            wanted, guesses = False, guesses - 1
+            fewest, patience = m + 1, PATIENCE
         faults, blurred = sweep(here, last, tau)
         sweeps += 1
         if faults == 0 and blurred and tau > SHARPEST:
@@ -187,13 +198,11 @@ def solve_one(here):
         if safe and patience <= 0:
             break
         late = deadline != NEVER and clock() > deadline
-        if sweeps == 1:
-            for i in range(m):
-                before[i] = side[i]
-        if patience > 0 and (safe or not late):
-            repair(here, last)
-        elif guesses < (2 if warm else 1) and not late:
+        hopeless = patience <= 0 or (faults > FEW and contested(here, last))
+        if guesses > 0 and hopeless and not (safe or late):
             wanted = True
+        elif patience > 0 and (safe or not late):
+            repair(here, last)
         else:
             safe = True
             start(here)
