@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import Array, length
+from .arrays import Array, length, lengths
 from .errors import InvalidInput
 from .hierarchy import Hierarchy
 from .label import Label
@@ -64,8 +64,7 @@ class DampedLevel:
 
         A strict one sees no singular values below the rank tolerance, so that it adds no more.
         """
-        lengths = self.level.weights * np.linalg.norm(self._dense(), axis=1)
-        return 0.1 * settings.rank_tolerance * float(lengths.min(where=lengths > 0.0, initial=np.inf))
+        return 0.1 * settings.rank_tolerance * float((self.level.weights * lengths(self._dense())).min(initial=np.inf))
 
     def satisfied_above(self, x: Array) -> bool:
         """Whether x, a reference, is the answer of the levels above, because it violates none of their rows."""

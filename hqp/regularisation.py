@@ -130,7 +130,7 @@ class RegularisedSolver:
         x, decided = x_ref, 0  # x is where the levels above `decided` leave off
         for k, rule, level in self._plan:
             J, own = np.zeros((0, len(x_ref))), None
-            if rule.mixes or rule.looks or rule.grows:
+            if rule.mixes or rule.looks or (rule.grows and decided != k):
                 level.refill()
             if rule.mixes:
                 refuse_inequalities(level.levels)
