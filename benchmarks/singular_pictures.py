@@ -13,7 +13,9 @@ from matplotlib.figure import Figure
 if TYPE_CHECKING:
     from .singularities import Run
 
-COLOURS = ("#bdbdbd", "#000000", "#0072b2", "#0072b2", "#56b4e9", "#009e73", "#e6c700", "#d55e00", "#cc79a7")
+COLOURS = (
+    "#bdbdbd", "#000000", "#0072b2", "#0072b2", "#56b4e9", "#009e73", "#e6c700", "#332288", "#d55e00", "#cc79a7",
+)  # fmt: skip
 #: Of a method whose joint speeds are limited.
 LIMITED = "--"
 #: Below these nothing is to be told apart: [rad/s], [mm], [deg].

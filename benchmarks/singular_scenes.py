@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hqp import DampingRule, ManipulabilityDamping, NumericalFiltering, SingularValueDamping
+from hqp import DampingRule, ErrorDamping, ManipulabilityDamping, NumericalFiltering, SingularValueDamping
 from tasks import (
     Chain,
     Damped,
@@ -26,7 +26,7 @@ from tasks import (
     quintic,
 )
 
-#: The joint speed that the methods with limits keep [rad/s].
+#: The joint speed that the methods with limits keep, and that a level adds at most where its error damps it [rad/s].
 FASTEST = 2.0
 #: lambda_0 of all rules and beta of the filtering, its lambda, and epsilon, in [m] or [1].
 DAMPING, LITTLE, SMALLEST = 0.2, 0.05, 0.2
@@ -102,6 +102,7 @@ METHODS: dict[str, Method] = {
     "by manipulability": _by_manipulability,
     "by singular value": _damped(SingularValueDamping(DAMPING, SMALLEST)),
     "filtering": _damped(NumericalFiltering(LITTLE, DAMPING, SMALLEST)),
+    "by error": _damped(ErrorDamping(FASTEST)),
     "Chiaverini": _decoupled,
     "Kim": _reconstructed,
 }

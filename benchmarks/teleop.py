@@ -27,7 +27,8 @@ deg: angle between them, root mean square; jerk: of the joints, root mean square
 frozen: ticks in which no joint moves though the hand is {1e3 * THRESHOLD:g} mm too far off; longest: in a row [ms]
 raised: ticks without an answer, in which the robot is held; back: when joints that start outside are inside [s]
 out, over: by how much, at most, a joint that was inside leaves its range [rad], and exceeds its speed [rad/s]
-damped: levels damped; braked: joint accelerations up to {ACCELERATION:g} rad/s^2; lm: damped as their examples are
+damped: levels damped by a number; braked: joint accelerations up to {ACCELERATION:g} rad/s^2; both: both, of ours
+error: levels damped by what they lack; lm: the others, damped as their examples are
 lm 100: the same, and a cost of 100 in place of 1 for the position, a weight that is nearly a priority
 hqp keeps strict priorities, the others weigh their tasks in one QP"""
 

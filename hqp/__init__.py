@@ -15,7 +15,14 @@ from __future__ import annotations
 from .backends.registry import ACCURACY, BACKENDS, BackendInfo, available_backends, backend_info
 from .batch import Batch, BatchSolution, BatchSolver, solve_batch
 from .certificate import Certificate, LevelCertificate, certify
-from .damping import DampingRule, FixedDamping, ManipulabilityDamping, NumericalFiltering, SingularValueDamping
+from .damping import (
+    DampingRule,
+    ErrorDamping,
+    FixedDamping,
+    ManipulabilityDamping,
+    NumericalFiltering,
+    SingularValueDamping,
+)
 from .errors import HqpError, InvalidInput, MissingPackage, UnknownBackend, Unsupported
 from .explanation import Cause, Explanation, LevelExplanation, PartExplanation
 from .families import FAMILIES, Family
@@ -47,6 +54,7 @@ __all__ = [
     "Certificate",
     "Counts",
     "DampingRule",
+    "ErrorDamping",
     "Explanation",
     "Family",
     "FixedDamping",

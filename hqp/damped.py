@@ -7,12 +7,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import Array
+from .arrays import Array, length, lengths
 from .errors import InvalidInput
 from .hierarchy import Hierarchy
 from .label import Label
 from .level import Level
-from .rows import row_states
+from .rows import excess, row_states
 from .settings import Settings
 from .side import Side
 from .subspace import split
@@ -53,6 +53,23 @@ class DampedLevel:
         """Take the numbers of the levels above, and of this one."""
         for part in self.above, self.levels:
             self._copy(part)
+
+    def lacking(self, x: Array) -> float:
+        """``||D_k w_k||`` of the level at x."""
+        level = self.level
+        return length(level.weights * excess(self._dense() @ x, level.lower, level.upper))
+
+    def least_damping(self, settings: Settings) -> float:
+        """Below this, rows of damping are not told from dependent ones, and the level is left strict.
+
+        A strict one sees no singular values below the rank tolerance, so that it adds no more.
+        """
+        return 0.1 * settings.rank_tolerance * float((self.level.weights * lengths(self._dense())).min(initial=np.inf))
+
+    def satisfied_above(self, x: Array) -> bool:
+        """Whether x, a reference, is the answer of the levels above, because it violates none of their rows."""
+        value = self.above.product(x)
+        return bool(((self.above.lower <= value) & (value <= self.above.upper)).all())
 
     def damp(self, damping: float, x_ref: Array) -> None:
         """Join the rows of damping."""

@@ -1,4 +1,5 @@
-r"""How strongly a level is damped: rules, from the singular values of what is left of its rows to a lambda.
+r"""How strongly a level is damped: rules, from the singular values of what is left of its rows, and from what it
+lacks, to a lambda.
 
 A damped level minimises, within what the levels above it leave,
 
@@ -15,10 +16,11 @@ above it. Let :math:`r_a = D_k w_k(x_a)` be what it lacks there, and g the large
 
 .. math:: \|x - x_a\| \le g \|r_a\|.
 
-For a fixed lambda this holds among inequalities, too, with :math:`g = 1 / 2 \lambda`. Let :math:`d = x - x_a` and, for
-simplicity, :math:`x_\text{ref} = 0`. That x is optimal and :math:`x_a` the shortest among convex choices means
-:math:`\langle A^T (A x - r) + \lambda^2 x, d \rangle \le 0` and :math:`\langle x_a, d \rangle \ge 0`; hence
-:math:`\lambda^2 \|d\|^2 \le \|r_a\| \|A d\| - \|A d\|^2 \le \|r_a\|^2 / 4`.
+For a lambda that is fixed, or follows from :math:`r_a` alone, this holds among inequalities, too, with :math:`g = 1 / 2
+\lambda`. Let :math:`d = x - x_a` and, for simplicity, :math:`x_\text{ref} = 0`. That x is optimal and :math:`x_a` the
+shortest among convex choices means :math:`\langle A^T (A x - r) + \lambda^2 x, d \rangle \le 0` and
+:math:`\langle x_a, d \rangle \ge 0`; hence :math:`\lambda^2 \|d\|^2 \le \|r_a\| \|A d\| - \|A d\|^2 \le
+\|r_a\|^2 / 4`. A lambda of :math:`\|r_a\| / 2 b` therefore bounds d by b, whatever is lacking.
 """
 
 from __future__ import annotations
@@ -29,9 +31,12 @@ from dataclasses import dataclass, fields
 from typing import ClassVar
 
 from .arrays import Array
-from .checks import positive_number
+from .checks import positive_number, real_number
 from .errors import InvalidInput
 from .hierarchy import LARGEST
+
+#: What a number of this name may be though it is not positive and finite: nowhere a threshold, and no damping.
+EXEMPT = {"threshold": math.inf, "least": 0.0}
 
 
 @dataclass(frozen=True)
@@ -44,21 +49,26 @@ class DampingRule(ABC):
         Whether it wants to see the singular values; they cost one more solve where inequalities are in play.
     mixes : bool
         Whether it weighs a combination of rows (see `filtering`), which only equality rows permit.
+    grows : bool
+        Whether its lambda grows with what the level lacks (see `growth`); to know that costs one more solve where
+        levels are above it whose last answer is not known already.
 
     Raises
     ------
     InvalidInput
-        If a number is not positive, or not below 1e30; a threshold may be infinite.
+        If a number is not positive, or not below 1e30; a threshold may be infinite, and a least damping 0.
     """
 
     looks: ClassVar[bool] = True
     mixes: ClassVar[bool] = False
+    grows: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         for field in fields(self):
             value, what = getattr(self, field.name), f"{type(self).__name__}: {field.name}"
-            if field.name != "threshold" or value != math.inf:
-                object.__setattr__(self, field.name, positive_number(value, what, below=LARGEST))
+            if field.name not in EXEMPT or real_number(value, what) != EXEMPT[field.name]:
+                value = positive_number(value, what, below=LARGEST)
+            object.__setattr__(self, field.name, float(value))
 
     @abstractmethod
     def damping(self, singular: Array) -> float:
@@ -66,6 +76,10 @@ class DampingRule(ABC):
 
     def filtering(self, singular: Array) -> float:
         """The beta by which the weakest combination of rows is damped beyond lambda."""
+        return 0.0
+
+    def growth(self, singular: Array) -> float:
+        r"""By how much lambda grows with what the level lacks: the c of :math:`\lambda^2 + c^2 \|r_a\|^2`."""
         return 0.0
 
     def largest_gain(self, rows: int, longest: float) -> float:
@@ -84,6 +98,23 @@ class DampingRule(ABC):
             In the unit of one over that; infinite where the rule promises nothing.
         """
         return math.inf
+
+    def largest_change(self, rows: int, longest: float, lacking: float) -> float:
+        r"""The most that the level may add to x, :math:`\|x - x_a\|`.
+
+        Parameters
+        ----------
+        rows, longest
+            As for `largest_gain`.
+        lacking : float
+            What the level lacks where the levels above leave off, :math:`\|r_a\|`.
+
+        Returns
+        -------
+        float
+            In the unit of x.
+        """
+        return self.largest_gain(rows, longest) * lacking if lacking > 0.0 else 0.0
 
 
 @dataclass(frozen=True)
@@ -199,6 +230,49 @@ class NumericalFiltering(DampingRule):
     def largest_gain(self, rows: int, longest: float) -> float:
         r""":math:`1 / 2 \lambda`: the filtering makes the gain of the weakest combination smaller still."""
         return 0.5 / self.factor
+
+
+@dataclass(frozen=True)
+class ErrorDamping(DampingRule):
+    r"""By what the level lacks, :math:`\lambda^2 = \lambda_0^2 + \|r_a\|^2 / (2 b)^2`: it adds no more than b to x.
+
+    Levenberg-Marquardt damping in a hierarchy, after Sugihara (2011), whose share of the square of the error is
+    :math:`1 / 4 b^2`: next to none where little is asked for, strong where the level is far from what it wants. It
+    looks at no singular values.
+
+    Parameters
+    ----------
+    bound : float
+        b, in the unit of x: [rad/s] at velocity order.
+    least : float, optional
+        :math:`\lambda_0`, in the unit of the weighted rows (default: 0). Alone, the part that grows fades where the
+        error does: a level that is singular just where its error vanishes is held by this one.
+
+    Notes
+    -----
+    :math:`\|x - x_a\| \le \|r_a\| / 2 \lambda \le b`, however the singular values and :math:`r_a` go to zero together.
+    A lambda that is lost beside the rank tolerance of :class:`hqp.Settings` counts as 0: the level is strict, to which
+    singular values as small do not exist.
+    """
+
+    looks: ClassVar[bool] = False
+    grows: ClassVar[bool] = True
+    bound: float
+    least: float = 0.0
+
+    def damping(self, singular: Array) -> float:
+        return self.least
+
+    def growth(self, singular: Array) -> float:
+        return 0.5 / self.bound
+
+    def largest_gain(self, rows: int, longest: float) -> float:
+        r""":math:`1 / 2 \lambda_0`: of a level that lacks next to nothing."""
+        return 0.5 / self.least if self.least else math.inf
+
+    def largest_change(self, rows: int, longest: float, lacking: float) -> float:
+        r""":math:`\|r_a\| / 2 \lambda`, less than :math:`b` whatever is lacking; among inequalities, too."""
+        return 0.5 * lacking / math.hypot(self.least, 0.5 * lacking / self.bound) if lacking > 0.0 else 0.0
 
 
 def _fade(singular: Array, threshold: float) -> float:

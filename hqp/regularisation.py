@@ -20,6 +20,7 @@ For two equality levels of full rank, the second damped, this is, with :math:`\h
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from numbers import Integral
@@ -129,18 +130,25 @@ class RegularisedSolver:
         x, decided = x_ref, 0  # x is where the levels above `decided` leave off
         for k, rule, level in self._plan:
             J, own = np.zeros((0, len(x_ref))), None
-            if rule.mixes or rule.looks:
+            if rule.mixes or rule.looks or (rule.grows and decided != k):
                 level.refill()
             if rule.mixes:
                 refuse_inequalities(level.levels)
-            if rule.looks:
-                if decided != k and has_inequalities(level.levels):  # otherwise any x has the same active rows
+            # Where the levels above leave off, unless it is known; the active rows of equalities are the same anywhere.
+            if decided != k and (rule.grows or (rule.looks and has_inequalities(level.levels))):
+                x = x_ref
+                if not level.satisfied_above(x):
                     stage = self._above[k].solve(level.above, x_ref)
                     yield stage
                     x = stage.x
+            if rule.looks:
                 J, own = project(level.levels, x, self.settings)
             vectors, singular = left_singular(J) if rule.looks else (J, NOTHING)
-            dampings[k] = damping = rule.damping(singular)
+            damping = rule.damping(singular)
+            if rule.grows:
+                damping = math.hypot(damping, rule.growth(singular) * level.lacking(x))
+                damping = 0.0 if damping < level.least_damping(self.settings) else min(damping, LARGEST)
+            dampings[k] = damping
             if damping < 1.0 / LARGEST:
                 continue  # strict, as the level stands
             if rule.mixes and own is not None and own.any():

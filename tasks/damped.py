@@ -30,7 +30,8 @@ class Damped(Stack):
     rule : float or DampingRule
         A number is the lambda of a :class:`hqp.FixedDamping`, in the unit of the weighted rows per unit of x: [m] or
         [1] for a task in [m] or [rad]. Else one of :class:`hqp.ManipulabilityDamping`,
-        :class:`hqp.SingularValueDamping`, :class:`hqp.NumericalFiltering`, or a rule of your own.
+        :class:`hqp.SingularValueDamping`, :class:`hqp.NumericalFiltering`, :class:`hqp.ErrorDamping`, whose bound is
+        that of the joint velocities which the level adds, or a rule of your own.
 
     Raises
     ------
@@ -39,8 +40,9 @@ class Damped(Stack):
 
     Notes
     -----
-    A controller solves a damped level with one solve more, two where the rule looks at singular values and limits are
-    above it; a lowest level costs none. What its damping costs the level is told by ``step.relaxed``. ``solve_ik``,
+    A controller solves a damped level with one solve more; one more still where the rule looks at singular values or
+    grows with the error, if the levels above ask for more than to stay within bounds that rest keeps. A lowest level
+    costs none. What its damping costs the level is told by ``step.relaxed``. ``solve_ik``,
     whose steps are bounded in a way of their own, takes the level and leaves its damping out.
     """
 

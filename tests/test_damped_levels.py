@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 import hqp
 from hqp import (
     DampingRule,
+    ErrorDamping,
     FixedDamping,
     Hierarchy,
     InvalidInput,
@@ -45,6 +46,8 @@ RULES = [
     ManipulabilityDamping(0.1, 0.2),
     SingularValueDamping(0.1, 0.3),
     NumericalFiltering(0.05, 0.2),
+    ErrorDamping(2.0),
+    ErrorDamping(2.0, 0.05),
 ]
 seeds = st.integers(0, 2**32 - 1)
 rules = st.sampled_from(RULES)
@@ -180,41 +183,56 @@ def test_numbers_that_mean_nothing_are_a_status():
 def test_no_singular_values_give_more_than_the_largest_gain(rule: DampingRule, seed):
     rng = np.random.default_rng(seed)
     values = np.sort(10.0 ** rng.uniform(-6, 0.5, rng.integers(1, 5)))[::-1]
-    factor = rule.damping(values)
+    lacking = 10.0 ** rng.uniform(-6, 2)
+    factor = np.hypot(rule.damping(values), rule.growth(values) * lacking)
     gain = (values / (values**2 + factor**2)).max()
     assert gain <= rule.largest_gain(len(values), values[0]) * (1 + 1e-12)
+    assert gain * lacking <= rule.largest_change(len(values), values[0], lacking) * (1 + 1e-12)
+    assert rule.largest_change(len(values), values[0], 0.0) == 0.0
 
 
 def test_the_largest_gain_of_a_fixed_damping_is_reached():
     assert FixedDamping(0.1).largest_gain(1, 1.0) == pytest.approx(0.1 / (0.1**2 + 0.1**2))
 
 
+def test_the_bound_of_damping_by_the_error_is_reached_and_never_passed():
+    for lacking in 1e-3, 1.0, 1e3:
+        weakest = Hierarchy([Level.equality([[lacking / 4.0, 0.0]], [lacking])])  # sigma = lambda
+        assert solve_regularised(weakest, {0: ErrorDamping(2.0)}).x == pytest.approx([2.0, 0.0])
+        assert ErrorDamping(2.0).largest_change(1, 1.0, lacking) == pytest.approx(2.0)
+        assert ErrorDamping(2.0, 0.1).largest_change(1, 1.0, lacking) < min(2.0, lacking / 0.2)
+
+
 @given(rule=rules, seed=seeds, spread=st.floats(-8, 0))
 @settings(max_examples=40)
 def test_what_a_damped_level_adds_is_bounded(rule, seed, spread):
-    """||x - x_a|| <= g ||r_a||, however close to singular the level is."""
+    """||x - x_a|| <= g ||r_a||, or b, however close to singular the level is."""
     rng = np.random.default_rng(seed)
     above = Level.equality(rng.standard_normal((2, 6)), rng.standard_normal(2))
     weak = np.linalg.qr(rng.standard_normal((2, 2)))[0] * [1.0, 10.0**spread] @ rng.standard_normal((2, 6))
     level = Level.equality(weak, rng.standard_normal(2))
     x_above = solve(Hierarchy([above])).x
     x = solve_regularised(Hierarchy([above, level]), {1: rule}).x
-    gain = rule.largest_gain(2, np.linalg.norm(weak, 2))
-    assert np.linalg.norm(x - x_above) <= gain * np.linalg.norm(weak @ x_above - level.lower) * (1 + 1e-9) + 1e-12
+    most = rule.largest_change(2, np.linalg.norm(weak, 2), np.linalg.norm(weak @ x_above - level.lower))
+    assert np.linalg.norm(x - x_above) <= most * (1 + 1e-9) + 1e-12
 
 
-@given(seed=seeds, spread=st.floats(-8, 0), factor=st.floats(0.01, 1.0))
-@settings(max_examples=40)
-def test_a_fixed_damping_bounds_among_inequalities_too(seed, spread, factor):
+@given(
+    seed=seeds,
+    spread=st.floats(-8, 0),
+    rule=st.builds(FixedDamping, st.floats(0.01, 1.0)) | st.builds(ErrorDamping, st.floats(0.01, 10.0)),
+)
+@settings(max_examples=60)
+def test_a_damping_that_does_not_look_bounds_among_inequalities_too(seed, spread, rule):
     rng = np.random.default_rng(seed)
     bounds = Level.bounds(*np.sort(rng.standard_normal((2, 5)), axis=0))
     above = Level(rng.standard_normal((2, 5)), *np.sort(rng.standard_normal((2, 2)), axis=0))
     weak = np.linalg.qr(rng.standard_normal((3, 3)))[0] * [1.0, 1.0, 10.0**spread] @ rng.standard_normal((3, 5))
     level = Level(weak, *np.sort(rng.standard_normal((2, 3)), axis=0))
     x_above = solve(Hierarchy([bounds, above])).x
-    x = solve_regularised(Hierarchy([bounds, above, level]), {2: factor}).x
+    x = solve_regularised(Hierarchy([bounds, above, level]), {2: rule}).x
     lacking = np.linalg.norm(weak @ x_above - np.clip(weak @ x_above, level.lower, level.upper))
-    assert np.linalg.norm(x - x_above) <= lacking / (2 * factor) * (1 + 1e-9) + 1e-9
+    assert np.linalg.norm(x - x_above) <= rule.largest_change(3, np.inf, lacking) * (1 + 1e-9) + 1e-9
 
 
 @pytest.mark.parametrize("rule", RULES, ids=lambda rule: type(rule).__name__)
@@ -228,8 +246,8 @@ def test_joint_speeds_through_a_singularity_keep_their_bound_and_the_error_is_to
     for k in range(300):
         step = controller(q, STILL, 5e-3 * k)
         J, h = controller.hierarchy.levels[0].A.copy(), controller.hierarchy.levels[0].lower.copy()
-        gain = rule.largest_gain(2, np.linalg.norm(J, 2))
-        assert np.linalg.norm(step.v) <= gain * np.linalg.norm(h) * (1 + 1e-9)
+        most = rule.largest_change(2, np.linalg.norm(J, 2), np.linalg.norm(h))
+        assert np.linalg.norm(step.v) <= most * (1 + 1e-9)
         told = step.relaxed[0].residual_norm
         moved = (ARM.pose(q + 1e-6 * step.v) - ARM.pose(q - 1e-6 * step.v))[:2] / 2e-6
         assert told == pytest.approx(np.linalg.norm(moved - h), abs=1e-6)

@@ -11,6 +11,7 @@ from numpy.linalg import pinv, solve
 import hqp
 from hqp import (
     DampingRule,
+    ErrorDamping,
     FixedDamping,
     Hierarchy,
     InvalidInput,
@@ -37,6 +38,8 @@ RULES = [
     SingularValueDamping(0.5, 1.0),
     NumericalFiltering(0.2, 0.7),
     NumericalFiltering(0.2, 0.7, 1.0),
+    ErrorDamping(2.0),
+    ErrorDamping(2.0, 0.3),
 ]
 
 
@@ -130,6 +133,74 @@ def test_numerical_filtering_is_the_closed_form(backend, seed, factor, extra, we
 
     close(solution.x, tasks.second_damped(metric))
     assert solution.certify().ok
+
+
+@backends
+@given(seed=seeds, bound=factors, least=st.sampled_from([0.0, 0.2]), weighted=st.booleans())
+@settings(max_examples=20)
+def test_damping_by_the_error_is_the_closed_form_of_levenberg_and_marquardt(backend, seed, bound, least, weighted):
+    tasks = Tasks(seed, weighted)
+    (J1, J2, _), (r1, r2, _) = tasks.J, tasks.r
+    above = tasks.x_ref + pinv(J1) @ (r1 - J1 @ tasks.x_ref)
+    damping = np.hypot(least, np.linalg.norm(r2 - J2 @ above) / (2 * bound))
+    rule = ErrorDamping(bound, least)
+    solution = solve_regularised(tasks.hierarchy, {1: rule}, backend=backend, x_ref=tasks.x_ref)
+    assert solution.relaxed[0].damping == pytest.approx(damping)
+    close(solution.x, tasks.second_damped(lambda J: damping**2 * np.eye(3)))
+    assert solution.certify().ok
+    (r,) = tasks.r[:1]
+    alone = solve_regularised(Hierarchy(tasks.hierarchy.levels[:1]), {0: rule}, backend=backend)
+    damping = np.hypot(least, np.linalg.norm(r) / (2 * bound))
+    close(alone.x, J1.T @ solve(J1 @ J1.T + damping**2 * np.eye(2), r))
+
+
+@given(seed=seeds)
+def test_damping_by_the_error_counts_from_where_damped_and_limited_levels_leave_off(seed):
+    tasks = Tasks(seed)
+    limits = Level.bounds(np.full(8, -0.3), np.full(8, 0.3))
+    levels = [limits, *tasks.hierarchy.levels]
+    solution = solve_regularised(Hierarchy(levels), {1: 0.5, 2: ErrorDamping(2.0), 3: ErrorDamping(3.0)})
+    for k, bound in (2, 2.0), (3, 3.0):
+        above = solve_regularised(Hierarchy(levels[:k]), {1: 0.5, 2: ErrorDamping(2.0)} if k > 2 else {1: 0.5}).x
+        lacking = np.linalg.norm(levels[k].A @ above - levels[k].lower)
+        assert solution.dampings[k] == pytest.approx(lacking / (2 * bound), rel=1e-6)
+    assert solution.certify().ok
+
+
+@given(seed=seeds, size=st.floats(-16, 1), spread=st.floats(-16, 0), bound=factors)
+def test_as_error_and_singular_value_go_to_zero_together_x_does_not_blow_up(seed, size, spread, bound):
+    rng = np.random.default_rng(seed)
+    left, right = (np.linalg.qr(rng.standard_normal((n, 2)))[0] for n in (2, 5))
+    r = 10.0**size * rng.standard_normal(2)
+    level = Level.equality(left * [1.0, 10.0**spread] @ right.T, r)
+    solution = solve_regularised(Hierarchy([level]), {0: ErrorDamping(bound)})
+    assert solution.ok
+    assert np.linalg.norm(solution.x) <= bound * (1 + 1e-6)
+
+
+@given(seed=seeds)
+def test_where_next_to_nothing_is_lacking_damping_by_the_error_costs_next_to_nothing(seed):
+    """The damping falls with the error, and what it costs with the cube."""
+    tasks = Tasks(seed)
+    (J, _, _), (r, _, _) = tasks.J, tasks.r
+    for size in 1.0, 1e-2, 1e-4, 0.0:
+        relaxed = solve_regularised(Hierarchy([Level.equality(J, size * r)]), {0: ErrorDamping(1.0)}).relaxed[0]
+        strongest = 1.0 / np.linalg.svd(J)[1][-1]
+        assert relaxed.damping == pytest.approx(0.5 * size * np.linalg.norm(r))
+        assert relaxed.excess <= relaxed.damping**2 * strongest**2 * size * np.linalg.norm(r) + 1e-12
+
+
+def test_a_rule_may_look_and_grow():
+    class Weak(SingularValueDamping):
+        grows = True
+
+        def growth(self, singular):
+            return 1.0 if singular[-1] < self.threshold else 0.0
+
+    h = Hierarchy([Level.equality([[1.0, 0.0], [0.0, 0.1]], [3.0, 4.0])])
+    for threshold, damping in (0.2, np.sqrt(0.03 * 0.75 + 25.0)), (0.05, 0.0):
+        rule = Weak(np.sqrt(0.03), threshold)
+        assert solve_regularised(h, {0: rule}).dampings[0] == pytest.approx(damping)
 
 
 @given(seed=seeds)
@@ -373,6 +444,14 @@ def test_rules_refuse_what_is_no_positive_number(wrong):
         lambda: ManipulabilityDamping(wrong, 1.0),
         lambda: SingularValueDamping(wrong, 1.0),
         lambda: NumericalFiltering(1.0, wrong),
+        lambda: ErrorDamping(wrong),
     ):
-        with pytest.raises(InvalidInput, match=r"(Damping|Filtering): (factor|largest|extra)"):
+        with pytest.raises(InvalidInput, match=r"(Damping|Filtering): (factor|largest|extra|bound)"):
             make()
+
+
+@pytest.mark.parametrize("wrong", [-1.0, np.nan, np.inf, "1", False, [0.0]])
+def test_a_least_damping_may_be_zero_and_nothing_else_that_is_not_positive(wrong):
+    assert ErrorDamping(1.0) == ErrorDamping(1.0, 0) == ErrorDamping(bound=1.0, least=0.0)
+    with pytest.raises(InvalidInput, match="ErrorDamping: least"):
+        ErrorDamping(1.0, wrong)

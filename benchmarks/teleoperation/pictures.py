@@ -19,6 +19,8 @@ STYLES = {
     "hqp damped": ("#56b4e9", "-"),
     "hqp braked": ("#000000", "-"),
     "hqp both": ("#332288", "-"),
+    "hqp error": ("#cc3311", "-"),
+    "hqp error braked": ("#117733", "-"),
     "pink daqp": ("#d55e00", "--"),
     "pink proxqp": ("#e69f00", "--"),
     "pink daqp lm": ("#cc79a7", "--"),
@@ -28,7 +30,7 @@ STYLES = {
     "mink daqp lm": ("#7f7f7f", ":"),
 }
 #: Below this, errors are not told apart [mm]; panels of joint velocities side by side.
-LEAST, COLUMNS = 0.1, 4
+LEAST, COLUMNS = 0.1, 5
 _STYLE = {
     "font.size": 8,
     "axes.titlesize": 8,
@@ -46,7 +48,7 @@ def draw(path: Path, stream: Stream, runs: Sequence[Run], tracking: Mapping[str,
     t, joint = stream.scene.dt * np.arange(len(stream)), _restless(runs)
     rows = -(-len(runs) // COLUMNS)
     with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=(8.5, 2.4 + 0.95 * rows), layout="constrained")
+        figure = Figure(figsize=(9.5, 2.4 + 0.95 * rows), layout="constrained")
         grid = figure.add_gridspec(1 + rows, COLUMNS, height_ratios=[2.2, *[1.0] * rows])
         above = figure.add_subplot(grid[0, :])
         above.set_title(f"{stream.scene.name}: hand off by more than it has to be [mm]")

@@ -8,6 +8,8 @@ from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
+from hqp import ErrorDamping
+
 from ..ticks.driver import Driver
 from ..ticks.ours import Ours
 from ..ticks.scenes import Goal
@@ -15,6 +17,12 @@ from ..ticks.stream import Stream
 
 #: The joint acceleration that those keep which brake [rad/s^2].
 ACCELERATION = 15.0
+#: At this gain a bound of 10 rad/s is, for the position, the lm_damping of the others.
+BY_ERROR = {
+    "position": ErrorDamping(10.0, 0.02),
+    "orientation": ErrorDamping(3.0, 0.1),
+    "posture": ErrorDamping(0.3),
+}
 
 
 @dataclass(frozen=True)
@@ -94,6 +102,8 @@ SETUPS: tuple[Own | Peer, ...] = (
     Own("hqp damped", {"damping": {"position": 0.2, "orientation": 1.0}}),
     Own("hqp braked", {"acceleration": ACCELERATION}),
     Own("hqp both", {"acceleration": ACCELERATION, "damping": {"position": 0.1, "orientation": 0.3}}),
+    Own("hqp error", {"damping": BY_ERROR}),
+    Own("hqp error braked", {"acceleration": ACCELERATION, "damping": BY_ERROR}),
     Peer("pink", "daqp"),
     Peer("pink", "proxqp"),
     Peer("pink", "daqp", "lm", lm=1.0, options={"safety_break": False}),

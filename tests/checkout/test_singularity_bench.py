@@ -19,6 +19,8 @@ def test_what_the_bench_is_to_show(tmp_path: Path):
     for name in "fixed damping", "fixed, limits", "by singular value", "filtering", "Chiaverini":
         assert runs[name].jump < 0.5
     assert runs["fixed damping"].speed < 3.0
+    assert runs["by error"].speed < FASTEST * 2**0.5  # two levels, each by its bound, and square to each other
+    assert runs["by error"].errors("position")[-1] < 0.3 * runs["fixed damping"].errors("position")[-1]
     assert set(runs["fixed damping"].reported) == {"position", "orientation"}
     for each in runs.values():
         assert each.record.certified == each.record.checked
