@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from ..sweep.cell import STARTS
-from ..tables import Row, terminal
+from ..tables import Row, show, terminal
 from .metrics import METRICS, entrants, of_entrant, ratios
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def summary(printer: Console, store: Store) -> None:
     rows = store.table()
     problems = rows.drop_duplicates(["family", "seed", "draw"])
     title = f"{store.plan.name}: {len(problems)} problems of {problems['family'].nunique()} families"
-    printer.print(terminal(title, overview(rows, _BRIEFLY)))
+    show(printer, terminal(title, overview(rows, _BRIEFLY)))
     printer.print(
         f"cold, warm: time over that of {YARDSTICK[0]} on the same problem, median; us: median of the times\n"
         "certified, silent (wrong, but claimed), late (over 1 ms): % of the answers; gap: the largest"
