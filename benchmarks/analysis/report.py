@@ -29,13 +29,14 @@ def report(store: Store, page: Path, images: Path) -> list[Path]:
     for name, path in drawn.items():
         FIGURES[name](rows, path)
     pictures = {name: path.relative_to(page.parent).as_posix() for name, path in drawn.items()}
-    problems = rows.drop_duplicates(["family", "seed", "draw"])
+    problems, missing = rows.drop_duplicates(["family", "seed", "draw"]), len(store.missing())
     parts = [
         "# Benchmark results",
         "<!-- written by python -m benchmarks report -->",
         f"Plan `{store.plan.name}`: {store.plan.about}. {len(problems)} problems of {problems['family'].nunique()}"
         f" families, {len(rows)} answers, every one put to the certificate. What families and columns are, how it is"
         " measured, and what it means: [benchmarks.md](benchmarks.md).",
+        *([f"**Not finished:** {missing} of {len(store.plan.cells())} cells are missing."] if missing else []),
         _measured_by(store),
         "## All families",
         _setting(rows),

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
 import pandas as pd
 
 from ..sweep.cell import STARTS
@@ -41,8 +40,11 @@ def overview(rows: pd.DataFrame, metrics: Sequence[str] = _TOLD) -> list[Row]:
 
 def ratio(values: pd.Series) -> str:
     """Their median, or nothing where there is none."""
-    middle = values.median()
-    return "" if np.isnan(middle) else f"{middle:.{0 if middle >= 100 else 1 if middle >= 10 else 2}f}"
+    known = values.dropna()
+    if known.empty:
+        return ""
+    middle = known.median()
+    return f"{middle:.{0 if middle >= 100 else 1 if middle >= 10 else 2}f}"
 
 
 def summary(printer: Console, store: Store) -> None:

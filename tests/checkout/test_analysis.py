@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import shutil
 import subprocess
 import sys
 from importlib.util import find_spec
@@ -21,6 +22,7 @@ from benchmarks.analysis.figures import FIGURES, best_others
 from benchmarks.analysis.growth import growth
 from benchmarks.analysis.metrics import METRICS, PENALTY, SHIFT, ratios, share, shifted_geometric_mean
 from benchmarks.analysis.profiles import profiles
+from benchmarks.analysis.report import report
 from benchmarks.analysis.shortfalls import shortfalls
 from benchmarks.analysis.summary import YARDSTICK, overview
 from benchmarks.sweep.judge import WRONG, judge
@@ -314,6 +316,16 @@ def test_an_odd_run_becomes_a_page_too(odd: Path, tmp_path: Path) -> None:
     refused(run("plot", str(odd), "tails", "-o", str(tmp_path / "t.png")), "families whose first level can be met")
     done = run("compare", str(odd), str(odd))
     assert "0 of 0 times changed beyond noise" in done.stdout
+
+
+def test_a_page_of_an_unfinished_run_says_so(small: Path, tmp_path: Path) -> None:
+    shutil.copytree(small, tmp_path / "run")
+    page = tmp_path / "page.md"
+    for gone, told in ((0, False), (5, True)):
+        for file in sorted((tmp_path / "run" / "cells").iterdir())[:gone]:
+            file.unlink()
+        report(Store.open(tmp_path / "run"), page, tmp_path)
+        assert ("**Not finished:** 5 of 6 cells are missing." in page.read_text()) == told
 
 
 def test_what_is_exported_has_every_digit(odd: Path, tmp_path: Path) -> None:
