@@ -14,7 +14,7 @@ from tasks._terminal import console
 from .families import Family, moved
 from .families.control import CONTROL
 from .registry import select
-from .tables import Row, terminal
+from .tables import Row, show, terminal
 from .timing import timed
 
 #: How far the targets move since the problems just solved, and how often all is repeated.
@@ -33,7 +33,7 @@ def batch(
     """Race batches, warm after the targets have moved by 2 %, against as many single warm calls."""
     rows = [row for f in select(family, CONTROL, "family") for row in compare(f, count, threads or [1, 2])]
     printer = console(110)
-    printer.print(terminal(f"{count} hierarchies, warm, targets moved by {100 * SHARE:g} %", rows, group="problem"))
+    show(printer, terminal(f"{count} hierarchies, warm, targets moved by {100 * SHARE:g} %", rows, group="problem"))
     printer.print(
         f"us: a hierarchy, median of {REPETITIONS} runs over all; ratio: to a loop over single warm calls, each by a"
         " solver of its own\nproved: certified, and the same to the last bit whatever the number of threads"

@@ -10,8 +10,9 @@ import typer
 from hqp import InvalidInput
 from tasks._terminal import console
 
+from .extra import required_packages
 from .sweep.plans import PLANS
-from .tables import Row, terminal
+from .tables import Row, show, terminal
 
 
 def compare(
@@ -22,6 +23,7 @@ def compare(
     everything: Annotated[bool, typer.Option("--all", help="Show times that did not change, too.")] = False,
 ) -> None:
     """Compare two runs, or the library at two commits, which are measured first, by the benchmarks of now."""
+    required_packages()
     from .analysis.comparison import ROUND_OFF, UNSTEADY, answers, changes, differences, paired
     from .sweep.store import Store
 
@@ -37,7 +39,7 @@ def compare(
     if unequal:
         told = ", ".join(f"{name} in {number}" for name, number in unequal.items())
         printer.print(f"answers that are not the same: {told}", soft_wrap=True)
-        printer.print(terminal("what they are worth, where some are not the same", answers(pairs)))
+        show(printer, terminal("what they are worth, where some are not the same", answers(pairs)))
     else:
         printer.print(f"all answers are the same, to {ROUND_OFF:g}")
     times = changes(pairs, by)
@@ -57,7 +59,7 @@ def compare(
         if everything or change.real
     ]
     if shown:
-        printer.print(terminal("times after over before, the drift of the machine taken out", shown))
+        show(printer, terminal("times after over before, the drift of the machine taken out", shown))
     drifts = [change.drift for change in times]
     if drifts and max(*drifts, 1.0 / min(drifts)) > 1.0 + UNSTEADY:
         printer.print(

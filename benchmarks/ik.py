@@ -6,7 +6,7 @@ import gc
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 import typer
@@ -18,10 +18,12 @@ from tasks import load_robot
 from tasks._checks import writable
 from tasks._terminal import console
 from tasks.cli.command import path
-from tasks.robots.pinocchio import PinocchioRobot
 
 from .ik_methods import METHODS, TOLERANCE, Method, Outcome, Target, missing
-from .tables import Row, save, terminal
+from .tables import Row, save, show, terminal
+
+if TYPE_CHECKING:
+    from tasks.robots.pinocchio import PinocchioRobot
 
 #: The robots, and the joints of theirs that are held.
 MACHINES: dict[str, tuple[str, ...]] = {"panda": ("panda_finger_joint1",), "ur5": ()}
@@ -68,7 +70,7 @@ def ik(
                 timed = measure(methods, targets, most, lambda bar=bar: progress.advance(bar))
                 here += [row(name, most, method, timed[method]) for method in methods]
             rows += here
-            printer.print(terminal(f"{name}: {count} poses in reach, from {start}", here, group="budget"))
+            show(printer, terminal(f"{name}: {count} poses in reach, from {start}", here, group="budget"))
             if out is not None:
                 save(out, rows)
     printer.print(

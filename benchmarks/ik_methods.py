@@ -15,7 +15,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,8 +23,10 @@ from hqp.arrays import Array
 from tasks import OrientationTask, PoseTask, PositionTask, PostureTask, Stack, solve_ik
 from tasks.inverse_kinematics import CANDIDATES, FALL, PATIENCE
 from tasks.robots.library import ROBOTS, data_folder
-from tasks.robots.pinocchio import PinocchioRobot
 from tasks.rotations import log
+
+if TYPE_CHECKING:
+    from tasks.robots.pinocchio import PinocchioRobot
 
 #: When a pose counts as reached [m], [rad].
 TOLERANCE = (1e-4, 1e-3)

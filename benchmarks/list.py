@@ -6,15 +6,17 @@ from importlib.util import find_spec
 
 from tasks._terminal import console
 
+from .extra import required_packages
 from .families import FAMILIES
 from .methods import METHODS
 from .settings import SETTINGS
 from .sweep.plans import PLANS
-from .tables import terminal
+from .tables import show, terminal
 
 
 def list_() -> None:
     """List everything that a run can be made of, and what it tells."""
+    required_packages()
     from .analysis.metrics import METRICS
     from .sweep.schema import COLUMNS
 
@@ -34,4 +36,4 @@ def list_() -> None:
         ("metrics", {metric.name: metric.about for metric in METRICS.values()}),
         ("columns of the results", {name: about for name, (_, about) in COLUMNS.items()}),
     ):
-        printer.print(terminal(title, [{"name": name, "about": text} for name, text in about.items()]))
+        show(printer, terminal(title, [{"name": name, "about": text} for name, text in about.items()]))

@@ -12,6 +12,8 @@ from tasks._checks import writable
 from tasks._terminal import console
 from tasks.cli.command import path
 
+from .extra import required_packages
+
 Run = Annotated[Path, typer.Argument(help="The folder of a run.", metavar="RUN", parser=path)]
 
 
@@ -22,6 +24,7 @@ def report(
     ] = Path("out/benchmarks/report/benchmark-results.md"),
 ) -> None:
     """Write a run as a Markdown page with figures."""
+    required_packages()
     from .analysis.report import report as write
     from .sweep.store import Store
 
@@ -42,6 +45,7 @@ def plot(
     out: Annotated[Path, typer.Option("--out", "-o", help="A PNG, PDF or SVG file.", parser=path)] = Path("plot.png"),
 ) -> None:
     """Draw one figure of a run."""
+    required_packages()
     from .analysis.figures import FIGURES
     from .sweep.store import Store
 
@@ -59,6 +63,7 @@ def export(
     out: Annotated[Path, typer.Argument(help="A CSV or Parquet file.", metavar="FILE", parser=path)],
 ) -> None:
     """Write all rows of a run into one file."""
+    required_packages()
     from .sweep.store import Store
 
     if out.suffix not in (".csv", ".parquet"):
@@ -66,6 +71,6 @@ def export(
     rows = Store.open(run).table()
     writable(out.parent, [out.name])
     if out.suffix == ".csv":
-        rows.to_csv(out, index=False)
+        rows.assign(gaps=[" ".join(map(repr, map(float, gaps))) for gaps in rows["gaps"]]).to_csv(out, index=False)
     else:
         rows.to_parquet(out, index=False)

@@ -16,6 +16,7 @@ from tasks._checks import writable
 from tasks._terminal import console
 from tasks.cli.command import path
 
+from .extra import required_packages
 from .sweep.plans import PLANS
 
 _INCOMPLETE = 1
@@ -45,6 +46,7 @@ def run(
 
     Exit code 1 if a cell could not be measured.
     """
+    required_packages()
     from .analysis.summary import summary
     from .sweep.store import Store, place
     from .sweep.workers import Failed
@@ -74,7 +76,8 @@ def run(
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    screen = Console(stderr=True)
+    with Progress(*columns, console=screen, transient=True, disable=not screen.is_terminal) as progress:
         bar = progress.add_task("cells", total=everything, completed=everything - len(missing))
         for cell, result in _worked(resolved, missing, jobs, dask):
             if isinstance(result, Failed):

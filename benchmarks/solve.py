@@ -20,7 +20,7 @@ from .methods import METHODS, required
 from .race import COLD, FEW, REPETITIONS, race, raced
 from .ratios import table, yardstick
 from .registry import select
-from .tables import Row, save, terminal
+from .tables import Row, save, show, terminal
 
 #: How far the targets move between two ticks, as a share of their standard deviation.
 SHARES = (0.0, 0.02, 0.1)
@@ -65,7 +65,7 @@ def solve(
             rows += here
             to = yardstick(timings)
             title = f"{f.name}: {f.about}" + (f"; ratios to {to}" if to else "")
-            printer.print(terminal(title, here, group="start"))
+            show(printer, terminal(title, here, group="start"))
             if out is not None:
                 save(out, rows)
     printer.print(

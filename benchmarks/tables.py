@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from rich.box import SIMPLE_HEAD
+from rich.console import Console
 from rich.table import Table
 
 #: One row: what stands under each column.
@@ -25,6 +26,15 @@ def terminal(title: str, rows: Sequence[Row], *, group: str = "") -> Table:
         last = bool(group) and row[group] != following.get(group)
         table.add_row(*(row[column] for column in columns), end_section=last)
     return table
+
+
+def show(printer: Console, table: Table) -> None:
+    """Print a table whole: where the terminal is narrower, its lines go on below, and no number is cut."""
+    given = printer.width
+    if all(column.no_wrap for column in table.columns):
+        printer.width = max(given, printer.measure(table, options=printer.options.update(width=1000)).maximum)
+    printer.print(table)
+    printer.width = given
 
 
 def markdown(rows: Sequence[Row]) -> str:

@@ -21,7 +21,6 @@ from .tables import Row, save, terminal
 from .ticks.driver import Driver
 from .ticks.interleaved import EVERY, SLACK, measure, table
 from .ticks.ours import Ours
-from .ticks.redundancy import costs
 from .ticks.scenes import SCENES, Scene
 from .ticks.stream import Stream, record
 from .ticks.with_placo import Placo, check_placo
@@ -61,6 +60,8 @@ def tick(
             if out is not None:
                 save(out, rows)
     if not scene:
+        from .ticks.redundancy import costs
+
         printer.print(terminal("what else the joints are used for: a Panda, this library alone", costs(ticks)))
     printer.print(
         f"us: whole ticks, targets set, {rounds} x {ticks}; to: ratio of medians, to the fastest of that library\n"

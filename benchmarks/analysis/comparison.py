@@ -4,8 +4,10 @@ Answers are compared one by one: but for times, two runs of the same sources are
 where its memory lies, so numbers, which are relative to the size of a problem, are equal to `ROUND_OFF`.
 
 Times are compared problem by problem, and what a machine does to all methods alike, its drift, is taken out: the median
-of what the other methods say. A change counts where it is larger than `LEAST` and than the noise: the 99.9 % interval
-of its median, together with the spread of what the others say about the drift.
+of what the other methods say. A change counts where it is larger than `LEAST` and than the noise: a 99.9 % interval,
+of three errors that do not know of each other. The median's own, what those of the other methods have, typically, and
+by how much the other methods disagree about the drift, as this one may without having changed. Of few others that is
+known roughly, and so is the interval.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from hqp.arrays import Array
 
@@ -25,7 +28,8 @@ from .metrics import ENTRANT, METRICS
 LEAST, FEWEST = 0.05, 6
 #: A drift of the machine that is worth a word.
 UNSTEADY = 0.15
-#: A standard deviation over the MAD; a median's standard error over MAD / sqrt(n); half of a 99.9 % interval over it.
+#: A standard deviation over the MAD; a median's standard error over MAD / sqrt(n); half of a 99.9 % interval over
+#: either.
 _NORMAL, _ERROR, _SURE = 1.4826, 1.4826 * 1.2533, 3.29
 #: What an answer is; and from where on two numbers of it differ.
 ROUND_OFF = 1e-9
@@ -70,17 +74,22 @@ def paired(before: pd.DataFrame, after: pd.DataFrame) -> pd.DataFrame:
 
 def differences(pairs: pd.DataFrame) -> dict[str, int]:
     """Column -> in how many rows it differs, of all that is no time."""
-    return {
-        name: number
-        for name in ANSWERS
-        if (number := sum(not _same(a, b) for a, b in zip(pairs[name], pairs[f"{name} after"], strict=True)))
-    }
+    unequal = {name: ~_same(pairs[name], pairs[f"{name} after"]) for name in ANSWERS}
+    return {name: int(rows.sum()) for name, rows in unequal.items() if rows.any()}
 
 
-def _same(a: Any, b: Any) -> bool:
-    if isinstance(a, float | np.ndarray):
-        return np.shape(a) == np.shape(b) and np.allclose(a, b, rtol=0.0, atol=ROUND_OFF, equal_nan=True)
-    return bool(a == b)
+def _same(before: pd.Series, after: pd.Series) -> NDArray[np.bool_]:
+    """Where they are the same, numbers to `ROUND_OFF`."""
+    if before.name == "gaps":  # a list a row, or None
+        return np.array([_close(a, b).all() for a, b in zip(before, after, strict=True)], dtype=bool)
+    if before.dtype == float:
+        return _close(before, after)
+    return np.asarray(before == after, dtype=bool)
+
+
+def _close(a: Any, b: Any) -> NDArray[np.bool_]:
+    a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
+    return np.isclose(a, b, rtol=0.0, atol=ROUND_OFF, equal_nan=True) if a.shape == b.shape else np.array(False)
 
 
 def answers(pairs: pd.DataFrame) -> list[Row]:
@@ -104,9 +113,10 @@ def changes(pairs: pd.DataFrame, by: str) -> list[Change]:
         for (method, setting), own in each.items():
             if len(own) < FEWEST:
                 continue
-            others = np.array([np.median(values) for key, values in each.items() if key[0] != method])
-            drift, middle = float(np.median(others)) if len(others) else 0.0, float(np.median(own))
-            noise = np.hypot(_SURE * _ERROR * _mad(own) / np.sqrt(len(own)), _NORMAL * _mad(others))
+            others = [values for key, values in each.items() if key[0] != method]
+            medians, errors = ([of(values) for values in others] or [0.0] for of in (np.median, _error))
+            drift, middle = float(np.median(medians)), float(np.median(own))
+            noise = _SURE * np.linalg.norm([_error(own), np.median(errors), _NORMAL * _mad(np.array(medians))])
             numbers = map(float, np.exp([middle - drift, drift, noise]))
             found.append(Change(where, method, setting, start, len(own), *numbers))
     return found
@@ -114,4 +124,9 @@ def changes(pairs: pd.DataFrame, by: str) -> list[Change]:
 
 def _mad(values: Array) -> float:
     """Median of the absolute distances from the median."""
-    return float(np.median(np.abs(values - np.median(values)))) if len(values) else 0.0
+    return float(np.median(np.abs(values - np.median(values))))
+
+
+def _error(values: Array) -> float:
+    """Standard error of their median."""
+    return _ERROR * _mad(values) / np.sqrt(len(values))

@@ -13,6 +13,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from hqp import InvalidInput
+
 from ..families import FAMILIES
 from ..sweep.cell import STARTS
 from .growth import CURVES, Growth, growth
@@ -37,7 +39,8 @@ class Styles:
         if method == YARDSTICK[0]:
             return {"color": _FIRST, "ls": "-", "lw": 2.2, "zorder": 5}
         number = self.names.index(method)
-        return {"color": _COLOURS[number % len(_COLOURS)], "ls": _LINES[number // len(_COLOURS)], "lw": 1.2}
+        again, colour = divmod(number, len(_COLOURS))
+        return {"color": _COLOURS[colour], "ls": _LINES[again % len(_LINES)], "lw": 1.2}
 
     def marker(self, method: str) -> dict[str, Any]:
         """The same for a point."""
@@ -47,7 +50,7 @@ class Styles:
 
 def draw_profiles(rows: pd.DataFrame, path: Path) -> None:
     """Who is within which factor of the fastest, on which share of the problems: certified answers, cold and warm."""
-    rows, styles = rows[rows["setting"] == YARDSTICK[1]], Styles(rows)
+    rows, styles = tight(rows), Styles(rows)
     parts = {"first level feasible": controllable(rows), "all families": general(rows)}
     with _figure(path, (10.0, 6.8), 2, 2) as (figure, grid):
         for axes, (what, start) in zip(grid.flat, product(parts, STARTS), strict=True):
@@ -63,7 +66,9 @@ def draw_profiles(rows: pd.DataFrame, path: Path) -> None:
 
 def draw_growth(rows: pd.DataFrame, path: Path) -> None:
     """Time over unknowns, levels and rows, with exponents: the native solver, the two best others, and the rest."""
-    curves, styles = growth(rows[rows["setting"] == YARDSTICK[1]]), Styles(rows)
+    curves, styles = growth(tight(rows)), Styles(rows)
+    if not curves:
+        raise InvalidInput("no growth curve has three points; families of the group 'size' make them")
     with _figure(path, (11.0, 6.4), len(STARTS), len(CURVES)) as (_, grid):
         for line, start in zip(grid, STARTS, strict=True):
             for axes, (curve, what) in zip(line, CURVES.items(), strict=True):
@@ -109,10 +114,12 @@ def draw_accuracy(rows: pd.DataFrame, path: Path) -> None:
 
 def draw_tails(rows: pd.DataFrame, path: Path) -> None:
     """How many problems take longer than so long: the shortest rounds, which are the problem's, not the machine's."""
-    rows, styles = rows[rows["setting"] == YARDSTICK[1]], Styles(rows)
+    rows, styles = controllable(tight(rows)), Styles(rows)
+    if rows.empty:
+        raise InvalidInput("tails are those of families whose first level can be met; there is none in the run")
     with _figure(path, (10.0, 4.2), 1, 2) as (figure, grid):
         for axes, start in zip(grid[0], STARTS, strict=True):
-            here = controllable(rows[rows["start"] == start])
+            here = rows[rows["start"] == start]
             for method, setting in entrants(here):
                 seconds = np.sort(of_entrant(here, method, setting)["seconds"].to_numpy())
                 longer = 1.0 - np.arange(len(seconds)) / len(seconds)
@@ -134,6 +141,20 @@ FIGURES: dict[str, Callable[[pd.DataFrame, Path], None]] = {
 }
 
 
+def tight(rows: pd.DataFrame) -> pd.DataFrame:
+    """The rows at the setting at which methods are compared.
+
+    Raises
+    ------
+    InvalidInput
+        If there are none.
+    """
+    found = rows[rows["setting"] == YARDSTICK[1]]
+    if found.empty:
+        raise InvalidInput(f"the run has no answer at the setting {YARDSTICK[1]!r}, at which methods are compared")
+    return found
+
+
 def controllable(rows: pd.DataFrame) -> pd.DataFrame:
     """The families whose first level can be met, as in a controller, and those who take them all."""
     feasible = [key for key in rows["family"].cat.categories if FAMILIES[key].feasible]
@@ -144,7 +165,8 @@ def general(rows: pd.DataFrame) -> pd.DataFrame:
     """Without the methods that took part in some of the families only: they would have other problems."""
     families = rows.groupby(ENTRANT, observed=True)["family"].nunique()
     here = set(families.index[families == families.max()])
-    return rows[[key in here for key in zip(rows["method"], rows["setting"], strict=True)]]
+    mine = [key in here for key in zip(rows["method"], rows["setting"], strict=True)]
+    return rows[np.array(mine, dtype=bool)]
 
 
 @contextmanager

@@ -10,6 +10,8 @@ import pandas as pd
 
 #: A tick of a controller at 1 kHz [s], what an answer that is wrong or missing counts as in a mean, and its shift.
 DEADLINE, PENALTY, SHIFT = 1e-3, 1e-2, 1e-5
+#: What names one problem, and one entrant.
+PROBLEM, ENTRANT = ["family", "seed", "draw"], ["method", "setting"]
 #: Rows that a quantile of 99.9 % needs to mean anything.
 THOUSAND = 1000
 
@@ -69,7 +71,7 @@ def _quantile(share: float, least: int) -> Callable[[pd.DataFrame], float]:
 METRICS: dict[str, Metric] = {
     metric.name: metric
     for metric in (
-        Metric("problems", "how many were solved", "1", lambda rows: float(len(rows))),
+        Metric("problems", "how many were given", "1", lambda rows: float(len(rows[PROBLEM].drop_duplicates()))),
         Metric("certified", "answers that the certificate accepts", "%", lambda rows: float(rows["certified"].mean())),
         Metric(
             "silent",
@@ -101,9 +103,6 @@ METRICS: dict[str, Metric] = {
         Metric("iterations", "median, as the method counts", "1", lambda rows: float(rows["iterations"].median())),
     )
 }
-
-#: What names one problem, and one entrant.
-PROBLEM, ENTRANT = ["family", "seed", "draw"], ["method", "setting"]
 
 
 def entrants(rows: pd.DataFrame) -> list[tuple[str, str]]:

@@ -11,49 +11,54 @@ from ..settings import SETTINGS
 from ..sweep.cell import STARTS
 from ..sweep.store import Store
 from ..tables import Row, markdown
-from .figures import FIGURES, best_others, controllable
+from .figures import FIGURES, best_others, controllable, tight
 from .growth import CURVES, growth
 from .metrics import METRICS, entrants, of_entrant, ratios, share
 from .shortfalls import shortfalls
 from .summary import YARDSTICK, overview, ratio
 
-_TAILS = ("problems", "median", "p99", "p99.9", "worst", "late", "spread")
+_TOLD = ("problems", "median", "p99", "p99.9", "worst", "late", "spread")
 
 
 def report(store: Store, page: Path, images: Path) -> list[Path]:
     """Write the page, and its figures to the folder `images`; the files."""
     rows = store.table()
-    tight = rows[rows["setting"] == YARDSTICK[1]]
-    drawn = {name: images / f"benchmark-{name}.png" for name in FIGURES if name != "growth" or growth(tight)}
+    chosen = tight(rows)
+    lacking = {"growth": not growth(chosen), "tails": controllable(chosen).empty}
+    drawn = {name: images / f"benchmark-{name}.png" for name in FIGURES if not lacking.get(name)}
     for name, path in drawn.items():
         FIGURES[name](rows, path)
     pictures = {name: path.relative_to(page.parent).as_posix() for name, path in drawn.items()}
-    problems = rows.drop_duplicates(["family", "seed", "draw"])
+    problems, missing = rows.drop_duplicates(["family", "seed", "draw"]), len(store.missing())
     parts = [
         "# Benchmark results",
         "<!-- written by python -m benchmarks report -->",
         f"Plan `{store.plan.name}`: {store.plan.about}. {len(problems)} problems of {problems['family'].nunique()}"
         f" families, {len(rows)} answers, every one put to the certificate. What families and columns are, how it is"
         " measured, and what it means: [benchmarks.md](benchmarks.md).",
+        *([f"**Not finished:** {missing} of {len(store.plan.cells())} cells are missing."] if missing else []),
         _measured_by(store),
         "## All families",
         _setting(rows),
         f"![Performance profiles]({pictures['profiles']})",
         f"![Error against time]({pictures['accuracy']})",
         "## By group",
-        *_groups(tight),
-        "## Tails",
-        "Over the families whose first level can be met, warm. The times are those of the shortest rounds: what a"
-        " problem costs. What the machine adds, the spread tells: the slowest round over the fastest, median.",
-        markdown(_tails(tight)),
-        f"![Tails]({pictures['tails']})",
+        *_groups(chosen),
     ]
+    if "tails" in pictures:
+        parts += ["## Tails", _TAILS, markdown(_tails(chosen)), f"![Tails]({pictures['tails']})"]
     if "growth" in pictures:
-        parts += ["## Growth", _GROWTH, markdown(_exponents(tight)), f"![Growth]({pictures['growth']})"]
-    parts += ["## Where native is not best", *_shortfalls(rows)]
+        parts += ["## Growth", _GROWTH, markdown(_exponents(chosen)), f"![Growth]({pictures['growth']})"]
+    if not of_entrant(rows, *YARDSTICK).empty:
+        parts += ["## Where native is not best", *_shortfalls(rows)]
     page.write_text("\n\n".join(part.strip("\n") for part in parts) + "\n", encoding="utf-8")
     return [page, *drawn.values()]
 
+
+_TAILS = (
+    "Over the families whose first level can be met, warm. The times are those of the shortest rounds: what a problem"
+    " costs. What the machine adds, the spread tells: the slowest round over the fastest, median."
+)
 
 _GROWTH = (
     "Median time over unknowns (four tasks of 0.6 n rows in all), levels (36 unknowns, 18 equality rows on more and"
@@ -112,7 +117,7 @@ def _groups(rows: pd.DataFrame) -> list[str]:
 def _tails(rows: pd.DataFrame) -> list[Row]:
     warm = controllable(rows[rows["start"] == "warm"])
     return [
-        {"method": method} | {name: METRICS[name].text(of_entrant(warm, method, setting)) for name in _TAILS}
+        {"method": method} | {name: METRICS[name].text(of_entrant(warm, method, setting)) for name in _TOLD}
         for method, setting in entrants(warm)
     ]
 
@@ -136,7 +141,9 @@ def _exponents(rows: pd.DataFrame) -> list[Row]:
 def _shortfalls(rows: pd.DataFrame) -> list[str]:
     found = shortfalls(rows)
     if not found:
-        return ["Nowhere: it is certified on every problem, and has the least median time in every family."]
+        return [
+            "Nowhere: it is certified on every problem, and in no family another one, certified as often, is faster."
+        ]
     return [
         "Families in which some answer of native is not certified, or in which another method, no less certified, has a"
         " lower median. The reasons are in [benchmarks.md](benchmarks.md#where-native-is-not-best).",

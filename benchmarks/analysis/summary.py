@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
 import pandas as pd
 
 from ..sweep.cell import STARTS
-from ..tables import Row, terminal
+from ..tables import Row, show, terminal
 from .metrics import METRICS, entrants, of_entrant, ratios
 
 if TYPE_CHECKING:
@@ -41,8 +40,11 @@ def overview(rows: pd.DataFrame, metrics: Sequence[str] = _TOLD) -> list[Row]:
 
 def ratio(values: pd.Series) -> str:
     """Their median, or nothing where there is none."""
-    middle = values.median()
-    return "" if np.isnan(middle) else f"{middle:.{0 if middle >= 100 else 1 if middle >= 10 else 2}f}"
+    known = values.dropna()
+    if known.empty:
+        return ""
+    middle = known.median()
+    return f"{middle:.{0 if middle >= 100 else 1 if middle >= 10 else 2}f}"
 
 
 def summary(printer: Console, store: Store) -> None:
@@ -50,7 +52,7 @@ def summary(printer: Console, store: Store) -> None:
     rows = store.table()
     problems = rows.drop_duplicates(["family", "seed", "draw"])
     title = f"{store.plan.name}: {len(problems)} problems of {problems['family'].nunique()} families"
-    printer.print(terminal(title, overview(rows, _BRIEFLY)))
+    show(printer, terminal(title, overview(rows, _BRIEFLY)))
     printer.print(
         f"cold, warm: time over that of {YARDSTICK[0]} on the same problem, median; us: median of the times\n"
         "certified, silent (wrong, but claimed), late (over 1 ms): % of the answers; gap: the largest"

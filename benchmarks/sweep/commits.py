@@ -6,8 +6,11 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from hqp import InvalidInput
+from tasks._checks import writable
+from tasks.cli.command import INTERRUPTED
 
 _HERE = Path(__file__).parents[2]
 
@@ -25,11 +28,13 @@ def run_commit(revision: str, plan: str) -> Path:
     commit = _git("rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}", what=revision)
     place = Path("out", "benchmarks", "commits", commit[:12]).absolute()
     tree, front = place / "tree", place / "front"
-    if not (tree / "hqp").exists():
-        place.mkdir(parents=True, exist_ok=True)
-        if not tree.exists():
-            _git("clone", "--quiet", "--shared", "--no-checkout", str(_HERE), str(tree), what=revision)
-        _git("-C", str(tree), "checkout", "--quiet", "--detach", commit, what=revision)
+    if not tree.exists():  # whole or not at all, as an interruption may come at any time
+        writable(place, [])
+        with TemporaryDirectory(dir=place) as part:
+            _git("clone", "--quiet", "--shared", "--no-checkout", str(_HERE), part, what=revision)
+            _git("-C", part, "checkout", "--quiet", "--detach", commit, what=revision)
+            Path(part).rename(tree)
+            Path(part).mkdir()  # for its end
     front.mkdir(exist_ok=True)
     for package, source in (("hqp", tree), ("tasks", tree), ("benchmarks", _HERE)):
         if not (front / package).exists():
@@ -38,6 +43,8 @@ def run_commit(revision: str, plan: str) -> Path:
     command = [sys.executable, "-m", "benchmarks", "run", plan, "-o", str(folder)]
     environment = os.environ | {"PYTHONPATH": str(front)}
     done = subprocess.run(command, cwd=front, env=environment, stdout=subprocess.DEVNULL, check=False)
+    if done.returncode == INTERRUPTED:
+        raise KeyboardInterrupt
     if done.returncode:
         raise InvalidInput(f"commit {revision}: it could not be measured, exit code {done.returncode}")
     return folder

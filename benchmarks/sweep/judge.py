@@ -66,9 +66,10 @@ def judge(problem: Hierarchy, answers: Sequence[Array]) -> Judgement:
     court = _Court(problem)
     certified = court.proofs(answers)
     proved = any(certified)
-    best = answers[certified.index(True)] if proved else court.smallest(answers)
-    verdicts = [court.verdict(x, best, proof) for x, proof in zip(answers, certified, strict=True)]
-    return Judgement(verdicts, proved, court.active(best))
+    with np.errstate(all="ignore"):  # an answer may be of any size, and none
+        best = answers[certified.index(True)] if proved else court.smallest(answers)
+        verdicts = [court.verdict(x, best, proof) for x, proof in zip(answers, certified, strict=True)]
+        return Judgement(verdicts, proved, court.active(best))
 
 
 class _Court:
@@ -92,14 +93,12 @@ class _Court:
             return False
 
     def slacks(self, x: Array) -> Array:
-        with np.errstate(all="ignore"):
-            return excess(self.A @ x, self.problem.lower, self.problem.upper)
+        return excess(self.A @ x, self.problem.lower, self.problem.upper)
 
     def residuals(self, x: Array) -> Array:
         """Of every level and the implicit last one, in their scales."""
-        with np.errstate(all="ignore"):
-            weighted = self.problem.weights * self.slacks(x)
-            norms = np.array([*(np.linalg.norm(weighted[own]) for own in self.levels), np.linalg.norm(x)]) / self.scales
+        weighted = self.problem.weights * self.slacks(x)
+        norms = np.array([*(np.linalg.norm(weighted[own]) for own in self.levels), np.linalg.norm(x)]) / self.scales
         return np.where(np.isfinite(norms), norms, np.inf)
 
     def smallest(self, answers: Sequence[Array]) -> Array:

@@ -22,6 +22,7 @@ PACKAGES = (
 _MEASURING = ("families", "methods", "motions", "sweep", "ticks", "settings.py", "timing.py")
 
 
+@cache
 def describe() -> dict[str, str]:
     """Machine and versions: what goes with every result."""
     told = {

@@ -42,7 +42,7 @@ class Plan:
     families, methods, settings : tuple of str
         Their keys and names; in a plan that is not yet resolved, patterns of them.
     draws, few : int
-        Problems of each family, and how many of them a slow method gets, spread over all.
+        Problems of each family, and how many of them a slow method gets at the most, spread over all.
     block : int
         Draws of a cell.
     rounds : int
@@ -116,4 +116,4 @@ class Plan:
         """How often a method is to solve this draw."""
         if not method.slow:
             return self.rounds
-        return min(SLOW_ROUNDS, self.rounds) if draw % max(1, self.draws // self.few) == 0 else 0
+        return min(SLOW_ROUNDS, self.rounds) if draw % -(-self.draws // self.few) == 0 else 0

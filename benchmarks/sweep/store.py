@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 from uuid import uuid4
 
 import pandas as pd
@@ -20,6 +21,9 @@ import pyarrow.parquet as pq
 
 from hqp import InvalidInput
 
+from ..families import FAMILIES
+from ..methods import METHODS
+from ..settings import SETTINGS
 from .cell import Row
 from .machine import commit, sources
 from .plan import Cell, Plan
@@ -50,15 +54,13 @@ class Store:
         Raises
         ------
         InvalidInput
-            If the folder holds a run of another plan, or of other sources, whose cells would be mixed with ours.
+            If the folder holds a run of another plan, or of other sources, whose cells would be mixed with ours, or
+            cells of which nothing tells where they come from.
         """
         head = folder / _HEAD
-        if head.exists():
-            kept = _read(head)
-            for what, mine in (("plan", plan.digest), ("sources", sources())):
-                if kept[f"{what} digest"] != mine:
-                    raise InvalidInput(f"{str(folder)!r} holds a run of another {what}; choose another folder")
-        else:
+        if not head.exists():
+            if any((folder / _CELLS).glob("*.parquet")):
+                raise InvalidInput(f"{str(folder)!r} holds cells, and no {_HEAD} tells of what; choose another folder")
             (folder / _CELLS).mkdir(parents=True, exist_ok=True)
             told = {
                 "plan": asdict(plan),
@@ -69,6 +71,10 @@ class Store:
                 "begun": datetime.now(UTC).isoformat(timespec="seconds"),
             }
             _write(head, json.dumps(told, indent=1).encode())
+        kept = _read(head)
+        for what, name, mine in (("another", "plan", plan.digest), ("other", "sources", sources())):
+            if kept.get(f"{name} digest") != mine:
+                raise InvalidInput(f"{str(folder)!r} holds a run of {what} {name}; choose another folder")
         return cls(folder, plan, left_out)
 
     @classmethod
@@ -78,18 +84,20 @@ class Store:
         Raises
         ------
         InvalidInput
-            If there is none.
+            If there is none, or one of families, methods or settings that are no more.
         """
         if not (folder / _HEAD).is_file():
             raise InvalidInput(f"{str(folder)!r} holds no run; 'python -m benchmarks run' makes one")
         kept = _read(folder / _HEAD)
-        plan = {key: tuple(value) if isinstance(value, list) else value for key, value in kept["plan"].items()}
-        return cls(folder, Plan(**plan), kept["left out"])
-
-    @property
-    def head(self) -> dict[str, str]:
-        """What the folder tells of the run."""
-        return _read(self.folder / _HEAD)
+        try:
+            told = {key: tuple(value) if isinstance(value, list) else value for key, value in kept["plan"].items()}
+            plan, left_out = Plan(**told), kept["left out"]
+        except (AttributeError, KeyError, TypeError):
+            raise InvalidInput(f"{str(folder / _HEAD)!r} tells of no plan that these benchmarks know") from None
+        for named, known in ((plan.families, FAMILIES), (plan.methods, METHODS), (plan.settings, SETTINGS)):
+            if gone := [name for name in named if name not in known]:
+                raise InvalidInput(f"{str(folder)!r} was measured by other benchmarks: no {', '.join(gone)} is here")
+        return cls(folder, plan, left_out)
 
     def path(self, cell: Cell) -> Path:
         """Where the rows of a cell are, or will be."""
@@ -162,10 +170,10 @@ def _table(path: Path) -> pa.Table:
         raise InvalidInput(f"{str(path)!r} is damaged; remove it, and run again: {error}") from None
 
 
-def _read(path: Path) -> dict[str, str]:
+def _read(path: Path) -> dict[str, Any]:
     try:
         return dict(json.loads(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError) as error:
+    except (OSError, TypeError, ValueError) as error:
         raise InvalidInput(f"cannot read {str(path)!r}: {error}") from None
 
 

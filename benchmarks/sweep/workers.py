@@ -1,13 +1,16 @@
 """Who does the work: this process, processes beside it, or the workers of a Dask cluster. The results are the same.
 
 Every way hands out pairs of a cell and what came of it, in any order, and gives a cell to another worker when the one
-that had it dies.
+that had it dies. Who has other sources than whoever asks measures nothing.
 """
 
 from __future__ import annotations
 
+import platform
 import traceback
+from collections import Counter
 from collections.abc import Iterator, Sequence
+from concurrent.futures import CancelledError
 from typing import Any, NamedTuple
 
 from hqp import InvalidInput
@@ -16,7 +19,7 @@ from .cell import Row, measure
 from .machine import describe, sources
 from .plan import Cell, Plan
 
-#: How often cells may lose their workers before they count as what kills them.
+#: How many workers a cell may lose before it counts as what kills them.
 LIVES = 3
 #: How long to wait for a cluster and its workers [s].
 PATIENCE = 30
@@ -38,8 +41,10 @@ class Failed(NamedTuple):
 Done = tuple[Cell, Measured | Failed]
 
 
-def work(plan: Plan, cell: Cell) -> Done:
-    """Measure one cell, here."""
+def work(plan: Plan, cell: Cell, wanted: str) -> Done:
+    """Measure one cell, here, if the sources are those that are wanted."""
+    if sources() != wanted:
+        return cell, Failed(f"{platform.node()}: other sources or package versions, {sources()} in place of {wanted}\n")
     try:
         return cell, Measured(measure(plan, cell), describe())
     except Exception:  # nothing that one cell does may cost the others
@@ -48,25 +53,37 @@ def work(plan: Plan, cell: Cell) -> Done:
 
 def serial(plan: Plan, cells: Sequence[Cell]) -> Iterator[Done]:
     """One after the other, in this process."""
-    return (work(plan, cell) for cell in cells)
+    return (work(plan, cell, sources()) for cell in cells)
 
 
 def processes(plan: Plan, cells: Sequence[Cell], jobs: int) -> Iterator[Done]:
     """In so many processes, or -1 for one a core, by joblib."""
-    from joblib import Parallel, delayed
+    from joblib import Parallel
     from joblib.externals.loky.process_executor import TerminatedWorkerError
 
-    left = list(cells)
-    for _ in range(LIVES):
-        parallel = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1, pre_dispatch="n_jobs")
+    left, lost = list(cells), Counter[Cell]()
+    while left:
+        fresh, begun = [cell for cell in left if not lost[cell]], list[Cell]()
+        at_once = "n_jobs" if fresh else 1  # suspects come last, and alone, so that none suffers from another
+        parallel = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1, pre_dispatch=at_once)
         try:
-            for cell, result in parallel(delayed(work)(plan, cell) for cell in list(left)):
+            for cell, result in parallel(_handed_out(plan, fresh or left, begun)):
                 left.remove(cell)
                 yield cell, result
         except TerminatedWorkerError:  # all workers go with it; what they had is done again
-            continue
-        return
-    yield from ((cell, Failed(f"worker processes died, {LIVES} times")) for cell in left)
+            lost.update(cell for cell in begun if cell in left)
+            for cell in [cell for cell in left if lost[cell] >= LIVES]:
+                left.remove(cell)
+                yield cell, Failed(f"its process died, {LIVES} times\n")
+
+
+def _handed_out(plan: Plan, cells: Sequence[Cell], begun: list[Cell]) -> Iterator[Any]:
+    """The work of these cells, one by one as they are asked for, which `begun` remembers."""
+    from joblib import delayed
+
+    for cell in tuple(cells):
+        begun.append(cell)
+        yield delayed(work)(plan, cell, sources())
 
 
 def cluster(plan: Plan, cells: Sequence[Cell], address: str) -> Iterator[Done]:
@@ -75,7 +92,8 @@ def cluster(plan: Plan, cells: Sequence[Cell], address: str) -> Iterator[Done]:
     Raises
     ------
     InvalidInput
-        If there is no cluster, or a worker would measure something else: other sources, several threads at once.
+        If there is no cluster, or a worker would measure something else: other sources, several threads at once. If
+        the scheduler is lost on the way.
     """
     try:
         from dask.distributed import Client, KilledWorker, as_completed
@@ -92,12 +110,14 @@ def cluster(plan: Plan, cells: Sequence[Cell], address: str) -> Iterator[Done]:
         except TimeoutError:
             raise InvalidInput(f"--dask {address}: the cluster has no workers") from None
         _check(client, address)
-        futures = {client.submit(work, plan, cell, pure=False, retries=LIVES): cell for cell in cells}
+        futures = {client.submit(work, plan, cell, sources(), pure=False): cell for cell in cells}
         for future in as_completed(list(futures)):
             try:
                 yield future.result()
             except KilledWorker as error:
-                yield futures[future], Failed(str(error))
+                yield futures[future], Failed(f"{error}\n")
+            except CancelledError:
+                raise InvalidInput(f"--dask {address}: the scheduler is lost; what was finished is kept") from None
             future.release()
 
 

@@ -2,23 +2,34 @@
 
 from __future__ import annotations
 
+import io
+import shutil
+import subprocess
+import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
-from command import refused, run
+from command import ROOT, refused, run
+from rich.console import Console
 
+from benchmarks import extra
+from benchmarks.__main__ import app
 from benchmarks.analysis.comparison import answers, changes, differences, paired
 from benchmarks.analysis.figures import FIGURES, best_others
 from benchmarks.analysis.growth import growth
 from benchmarks.analysis.metrics import METRICS, PENALTY, SHIFT, ratios, share, shifted_geometric_mean
 from benchmarks.analysis.profiles import profiles
+from benchmarks.analysis.report import report
 from benchmarks.analysis.shortfalls import shortfalls
 from benchmarks.analysis.summary import YARDSTICK, overview
 from benchmarks.sweep.judge import WRONG, judge
 from benchmarks.sweep.schema import COLUMNS
-from hqp import Hierarchy, Level, solve
+from benchmarks.sweep.store import Store
+from benchmarks.tables import show, terminal
+from hqp import Hierarchy, Level, MissingPackage, solve
 
 
 def hierarchy() -> Hierarchy:
@@ -230,3 +241,125 @@ def test_a_run_compared_with_itself_has_not_changed(small: Path) -> None:
 )
 def test_wrong_input_is_one_line(arguments: tuple[str, ...], said: str) -> None:
     refused(run(*arguments), said)
+
+
+@pytest.mark.parametrize("number", [np.nan, np.inf, 1e300, -1e308, 1e-320])
+def test_no_answer_is_too_strange_to_be_judged(number: float) -> None:
+    h = hierarchy()
+    x = solve(h).x
+    strange = np.array([number, *x[1:]])
+    for given in ([x, strange], [strange], [strange, -strange]):
+        for verdict in judge(h, given).verdicts:
+            assert not np.isnan([verdict.gap, verdict.violation, verdict.error, *verdict.gaps]).any()
+
+
+def test_problems_are_counted_once_however_they_are_started() -> None:
+    both = pd.concat([pair({"native": [1.0, 2.0]}, start=[start] * 2) for start in ("cold", "warm")])
+    assert METRICS["problems"].text(both) == "2"
+    assert METRICS["problems"].text(both[:0]) == "0"
+
+
+def test_an_unchanged_method_is_not_told_changed_by_one_noisy_other() -> None:
+    """With one other method the drift is its median, and as uncertain: two of them, and neither has changed."""
+    found = []
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        before, after = (pair({name: list(np.exp(0.1 * rng.standard_normal(20))) for name in "ab"}) for _ in range(2))
+        found += changes(paired(before, after), "group")
+    assert sum(change.real for change in found) <= 1  # of 120, where 0.1 % is promised
+
+
+def test_methods_that_drift_apart_are_not_told_changed() -> None:
+    """Each method is faster or slower by some 10 % of its own, as from another layout of memory."""
+    found = []
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        factors = {name: list(np.full(40, np.exp(0.1 * rng.standard_normal()))) for name in "abcdefgh"}
+        found += changes(paired(pair({name: [1.0] * 40 for name in factors}), pair(factors)), "group")
+    assert sum(change.real for change in found) <= 0.1 * len(found)  # seven others tell the spread roughly
+
+
+def test_differences_are_counted_row_by_row() -> None:
+    count = 10_000
+    many = rows(draw=range(count), gap=np.zeros(count), iterations=np.arange(count))
+    many["gaps"] = [np.zeros(4)] * count
+    other = many.assign(iterations=many["iterations"] + (many["draw"] == 7))
+    other["gaps"] = [np.zeros(4)] * (count - 2) + [np.zeros(3), np.full(4, 1e-6)]
+    assert differences(paired(many, other)) == {"iterations": 1, "gaps": 2}
+
+
+def test_a_table_is_never_cut() -> None:
+    printer = Console(width=20, file=io.StringIO())
+    show(printer, terminal("title", [{"name": "x" * 30, "number": "123456789"}]))
+    assert "x" * 30 in printer.file.getvalue()
+    assert "123456789" in printer.file.getvalue()
+    assert printer.width == 20
+
+
+@pytest.fixture(scope="module")
+def odd(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run without native, growth, or a family whose first level can be met: of one problem only."""
+    folder = tmp_path_factory.mktemp("odd runs, ünïcode") / "r"
+    done = run("run", "smoke", "-f", "adversarial/mixed", "-m", "daqp", "--draws", "1", "-o", str(folder))
+    assert (done.returncode, done.stderr) == (0, "")
+    return folder
+
+
+def test_an_odd_run_becomes_a_page_too(odd: Path, tmp_path: Path) -> None:
+    done = run("report", str(odd), "-o", str(tmp_path / "a page.md"))
+    assert done.returncode == 0, done.stderr
+    page = (tmp_path / "a page.md").read_text()
+    assert "| daqp | tight |" in page
+    for absent in ("## Tails", "## Growth", "## Where native is not best", "nan"):
+        assert absent not in page
+    refused(run("plot", str(odd), "growth", "-o", str(tmp_path / "g.png")), "no growth curve has three points")
+    refused(run("plot", str(odd), "tails", "-o", str(tmp_path / "t.png")), "families whose first level can be met")
+    done = run("compare", str(odd), str(odd))
+    assert "0 of 0 times changed beyond noise" in done.stdout
+
+
+def test_a_page_of_an_unfinished_run_says_so(small: Path, tmp_path: Path) -> None:
+    shutil.copytree(small, tmp_path / "run")
+    page = tmp_path / "page.md"
+    for gone, told in ((0, False), (5, True)):
+        for file in sorted((tmp_path / "run" / "cells").iterdir())[:gone]:
+            file.unlink()
+        report(Store.open(tmp_path / "run"), page, tmp_path)
+        assert ("**Not finished:** 5 of 6 cells are missing." in page.read_text()) == told
+
+
+def test_what_is_exported_has_every_digit(odd: Path, tmp_path: Path) -> None:
+    done = run("export", str(odd), str(tmp_path / "rows.csv"))
+    assert done.returncode == 0, done.stderr
+    exported, kept = pd.read_csv(tmp_path / "rows.csv"), Store.open(odd).table()
+    assert len((tmp_path / "rows.csv").read_text().splitlines()) == 1 + len(kept)
+    for text, gaps in zip(exported["gaps"], kept["gaps"], strict=True):
+        np.testing.assert_array_equal([float(number) for number in text.split()], gaps)
+
+
+def test_without_tight_answers_there_is_no_page(tmp_path: Path) -> None:
+    folder = str(tmp_path / "loose")
+    done = run("run", "smoke", "-f", "control/P1", "-m", "daqp*", "-s", "loose", "--draws", "1", "-o", folder)
+    assert done.returncode == 0, done.stderr
+    refused(run("report", folder, "-o", str(tmp_path / "page.md")), "no answer at the setting 'tight'")
+
+
+def test_without_pandas_every_command_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(extra, "find_spec", lambda package: None if package == "pandas" else find_spec(package))
+    for command in ("list", "run", "report x", "plot x tails", "export x y.csv", "compare a b"):
+        with pytest.raises(MissingPackage, match=r"pandas not installed: python -m pip install -e '.\[bench\]'"):
+            app(command.split(), standalone_mode=False)
+
+
+def test_without_pinocchio_the_rest_is_there(tmp_path: Path) -> None:
+    """An import of it is as if there were none: everything is listed, and what needs it is left out aloud."""
+    script = (
+        "import sys, importlib.util as u; real = u.find_spec; sys.modules['pinocchio'] = None\n"
+        "u.find_spec = lambda name, *rest: None if name == 'pinocchio' else real(name, *rest)\n"
+        "from benchmarks.__main__ import main; main()"
+    )
+    command = [sys.executable, "-c", script, "run", "smoke", "-f", "motion/*", "-f", "control/P1", "-m", "native"]
+    done = subprocess.run([*command, "-o", str(tmp_path)], capture_output=True, text=True, cwd=ROOT, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "left out: motion/panda" in done.stdout
+    assert "the package 'pinocchio' is not installed" in done.stdout

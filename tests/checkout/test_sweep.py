@@ -196,8 +196,49 @@ def test_a_process_that_dies_costs_nothing(plan: Plan) -> None:
     assert all(isinstance(result, workers.Measured) for _, result in found)
 
 
+def _dies(plan: Plan, cell: Cell, wanted: str) -> workers.Done:
+    if cell == plan.cells()[0]:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return cell, workers.Measured([], {})
+
+
+def test_a_cell_that_kills_its_processes_costs_no_other(monkeypatch: pytest.MonkeyPatch, plan: Plan) -> None:
+    monkeypatch.setattr(workers, "work", _dies)
+    found = dict(workers.processes(plan, plan.cells(), 2))
+    (failed,) = [cell for cell, result in found.items() if isinstance(result, workers.Failed)]
+    assert failed == plan.cells()[0]
+    assert "its process died, 3 times" in found[failed].why
+    assert set(found) == set(plan.cells())
+
+
+def test_a_worker_with_other_sources_measures_nothing(plan: Plan) -> None:
+    _, result = workers.work(plan, plan.cells()[0], "0" * 16)
+    assert isinstance(result, workers.Failed)
+    assert f"other sources or package versions, {sources()} in place of 0000" in result.why
+
+
+def test_slow_methods_alone_have_no_rows_where_they_get_none(plan: Plan) -> None:
+    alone = replace(plan, methods=("cascade:osqp",))
+    rows = measure(alone, Cell("control/P2", 0, 4))
+    assert {row["draw"] for row in rows} == {0, 3}
+    assert measure(alone, Cell("control/P2", 1, 3)) == []
+
+
+@pytest.mark.parametrize("options", [(), ("--jobs", "2")])
+def test_an_interrupted_run_ends_in_one_line(options: tuple[str, ...], tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "benchmarks", "run", "growth", "-m", "native", "-o", str(tmp_path), *options]
+    process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while not list(tmp_path.glob("cells/*.parquet")):
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.002)
+    process.send_signal(signal.SIGINT)
+    told, errors = process.communicate()
+    assert (process.returncode, told) == (130, "")
+    assert errors == "benchmarks: interrupted; what was finished is kept\n"
+
+
 @contextmanager
-def cluster() -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
+def cluster() -> Iterator[tuple[str, list[subprocess.Popen[bytes]], subprocess.Popen[bytes]]]:
     """A scheduler and two workers, each a process of its own, as anybody would start them."""
     import socket
 
@@ -212,7 +253,7 @@ def cluster() -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
     worker += [address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
     started += [subprocess.Popen(worker, env=environment, **quiet) for _ in range(2)]
     try:
-        yield address, started[1:]
+        yield address, started[1:], started[0]
     finally:
         for process in started:
             process.kill()
@@ -222,7 +263,7 @@ def cluster() -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
 def test_a_cluster_that_loses_a_worker_finds_the_same(undisturbed: Path, tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     folder = tmp_path / "cluster"
-    with cluster() as (address, (first, second)):
+    with cluster() as (address, (first, second), _):
         command = [sys.executable, "-m", "benchmarks", "run", "smoke", *OPTIONS, "-o", str(folder), "--dask", address]
         process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         while not list(folder.glob("cells/*.parquet")):
@@ -233,6 +274,16 @@ def test_a_cluster_that_loses_a_worker_finds_the_same(undisturbed: Path, tmp_pat
         assert process.returncode == 0, errors
         assert second.poll() is None
     same(undisturbed, folder)
+
+
+def test_a_cluster_that_loses_its_scheduler_is_told(plan: Plan) -> None:
+    pytest.importorskip("distributed")
+    with cluster() as (address, _, scheduler):
+        done = workers.cluster(replace(plan, draws=200), replace(plan, draws=200).cells(), address)
+        next(done)
+        scheduler.kill()
+        with pytest.raises(InvalidInput, match=f"--dask {address}: the scheduler is lost; what was finished is kept"):
+            list(done)
 
 
 def test_a_cluster_that_is_not_there_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -269,7 +320,7 @@ def test_a_folder_of_another_run_is_refused(undisturbed: Path, tmp_path: Path, p
     Store.begin(tmp_path, plan, [])
     head = tmp_path / "run.json"
     head.write_text(head.read_text().replace(sources(), "0" * 16))
-    with pytest.raises(InvalidInput, match="holds a run of another sources"):
+    with pytest.raises(InvalidInput, match="holds a run of other sources"):
         Store.begin(tmp_path, plan, [])
     with pytest.raises(InvalidInput, match="holds no finished cell yet"):
         Store.open(tmp_path).table()
@@ -278,9 +329,21 @@ def test_a_folder_of_another_run_is_refused(undisturbed: Path, tmp_path: Path, p
     Store.open(tmp_path).path(plan.cells()[0]).write_bytes(b"PAR1 no more")
     with pytest.raises(InvalidInput, match="is damaged; remove it, and run again"):
         Store.open(tmp_path).table()
-    head.write_text("no json")
-    with pytest.raises(InvalidInput, match="cannot read"):
-        Store.open(tmp_path)
+    told = head.read_text()
+    for text, said in (
+        ("no json", "cannot read"),
+        (told[:100], "cannot read"),
+        ("7", "cannot read"),
+        ("{}", "tells of no plan"),
+        (told.replace('"rounds"', '"laps"'), "tells of no plan"),
+        (told.replace("control/P1", "control/gone"), "was measured by other benchmarks: no control/gone is here"),
+    ):
+        head.write_text(text)
+        with pytest.raises(InvalidInput, match=said):
+            Store.open(tmp_path)
+    head.unlink()
+    with pytest.raises(InvalidInput, match=r"holds cells, and no run.json tells of what; choose another folder"):
+        Store.begin(tmp_path, plan, [])
 
 
 @pytest.mark.parametrize(

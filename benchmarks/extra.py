@@ -1,0 +1,19 @@
+"""What the sweeps need beyond the library itself."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+
+from hqp import MissingPackage
+
+
+def required_packages() -> None:
+    """Refuse to go on without the packages that keep and read the results.
+
+    Raises
+    ------
+    MissingPackage
+        If one of them is not installed.
+    """
+    if missing := [package for package in ("pandas", "pyarrow") if find_spec(package) is None]:
+        raise MissingPackage(f"{' and '.join(missing)} not installed: python -m pip install -e '.[bench]'")
