@@ -12,7 +12,7 @@ from hqp.arrays import Array
 from .metrics import entrants, of_entrant
 
 #: The curves, and what grows along them.
-CURVES = {"n": "unknowns", "levels": "levels", "rows": "rows of tasks"}
+CURVES = {"n": "unknowns", "levels": "levels", "rows": "inequalities"}
 
 
 class Growth(NamedTuple):

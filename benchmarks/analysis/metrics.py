@@ -50,7 +50,8 @@ class Metric:
 
 def share(value: float) -> str:
     """A share in per cent that says 100 and 0 only where nothing is missing."""
-    return f"{100.0 * value:.0f}" if value in (0.0, 1.0) else f"{np.clip(100.0 * value, 0.01, 99.99):.3g}"
+    percent = 100.0 * value if value in (0.0, 1.0) else float(np.clip(100.0 * value, 0.01, 99.99))
+    return f"{percent:.2f}" if 99.9 < percent < 100.0 else f"{percent:.3g}"
 
 
 def solved(rows: pd.DataFrame) -> pd.Series:
