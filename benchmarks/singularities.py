@@ -13,7 +13,7 @@ from tasks import Controller, Record, simulate
 from tasks._terminal import console
 
 from .singular_scenes import METHODS, Scene, scenes
-from .tables import Row, terminal
+from .tables import Row, show, terminal
 
 #: Tick [s], every how many the certificate and the report are asked for, and the speed [rad/s] of a diverged run.
 TICK, EVERY, CAP = 5e-3, 10, 1000.0
@@ -69,7 +69,7 @@ def singularities(
     done = {scene.name: [run(scene, method) for method in METHODS] for scene in scenes()}
     printer = console(130)
     for name, runs in done.items():
-        printer.print(terminal(name, [_row(each) for each in runs]))
+        show(printer, terminal(name, [_row(each) for each in runs]))
     printer.print(
         "rad/s, jump: the largest speed of a joint, inf where the run diverged and was stopped, and its largest change"
         " from tick to tick\nmm, deg: the largest error of the position and of the orientation, and the last one\ntold:"

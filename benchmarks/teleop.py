@@ -14,7 +14,7 @@ from tasks._checks import writable
 from tasks._terminal import console
 from tasks.cli.command import path
 
-from .tables import Row, save, terminal
+from .tables import Row, save, show, terminal
 from .teleoperation.loop import drive
 from .teleoperation.report import THRESHOLD, hand_share, shown, table, track
 from .teleoperation.scenes import SCENES, Scene
@@ -66,7 +66,7 @@ def teleop(
             found = table(stream, runs, tracking)
             rows += found
             title = f"{s.name}: {s.about}; of the hand's own power {100 * hand_share(stream):.2f} % is above 3 Hz"
-            printer.print(terminal(title, shown(stream, found)))
+            show(printer, terminal(title, shown(stream, found)))
             if out is not None:
                 save(out, rows)
             if plot is not None:

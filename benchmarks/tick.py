@@ -17,7 +17,7 @@ from tasks._checks import writable
 from tasks._terminal import console
 from tasks.cli.command import path
 
-from .tables import Row, save, terminal
+from .tables import Row, save, show, terminal
 from .ticks.driver import Driver
 from .ticks.interleaved import EVERY, SLACK, measure, table
 from .ticks.ours import Ours
@@ -56,13 +56,13 @@ def tick(
             stream, here = _measured(s, ticks, rounds, placo, lambda bar=bar: progress.advance(bar))
             rows += here
             title = f"{s.name}: {s.about}; at a limit: {stream.saturated:.1f} of {stream.joints} joints"
-            printer.print(terminal(title, here))
+            show(printer, terminal(title, here))
             if out is not None:
                 save(out, rows)
     if not scene:
         from .ticks.redundancy import costs
 
-        printer.print(terminal("what else the joints are used for: a Panda, this library alone", costs(ticks)))
+        show(printer, terminal("what else the joints are used for: a Panda, this library alone", costs(ticks)))
     printer.print(
         f"us: whole ticks, targets set, {rounds} x {ticks}; to: ratio of medians, to the fastest of that library\n"
         "kinematics, rows, solve: medians of the parts in us, timed alone; off: distance of the answer from the first\n"

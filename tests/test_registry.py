@@ -78,3 +78,12 @@ def test_a_missing_package_says_what_to_install(monkeypatch: pytest.MonkeyPatch)
     assert not {"cascade:qpsolvers/daqp", "daqp"} & set(available_backends())
     with pytest.raises(UnknownBackend, match=r"needs the package 'daqp' \(pip install 'daqp'\)"):
         backend_info("cascade:qpsolvers/daqp")
+
+
+def test_every_solver_that_qpsolvers_can_drive_is_known() -> None:
+    import pkgutil
+
+    import qpsolvers.solvers
+
+    theirs = {module.name.rstrip("_") for module in pkgutil.iter_modules(qpsolvers.solvers.__path__)}
+    assert theirs <= {info.qp_solver.removeprefix("qpsolvers/") for info in BACKENDS.values()}

@@ -145,7 +145,7 @@ def _shortfalls(rows: pd.DataFrame) -> list[str]:
             "Nowhere: it is certified on every problem, and in no family another one, certified as often, is faster."
         ]
     return [
-        "Families in which some answer of native is not certified, or in which another method, no more often wrong, has a"
-        " lower median. The reasons are in [benchmarks.md](benchmarks.md#where-native-is-not-best).",
+        "Families in which some answer of native is not certified, or in which another method, no more often wrong, has"
+        " a lower median. The reasons are in [benchmarks.md](benchmarks.md#where-native-is-not-best).",
         markdown(found),
     ]

@@ -76,6 +76,19 @@ _QPSOLVERS = {
     "qpalm": ("qpalm", "qpalm", "first-order"),
     "qpax": ("qpax", "qpax", "first-order"),
     "scs": ("scs", "scs", "first-order"),
+    # Not tried by the authors, or not on every problem: no promise.
+    "copt": ("coptpy", "coptpy", "none"),
+    "gurobi": ("gurobipy", "gurobipy", "none"),
+    "hpipm": ("hpipm_python", "hpipm-python", "none"),
+    "kvxopt": ("kvxopt", "kvxopt", "none"),
+    "mosek": ("mosek", "mosek", "none"),
+    "nppro": ("nppro", "nppro", "none"),
+    "pdhcg": ("pdhcg", "pdhcg", "none"),
+    "pyqpmad": ("pyqpmad", "pyqpmad", "none"),
+    "qpoases": ("qpoases", "qpoases", "none"),
+    "qpswift": ("qpSWIFT", "qpSWIFT", "none"),
+    "qtqp": ("qtqp", "qtqp", "none"),
+    "sip": ("sip_qp_python", "sip-qp-python", "none"),
 }
 
 _BACKENDS = [

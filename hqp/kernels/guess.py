@@ -14,7 +14,7 @@ from .memory import ints, marks, vector
 from .sweep import EQUALITY, INACTIVE
 
 #: Softness of the highest and of the lowest level, relative to the longest row of the level.
-HARDEST, SOFTEST = 1e-14, 1e-5
+HARDEST, SOFTEST = 3e-15, 1e-5
 #: Level by level: softness of the one that is being settled, and of those that are. From which slack on a level is not
 #: met; and from which multiplier on, relative to the largest, a row holds it back.
 OPEN, SETTLED, UNMET, PRESSING = 1e-8, 1e-13, 1e-6, 1e-6
