@@ -53,18 +53,6 @@ def products(rows, c, out, here):
 
 
 @inner
-def join(here, i, count):
-    """Row i joins W at the bound of its side, as number `count`; whether there is room."""
-    rows, side = marks(here, at.MEMBERS), marks(here, at.SIDE)
-    lo, hi, goal = vector(here, at.LO), vector(here, at.HI), vector(here, at.LOW)
-    if count == len(rows):
-        return False
-    rows[count] = i
-    goal[i] = lo[i] if side[i] == LOWER else hi[i]
-    return True
-
-
-@inner
 def settle(here, end, count, known):
     """Solve the weighted problem of the rows before `end`.
 
@@ -185,9 +173,9 @@ def settle(here, end, count, known):
             return count
         for i in range(end):
             if abs(excess[i]) >= SHARE * worst:
-                side[i] = UPPER if excess[i] > 0.0 else LOWER
-                if not join(here, i, count):
-                    side[i] = INACTIVE
+                if count == most:
                     return integer(-1)
+                side[i], goal[i] = (UPPER, hi[i]) if excess[i] > 0.0 else (LOWER, lo[i])
+                rows[count] = i
                 count += 1
     return count

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
-from .dual import join, settle
+from .dual import settle
 from .memory import ints, marks, vector
 from .sweep import EQUALITY, INACTIVE
 
@@ -34,16 +34,17 @@ def soften(here, k, softness):
 @inner
 def equalities(here, k, count):
     """The equalities of level k, and no others, join W; its rows then, or -1 if there are more than fit."""
-    ptr, side, held = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.DECIDED)
-    lo, hi, norm, multiplier = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)
+    ptr, side, held, rows = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.DECIDED), marks(here, at.MEMBERS)
+    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
+    multiplier, goal = vector(here, at.W), vector(here, at.LOW)
     for i in range(ptr[k], ptr[k + 1]):
-        equal = norm[i] > 0.0 and lo[i] == hi[i]
-        side[i] = EQUALITY if equal else INACTIVE
-        held[i] = 1 if equal else 0
         multiplier[i] = 0.0
-        if equal:
-            if not join(here, i, count):
+        side[i], held[i] = INACTIVE, 0
+        if norm[i] > 0.0 and lo[i] == hi[i]:
+            if count == len(rows):
                 return integer(-1)
+            side[i], held[i] = EQUALITY, 1
+            rows[count], goal[i] = i, lo[i]
             count += 1
     return count
 
