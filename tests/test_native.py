@@ -70,7 +70,7 @@ def test_families_that_can_be_certified_are(name: str) -> None:
 
 def test_it_counts_its_sweeps_and_the_iterations_of_the_safe_method() -> None:
     solver, safe = Solver(BACKEND), 0
-    for h in hierarchies("vertex", 40):
+    for h in hierarchies("vertex", 120):
         counts = solver.solve(h).counts
         assert counts.sweeps >= 1
         assert counts.iterations >= 0
