@@ -66,27 +66,11 @@ def unmet(here, first, end, count):
 
 
 @inner
-def weighted_guess(here, last):
-    """Set ``side`` to the active rows of the weighted problem, or to the first of them if they are more than fit."""
-    head, ptr = ints(here, 0, at.HEAD), marks(here, at.PTR)
-    count = integer(0)
-    first = 1 if head[at.BOXED] != 0 else 0
-    softness = HARDEST
-    step = (SOFTEST / HARDEST) ** (1.0 / max(last - first - 1, 1))
-    for k in range(last):
-        soften(here, k, softness if k >= first else 0.0)  # bounds on distinct variables are hard
-        if k >= first:
-            softness *= step
-        count = equalities(here, k, count) if count >= 0 else count
-    if count >= 0:
-        settle(here, ptr[last], count, integer(0))
+def guess(here, last, staged):
+    """Set ``side`` to the active rows of the weighted problem, or to the first of them if they are more than fit.
 
-
-@inner
-def staged_guess(here, last):
-    """The same, level by level: what one leaves unmet, and what holds it back, stays where it is for those below.
-
-    However far a level is from being met, no level above gives way to it.
+    All levels at once, or, if `staged`, one by one: what a level leaves unmet, and what holds it back, stays where it
+    is for those below, so that no level gives way to another, however far that is from being met.
     """
     head = ints(here, 0, at.HEAD)
     first = 1 if head[at.BOXED] != 0 else 0
@@ -94,13 +78,21 @@ def staged_guess(here, last):
     norm, soft = vector(here, at.NORM), vector(here, at.VALUE)
     multiplier, goal = vector(here, at.W), vector(here, at.LOW)
     count = known = integer(0)
+    softness = HARDEST
+    step = (SOFTEST / HARDEST) ** (1.0 / max(last - first - 1, 1))
     for k in range(last):
-        soften(here, k, OPEN if k >= first else 0.0)
-        if count >= 0:
-            count = equalities(here, k, count)
-        if k < first or count < 0:
+        hard = k < first  # bounds on distinct variables
+        soften(here, k, 0.0 if hard else OPEN if staged else softness)
+        softness *= 1.0 if hard else step
+        count = equalities(here, k, count)
+        if count < 0:
+            return
+        if k < last - 1 and (hard or not staged):
             continue
         count = settle(here, ptr[k + 1], count, known)
+        if count < 0 or k == last - 1:
+            return
+        known = count
         if unmet(here, ptr[k], ptr[k + 1], count):
             strongest = 0.0
             for c in range(count):
@@ -110,5 +102,4 @@ def staged_guess(here, last):
                 if norm[i] * abs(multiplier[i]) > PRESSING * strongest:
                     held[i] = 1
                     goal[i] += soft[i] * multiplier[i]
-        known = count
         soften(here, k, SETTLED)

@@ -14,7 +14,7 @@ import math
 from . import layout as at
 from .active_set import NEVER, OPTIMAL, STALLED, active_set
 from .compile import entry, inner, stamp
-from .guess import staged_guess, weighted_guess
+from .guess import guess
 from .memory import clock, floats, given, ints, marks, matrix, vector
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep
 
@@ -180,10 +180,7 @@ def solve_one(here):
     fewest, patience, tau = m + 1, PATIENCE, option[at.TAU]
     while True:
         if wanted:
-            if guesses == 2:
-                weighted_guess(here, last)
-            else:
-                staged_guess(here, last)
+            guess(here, last, guesses == 1)
             wanted, guesses = False, guesses - 1
             fewest, patience = m + 1, PATIENCE
         faults, blurred = sweep(here, last, tau)
