@@ -8,12 +8,13 @@ from functools import partial
 
 import numpy as np
 
-from hqp import Hierarchy, InvalidInput, certify
+from hqp import Hierarchy
 from hqp.arrays import Array
 
 from .families import Family, moved
 from .methods import METHODS, Call, Method
 from .methods.daqp_direct import DAQP_COST, DAQP_ROWS
+from .sweep.judge import proved
 from .timing import timed
 
 #: The methods that are raced where none is named, as far as they are here.
@@ -96,18 +97,11 @@ def _problem(methods: Sequence[Method], start: str, draw: int, base: Hierarchy, 
     for method in methods:
         prepare = partial(method.cold, problem) if start == COLD else partial(method.warm, base, problem)
         found[method.name] = _shortest(method, prepare)
-    proved = {name: _proved(problem, x) for name, (_, x) in found.items()}
-    truth = next((x for name, (_, x) in found.items() if proved[name]), np.full(problem.n, np.nan))
+    certified = {name: proved(problem, x) for name, (_, x) in found.items()}
+    truth = next((x for name, (_, x) in found.items() if certified[name]), np.full(problem.n, np.nan))
     for name, (seconds, x) in found.items():
         error = float(np.linalg.norm(x - truth)) / (float(np.linalg.norm(truth)) or 1.0)
-        yield Timing(name, start, draw, seconds, proved[name], error)
-
-
-def _proved(problem: Hierarchy, x: Array) -> bool:
-    try:
-        return certify(problem, x).ok
-    except InvalidInput:  # no number, or beyond all sense
-        return False
+        yield Timing(name, start, draw, seconds, certified[name], error)
 
 
 def _shortest(method: Method, prepare: Callable[[], Call]) -> tuple[float, Array]:

@@ -9,11 +9,11 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from hqp import InvalidInput
 from tasks._checks import writable
 from tasks._terminal import console
 from tasks.cli.command import path
 
+from .registry import select
 from .tables import Row, save, show, terminal
 from .teleoperation.loop import drive
 from .teleoperation.report import THRESHOLD, hand_share, shown, table, track
@@ -49,7 +49,7 @@ def teleop(
     ] = None,
 ) -> None:
     """Let a hand lead a robot that each library controls by itself, and compare how it moves."""
-    chosen = _select(scene)
+    chosen = select(scene, {s.name: s for s in SCENES}, "scene")
     if out is not None:
         writable(out.parent, [out.name])
     if plot is not None:
@@ -82,11 +82,3 @@ def teleop(
 def picture_name(scene: Scene) -> str:
     """Of the file that a scene is drawn into."""
     return f"teleop-{scene.name.replace(' ', '-')}.png"
-
-
-def _select(names: list[str] | None) -> list[Scene]:
-    """Scenes of these names; all of them where none is named."""
-    for name in names or ():
-        if name not in {s.name for s in SCENES}:
-            raise InvalidInput(f"unknown scene {name!r}; there are {', '.join(s.name for s in SCENES)}")
-    return [s for s in SCENES if not names or s.name in names]

@@ -12,11 +12,11 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from hqp import InvalidInput
 from tasks._checks import writable
 from tasks._terminal import console
 from tasks.cli.command import path
 
+from .registry import select
 from .tables import Row, save, show, terminal
 from .ticks.driver import Driver
 from .ticks.interleaved import EVERY, SLACK, measure, table
@@ -43,7 +43,7 @@ def tick(
     ] = None,
 ) -> None:
     """Time one tick of a controller, whole and from Python, against other libraries on the same motion."""
-    chosen = _select(scene)
+    chosen = select(scene, {s.name: s for s in SCENES}, "scene")
     if out is not None:
         writable(out.parent, [out.name])
     if placo is not None:
@@ -72,14 +72,6 @@ def tick(
     for peer in dict.fromkeys(name for name, _, _ in PEERS):
         if find_spec(peer) is None:
             printer.print(f"{peer}: left out, it is not installed: python -m pip install -e '.[peers]'", markup=False)
-
-
-def _select(names: list[str] | None) -> list[Scene]:
-    """Scenes of these names; all of them where none is named."""
-    for name in names or ():
-        if name not in {s.name for s in SCENES}:
-            raise InvalidInput(f"unknown scene {name!r}; there are {', '.join(s.name for s in SCENES)}")
-    return [s for s in SCENES if not names or s.name in names]
 
 
 def _measured(

@@ -142,7 +142,7 @@ def _shortfalls(rows: pd.DataFrame) -> list[str]:
     found = shortfalls(rows)
     if not found:
         return [
-            "Nowhere: it is certified on every problem, and in no family another one, certified as often, is faster."
+            "Nowhere: it is certified on every problem, and in no family another one, no more often wrong, is faster."
         ]
     return [
         "Families in which some answer of native is not certified, or in which another method, no more often wrong, has"

@@ -52,9 +52,8 @@ def _solved(sample: Sample, rounds: dict[Entrant, int], draw: int) -> Iterator[R
                 seconds, answer = timed(_call(entrant, start, sample))
                 runs.setdefault((entrant, start), []).append(seconds)
                 outcomes[entrant, start] = entrant[0].outcome(answer)
-    runs = dict(
-        sorted(runs.items(), key=lambda item: everyone.index(item[0][0]))
-    )  # the first certified one is the best
+    # In the order of the plan: the first certified answer is what the others are compared with.
+    runs = dict(sorted(runs.items(), key=lambda item: everyone.index(item[0][0])))
     verdicts, proved, active = judge(sample.now, [outcomes[key].x for key in runs])
     for ((method, setting), start), verdict in zip(runs, verdicts, strict=True):
         outcome, seconds = outcomes[(method, setting), start], runs[(method, setting), start]

@@ -61,15 +61,22 @@ class Judgement(NamedTuple):
     active: float
 
 
+def proved(problem: Hierarchy, x: Array) -> bool:
+    """Whether an answer is certified, whatever it is."""
+    try:
+        return certify(problem, x).ok
+    except InvalidInput:  # no number, or beyond all sense
+        return False
+
+
 def judge(problem: Hierarchy, answers: Sequence[Array]) -> Judgement:
     """Judge the answers to a problem. The best is the first certified one, or the lexicographically smallest."""
     court = _Court(problem)
     certified = court.proofs(answers)
-    proved = any(certified)
     with np.errstate(all="ignore"):  # an answer may be of any size, and none
-        best = answers[certified.index(True)] if proved else court.smallest(answers)
+        best = answers[certified.index(True)] if True in certified else court.smallest(answers)
         verdicts = [court.verdict(x, best, proof) for x, proof in zip(answers, certified, strict=True)]
-        return Judgement(verdicts, proved, court.active(best))
+        return Judgement(verdicts, True in certified, court.active(best))
 
 
 class _Court:
@@ -83,14 +90,8 @@ class _Court:
 
     def proofs(self, answers: Sequence[Array]) -> list[bool]:
         """Which of them are certified; what came more than once is looked at once."""
-        proofs = {key: self._proved(x) for key, x in {x.tobytes(): x for x in answers}.items()}
+        proofs = {key: proved(self.problem, x) for key, x in {x.tobytes(): x for x in answers}.items()}
         return [proofs[x.tobytes()] for x in answers]
-
-    def _proved(self, x: Array) -> bool:
-        try:
-            return certify(self.problem, x).ok
-        except InvalidInput:  # no number, or beyond all sense
-            return False
 
     def slacks(self, x: Array) -> Array:
         return excess(self.A @ x, self.problem.lower, self.problem.upper)
