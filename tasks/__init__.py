@@ -56,7 +56,8 @@ from .position import PositionTask
 from .posture import PostureTask
 from .reconstruction import Reconstructed
 from .robots.frame import Frame
-from .robots.library import available_robots, load_robot
+from .robots.library import available_robots
+from .robots.loading import load_robot
 from .robots.manipulability import Degrees, VelocityEllipse, manipulability, task_degrees, velocity_ellipse
 from .robots.planar import PlanarArm, PlanarState
 from .robots.robot import Robot, RobotState

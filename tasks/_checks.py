@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from reprlib import repr as brief
 from tempfile import TemporaryFile
@@ -88,20 +88,53 @@ def per_row(value: Array, rows: int, what: str, of: str = "row") -> Array:
     return value
 
 
-def position_range(value: tuple[ArrayLike, ArrayLike], rows: int, what: str) -> Array:
-    """Lowest and highest positions [rad] of so many joints, shape (2, rows), each lowest below its highest."""
+def position_range(
+    value: tuple[ArrayLike, ArrayLike],
+    rows: int,
+    what: str,
+    has: NDArray[np.bool_] | None = None,
+    units: Sequence[str] | None = None,
+    names: Sequence[str] | None = None,
+) -> Array:
+    """Lowest and highest positions of so many joints, shape (2, rows), no lowest above its highest.
+
+    Parameters
+    ----------
+    value : pair of float or array, shape (rows,)
+        Numbers count for every joint that has a position, and arrays are to be infinite for the others.
+    rows : int
+    what : str
+        For messages.
+    has : array of bool, shape (rows,), optional
+        Which joints have a position (default: all).
+    units, names : sequence of str, optional
+        Of each joint.
+
+    Raises
+    ------
+    InvalidInput
+        Names the joint, what it is given, and what is allowed.
+    """
     if not isinstance(value, (tuple, list, np.ndarray)) or len(value) != 2:
-        raise InvalidInput(f"{what} = {brief(value)} must be a pair: lowest and highest [rad]")
-    names = ("lowest", "highest")
-    ends = [
-        per_row(numbers(v, f"{what}, {n}"), rows, f"{what}, {n}", "joint") for v, n in zip(value, names, strict=True)
-    ]
-    wrong = ~(ends[0] < ends[1]) | (ends[0] == np.inf) | (ends[1] == -np.inf)
-    if wrong.any():
-        joint = int(np.flatnonzero(wrong)[0])
-        raise InvalidInput(
-            f"{what}: joint {joint} from {ends[0][joint]} to {ends[1][joint]} rad; the lowest must be below the highest"
+        raise InvalidInput(f"{what} = {brief(value)} must be a pair: lowest and highest [rad], [m]")
+    has = np.ones(rows, dtype=np.bool_) if has is None else has
+    ends = []
+    for given, name, free in (value[0], "lowest", -np.inf), (value[1], "highest", np.inf):
+        own = numbers(given, f"{what}, {name}")
+        spread = per_row(own, rows, f"{what}, {name}", "joint")
+        ends.append(np.where(has, spread, free) if own.ndim == 0 else np.array(spread))
+    low, high = ends
+    wrong = ~(low <= high) | (low == np.inf) | (high == -np.inf)
+    none = ~has & ((low != -np.inf) | (high != np.inf))
+    for joint in np.flatnonzero(wrong | none).tolist():
+        called = f"joint {joint}" if names is None else f"joint {names[joint]!r}"
+        unit = "" if units is None else f" {units[joint]}"
+        rule = (
+            "the lowest must not be above the highest, and both may be infinite to their own side"
+            if wrong[joint]
+            else "it has no position of its own, as it turns without end or is a part of a base; give -inf and inf"
         )
+        raise InvalidInput(f"{what}: {called} from {low[joint]:g} to {high[joint]:g}{unit}; {rule}")
     return np.array(ends)
 
 

@@ -126,7 +126,7 @@ class CompiledRows:
         joint = int(frame.parentJoint)
         carried = robot.data.oMi[joint]
         mounted = np.concatenate([np.ravel(frame.placement.rotation), frame.placement.translation])
-        support = np.array(robot.support(joint), dtype=np.int64)
+        support = np.ascontiguousarray(np.array(robot.support(joint), dtype=np.int64).reshape(-1, 2).T)
         both = task.position is not None and task.rotation is not None
         self._kept.append(carried)
         return [
@@ -141,7 +141,7 @@ class CompiledRows:
             self._address(carried.rotation),
             self._address(mounted),
             self._address(support),
-            len(support),
+            support.shape[1],
         ]
 
     def _point(self, task: PlaceTask, head: list[int]) -> list[int]:

@@ -13,8 +13,19 @@ from hqp.checks import of_type
 from ._checks import Array, finite_scalar
 from .motion.trajectories import Trajectory
 from .part import Order
-from .robots.robot import Robot, RobotState, check_positioned, joint_index, joint_names, joint_positions
+from .robots.robot import (
+    Robot,
+    RobotState,
+    check_positioned,
+    joint_index,
+    joint_names,
+    joint_positions,
+    joint_units,
+)
 from .task import TargetTask
+
+#: The unit of a sum over joints that turn and joints that slide.
+MIXED = "(rad, m)"
 
 
 class JointCouplingTask(TargetTask):
@@ -27,7 +38,8 @@ class JointCouplingTask(TargetTask):
     factors : dict of name or number to float
         Joint -> factor; not all zero.
     target : float or Trajectory
-        What ``sum(factor * position)`` is to be [rad], [m].
+        What ``sum(factor * position)`` is to be: in rad where all of these joints turn, in m where all slide; of both
+        kinds, in the unit that the factors give it.
     gain, damping_ratio, weight, name
         See :class:`tasks.Task`.
 
@@ -72,7 +84,9 @@ class JointCouplingTask(TargetTask):
         check_positioned(robot, np.flatnonzero(self.jacobian(self.at_rest(robot))), f"{self.label()}: joint")
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:
-        return [("sum", "rad")]
+        units = joint_units(robot)
+        own = {units[i] for i in np.flatnonzero(self.jacobian(self.at_rest(robot))[0])}
+        return [("sum", own.pop() if len(own) == 1 else MIXED)]
 
     def _shown(self) -> list[str]:
         return [repr(self.factors), *super()._shown()]

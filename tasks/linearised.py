@@ -115,7 +115,7 @@ class Linearised:
                 for unit in dict.fromkeys(units):
                     group = np.zeros(rows)
                     group[begin_part:first] = [own == unit for own in units]
-                    allowed.append(float(tolerance[0 if unit == "m" else 1]))
+                    allowed.append(_tolerance(unit, tolerance))
                     most.append(allowed[-1] ** 2 if part in wanted else np.inf)
                     goal += group * (part in wanted)
                     groups.append(group)
@@ -180,6 +180,11 @@ class Linearised:
         for (task, unit), square in zip(self._names, visit.squares.tolist(), strict=True):
             errors.setdefault(task, {})[unit] = square**0.5
         return errors
+
+
+def _tolerance(unit: str, tolerance: Array) -> float:
+    """What a row in this unit may be off: a length, an angle, or what is smaller for a sum of both."""
+    return float({"m": tolerance[0], "rad": tolerance[1]}.get(unit, tolerance.min()))
 
 
 def _wanted(own: list[Step], goal: Part | Iterable[Part] | None) -> list[Step]:

@@ -28,7 +28,7 @@ from .limits.joint_limits import JointLimits
 from .limits.limit import JointLimit
 from .limits.position import JointPositionLimit
 from .part import Order, Part, Tick
-from .robots.robot import Robot, joint_names
+from .robots.robot import Robot, joint_names, joint_units
 from .stack import Stack
 from .task import Task
 
@@ -95,7 +95,8 @@ class Room(Part):
         self.name, self.weight = "joint limits", numbers(1.0, "weight")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
-        return [Label("position limit", joint, "rad", Which(self)) for joint in joint_names(robot)]
+        joints = zip(joint_names(robot), joint_units(robot), strict=True)
+        return [Label("position limit", joint, unit, Which(self)) for joint, unit in joints]
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         """Nothing: how far to go is known only when the state has been judged; see :meth:`open`."""
@@ -154,6 +155,6 @@ def ranges(robot: Robot, stack: Stack) -> Array:
         joint = int(np.argmax(low > high))
         raise InvalidInput(
             f"position limits of {joint_names(robot)[joint]}: the robot and the stack leave it from {low[joint]:g}"
-            f" to {high[joint]:g}; the lowest must not be above the highest"
+            f" to {high[joint]:g} {joint_units(robot)[joint]}; the lowest must not be above the highest"
         )
     return np.array([low, high])

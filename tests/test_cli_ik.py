@@ -104,7 +104,7 @@ def test_a_base_floats_or_does_not(capsys: pytest.CaptureFixture[str]) -> None:
     assert len(found(capsys.readouterr().out)) == 19
     assert ik(*words, "--start", "random") == 0
     capsys.readouterr()
-    assert ik(*words, "--fixed") == 1
+    assert ik(*words, "--base", "fixed") == 1
     assert len(found(capsys.readouterr().out)) == 12
 
 
@@ -113,7 +113,7 @@ def test_the_robot_is_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert ik("ur5", *PLACE, "--orientation", "0", "0", "0", "--plot", str(picture)) == 0
     assert f"drawn: {picture}" in capsys.readouterr().out
     assert picture.read_bytes()[:4] == b"\x89PNG"
-    assert ik("go2", "--frame", "FL_foot", "--position", "9", "0", "0", "--fixed", "--plot", str(picture)) == 1
+    assert ik("go2", "--frame", "FL_foot", "--position", "9", "0", "0", "--base", "fixed", "--plot", str(picture)) == 1
 
 
 @pytest.mark.parametrize(

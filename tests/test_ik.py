@@ -244,7 +244,7 @@ def test_a_stack_that_means_nothing_is_refused() -> None:
     task = PositionTask([1.0, 1.0], gain=1.0)
     with pytest.raises(InvalidInput, match="has limits only; inverse kinematics needs a task"):
         solve_ik(robot, JointVelocityLimit(1.0))
-    with pytest.raises(InvalidInput, match=r"position limits of joint 0: .* from 2 to 1;"):
+    with pytest.raises(InvalidInput, match=r"position limits of joint 0: .* from 2 to 1 rad;"):
         solve_ik(robot, JointPositionLimit(2.0, 3.0) >> task)
     with pytest.raises(InvalidInput, match="a robot has nq, nv"):
         solve_ik("panda", task)  # type: ignore[arg-type]

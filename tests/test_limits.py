@@ -128,8 +128,11 @@ def test_a_position_limit_reads_like_its_declaration():
     [
         (lambda: JointPositionLimit(-1.0), r"'position': upper is missing; give both in rad"),
         (lambda: JointPositionLimit(upper=1.0), "lower is missing"),
-        (lambda: JointPositionLimit(1.0, 1.0), "range: joint 0 from 1.0 to 1.0 rad; the lowest must be below"),
-        (lambda: JointPositionLimit([0.0, 2.0], 1.0), "joint 1 from 2.0 to 1.0"),
+        (
+            lambda: JointPositionLimit(1.0, 0.5),
+            "range: joint 0 from 1 to 0.5; the lowest must not be above the highest",
+        ),
+        (lambda: JointPositionLimit([0.0, 2.0], 1.0), "joint 1 from 2 to 1"),
         (lambda: JointPositionLimit(np.nan, 1.0), "joint 0 from nan"),
         (lambda: JointPositionLimit([0.0, 2.0], [3.0] * 3), r"lowest has shape \(2,\)"),
         (lambda: JointPositionLimit("a", 1.0), "'position': lower is not an array of real numbers"),

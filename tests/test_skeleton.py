@@ -7,7 +7,7 @@ import pytest
 
 from hqp import InvalidInput
 from tasks import PlanarArm
-from tasks.robots.library import load_robot
+from tasks.robots.loading import load_robot
 from tasks.robots.skeleton import skeleton
 
 

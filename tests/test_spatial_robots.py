@@ -29,7 +29,7 @@ from tasks import (
     load_robot,
     simulate,
 )
-from tasks.robots import library
+from tasks.robots import ranges
 
 LENGTHS = (0.5, 0.4, 0.3)
 LOWER, UPPER, V_MAX = (-2.0, -2.5, -2.2), (2.0, 2.5, 2.2), (1.0, 1.5, 2.0)
@@ -153,7 +153,7 @@ def test_an_mjcf_file(tmp_path):
 
 
 def test_a_file_on_a_floating_base(tmp_path):
-    robot = load_robot(urdf(tmp_path, *map(joint, range(3))), tip="tip", floating_base=True)
+    robot = load_robot(urdf(tmp_path, *map(joint, range(3))), tip="tip", base="floating")
     assert (robot.nq, robot.nv, robot.base) == (10, 9, 6)
     assert robot.joint_names[5:7] == ("root_joint[5]", "joint0")
     np.testing.assert_array_equal(robot.position_limit[:, :6], [[-np.inf] * 6, [np.inf] * 6])
@@ -265,13 +265,13 @@ def test_joints_that_follow_are_in_the_jacobians(tmp_path, name):
 
 
 def test_locked_joints_are_told_once(tmp_path, caplog, monkeypatch):
-    monkeypatch.setattr(library, "_TOLD", set())
+    monkeypatch.setattr(ranges, "_TOLD", set())
     path = tied(tmp_path)
     with caplog.at_level(logging.WARNING, logger="hqp"):
         for _ in range(3):
             load_robot(path)
         assert [record.getMessage() for record in caplog.records] == [
-            "arm.urdf: joints that mimic others are held at neutral: joint2"
+            f"robot {str(path)!r}: joints that follow others are held: joint2"
         ]
         caplog.clear()
         load_robot(path, mimic="follow")

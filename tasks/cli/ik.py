@@ -48,7 +48,7 @@ def joined(words: Sequence[str]) -> list[str]:
 
 
 def ik(
-    robot: Annotated[str, typer.Argument(help="A name, as panda or ur5, or a .urdf or .xml file.", metavar="ROBOT")],
+    robot: Annotated[str, typer.Argument(help="A name, as panda or ur5, or a URDF or MJCF file.", metavar="ROBOT")],
     position: Annotated[str, typer.Option("--position", help="Where the frame is to be [m].", metavar="X Y Z")],
     frame: Annotated[
         str | None, typer.Option("--frame", help="The frame to bring there (default: the robot's tip).", metavar="NAME")
@@ -74,8 +74,13 @@ def ik(
         list[str] | None,
         typer.Option("--lock", help="Hold this joint where neutral; may be given several times.", metavar="JOINT"),
     ] = None,
-    floating: Annotated[
-        bool | None, typer.Option("--floating/--fixed", help="The base (default: as the library knows the robot).")
+    base: Annotated[
+        Literal["fixed", "planar", "floating"] | None,
+        typer.Option("--base", help="How the robot stands (default: as the library knows it, or as its file says)."),
+    ] = None,
+    body: Annotated[
+        list[str] | None,
+        typer.Option("--body", help="Where the robot begins, if an MJCF has several.", metavar="NAME"),
     ] = None,
     plot: Annotated[
         Path | None,
@@ -93,18 +98,16 @@ def ik(
     from ..orientation import OrientationTask
     from ..position import PositionTask
     from ..posture import PostureTask
-    from ..robots.library import load_robot
+    from ..robots.loading import load_robot
 
     place = finite(_numbers("--position", position, (3,)), "--position")
     rotation = None if orientation is None else _rotation(orientation)
     if plot is not None:
         writable(plot.parent, [plot.name])
-    machine = load_robot(robot, floating_base=floating, lock=lock or ())
+    machine = load_robot(robot, base=base, body=body or None, lock=lock or ())
     begin = machine.neutral if start == "neutral" else machine.home
     if start == "random":
-        begin = machine.configuration({})
-        base = begin[:7] if machine.base else begin[:0]
-        begin = np.concatenate([machine.home[: len(base)], machine.random(np.random.default_rng(seed))[len(base) :]])
+        begin = machine.on_base(machine.home, machine.random(np.random.default_rng(seed)))
     stack = PositionTask(place, frame=frame, gain=1.0) >> PostureTask(begin, gain=1.0)
     if rotation is not None:
         above, below = stack.levels

@@ -28,7 +28,7 @@ from .gradient import GradientTask
 
 
 class JointCentringTask(GradientTask):
-    """Bring joints towards the middle of their ranges; those without two finite ends are left alone.
+    """Bring joints towards the middle of their ranges; those without two finite ends, or held, are left alone.
 
     Parameters
     ----------
@@ -49,7 +49,8 @@ class JointCentringTask(GradientTask):
     def variables(self, robot: Robot) -> NDArray[np.intp]:
         if robot.position_limit is None:
             return np.zeros(0, dtype=np.intp)
-        return np.flatnonzero(np.isfinite(robot.position_limit).all(axis=0))
+        low, high = robot.position_limit
+        return np.flatnonzero(np.isfinite(robot.position_limit).all(axis=0) & (low < high))
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         own = self.variables(robot)

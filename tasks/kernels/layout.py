@@ -6,7 +6,8 @@ on the kind. Arrays are of float64 or int64, contiguous.
 
 from __future__ import annotations
 
-#: Of the whole: unknowns, configuration, velocities, joint Jacobians (6 x n, by columns), number of parts, their lists.
+#: Of the whole: unknowns, configuration, velocities, joint Jacobians (6 x columns, by columns), number of parts, their
+#: lists.
 N, Q, V, JOINTS, PARTS, LISTS = range(6)
 
 #: Of every part.
@@ -18,7 +19,8 @@ PLACE, POINT, POSTURE, LIMITS = range(4)
 #: omega.
 MASK, TARGET, TRANSLATION = 6, 7, 8
 #: Of PLACE: the axes (WORLD, LOCAL, SPATIAL), whether position and rotation count; where the joint is that carries the
-#: frame (ROTATION by columns, TRANSLATION), where the frame is on it (MOUNTED: R by rows, p), the joints that move it.
+#: frame (ROTATION by columns, TRANSLATION), where the frame is on it (MOUNTED: R by rows, p); what moves it: SUPPORTS
+#: columns of the joint Jacobians, and the velocity of each.
 AXES, LINEAR, ANGULAR, ROTATION, MOUNTED, SUPPORT, SUPPORTS = range(9, 16)
 WORLD, LOCAL, SPATIAL = range(3)
 #: Of POINT: its Jacobian (3 x n, by columns).

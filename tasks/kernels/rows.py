@@ -94,10 +94,14 @@ def place(part, n, J, work):
         h[r] = h[first + mask[r]] + gain[r] * wanted[first + mask[r]]
     bounds(part, rows, h)
     # And how it follows the joints.
-    support = ints(part[at.SUPPORT], 0, part[at.SUPPORTS])
+    count = part[at.SUPPORTS]
+    column, velocity = ints(part[at.SUPPORT], 0, count), ints(part[at.SUPPORT], count, count)
     A = floats(part[at.A], 0, rows * n)
-    for s in range(len(support)):
-        j = support[s]
+    for s in range(count):
+        for r in range(rows):
+            A[r * n + velocity[s]] = 0.0
+    for s in range(count):
+        j = column[s]
         x, y, z = J[6 * j + 3], J[6 * j + 4], J[6 * j + 5]
         full[0] = J[6 * j] + y * p[2] - z * p[1]
         full[1] = J[6 * j + 1] + z * p[0] - x * p[2]
@@ -105,7 +109,7 @@ def place(part, n, J, work):
         full[3], full[4], full[5] = x, y, z
         along(axes, R, p, full, wanted)
         for r in range(rows):
-            A[r * n + j] = wanted[first + mask[r]]
+            A[r * n + velocity[s]] += wanted[first + mask[r]]
 
 
 @inner
@@ -193,7 +197,7 @@ def write_rows(here, scratch):
     """Write all parts; `here` is the address of the first list of :mod:`.layout`, `scratch` that of 48 numbers."""
     head = ints(here, 0, 6)
     n = head[at.N]
-    q, v, J = floats(head[at.Q], 0, 1), floats(head[at.V], 0, n), floats(head[at.JOINTS], 0, 6 * n)
+    q, v, J = floats(head[at.Q], 0, 1), floats(head[at.V], 0, n), floats(head[at.JOINTS], 0, 1)
     for k in range(head[at.PARTS]):
         part = ints(head[at.LISTS], k * at.LENGTH, at.LENGTH)
         kind = part[at.KIND]

@@ -22,7 +22,7 @@ D < 0 means that the joint is, or will be, outside. Then m = 0, and :math:`p \le
 .. math:: r = \min(\text{return speed},\ v_{max},\ p_{max}(D') \text{ of the opposite side}),
 
 to rest on the limit: from near it in one tick at velocity order, in two at acceleration order. As
-:math:`D + D' = q_{max} - q_{min} > 0`, at most one side is negative, and the two never exclude each other.
+:math:`D + D' = q_{max} - q_{min} \ge 0`, at most one side is negative, and the two never exclude each other.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from hqp import InvalidInput
 
 from .._checks import LARGEST, Array, numbers, position_range, positive_scalar
 from ..part import Order, Tick
-from ..robots.robot import Robot, joint_positions, positioned
+from ..robots.robot import Robot, joint_names, joint_positions, joint_units, positioned
 from .limit import JointLimit
 
 #: How fast a joint that is outside is driven back, unless told otherwise [rad/s].
@@ -46,7 +46,7 @@ UNLIMITED = float(np.finfo(np.float64).max)
 
 
 class JointPositionLimit(JointLimit):
-    r"""No joint leaves its range [rad], and one that is outside is driven back into it.
+    r"""No joint leaves its range [rad], [m], and one that is outside is driven back into it.
 
     Velocity order: :math:`-p_{max}(D_{lower}) \le x \le p_{max}(D_{upper})`. Acceleration order:
     :math:`(-p_{max}(D_{lower}) - v)/dt \le a \le (p_{max}(D_{upper}) - v)/dt`. See :mod:`tasks.limits.position`
@@ -58,8 +58,9 @@ class JointPositionLimit(JointLimit):
     Parameters
     ----------
     lower, upper : float or array, shape (nv,), optional
-        Lowest and highest positions [rad]; infinite where a joint turns freely. Both, or neither for the
-        robot's own. They mean nothing to a wheel without end and to a floating base.
+        Lowest and highest positions [rad], [m]; infinite where a joint turns freely. Both, or neither for the
+        robot's own. Numbers count for all joints that have a position; arrays are infinite for a wheel without end, a
+        ball and a base that moves freely. A joint whose ends are equal is held there.
     return_speed : float
         How fast, at most, the limit itself drives a joint back [rad/s].
     name : str, optional
@@ -67,8 +68,8 @@ class JointPositionLimit(JointLimit):
     Raises
     ------
     InvalidInput
-        If only one of the two is given, a lowest position is not below the highest, or the return
-        speed is not positive.
+        If only one of the two is given, a lowest position is above the highest, or the return speed is not positive;
+        and, with a robot, if a range is given to a joint without a position.
     """
 
     quantity: ClassVar[str] = "position"
@@ -108,9 +109,8 @@ class JointPositionLimit(JointLimit):
                 f"{self.label()}: the robot has no position limit of its own;"
                 f" give one in {self.unit}: {type(self).__name__}(-2.0, 2.0)"
             )
-        limits = position_range(own, robot.nv, f"{self.label()}: range")
-        limits[:, ~positioned(robot)] = [[-np.inf], [np.inf]]
-        return limits
+        what = f"{self.label()}: range"
+        return position_range(own, robot.nv, what, positioned(robot), joint_units(robot), joint_names(robot))
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.range(robot)

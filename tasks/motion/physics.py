@@ -94,30 +94,55 @@ def _joints(model: Any) -> list[tuple[Any, str]]:
 
 
 def _specification(model: Any, mujoco: Any) -> mujoco.MjSpec:
-    """The same robot in the words of MuJoCo: a body a joint."""
+    """The same robot in the words of MuJoCo: a body a joint, or one for all joints in a row that carry nothing between.
+
+    What carries nothing is no body to MuJoCo. Its joint goes to the next one that does, as the first of several.
+    """
+    import pinocchio as pin
+
     specification = mujoco.MjSpec()
     specification.option.gravity = model.gravity.linear
     specification.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
-    bodies = [specification.worldbody]
-    for index, (joint, name) in enumerate(_joints(model), start=1):
-        place, inertia, motion = model.jointPlacements[index], model.inertias[index], joint.createData()
-        joint.calc(motion, np.zeros(model.nq))
-        subspace = np.array(motion.S).reshape(6)  # linear, angular: one of them is the axis
-        slides = bool(subspace[:3].any())
-        body = bodies[model.parents[index]].add_body(name=name, pos=place.translation, quat=_quaternion(place.rotation))
+    bodies, waiting = [specification.worldbody], dict[int, list[tuple[int, pin.SE3]]]()
+    children = [[i for i in range(1, model.njoints) if model.parents[i] == parent] for parent in range(model.njoints)]
+    for index in range(1, model.njoints):
+        inertia, parent, place = model.inertias[index], int(model.parents[index]), model.jointPlacements[index]
+        before = [(i, place.inverse() * at) for i, at in waiting.pop(parent, [])]
+        if before:  # where the first of them is placed on the last body that there is
+            first = before[0][0]
+            place = model.jointPlacements[first] * before[0][1].inverse()
+        own = [*before, (index, pin.SE3.Identity())]
+        if inertia.mass == 0.0 and len(children[index]) == 1:
+            waiting[index] = own
+            bodies.append(bodies[parent])
+            continue
+        name = model.names[index]
+        body = bodies[parent].add_body(name=name, pos=place.translation, quat=_quaternion(place.rotation))
         J = inertia.inertia
         body.explicitinertial = True
         body.mass, body.ipos = inertia.mass, inertia.lever
         body.fullinertia = [J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2]]
-        body.add_joint(
-            name=name,
-            type=mujoco.mjtJoint.mjJNT_SLIDE if slides else mujoco.mjtJoint.mjJNT_HINGE,
-            axis=subspace[:3] if slides else subspace[3:],
-            armature=model.armature[joint.idx_v],
-            damping=[model.damping[joint.idx_v], 0.0, 0.0],
-        )
+        for i, at in own:
+            _add_joint(body, model, i, at, mujoco)
         bodies.append(body)
     return specification
+
+
+def _add_joint(body: Any, model: Any, index: int, at: Any, mujoco: Any) -> None:
+    """Put a joint of the model into a body, on which it is at a place."""
+    joint = model.joints[index]
+    motion = joint.createData()
+    joint.calc(motion, np.zeros(model.nq))
+    subspace = np.array(motion.S).reshape(6)  # linear, angular: one of them is the axis
+    slides = bool(subspace[:3].any())
+    body.add_joint(
+        name=model.names[index],
+        type=mujoco.mjtJoint.mjJNT_SLIDE if slides else mujoco.mjtJoint.mjJNT_HINGE,
+        pos=at.translation,
+        axis=at.rotation @ (subspace[:3] if slides else subspace[3:]),
+        armature=model.armature[joint.idx_v],
+        damping=[model.damping[joint.idx_v], 0.0, 0.0],
+    )
 
 
 def _quaternion(rotation: Array) -> Array:

@@ -29,7 +29,7 @@ from hqp import InvalidInput, RegularisedSolution, Solution
 from hqp.checks import of_type, whole_number
 
 from .._checks import Array, finite, finite_scalar, function, positive_scalar
-from ..robots.robot import check_joints, integrate
+from ..robots.robot import Robot, check_joints, integrate, joint_names, joint_units
 from ..stack import Stack
 from .controller import Controller
 from .log import Log
@@ -184,7 +184,7 @@ def simulate(
         q.flags.writeable = v.flags.writeable = False  # ours, and kept as they are: a robot need not copy them
         speed = float(np.abs(v).max(initial=0.0))
         if not speed <= cap:  # NaN too
-            stopped = Stop(t + dt, f"diverged at t = {t + dt:g} s: a joint turns at {speed:.3g} rad/s", diverged=True)
+            stopped = Stop(t + dt, f"diverged at t = {t + dt:g} s: {_fastest(robot, v)}", diverged=True)
             break
         log.tick(k, a, step.solution.status)
         if progress is not None and (k + 1) % report_every == 0:
@@ -192,6 +192,12 @@ def simulate(
     else:
         log.state(ticks, start + ticks * dt, robot.at(q, v))
     return log.record(stopped)
+
+
+def _fastest(robot: Robot, v: Array) -> str:
+    """Which joint moves how fast."""
+    joint = int(np.argmax(np.abs(v)))  # NaN is the largest
+    return f"{joint_names(robot)[joint]} moves at {abs(float(v[joint])):.3g} {joint_units(robot)[joint]}/s"
 
 
 def _certified(solution: Solution | RegularisedSolution) -> bool:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import redirect_stderr
-from io import StringIO
 from pathlib import Path
 
 import coal
@@ -11,6 +9,9 @@ import numpy as np
 import pinocchio as pin
 
 from hqp import InvalidInput
+
+from .._quiet import caught
+from .urdf import reason
 
 
 def collision_geometry(model: pin.Model, source: Path) -> pin.GeometryModel:
@@ -32,15 +33,18 @@ def collision_geometry(model: pin.Model, source: Path) -> pin.GeometryModel:
     """
     folders = [str(folder) for folder in source.parents]
     try:
-        with redirect_stderr(StringIO()):
+        with caught() as lines:
             whole = pin.buildModelFromUrdf(str(source))
             shapes = pin.buildGeomFromUrdf(whole, str(source), pin.GeometryType.COLLISION, package_dirs=folders)
     except (ValueError, RuntimeError) as error:
-        raise InvalidInput(f"the collision shapes of {str(source)!r} cannot be read: {error}") from None
+        raise InvalidInput(
+            f"the collision shapes of {str(source)!r} cannot be read: {reason(lines, error)};"
+            " package://NAME/... is sought as a folder NAME beside the file and in all folders above it"
+        ) from None
     geometry = pin.GeometryModel()
     for shape in shapes.geometryObjects:
         body = whole.frames[shape.parentFrame]
-        frame = model.getFrameId(body.name)
+        frame = model.getFrameId(body.name, pin.FrameType.BODY)
         if frame >= model.nframes:
             raise InvalidInput(f"{str(source)!r}: the model has no frame {body.name!r}, which carries {shape.name!r}")
         own = model.frames[frame]

@@ -7,7 +7,7 @@ angular velocity along its own axes.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from hqp import InvalidInput, MissingPackage
 from hqp.checks import of_type
 
-from .._checks import LARGEST, Array, finite_scalar, own_numbers, per_row, position_range, positive
+from .._checks import Array, finite_scalar, own_numbers
 from .robot import joint_index, nearest
 
 try:
@@ -25,7 +25,23 @@ try:
 except ImportError as error:  # pragma: no cover
     raise MissingPackage("spatial robots need Pinocchio: pip install 'hqp[robots]'") from error
 
+from .axes import NONE, axes, base_of
+from .frame_names import frame_numbers
 from .pinocchio_state import PinocchioState
+from .ranges import largest, no_position
+from .ranges import position_limit as limits_of
+from .reduction import SAME
+from .verification import verify
+
+#: The unit of a limit for a joint that turns, and for one that slides.
+SPEED = {"rad": "rad/s", "m": "m/s"}
+ACCELERATION = {"rad": "rad/s^2", "m": "m/s^2"}
+TORQUE = {"rad": "N m", "m": "N"}
+
+
+#: A limit of all joints, or of those that are named.
+Limit = ArrayLike | Mapping[str, float]
+Range = tuple[ArrayLike, ArrayLike] | Mapping[str, tuple[float, float]]
 
 
 class PinocchioRobot:
@@ -38,35 +54,41 @@ class PinocchioRobot:
         The frame that tasks mean which name none.
     name : str, optional
         Default: the model's own.
-    position_limit : pair of float or array, shape (nv,), optional
-        Lowest and highest joint positions [rad], [m] (default: the model's).
-    velocity_limit : float or array, shape (nv,), optional
+    position_limit : pair of float or array, shape (nv,), or dict of name to pair, optional
+        Lowest and highest joint positions [rad], [m] (default: the model's). Numbers count for all joints that have a
+        position, arrays are infinite for the others; a dict changes the joints that it names. A joint whose ends are
+        equal is held there.
+    velocity_limit : float, array, shape (nv,), or dict of name to float, optional
         Largest joint speed [rad/s], [m/s] (default: the model's).
-    acceleration_limit : float or array, shape (nv,), optional
+    acceleration_limit : float, array, shape (nv,), or dict of name to float, optional
         Largest joint acceleration [rad/s^2], [m/s^2]; a model has none.
-    torque_limit : float or array, shape (nv,), optional
+    torque_limit : float, array, shape (nv,), or dict of name to float, optional
         Largest joint torque [N m], force [N] (default: the model's).
 
     Attributes
     ----------
     base : int
-        How many velocities are those of a floating base: 6, or 0.
+        How many velocities are those of a base that moves freely: 6, 3 in the plane, or 0.
     joint_names : tuple of str
         One a velocity; a joint of several has them numbered, as in ``"root_joint[0]"``.
     joint_units : tuple of str
         "rad" or "m", one a velocity.
     frame_names : tuple of str
+        Links, sites, joints. Where two have one name it means the link; ``"joint:name"`` asks for the joint.
     neutral : array, shape (nq,)
-        The neutral configuration, moved into the position limits where it lies outside.
+        The configuration from which the model counts, moved into the position limits where it lies outside.
     home : array, shape (nq,)
-        A configuration to start from: that of the library, or the neutral one.
+        A configuration to start from: that of the library, one that the file names "home", or the neutral one.
+    left_out : tuple of str
+        What its file has that is no part of it.
     source : pathlib.Path or None
         The file that it was loaded from, for its shapes; see :meth:`geometry`.
 
     Raises
     ------
     InvalidInput
-        If there is no such frame, or a limit is not positive, or lowest above highest; names the joint.
+        If there is no such frame, a limit is not positive, lowest above highest, or of a joint without position, or the
+        model moves nothing or has names, axes or numbers that mean nothing; names the joint.
     """
 
     def __init__(
@@ -75,35 +97,43 @@ class PinocchioRobot:
         *,
         tip: str | None = None,
         name: str | None = None,
-        position_limit: tuple[ArrayLike, ArrayLike] | None = None,
-        velocity_limit: ArrayLike | None = None,
-        acceleration_limit: ArrayLike | None = None,
-        torque_limit: ArrayLike | None = None,
+        position_limit: Range | None = None,
+        velocity_limit: Limit | None = None,
+        acceleration_limit: Limit | None = None,
+        torque_limit: Limit | None = None,
     ) -> None:
         self.model = of_type(model, pin.Model, "model")
-        self.data = self.model.createData()
-        self.nq, self.nv = int(model.nq), int(model.nv)
-        joints = list(model.joints)[1:]
-        self.base = 6 if joints and joints[0].nv == 6 else 0
         self.name = str(model.name) if name is None else of_type(name, str, "name of a robot")
-        self.joint_names = tuple(_joint_names(model))
-        self.joint_units = tuple(_joint_units(model))
+        self.nq, self.nv = int(model.nq), int(model.nv)
+        verify(model, repr(self))
+        self.data = self.model.createData()
+        self._base, self.base = base_of(model)
+        self._axes = axes(model)
+        self.joint_names = tuple(axis.name for axis in self._axes)
+        self.joint_units = tuple(axis.unit for axis in self._axes)
+        self._numbers = frame_numbers(model)
         self.frame_names = tuple(dict.fromkeys(frame.name for frame in model.frames))
-        self._columns, self._places = _single_joints(model)
+        places = np.array([axis.place for axis in self._axes], dtype=np.intp)
+        self._columns = np.flatnonzero(places != NONE)
+        self._places = places[self._columns]
         self._frames: dict[str | None, int] = {}
         self._state: PinocchioState | None = None  # whose kinematics the data holds
         self._accelerated = False
-        self.position_limit = self._position_limit(position_limit)
-        self.velocity_limit = self._own_limit(velocity_limit, model.velocityLimit, "velocity limit", "rad/s")
-        self.torque_limit = self._own_limit(torque_limit, model.effortLimit, "torque limit", "N m")
-        self.acceleration_limit = None
-        if acceleration_limit is not None:
-            self.acceleration_limit = self._per_joint(acceleration_limit, "acceleration limit", "rad/s^2")
+        what = repr(self)
+        self.position_limit = limits_of(model, position_limit, what)
+        self.velocity_limit = largest(model, velocity_limit, model.velocityLimit, f"{what}: velocity limit", SPEED)
+        self.torque_limit = largest(model, torque_limit, model.effortLimit, f"{what}: torque limit", TORQUE)
+        self.acceleration_limit = largest(model, acceleration_limit, None, f"{what}: acceleration limit", ACCELERATION)
         self.tip = None if tip is None else self.check_frame(tip)
-        self.neutral = self._inside(pin.neutral(model))
-        self.home = self.neutral
+        self.left_out: tuple[str, ...] = ()
+        self.start_from(pin.neutral(model))
         self.source: Path | None = None
         self._geometry: pin.GeometryModel | None = None
+
+    def start_from(self, neutral: Array) -> None:
+        """Take this configuration as neutral, and as home unless the model names one."""
+        self.neutral = self._inside(neutral)
+        self.home = self._named("home") if "home" in self.configurations else self.neutral
 
     def geometry(self) -> pin.GeometryModel:
         """The collision shapes of its file, read when first asked for; meshes become their convex hulls.
@@ -116,47 +146,10 @@ class PinocchioRobot:
         if self._geometry is None:
             from .geometry import collision_geometry
 
-            if self.source is None or self.source.suffix != ".urdf":
+            if self.source is None or self.source.suffix.lower() != ".urdf":
                 raise InvalidInput(f"{self!r} has no URDF file to read shapes from; use load_robot, or set its source")
             self._geometry = collision_geometry(self.model, self.source)
         return self._geometry
-
-    # Limits.
-
-    def _per_joint(self, value: ArrayLike, what: str, unit: str) -> Array:
-        return per_row(positive(value, f"{self!r}: {what}", unit=unit), self.nv, f"{self!r}: {what}", "joint")
-
-    def _position_limit(self, given: tuple[ArrayLike, ArrayLike] | None) -> Array | None:
-        """Lowest and highest positions of the joints that have one; None if none is limited."""
-        limits = np.array([[-np.inf], [np.inf]]).repeat(self.nv, axis=1)
-        if given is not None:
-            return position_range(given, self.nv, f"{self!r}: position limit")
-        for joint, place in zip(self._columns, self._places, strict=True):
-            low, high = float(self.model.lowerPositionLimit[place]), float(self.model.upperPositionLimit[place])
-            if not low < high:
-                raise InvalidInput(
-                    f"{self!r}: position limit of {self.joint_names[joint]} from {low:g} to {high:g};"
-                    " the lowest must be below the highest"
-                )
-            limits[:, joint] = low if low > -LARGEST else -np.inf, high if high < LARGEST else np.inf
-        return limits if np.isfinite(limits).any() else None
-
-    def _own_limit(self, given: ArrayLike | None, model: Array, what: str, unit: str) -> Array | None:
-        """The given limit or the model's; infinite, or none at all, where the model names none."""
-        if given is not None:
-            return self._per_joint(given, what, unit)
-        own = np.array(model)
-        own[(own <= 0.0) | (own > LARGEST)] = np.inf  # a model writes 0 where it knows nothing
-        return own if np.isfinite(own).any() else None
-
-    def _inside(self, q: Array) -> Array:
-        """The same configuration with every joint inside its range."""
-        q = np.array(q)
-        if self.position_limit is not None:
-            low, high = self.position_limit[:, self._columns]
-            q[self._places] = np.clip(q[self._places], low, high)
-        q.flags.writeable = False
-        return q
 
     # The configuration.
 
@@ -168,21 +161,52 @@ class PinocchioRobot:
         """The step, shape (nv,), that leads from one configuration to another."""
         return np.asarray(pin.difference(self.model, start, end))
 
-    def configuration(self, joints: Mapping[str, float]) -> Array:
-        """The neutral configuration with these joints at these positions [rad], [m].
+    def _inside(self, q: Array) -> Array:
+        """The same configuration with every joint inside its range."""
+        q = np.array(q)
+        if self.position_limit is not None:
+            low, high = self.position_limit[:, self._columns]
+            q[self._places] = np.clip(q[self._places], low, high)
+        q.flags.writeable = False
+        return q
+
+    @property
+    def configurations(self) -> tuple[str, ...]:
+        """The names of the configurations that the model has, such as the keyframes of an MJCF."""
+        return tuple(str(entry.key()) for entry in self.model.referenceConfigurations)
+
+    def _named(self, name: str) -> Array:
+        return self._inside(np.array(self.model.referenceConfigurations[name]))
+
+    def configuration(self, joints: str | Mapping[str, float]) -> Array:
+        """A configuration that the model names, or the neutral one with these joints at these positions [rad], [m].
+
+        Named ones are moved into the position limits where they lie outside.
 
         Raises
         ------
         InvalidInput
-            If a joint is unknown, or has more than one number.
+            If there is no such configuration or joint, or a joint has no single position or is put outside its range.
         """
+        if isinstance(joints, str):
+            if joints not in self.configurations:
+                raise InvalidInput(f"{joints!r} is no configuration of {self!r}{nearest(joints, self.configurations)}")
+            return np.array(self._named(joints))
         q = np.array(self.neutral)
-        columns = self._columns.tolist()
-        for name, position in joints.items():
+        for name, position in of_type(joints, Mapping, "joints").items():  # type: ignore[type-abstract]
             column = joint_index(self.joint_names, name, "joint")
-            if column not in columns:
-                raise InvalidInput(f"joint {name!r} has no single position")
-            q[self._places[columns.index(column)]] = position
+            axis, value = self._axes[column], finite_scalar(position, f"position of {name!r}")
+            if axis.place != NONE:
+                low, high = (-np.inf, np.inf) if self.position_limit is None else self.position_limit[:, column]
+                if not low - SAME <= value <= high + SAME:
+                    raise InvalidInput(
+                        f"position of {name!r} = {value:g} {axis.unit} is outside its range, {low:g} .. {high:g}"
+                    )
+                q[axis.place] = value
+            elif axis.circle != NONE:
+                q[axis.circle : axis.circle + 2] = np.cos(value), np.sin(value)
+            else:
+                raise InvalidInput(f"joint {name!r}: {no_position(axis)}; write its numbers into q")
         return q
 
     def describe(self, q: Array) -> list[tuple[str, float, float, float]]:
@@ -193,11 +217,11 @@ class PinocchioRobot:
         told, low, high = [], *np.array([[-np.inf], [np.inf]]).repeat(self.nv, axis=1)
         if self.position_limit is not None:
             low, high = self.position_limit
-        for joint in list(self.model.joints)[1:]:
-            if joint.nv == 1:
-                own, column = q[joint.idx_q : joint.idx_q + joint.nq], joint.idx_v
-                position = own[0] if joint.nq == 1 else np.arctan2(own[1], own[0])
-                told.append((self.joint_names[column], float(position), float(low[column]), float(high[column])))
+        for column, axis in enumerate(self._axes):
+            if axis.place != NONE or axis.circle != NONE:
+                cosine, sine = q[axis.circle : axis.circle + 2] if axis.circle != NONE else (1.0, 0.0)
+                position = q[axis.place] if axis.place != NONE else np.arctan2(sine, cosine)
+                told.append((axis.name, float(position), float(low[column]), float(high[column])))
         return told
 
     def random(self, rng: np.random.Generator) -> Array:
@@ -212,16 +236,21 @@ class PinocchioRobot:
         pin.seed(int(rng.integers(2**31)))
         return np.asarray(pin.randomConfiguration(self.model, low, high))
 
+    def on_base(self, base: Array, joints: Array) -> Array:
+        """The configuration whose base stands as in the first one, and whose joints stand as in the second."""
+        return np.concatenate([base[: self._base], joints[self._base :]])
+
     def places(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
         """Where in q the positions of these velocities are, shape (k,); -1 for one that has none of its own."""
         places = np.full(self.nv, -1, dtype=np.int64)
         places[self._columns] = self._places
         return places[columns]
 
-    def support(self, joint: int) -> list[int]:
-        """The velocities that move what is carried by a joint of the model."""
+    def support(self, joint: int) -> list[tuple[int, int]]:
+        """What moves that which a joint of the model carries: columns of Pinocchio's Jacobian of the joints, and the
+        velocity of each. A joint that follows another one has a column of its own, and the velocity of that one."""
         joints = [self.model.joints[i] for i in self.model.supports[joint]][1:]
-        return [joint.idx_v + i for joint in joints for i in range(joint.nv)]
+        return [(joint.idx_vExtended + i, joint.idx_v + i) for joint in joints for i in range(joint.nvExtended)]
 
     # The state.
 
@@ -233,7 +262,7 @@ class PinocchioRobot:
         InvalidInput
             Tells the nearest names.
         """
-        if name not in self.frame_names:
+        if name not in self._numbers:
             raise InvalidInput(f"{name!r} is no frame of {self!r}{nearest(str(name), self.frame_names)}")
         return name
 
@@ -243,7 +272,7 @@ class PinocchioRobot:
         if found is None:
             if name is None and self.tip is None:
                 raise InvalidInput(f"{self!r} has no tip; name a frame")
-            found = self._frames[name] = int(self.model.getFrameId(self.check_frame(name or str(self.tip))))
+            found = self._frames[name] = self._numbers[self.check_frame(name or str(self.tip))]
         return found
 
     def at(self, q: ArrayLike, v: ArrayLike) -> PinocchioState:
@@ -302,47 +331,3 @@ class PinocchioRobot:
 
     def __repr__(self) -> str:
         return f"PinocchioRobot({self.name!r}, {self.nv} degrees of freedom)"
-
-
-def reduced(model: pin.Model, positions: Mapping[str, float | None], what: str) -> pin.Model:
-    """The model with these joints held: at a position, or where neutral if that is None.
-
-    Raises
-    ------
-    InvalidInput
-        If a joint is unknown; tells the nearest names.
-    """
-    q, held = pin.neutral(model), []
-    names = list(model.names)[1:]
-    for name, position in positions.items():
-        if name not in names:
-            raise InvalidInput(f"{what}: {name!r} is no joint{nearest(str(name), names)}")
-        index = int(model.getJointId(name))
-        joint = model.joints[index]
-        if position is not None:
-            if joint.nq != 1:
-                raise InvalidInput(f"{what}: {name!r} has {joint.nq} numbers; it can only be held at its neutral place")
-            q[joint.idx_q] = finite_scalar(position, f"{what}: position of {name!r}")
-        held.append(index)
-    return pin.buildReducedModel(model, held, q) if held else model
-
-
-def _joint_names(model: pin.Model) -> Iterable[str]:
-    for joint, name in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):  # the first is the universe
-        yield from [name] if joint.nv == 1 else (f"{name}[{i}]" for i in range(joint.nv))
-
-
-def _joint_units(model: pin.Model) -> Iterable[str]:
-    for joint in list(model.joints)[1:]:
-        kind = joint.shortname().removeprefix("JointModel")
-        lengths = {"FreeFlyer": 3, "Planar": 2, "Translation": 3}.get(kind, joint.nv if kind.startswith("P") else 0)
-        yield from ["m" if i < lengths else "rad" for i in range(joint.nv)]
-
-
-def _single_joints(model: pin.Model) -> tuple[Any, Any]:
-    """Of the joints with one position and one velocity: which velocity, and which number of q."""
-    single = [joint for joint in list(model.joints)[1:] if joint.nq == joint.nv == 1]
-    return (
-        np.array([joint.idx_v for joint in single], dtype=np.intp),
-        np.array([joint.idx_q for joint in single], dtype=np.intp),
-    )

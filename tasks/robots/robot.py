@@ -52,11 +52,11 @@ class Robot(Protocol):
     nq, nv : int
         Numbers of a configuration, and of joint velocities.
     position_limit : array, shape (2, nv), or None
-        Lowest and highest joint positions [rad]; infinite where a joint turns freely.
+        Lowest and highest joint positions [rad], [m]; infinite where a joint turns freely.
     velocity_limit : array, shape (nv,), or None
-        Largest joint speed [rad/s].
+        Largest joint speed [rad/s], [m/s].
     acceleration_limit : array, shape (nv,), or None
-        Largest joint acceleration [rad/s^2].
+        Largest joint acceleration [rad/s^2], [m/s^2].
 
     Notes
     -----
@@ -194,7 +194,7 @@ def check_positioned(robot: Robot, columns: Iterable[int], what: str) -> None:
         if not single[column]:
             raise InvalidInput(
                 f"{what} {joint_names(robot)[column]!r} has no single position; it turns without end, or is a"
-                " part of a floating base"
+                " part of a ball or of a floating or planar base"
             )
 
 
@@ -205,8 +205,10 @@ def check_fixed_base(robot: Robot, what: str) -> None:
     ------
     InvalidInput
     """
-    if getattr(robot, "base", 0):
-        raise InvalidInput(f"{what}: {robot!r} has a floating base, which no joint torque drives; it must be fixed")
+    base = getattr(robot, "base", 0)
+    if base:
+        kind = "planar" if base == 3 else "floating"
+        raise InvalidInput(f"{what}: {robot!r} has a {kind} base, which no joint torque drives; it must be fixed")
 
 
 def as_robot(value: Robot) -> Robot:

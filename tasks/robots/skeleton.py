@@ -60,8 +60,8 @@ def _spatial(robot: PinocchioRobot, q: Array, frames: tuple[str, ...]) -> Array:
 
     model, data = robot.model, robot.model.createData()  # its own: the robot's belongs to the state of a tick
     pin.framesForwardKinematics(model, data, q)
-    # A floating base hangs on nothing: no line leads to it from the origin of the world.
-    joints = [i for i in range(1, model.njoints) if not (model.parents[i] == 0 and model.joints[i].nv == 6)]
+    # A base that moves freely hangs on nothing: no line leads to it from the origin of the world.
+    joints = range(2 if robot.base else 1, model.njoints)
     segments = [(data.oMi[int(model.parents[i])].translation, data.oMi[i].translation) for i in joints]
     for name in dict.fromkeys([*([] if robot.tip is None else [robot.tip]), *frames]):
         index = robot.frame_index(name)

@@ -1,0 +1,33 @@
+"""What libraries in C++ print by themselves, caught."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from tempfile import TemporaryFile
+
+STDERR = 2
+
+
+@contextmanager
+def caught() -> Iterator[list[str]]:
+    """Keep what is printed to standard error meanwhile, by any library: the lines are there at the end."""
+    lines: list[str] = []
+    try:
+        kept = os.dup(STDERR)
+    except OSError:  # a process without standard error
+        yield lines
+        return
+    if sys.stderr is not None:
+        sys.stderr.flush()
+    with TemporaryFile() as file:
+        os.dup2(file.fileno(), STDERR)
+        try:
+            yield lines
+        finally:
+            os.dup2(kept, STDERR)
+            os.close(kept)
+            file.seek(0)
+            lines += file.read().decode(errors="replace").splitlines()

@@ -1,0 +1,91 @@
+"""The axes of a Pinocchio model: what each velocity is called, its unit, and which number of q is its position."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import pinocchio as pin
+
+#: The units of the velocities of the joints whose name does not tell, linear before angular.
+UNITS = {
+    "FreeFlyer": "m m m rad rad rad",
+    "Planar": "m m rad",
+    "Translation": "m m m",
+    "Spherical": "rad rad rad",
+    "SphericalZYX": "rad rad rad",
+    "Ellipsoid": "rad rad rad",
+    "Universal": "rad rad",
+}
+#: Joints whose velocities are not the rates of as many numbers of q.
+MANIFOLDS = ("FreeFlyer", "Planar", "Spherical")
+#: Those of them that carry a robot which moves freely, if they come first.
+BASES = ("FreeFlyer", "Planar")
+#: No number of q.
+NONE = -1
+
+
+class Axis(NamedTuple):
+    """One velocity of a model.
+
+    Attributes
+    ----------
+    name : str
+        That of the joint; of a joint with several velocities ``"name[i]"``.
+    joint : str
+        The name of the joint itself.
+    unit : {"rad", "m"}
+        Of its position.
+    place : int
+        Which number of q is its position, so that ``q[place]`` changes at this velocity; -1 if none is.
+    circle : int
+        Which number of q is the cosine of its angle, the sine being the next; -1 if none is.
+    """
+
+    name: str
+    joint: str
+    unit: str
+    place: int
+    circle: int
+
+
+def kind(joint: Any) -> str:
+    """What a joint of a model is: ``"RX"``, ``"PrismaticUnaligned"``, ``"FreeFlyer"``, ``"Composite"``, ..."""
+    return str(joint.shortname()).removeprefix("JointModel")
+
+
+def axes(model: pin.Model) -> tuple[Axis, ...]:
+    """All axes of a model, in the order of its velocities; a joint that follows another one has none."""
+    found = []
+    for joint, name in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):  # the first is the universe
+        own = list(_axes(joint))
+        several = len(own) > 1
+        found += [Axis(f"{name}[{i}]" if several else name, name, *axis) for i, axis in enumerate(own)]
+    return tuple(found)
+
+
+def base_of(model: pin.Model) -> tuple[int, int]:
+    """How many numbers of q, and how many velocities, are those of a base that moves freely; 0, 0 if it is fixed."""
+    if model.njoints > 1 and kind(model.joints[1]) in BASES:
+        return int(model.joints[1].nq), int(model.joints[1].nv)
+    return 0, 0
+
+
+def _axes(joint: Any) -> Iterator[tuple[str, int, int]]:
+    """Unit, place and circle of every velocity of a joint."""
+    what = kind(joint)
+    if what == "Mimic":
+        return
+    if what == "Composite":
+        for part in joint.extract().joints if hasattr(joint, "extract") else joint.joints:
+            yield from _axes(part)
+    elif what.startswith(("RUB", "RevoluteUnbounded")):
+        yield "rad", NONE, joint.idx_q
+    elif what in MANIFOLDS:
+        for i, unit in enumerate(UNITS[what].split()):
+            yield unit, NONE, joint.idx_q + 2 if what == "Planar" and i == 2 else NONE
+    elif what in UNITS:
+        for i, unit in enumerate(UNITS[what].split()):
+            yield unit, joint.idx_q + i, NONE
+    else:  # one axis that turns, slides or screws
+        yield "m" if what.startswith("P") else "rad", joint.idx_q, NONE

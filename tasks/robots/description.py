@@ -1,0 +1,39 @@
+"""What a model file says of a robot, whatever its format."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import pinocchio as pin
+
+from .._checks import Array
+from .ties import Tie
+
+#: The joint of a base that the file does not have, by name and kind.
+BASE_JOINT = "root_joint"
+BASES = {"planar": pin.JointModelPlanar, "floating": pin.JointModelFreeFlyer}
+
+
+@dataclass
+class Description:
+    """A robot as its file describes it.
+
+    Attributes
+    ----------
+    model : pinocchio.Model
+        Every joint on its own, tied or not; configurations that the file names as its reference configurations.
+    neutral : array, shape (nq,)
+        The configuration from which the file counts.
+    ties : list of Tie
+        Joints that follow others.
+    fixed : tuple of str
+        Joints of the file that do not move, and are none of the model.
+    left_out : tuple of str
+        What else the file has, and why it is no part of the robot.
+    """
+
+    model: pin.Model
+    neutral: Array
+    ties: list[Tie] = field(default_factory=list)
+    fixed: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()

@@ -1,0 +1,318 @@
+r"""Robots from MJCF: MuJoCo compiles the file, and the robot is built from what it compiled, joint by joint.
+
+So all that the language has, such as defaults, frames, includes and units, means what it means to MuJoCo. A body is at
+:math:`T = T_{parent} B`, with B its pose there, and each of its joints in turn moves it about its anchor p,
+
+.. math::
+
+    T \leftarrow T\, \mathrm{Tr}(p)\, M(q - q_0)\, \mathrm{Tr}(-p),
+
+where M turns about the axis, slides along it, or turns as a ball does, and :math:`q_0` is the ``ref`` of the joint. The
+shift by :math:`q_0` goes into the placement of the joint: q is what MuJoCo calls qpos, but for quaternions, which are
+x, y, z, w here. Before a robot is given, the places of its bodies and sites are compared with MuJoCo's at random
+configurations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+
+from hqp import InvalidInput
+
+from .._checks import Array
+from .._quiet import caught
+from .axes import kind
+from .choices import Base
+from .description import BASE_JOINT, BASES, Description
+from .mjcf_couplings import couplings
+from .mjcf_scene import Scene, body_names, scene
+from .urdf import reason
+
+FREE, BALL, SLIDE, HINGE = range(4)
+#: Axes for which Pinocchio has joints of their own, which are faster.
+ALIGNED = {(1.0, 0.0, 0.0): "X", (0.0, 1.0, 0.0): "Y", (0.0, 0.0, 1.0): "Z"}
+#: How far places may be from MuJoCo's [m], against the size of the robot, and how often they are compared.
+EXACT, TRIES = 1e-9, 3
+
+
+def read_mjcf(source: Path | mujoco.MjModel, base: Base | None, bodies: Iterable[str] | None, what: str) -> Description:
+    """The robot of an MJCF file, or of a model that MuJoCo has compiled.
+
+    Raises
+    ------
+    InvalidInput
+        If MuJoCo cannot read it, there is no robot in it or several, or it has what cannot be read exactly.
+    """
+    bodies = None if bodies is None else list(bodies)
+    mj = source if isinstance(source, mujoco.MjModel) else _compiled(source, what)
+    described = _Reader(mj, scene(mj, bodies, what), base, what).description()
+    if described.model.nv == 0 and bodies is not None:
+        raise InvalidInput(f"{what}: body = {bodies} moves nothing: 0 degrees of freedom; base='floating' gives six")
+    return described
+
+
+def _compiled(path: Path, what: str) -> mujoco.MjModel:
+    load = mujoco.MjModel.from_binary_path if path.suffix.lower() == ".mjb" else mujoco.MjModel.from_xml_path
+    try:
+        with caught() as lines:
+            return load(str(path))
+    except (ValueError, RuntimeError, mujoco.FatalError) as error:
+        why = " ".join(str(error).split()).removeprefix("Error: ")
+        hint = "; meshes and textures are sought where the file says" if "opening file" in why else ""
+        raise InvalidInput(f"{what}: MuJoCo cannot read it: {why or reason(lines, error)}{hint}") from None
+
+
+class _Reader:
+    """One robot of one compiled model."""
+
+    def __init__(self, mj: mujoco.MjModel, chosen: Scene, base: Base | None, what: str) -> None:
+        self.mj, self.scene, self.what = mj, chosen, what
+        self.names = body_names(mj)
+        self.model = pin.Model()
+        self.model.name = self.names[chosen.roots[0]]
+        self.joints: dict[int, int] = {}  # MuJoCo's number -> that of the model
+        self.placed: dict[int, tuple[int, pin.SE3]] = {0: (0, pin.SE3.Identity())}  # body -> joint, and where on it
+        self.start: list[Array] = []  # the neutral configuration, joint by joint
+        self.base = base
+        if base is not None and len(chosen.roots) > 1:
+            raise InvalidInput(f"{what}: base = {base!r}, but there are several robots; each stands as the file says")
+        self.world = self._world()
+
+    def description(self) -> Description:
+        self._put_gravity()
+        for body in self.scene.bodies:
+            self._add_body(body)
+        self._add_sites()
+        ties, said = couplings(self.mj, self.scene, self.joint_names(), self.placed, self.names, self.what)
+        neutral = np.concatenate([np.zeros(0), *self.start])
+        for i in range(self.mj.nkey):
+            name = self.mj.key(i).name or f"key{i}"
+            self.model.referenceConfigurations[name] = self.configuration(self.mj.key_qpos[i], neutral)
+        self._verify(neutral)
+        return Description(self.model, neutral, ties, (), (*self.scene.left_out, *said, *self._unmodelled()))
+
+    def joint_names(self) -> dict[int, str]:
+        """MuJoCo's number of each joint of the robot -> its name."""
+        return {j: self.model.names[index] for j, index in self.joints.items()}
+
+    # Bodies and joints.
+
+    def _world(self) -> Any:
+        """MuJoCo's data at qpos0: where everything begins."""
+        data = mujoco.MjData(self.mj)
+        data.qpos[:] = self.mj.qpos0
+        mujoco.mj_kinematics(self.mj, data)
+        return data
+
+    def _put_gravity(self) -> None:
+        off = self.mj.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+        self.model.gravity.linear = np.zeros(3) if off else np.array(self.mj.opt.gravity)
+
+    def _add_body(self, body: int) -> None:
+        mj, first = self.mj, int(self.mj.body_jntadr[body])
+        own = list(range(first, first + int(mj.body_jntnum[body])))
+        if body in self.scene.roots:
+            carrier, placement = self._add_base(body, own)
+            own = [j for j in own if mj.jnt_type[j] != FREE]
+        else:
+            carrier, on_parent = self.placed[int(mj.body_parentid[body])]
+            placement = on_parent * pose(mj.body_pos[body], mj.body_quat[body])
+        for j in own:
+            anchor = pin.SE3(np.eye(3), np.array(mj.jnt_pos[j]))
+            carrier = self._add_joint(body, j, carrier, placement * anchor)
+            placement = anchor.inverse()
+        self.placed[body] = carrier, placement
+        J = np.diag(mj.body_inertia[body])
+        inertia = pin.Inertia(float(mj.body_mass[body]), np.zeros(3), J)
+        self.model.appendBodyToJoint(carrier, inertia, placement * pose(mj.body_ipos[body], mj.body_iquat[body]))
+        if mj.body(body).name:
+            self._add_frame(mj.body(body).name, carrier, placement, pin.FrameType.BODY)
+
+    def _add_base(self, body: int, joints: list[int]) -> tuple[int, pin.SE3]:
+        """What carries a root, and where: the world at its pose, or a joint that moves freely."""
+        mj, start = self.mj, pose(self.world.xpos[body], self.world.xquat[body])
+        free = next((j for j in joints if mj.jnt_type[j] == FREE), None)
+        asked = self.base if self.base is not None else "fixed" if free is None else "floating"
+        if asked == "fixed":
+            return 0, start
+        model = BASES[asked]()
+        name = (mj.joint(free).name if free is not None else "") or self._unused(BASE_JOINT)
+        height = pin.SE3.Identity()
+        if asked == "planar":
+            height.translation = np.array([0.0, 0.0, start.translation[2]])
+        index = int(self.model.addJoint(0, model, height, name))
+        self.model.addJointFrame(index)
+        if asked == "floating":
+            if free is not None:
+                self._take(free, index)
+            self.start.append(pin.SE3ToXYZQUAT(start))
+            return index, pin.SE3.Identity()
+        yaw = float(np.arctan2(start.rotation[1, 0], start.rotation[0, 0]))
+        self.start.append(np.array([start.translation[0], start.translation[1], np.cos(yaw), np.sin(yaw)]))
+        return index, pin.SE3(pin.utils.rotate("z", -yaw) @ start.rotation, np.zeros(3))
+
+    def _add_joint(self, body: int, j: int, parent: int, placement: pin.SE3) -> int:
+        mj, address, what = self.mj, int(self.mj.jnt_qposadr[j]), int(self.mj.jnt_type[j])
+        name = self._joint_name(body, j)
+        if what == BALL:
+            if mj.jnt_limited[j]:
+                raise InvalidInput(f"{self.what}: ball joint {name!r} has a range; only hinges and slides may")
+            index = int(self.model.addJoint(parent, pin.JointModelSpherical(), placement, name))
+            start = xyzw(mj.qpos0[address : address + 4])
+        else:
+            axis, ref = np.array(mj.jnt_axis[j]), float(mj.qpos0[address])
+            back = pin.SE3.Identity()
+            if what == HINGE:
+                back.rotation = pin.exp3(-ref * axis)
+            else:
+                back.translation = -ref * axis
+            limited = bool(mj.jnt_limited[j])
+            low, high = mj.jnt_range[j] if limited else (-np.inf, np.inf)
+            force = self._largest_force(j, name)
+            ends = (np.array([end]) for end in (force, np.inf, low, high))
+            index = int(self.model.addJoint(parent, _joint(what == SLIDE, axis), placement * back, name, *ends))
+            start = np.array([ref])
+        self.model.addJointFrame(index)
+        self._take(j, index)
+        self.start.append(start)
+        return index
+
+    def _take(self, j: int, index: int) -> None:
+        """Note which joint of the model is MuJoCo's number j, and what resists its motion."""
+        mj, first, dof = self.mj, self.model.joints[index].idx_v, int(self.mj.jnt_dofadr[j])
+        for i in range(self.model.joints[index].nv):
+            self.model.armature[first + i] = mj.dof_armature[dof + i]
+            self.model.damping[first + i] = mj.dof_damping[dof + i]
+            self.model.friction[first + i] = mj.dof_frictionloss[dof + i]
+        self.joints[j] = index
+
+    def _joint_name(self, body: int, j: int) -> str:
+        """Its own; where it has none, one made from the body's."""
+        name = self.mj.joint(j).name
+        if name:
+            return str(name)
+        count = int(self.mj.body_jntnum[body])
+        number = f"{j - int(self.mj.body_jntadr[body])}" if count > 1 else ""
+        return self._unused(f"{self.names[body].replace(' ', '')}_joint{number}")
+
+    def _unused(self, name: str) -> str:
+        """A name for a joint that has none, as near to this one as no other joint is called."""
+        taken = {*self.model.names, *(self.mj.joint(i).name for i in range(self.mj.njnt))}
+        while name in taken:
+            name += "_"
+        return name
+
+    def _largest_force(self, j: int, name: str) -> float:
+        """What the motors of a joint can do at least in both directions [N m], [N]."""
+        if not self.mj.jnt_actfrclimited[j]:
+            return np.inf
+        low, high = (float(end) for end in self.mj.jnt_actfrcrange[j])
+        if not low < 0.0 < high:
+            raise InvalidInput(
+                f"{self.what}: actuatorfrcrange of joint {name!r} from {low:g} to {high:g}; it must have 0 inside"
+            )
+        return min(-low, high)
+
+    def _add_frame(self, name: str, carrier: int, placement: pin.SE3, what: pin.FrameType) -> None:
+        self.model.addFrame(pin.Frame(name, carrier, 0, placement, what))
+
+    def _add_sites(self) -> None:
+        for i in range(self.mj.nsite):
+            body, name = int(self.mj.site_bodyid[i]), self.mj.site(i).name
+            if name and body in self.placed:
+                carrier, placement = self.placed[body]
+                own = placement * pose(self.mj.site_pos[i], self.mj.site_quat[i])
+                self._add_frame(name, carrier, own, pin.FrameType.OP_FRAME)
+
+    def _unmodelled(self) -> list[str]:
+        """Forces that MuJoCo knows, and torques of the robot do not."""
+        springs = [name for j, name in self.joint_names().items() if self.mj.jnt_stiffness[j]]
+        lifted = [self.names[body] for body in self.scene.bodies if self.mj.body_gravcomp[body]]
+        told = [("springs of the joints", springs), ("gravity compensation of the bodies", lifted)]
+        return [f"{thing} {', '.join(names)} (torques do not count them)" for thing, names in told if names]
+
+    # Configurations.
+
+    def configuration(self, qpos: Array, neutral: Array) -> Array:
+        """The numbers of MuJoCo for the joints of the robot; a base of which it has none stands as in neutral."""
+        q = np.array(neutral)
+        for j, index in self.joints.items():
+            joint, address = self.model.joints[index], int(self.mj.jnt_qposadr[j])
+            own = np.array(qpos[address : address + joint.nq])
+            if kind(joint) == "FreeFlyer":
+                own[3:] = xyzw(own[3:])
+            elif kind(joint) == "Spherical":
+                own = xyzw(own)
+            q[joint.idx_q : joint.idx_q + joint.nq] = own
+        return q
+
+    def _verify(self, neutral: Array) -> None:
+        """Compare the places of all bodies and sites with those of MuJoCo at random configurations."""
+        mj, data, rng = self.mj, self.world, np.random.default_rng(0)
+        mass = float(sum(mj.body_mass[body] for body in self.scene.bodies))
+        own = sum(inertia.mass for inertia in self.model.inertias)
+        self._same(own, mass, "its mass [kg]")
+        numbers = self.model.createData()
+        for _ in range(TRIES):
+            data.qpos[:] = mj.qpos0
+            for j in self.joints:
+                _randomise(mj, j, data.qpos, rng)
+            mujoco.mj_normalizeQuat(mj, data.qpos)
+            mujoco.mj_kinematics(mj, data)
+            pin.forwardKinematics(self.model, numbers, self.configuration(data.qpos, neutral))
+            for body in self.scene.bodies:
+                carrier, placement = self.placed[body]
+                here = numbers.oMi[carrier] * placement
+                self._same(here.translation, data.xpos[body], f"the place of body {self.names[body]!r}")
+                self._same(here.rotation, data.xmat[body].reshape(3, 3), f"the axes of body {self.names[body]!r}")
+            pin.updateFramePlacements(self.model, numbers)
+            for i in range(mj.nsite):
+                name = mj.site(i).name
+                if name and int(mj.site_bodyid[i]) in self.placed:
+                    here = numbers.oMf[self.model.getFrameId(name, pin.FrameType.OP_FRAME)]
+                    self._same(here.translation, data.site_xpos[i], f"the place of site {name!r}")
+                    self._same(here.rotation, data.site_xmat[i].reshape(3, 3), f"the axes of site {name!r}")
+
+    def _same(self, own: Any, expected: Any, element: str) -> None:
+        off = float(np.abs(np.asarray(own) - expected).max())
+        if not off <= EXACT * (1.0 + float(np.abs(expected).max())):
+            raise InvalidInput(f"{self.what}: {element} is off from MuJoCo's by {off:.3g}; it cannot be read exactly")
+
+
+def _randomise(mj: mujoco.MjModel, j: int, qpos: Array, rng: np.random.Generator) -> None:
+    """Put a joint somewhere in its range."""
+    address, what = int(mj.jnt_qposadr[j]), int(mj.jnt_type[j])
+    if what == FREE:
+        qpos[address : address + 7] = [*rng.uniform(-1.0, 1.0, 3), *rng.standard_normal(4)]
+    elif what == BALL:
+        qpos[address : address + 4] = rng.standard_normal(4)
+    else:
+        low, high = mj.jnt_range[j] if mj.jnt_limited[j] else (-np.pi, np.pi)
+        qpos[address] = rng.uniform(low, high)
+
+
+def _joint(slides: bool, axis: Array) -> Any:
+    """Pinocchio's joint that turns about this axis, or slides along it."""
+    letter = ALIGNED.get((float(axis[0]), float(axis[1]), float(axis[2])))
+    if letter is not None:
+        return getattr(pin, f"JointModel{'P' if slides else 'R'}{letter}")()
+    return (pin.JointModelPrismaticUnaligned if slides else pin.JointModelRevoluteUnaligned)(axis)
+
+
+def pose(position: Array, quaternion: Array) -> pin.SE3:
+    """A pose of MuJoCo, with its quaternion w, x, y, z."""
+    rotation = pin.Quaternion(xyzw(quaternion)).toRotationMatrix()
+    return pin.SE3(rotation, np.array(position))
+
+
+def xyzw(quaternion: Array) -> Array:
+    """A quaternion of MuJoCo, w, x, y, z, as Pinocchio writes it, of norm 1."""
+    w, x, y, z = quaternion
+    own = np.array([x, y, z, w])
+    return np.asarray(own / np.linalg.norm(own))

@@ -1,0 +1,123 @@
+r"""What ties joints and bodies of a MuJoCo model to each other: equalities and tendons.
+
+A joint equality with a linear polynomial, :math:`q_1 - q_1^0 = a_0 + a_1 (q_2 - q_2^0)`, makes a joint follow another.
+What would close a loop of the robot's own bodies, or bound a sum of joints, cannot be said by joints, and is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import mujoco
+
+from hqp import InvalidInput
+
+from .mjcf_scene import Scene
+from .ties import Tie
+
+EQUALITIES = {mujoco.mjtEq.mjEQ_CONNECT: "connect", mujoco.mjtEq.mjEQ_WELD: "weld", mujoco.mjtEq.mjEQ_TENDON: "tendon"}
+
+
+def couplings(
+    mj: mujoco.MjModel,
+    scene: Scene,
+    joints: Mapping[int, str],
+    placed: Mapping[int, tuple[int, Any]],
+    names: list[str],
+    what: str,
+) -> tuple[list[Tie], list[str]]:
+    """The joints of the robot that follow others, and the equalities that are left out, with why.
+
+    Parameters
+    ----------
+    mj : mujoco.MjModel
+    scene : Scene
+    joints : dict of int to str
+        The joints of the robot.
+    placed : dict of int to tuple
+        Its bodies, and the world: which joint of the model carries each.
+    names : list of str
+        Of all bodies.
+    what : str
+        The file, for messages.
+
+    Raises
+    ------
+    InvalidInput
+        Names the equality or tendon that joints cannot say.
+    """
+    ties: list[Tie] = []
+    left_out: list[str] = []
+    for i in range(mj.neq):
+        if not mj.eq_active0[i]:
+            continue
+        kind, name = mujoco.mjtEq(mj.eq_type[i]), mj.eq(i).name or f"number {i}"
+        if kind == mujoco.mjtEq.mjEQ_JOINT:
+            tied = (repr(mj.joint(int(j)).name) for j in (mj.eq_obj1id[i], mj.eq_obj2id[i]) if j >= 0)
+            ties += _tie(mj, i, joints, f"{what}: joint equality {name!r} of {' and '.join(tied)}")
+        elif kind in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
+            said = _loop(mj, i, scene, placed, names, f"{what}: {EQUALITIES[kind]} equality {name!r}")
+            left_out += [f"{EQUALITIES[kind]} {name!r} ({said})"] if said else []
+        elif kind == mujoco.mjtEq.mjEQ_TENDON:
+            tendons = [t for t in (int(mj.eq_obj1id[i]), int(mj.eq_obj2id[i])) if t >= 0]
+            if any(_moves(mj, tendon, scene, joints) for tendon in tendons):
+                raise InvalidInput(
+                    f"{what}: tendon equality {name!r} ties joints of the robot; only joint ones are read"
+                )
+    for tendon in range(mj.ntendon):
+        if mj.tendon_limited[tendon] and _moves(mj, tendon, scene, joints):
+            name = mj.tendon(tendon).name or f"number {tendon}"
+            raise InvalidInput(f"{what}: tendon {name!r} has a range over joints of the robot; it must have none")
+    return ties, left_out
+
+
+def _tie(mj: mujoco.MjModel, i: int, joints: Mapping[int, str], what: str) -> Iterator[Tie]:
+    follower, leader = int(mj.eq_obj1id[i]), int(mj.eq_obj2id[i])
+    if follower not in joints and leader not in joints:
+        return
+    for joint in follower, leader:
+        if joint >= 0 and joint not in joints:
+            raise InvalidInput(f"{what} ties the robot to joint {mj.joint(joint).name!r}, which is no part of it")
+    a0, a1, *higher = (float(a) for a in mj.eq_data[i, :5])
+    if any(higher):
+        raise InvalidInput(f"{what} has the polynomial {mj.eq_data[i, :5].tolist()}; only linear ones are read")
+    start = float(mj.qpos0[mj.jnt_qposadr[follower]])
+    if leader < 0:
+        yield Tie(joints[follower], None, 0.0, start + a0)
+    else:
+        yield Tie(joints[follower], joints[leader], a1, start + a0 - a1 * float(mj.qpos0[mj.jnt_qposadr[leader]]))
+
+
+def _loop(
+    mj: mujoco.MjModel, i: int, scene: Scene, placed: Mapping[int, tuple[int, Any]], names: list[str], what: str
+) -> str:
+    """Why a connect or weld may be left out; nothing to be said where it ties what is one body or no robot."""
+    sites = mj.eq_objtype[i] == mujoco.mjtObj.mjOBJ_SITE
+    ends = [int(mj.site_bodyid[own] if sites else own) for own in (mj.eq_obj1id[i], mj.eq_obj2id[i])]
+    own = [end in scene.bodies for end in ends]
+    if not any(own):
+        return ""
+    other = ends[0] if not own[0] else ends[1]
+    stands = mj.body_weldid[other] == 0 and mj.body_mocapid[mj.body_rootid[other]] < 0
+    if all(own) or stands:
+        carriers = [placed[end][0] if end in placed else 0 for end in ends]
+        if carriers[0] == carriers[1]:
+            return ""
+        hint = "; base='fixed' mounts the robot" if stands and not all(own) else ""
+        raise InvalidInput(
+            f"{what} closes a loop from {names[ends[0]]!r} to {names[ends[1]]!r}, which joints cannot say{hint}"
+        )
+    return f"to {names[other]!r}, which is no part of the robot"
+
+
+def _moves(mj: mujoco.MjModel, tendon: int, scene: Scene, joints: Mapping[int, str]) -> bool:
+    """Whether joints of the robot change the length of a tendon."""
+    first = int(mj.tendon_adr[tendon])
+    for i in range(first, first + int(mj.tendon_num[tendon])):
+        kind, own = mujoco.mjtWrap(mj.wrap_type[i]), int(mj.wrap_objid[i])
+        if kind == mujoco.mjtWrap.mjWRAP_JOINT and own in joints:
+            return True
+        if kind == mujoco.mjtWrap.mjWRAP_SITE and int(mj.site_bodyid[own]) in scene.bodies:
+            return True
+    return False

@@ -1,0 +1,143 @@
+"""The limits of a robot: those of its model, and those given by hand for all of its joints or for some."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from hqp import InvalidInput
+
+from .._checks import LARGEST, Array, per_row, position_range, positive, positive_scalar
+from .axes import NONE, Axis, axes
+from .robot import joint_index
+
+LOG = logging.getLogger("hqp")
+_TOLD: set[str] = set()
+
+
+def tell(message: str) -> None:
+    """Say something about a file by logging, once."""
+    if message not in _TOLD:
+        _TOLD.add(message)
+        LOG.warning(message)
+
+
+def unknown_ranges(model: pin.Model, what: str) -> list[Axis]:
+    """The joints whose range is from 0 to 0, by which files say that they know none; told once."""
+    low, high = model.lowerPositionLimit, model.upperPositionLimit
+    found = [axis for axis in axes(model) if axis.place != NONE and low[axis.place] == high[axis.place] == 0.0]
+    if found:
+        names = ", ".join(axis.name for axis in found)
+        tell(f"{what}: joints whose range is from 0 to 0 are taken to have none: {names}")
+    return found
+
+
+def open_ranges(model: pin.Model, what: str) -> None:
+    """Make ranges that are unknown, or larger than any robot, infinite in the model."""
+    low, high = model.lowerPositionLimit, model.upperPositionLimit
+    for axis in unknown_ranges(model, what):
+        low[axis.place], high[axis.place] = -np.inf, np.inf
+    low[low < -LARGEST], high[high > LARGEST] = -np.inf, np.inf
+
+
+def known(limits: Array) -> Array:
+    """Largest speeds or torques, shape (nv,); infinite where a model writes 0, as it knows nothing, or no number."""
+    own = np.array(limits)
+    own[~((own > 0.0) & (own <= LARGEST))] = np.inf
+    return own
+
+
+def position_limit(model: pin.Model, given: Any, what: str) -> Array | None:
+    """Lowest and highest positions, shape (2, nv): the model's, and what is given in their place.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+    given : pair of float or array, dict of name to pair, or None
+        Of all joints that have a position, or of those that the dict names.
+    what : str
+        The robot, for messages.
+
+    Returns
+    -------
+    array, shape (2, nv), or None
+        Infinite where there is no limit; None if none is limited.
+
+    Raises
+    ------
+    InvalidInput
+        If a joint is unknown, has no position of its own, or its lowest is above its highest.
+    """
+    own = axes(model)
+    has = np.array([axis.place != NONE for axis in own])
+    if given is None or isinstance(given, Mapping):
+        limits = _of_model(model, own, what)
+        for i, pair in _named(own, given or {}, f"{what}: position limit of"):
+            label = f"{what}: position limit of {own[i].name!r}"
+            if not has[i]:
+                raise InvalidInput(f"{label} = {pair}: {no_position(own[i])}; it must have none")
+            limits[:, i] = position_range(pair, 1, label, has[i : i + 1], [own[i].unit], [own[i].name])[:, 0]
+    else:
+        units, names = [axis.unit for axis in own], [axis.name for axis in own]
+        limits = position_range(given, len(own), f"{what}: position limit", has, units, names)
+    return limits if np.isfinite(limits).any() else None
+
+
+def no_position(axis: Axis) -> str:
+    """Why this axis has no position of its own."""
+    if axis.circle != NONE and axis.name == axis.joint:
+        return "it turns without end, and has an angle on a circle"
+    return "it is one of several of a base, a ball or a plane, and has no position of its own"
+
+
+def _of_model(model: pin.Model, own: Sequence[Axis], what: str) -> Array:
+    limits = np.array([[-np.inf], [np.inf]]).repeat(len(own), axis=1)
+    unknown = {axis.place for axis in unknown_ranges(model, what)}
+    for i, axis in enumerate(own):
+        if axis.place != NONE and axis.place not in unknown:
+            low, high = model.lowerPositionLimit[axis.place], model.upperPositionLimit[axis.place]
+            limits[:, i] = low if low > -LARGEST else -np.inf, high if high < LARGEST else np.inf
+    return limits
+
+
+def largest(model: pin.Model, given: Any, own: Array | None, what: str, units: Mapping[str, str]) -> Array | None:
+    """Largest speeds, accelerations or torques, shape (nv,): the model's, and what is given in their place.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+    given : float, array, dict of name to float, or None
+    own : array, shape (nv,), or None
+        What the model says of it.
+    what : str
+        The robot and the quantity, for messages.
+    units : dict
+        The unit of the quantity for a joint that turns ("rad") and for one that slides ("m").
+
+    Returns
+    -------
+    array, shape (nv,), or None
+        Infinite where there is no limit; None if none is limited.
+
+    Raises
+    ------
+    InvalidInput
+        If a joint is unknown, or a limit is not positive.
+    """
+    all_of = axes(model)
+    if given is None or isinstance(given, Mapping):
+        limits = np.full(len(all_of), np.inf) if own is None else known(own)
+        for i, value in _named(all_of, given or {}, f"{what} of"):
+            limits[i] = positive_scalar(value, f"{what} of {all_of[i].name!r}", unit=units[all_of[i].unit])
+        return limits if np.isfinite(limits).any() else None
+    return per_row(positive(given, what, unit=units["rad"]), len(all_of), what, "joint")
+
+
+def _named(own: Sequence[Axis], given: Mapping[str, Any], what: str) -> Iterator[tuple[int, Any]]:
+    names = [axis.name for axis in own]
+    for name, value in given.items():
+        yield joint_index(names, name, f"{what} joint"), value

@@ -1,0 +1,86 @@
+"""Joints that are held: the model without them, and its configurations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pinocchio as pin
+
+from hqp import InvalidInput
+
+from .._checks import Array, finite_scalar
+from .axes import NONE, axes
+from .frame_names import KINDS
+from .robot import nearest
+
+#: Two joint positions as near as this are one [rad], [m].
+SAME = 1e-9
+
+
+def reduced(
+    model: pin.Model, positions: Mapping[str, float | None], neutral: Array, what: str
+) -> tuple[pin.Model, Array]:
+    """The model with these joints held, at a position or where `neutral` has them if that is None; and its neutral.
+
+    Raises
+    ------
+    InvalidInput
+        If a joint is unknown, or a position is outside its range; tells the nearest names, and the range.
+    """
+    q, held = np.array(neutral), []
+    names = list(model.names)[1:]
+    single = {axis.joint: axis for axis in axes(model) if axis.name == axis.joint}
+    for name, position in positions.items():
+        if name not in names:
+            raise InvalidInput(f"{what}: {name!r} is no joint{nearest(str(name), names)}")
+        held.append(int(model.getJointId(name)))
+        if position is None:
+            continue
+        axis, own = single.get(name), f"{what}: lock of joint {name!r}"
+        if axis is None:
+            raise InvalidInput(f"{own}: it has several axes, and can only be held at its neutral place")
+        value = finite_scalar(position, own)
+        if axis.place == NONE:
+            q[axis.circle : axis.circle + 2] = np.cos(value), np.sin(value)
+            continue
+        low, high = model.lowerPositionLimit[axis.place], model.upperPositionLimit[axis.place]
+        if not low - SAME <= value <= high + SAME:
+            raise InvalidInput(f"{own} at {value:g} {axis.unit} is outside its range, {low:g} .. {high:g} {axis.unit}")
+        q[axis.place] = value
+    if not held:
+        return model, q
+    if len(held) == model.njoints - 1:
+        raise InvalidInput(f"{what}: lock holds all joints; one must be left to move")
+    without = _reduced(model, held, q)
+    return without, carried(q, model, without)
+
+
+def carried(q: Array, before: pin.Model, after: pin.Model) -> Array:
+    """A configuration of one model for another one, which has some of its joints."""
+    kept = [before.joints[before.getJointId(name)] for name in after.names]
+    places = [
+        joint.idx_q + i
+        for joint, own in zip(kept[1:], list(after.joints)[1:], strict=True)
+        for i in range(own.nq)  # none of one that follows another
+    ]
+    return np.asarray(q[places])
+
+
+def _reduced(model: pin.Model, held: list[int], q: Array) -> pin.Model:
+    """Pinocchio's reduced model. It seeks joints among all frames: where a link has the same name it finds two."""
+    model = pin.Model(model)
+    links = {frame.name for frame in model.frames if frame.type not in KINDS["joint"]}
+    shared = {name: f"joint:{name}" for name in list(model.names)[1:] if name in links}
+    _rename(model, shared)
+    without = pin.buildReducedModel(model, held, q)
+    _rename(without, {new: old for old, new in shared.items()})
+    return without
+
+
+def _rename(model: pin.Model, names: Mapping[str, str]) -> None:
+    for i, name in enumerate(model.names):
+        model.names[i] = names.get(name, name)
+    for frame in model.frames:
+        if frame.type in KINDS["joint"]:
+            frame.name = names.get(frame.name, frame.name)
