@@ -11,7 +11,7 @@ from hqp.checks import of_type
 
 from .part import Order
 from .robots.frame import Frame, relative
-from .robots.robot import Robot, RobotState, nearest
+from .robots.robot import Robot, RobotState, check_frame
 from .task import Task
 
 
@@ -72,10 +72,9 @@ class FrameTask(Task):
 
     def check_names(self, robot: Robot) -> None:
         """Refuse names of frames that the robot has not; tells the nearest."""
-        names = getattr(robot, "frame_names", ())
         for what, name in ("frame", self.frame), ("relative_to", self.relative_to):
-            if name is not None and names and name not in names:
-                raise InvalidInput(f"{self.label()}: {what} {name!r} is no frame of {robot!r}{nearest(name, names)}")
+            if name is not None:
+                check_frame(robot, name, f"{self.label()}: {what}")
 
     def _shown(self) -> list[str]:
         options = {"frame": self.frame, "relative_to": self.relative_to}

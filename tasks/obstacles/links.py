@@ -13,7 +13,7 @@ from hqp.checks import of_type
 from .._checks import Array, finite, finite_scalar
 from ..robots.frame import Frame
 from ..robots.planar import PlanarArm
-from ..robots.robot import Robot, nearest, neutral
+from ..robots.robot import Robot, check_frame, neutral
 from ..rotations import cross
 
 #: What "carried by a frame" may differ by when the joints move [m].
@@ -64,10 +64,9 @@ class LinkCapsule:
         InvalidInput
             If the robot has no such frame, or the end moves against it.
         """
-        names = getattr(robot, "frame_names", ())
         for name in (self.frame, self.end):
-            if isinstance(name, str) and names and name not in names:
-                raise InvalidInput(f"LinkCapsule: {name!r} is no frame of {robot!r}{nearest(name, names)}")
+            if isinstance(name, str):
+                check_frame(robot, name, "LinkCapsule:")
         if not isinstance(self.end, str):
             return self.end
         q, step = neutral(robot), 0.3 * np.cos(np.arange(robot.nv))

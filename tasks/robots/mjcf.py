@@ -30,7 +30,7 @@ from .._quiet import caught
 from .axes import kind
 from .choices import Base
 from .description import BASE_JOINT, BASES, Description
-from .mjcf_couplings import couplings
+from .mjcf_couplings import couplings, moves
 from .mjcf_scene import Scene, body_names, scene
 from .urdf import reason
 
@@ -234,7 +234,17 @@ class _Reader:
         """Forces that MuJoCo knows, and torques of the robot do not."""
         springs = [name for j, name in self.joint_names().items() if self.mj.jnt_stiffness[j]]
         lifted = [self.names[body] for body in self.scene.bodies if self.mj.body_gravcomp[body]]
-        told = [("springs of the joints", springs), ("gravity compensation of the bodies", lifted)]
+        tendons = [
+            self.mj.tendon(t).name or f"number {t}"
+            for t in range(self.mj.ntendon)
+            if moves(self.mj, t, self.scene, self.joints)
+            and (self.mj.tendon_stiffness[t] or self.mj.tendon_armature[t] or self.mj.tendon_damping[t])
+        ]
+        told = [
+            ("springs of the joints", springs),
+            ("gravity compensation of the bodies", lifted),
+            ("springs, dampers and armature of the tendons", tendons),
+        ]
         return [f"{thing} {', '.join(names)} (torques do not count them)" for thing, names in told if names]
 
     # Configurations.

@@ -6,7 +6,7 @@ What would close a loop of the robot's own bodies, or bound a sum of joints, can
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import mujoco
@@ -49,8 +49,9 @@ def couplings(
     """
     ties: list[Tie] = []
     left_out: list[str] = []
+    off = mj.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_EQUALITY
     for i in range(mj.neq):
-        if not mj.eq_active0[i]:
+        if off or not mj.eq_active0[i]:
             continue
         kind, name = mujoco.mjtEq(mj.eq_type[i]), mj.eq(i).name or f"number {i}"
         if kind == mujoco.mjtEq.mjEQ_JOINT:
@@ -61,12 +62,12 @@ def couplings(
             left_out += [f"{EQUALITIES[kind]} {name!r} ({said})"] if said else []
         elif kind == mujoco.mjtEq.mjEQ_TENDON:
             tendons = [t for t in (int(mj.eq_obj1id[i]), int(mj.eq_obj2id[i])) if t >= 0]
-            if any(_moves(mj, tendon, scene, joints) for tendon in tendons):
+            if any(moves(mj, tendon, scene, joints) for tendon in tendons):
                 raise InvalidInput(
                     f"{what}: tendon equality {name!r} ties joints of the robot; only joint ones are read"
                 )
     for tendon in range(mj.ntendon):
-        if mj.tendon_limited[tendon] and _moves(mj, tendon, scene, joints):
+        if mj.tendon_limited[tendon] and moves(mj, tendon, scene, joints):
             name = mj.tendon(tendon).name or f"number {tendon}"
             raise InvalidInput(f"{what}: tendon {name!r} has a range over joints of the robot; it must have none")
     return ties, left_out
@@ -111,7 +112,7 @@ def _loop(
     return f"to {names[other]!r}, which is no part of the robot"
 
 
-def _moves(mj: mujoco.MjModel, tendon: int, scene: Scene, joints: Mapping[int, str]) -> bool:
+def moves(mj: mujoco.MjModel, tendon: int, scene: Scene, joints: Collection[int]) -> bool:
     """Whether joints of the robot change the length of a tendon."""
     first = int(mj.tendon_adr[tendon])
     for i in range(first, first + int(mj.tendon_num[tendon])):

@@ -254,6 +254,10 @@ class PinocchioRobot:
 
     # The state.
 
+    def has_frame(self, name: str) -> bool:
+        """Whether this names a frame, plainly or by kind, as in ``"joint:gripper"``."""
+        return name in self._numbers
+
     def check_frame(self, name: str) -> str:
         """`name`, which must be a frame of this robot.
 
@@ -262,7 +266,7 @@ class PinocchioRobot:
         InvalidInput
             Tells the nearest names.
         """
-        if name not in self._numbers:
+        if not self.has_frame(name):
             raise InvalidInput(f"{name!r} is no frame of {self!r}{nearest(str(name), self.frame_names)}")
         return name
 

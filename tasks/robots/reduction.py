@@ -16,6 +16,8 @@ from .robot import nearest
 
 #: Two joint positions as near as this are one [rad], [m].
 SAME = 1e-9
+#: What a frame is called, by its type.
+KIND_OF = {own: kind for kind, types in KINDS.items() for own in types}
 
 
 def reduced(
@@ -68,19 +70,15 @@ def carried(q: Array, before: pin.Model, after: pin.Model) -> Array:
 
 
 def _reduced(model: pin.Model, held: list[int], q: Array) -> pin.Model:
-    """Pinocchio's reduced model. It seeks joints among all frames: where a link has the same name it finds two."""
+    """Pinocchio's reduced model. It seeks frames by name alone, so that each is given one of its own meanwhile."""
     model = pin.Model(model)
-    links = {frame.name for frame in model.frames if frame.type not in KINDS["joint"]}
-    shared = {name: f"joint:{name}" for name in list(model.names)[1:] if name in links}
-    _rename(model, shared)
-    without = pin.buildReducedModel(model, held, q)
-    _rename(without, {new: old for old, new in shared.items()})
-    return without
-
-
-def _rename(model: pin.Model, names: Mapping[str, str]) -> None:
     for i, name in enumerate(model.names):
-        model.names[i] = names.get(name, name)
-    for frame in model.frames:
-        if frame.type in KINDS["joint"]:
-            frame.name = names.get(frame.name, frame.name)
+        model.names[i] = f"joint:{name}" if i else name
+    for frame in list(model.frames)[1:]:
+        frame.name = f"{KIND_OF[frame.type]}:{frame.name}"
+    without = pin.buildReducedModel(model, held, q)
+    for i, name in enumerate(without.names):
+        without.names[i] = name.removeprefix("joint:")
+    for frame in list(without.frames)[1:]:
+        frame.name = frame.name.removeprefix(f"{KIND_OF[frame.type]}:")
+    return without

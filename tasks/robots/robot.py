@@ -69,8 +69,8 @@ class Robot(Protocol):
     ``difference(a, b)``
         The step, shape (nv,), that leads from a to b; what the two differ by where there is none.
 
-    Names for messages and tasks: ``joint_names`` and ``joint_units``, one a velocity, and ``frame_names``. And what a
-    record of its motion tells, with leading axes:
+    Names for messages and tasks: ``joint_names`` and ``joint_units``, one a velocity, ``frame_names``, and
+    ``has_frame(name)`` where there are more names than these. And what a record of its motion tells, with leading axes:
 
     ``inverse_dynamics(q, v, a)``
         Joint torques [N m], shape (..., nv), which accelerations a [rad/s^2] take (Eq. 4.1). A controller of order
@@ -196,6 +196,20 @@ def check_positioned(robot: Robot, columns: Iterable[int], what: str) -> None:
                 f"{what} {joint_names(robot)[column]!r} has no single position; it turns without end, or is a"
                 " part of a ball or of a floating or planar base"
             )
+
+
+def check_frame(robot: Robot, name: str, what: str) -> None:
+    """Refuse a name that is no frame's, where the robot tells those of its frames.
+
+    Raises
+    ------
+    InvalidInput
+        Tells the nearest names.
+    """
+    names = getattr(robot, "frame_names", ())
+    has = getattr(robot, "has_frame", names.__contains__)
+    if names and not has(name):
+        raise InvalidInput(f"{what} {name!r} is no frame of {robot!r}{nearest(str(name), names)}")
 
 
 def check_fixed_base(robot: Robot, what: str) -> None:

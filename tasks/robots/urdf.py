@@ -17,6 +17,7 @@ from .._checks import LARGEST
 from .._quiet import caught
 from .choices import Base
 from .description import BASES, Description
+from .frame_names import KINDS
 from .ties import Tie
 
 #: The numbers of a tie, and what they are where the file does not say.
@@ -41,6 +42,7 @@ def read_urdf(path: Path, base: Base | None, what: str) -> Description:
     ties = list(_ties(joints, what))
     _check_axes(joints, what)
     _open(joints, {name for tie in ties for name in (tie.follower, tie.leader)})
+    shared = _shared(root, joints)
     arguments = [ElementTree.tostring(root, encoding="unicode")]
     if base in BASES:
         arguments.append(BASES[base]())
@@ -49,7 +51,9 @@ def read_urdf(path: Path, base: Base | None, what: str) -> Description:
             model = pin.buildModelFromXML(*arguments)
     except (ValueError, RuntimeError) as error:
         raise InvalidInput(f"{what} is no valid URDF: {reason(lines, error)}") from None
-    fixed = tuple(name for joint in joints if joint.get("type") == "fixed" and (name := joint.get("name")))
+    _rename(model, shared)
+    fixed = tuple(str(joint.get("name")) for joint in joints if joint.get("type") == "fixed")
+    fixed = tuple(shared.get(name, name) for name in fixed)
     return Description(model, np.array(pin.neutral(model)), ties, fixed)
 
 
@@ -124,6 +128,26 @@ def _number(element: Element, key: str, default: str, what: str) -> float:
     if not abs(value) <= LARGEST:
         raise InvalidInput(f"{what}: {key} = {text!r} must be a finite number")
     return value
+
+
+def _shared(root: Element, joints: list[Element]) -> dict[str, str]:
+    """Rename joints that share their name with a link, which Pinocchio would confuse: the new names, and the old."""
+    links, renamed = {link.get("name") for link in root.findall("link")}, {}
+    for joint in joints:
+        name = joint.get("name", "")
+        if name in links:
+            joint.set("name", f"joint:{name}")
+            renamed[f"joint:{name}"] = name
+    return renamed
+
+
+def _rename(model: pin.Model, names: dict[str, str]) -> None:
+    """Give joints, and their frames, these names in the place of their own."""
+    for i, name in enumerate(model.names):
+        model.names[i] = names.get(name, name)
+    for frame in model.frames:
+        if frame.type in KINDS["joint"]:
+            frame.name = names.get(frame.name, frame.name)
 
 
 def _check_axes(joints: list[Element], what: str) -> None:
