@@ -123,7 +123,7 @@ def position_range(
         own = numbers(given, f"{what}, {name}")
         spread = per_row(own, rows, f"{what}, {name}", "joint")
         ends.append(np.where(has, spread, free) if own.ndim == 0 else np.array(spread))
-    low, high = ends
+    low, high = np.array(ends) + 0.0  # which makes 0 of -0
     wrong = ~(low <= high) | (low == np.inf) | (high == -np.inf)
     none = ~has & ((low != -np.inf) | (high != np.inf))
     for joint in np.flatnonzero(wrong | none).tolist():
@@ -135,7 +135,7 @@ def position_range(
             else "it has no position of its own, as it turns without end or is a part of a base; give -inf and inf"
         )
         raise InvalidInput(f"{what}: {called} from {low[joint]:g} to {high[joint]:g}{unit}; {rule}")
-    return np.array(ends)
+    return np.array([low, high])
 
 
 def writable(folder: Path, files: Iterable[str]) -> None:

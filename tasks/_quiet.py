@@ -31,3 +31,9 @@ def caught() -> Iterator[list[str]]:
             os.close(kept)
             file.seek(0)
             lines += file.read().decode(errors="replace").splitlines()
+
+
+def reason(lines: list[str], error: Exception) -> str:
+    """Why a library failed, in one line: the first error that it printed, or else the first line of its exception."""
+    told = [line.strip().removeprefix("Error:").strip() for line in lines if line.lstrip().startswith("Error")]
+    return next(iter(told or str(error).strip().splitlines()), type(error).__name__)

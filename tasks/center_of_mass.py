@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
@@ -15,6 +16,8 @@ from .robots.robot import Robot, RobotState
 
 class CenterOfMassTask(PositionTask):
     """Bring the centre of mass to a point; over its feet, with the mask ``"xy"``, a robot stands.
+
+    It is that of all links that joints move; what is fixed to the world has no part in it.
 
     Parameters
     ----------
@@ -57,4 +60,6 @@ class CenterOfMassTask(PositionTask):
         state = self.at_rest(robot)
         if not hasattr(state, "center_of_mass"):
             raise InvalidInput(f"{self.label()}: {robot!r} does not tell its centre of mass")
+        if not np.isfinite(state.center_of_mass.position).all():
+            raise InvalidInput(f"{self.label()}: nothing that {robot!r} moves has a mass; it has no centre")
         self.check_names(robot)

@@ -81,6 +81,8 @@ class JointCouplingTask(TargetTask):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         super().check(robot, order, dt)
+        if not self.jacobian(self.at_rest(robot)).any():
+            raise InvalidInput(f"{self.label()}: factors = {self.factors} cancel each other; name each joint once")
         check_positioned(robot, np.flatnonzero(self.jacobian(self.at_rest(robot))), f"{self.label()}: joint")
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:

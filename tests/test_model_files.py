@@ -1,4 +1,4 @@
-"""A robot is what its file describes, or it is refused: names, ties, ranges, and what is no model file."""
+"""A robot is what its file describes, or it is refused: names, ranges, bases, and what is no model file."""
 
 from __future__ import annotations
 
@@ -16,10 +16,11 @@ from hqp import InvalidInput
 from tasks import (
     CenterOfMassTask,
     Controller,
+    JointCouplingTask,
     JointLimits,
     JointPositionLimit,
+    MujocoPlant,
     PinocchioRobot,
-    PoseTask,
     PositionTask,
     PostureTask,
     SelfCollisionLimit,
@@ -34,181 +35,6 @@ from tasks.robots import ranges
 @pytest.fixture(autouse=True)
 def nothing_told(monkeypatch):
     monkeypatch.setattr(ranges, "_TOLD", set())
-
-
-# Joints that follow others.
-
-TIES = {
-    "plain": ([{}, {}, {"mimic": ("joint1", -0.5, 0.2)}], {"joint2": ("joint1", -0.5, 0.2)}),
-    "a slide follows a hinge": (
-        [{}, {}, {"kind": "prismatic", "mimic": ("joint0", 0.1, 0.05)}],
-        {"joint2": ("joint0", 0.1, 0.05)},
-    ),
-    "the leader comes later": ([{"mimic": ("joint2", 0.5, 0.1)}, {}, {}], {"joint0": ("joint2", 0.5, 0.1)}),
-    "a chain": (
-        [{}, {"mimic": ("joint0", 0.5, 0.1)}, {"mimic": ("joint1", -2.0, 0.3)}],
-        {"joint1": ("joint0", 0.5, 0.1), "joint2": ("joint0", -1.0, 0.1)},
-    ),
-    "two followers, one before": (
-        [{"mimic": ("joint1", -1.0, 0.0)}, {}, {"mimic": ("joint1", 0.25, -0.1)}],
-        {"joint0": ("joint1", -1.0, 0.0), "joint2": ("joint1", 0.25, -0.1)},
-    ),
-    "a leader that is fixed": ([{}, {"kind": "fixed"}, {"mimic": ("joint1", 2.0, 0.3)}], {"joint2": (None, 0.0, 0.3)}),
-    "a factor of zero": ([{}, {}, {"mimic": ("joint1", 0.0, 0.3)}], {"joint2": (None, 0.0, 0.3)}),
-    "both without end": (
-        [{}, {"kind": "continuous"}, {"kind": "continuous", "mimic": ("joint1", -0.5, 0.1)}],
-        {"joint2": ("joint1", -0.5, 0.1)},
-    ),
-    "a range follows what has no end": (
-        [{}, {"kind": "continuous"}, {"mimic": ("joint1", 0.25, 0.1)}],
-        {"joint2": ("joint1", 0.25, 0.1)},
-    ),
-}
-
-
-def tied(tmp_path, name, **options):
-    parts, ties = TIES[name]
-    path = write(tmp_path, *chain(*parts), links=4)
-    return load_robot(path, tip="link3", **options), load_robot(path, tip="link3", mimic="free"), ties
-
-
-def unfolded(follows, free, ties, q):
-    """The joints of a robot with ties, each on its own, by the words of the file."""
-    known = {name: float(value) for name, value, _, _ in follows.describe(q)}
-    for _ in range(3):  # a leader may be known by its follower
-        for follower, (leader, factor, offset) in ties.items():
-            if leader is None:
-                known[follower] = offset
-            elif leader in known:
-                known[follower] = factor * known[leader] + offset
-            elif follower in known:
-                known[leader] = (known[follower] - offset) / factor
-    whole = pin.neutral(free.model)
-    for name, value in known.items():
-        own = free.model.joints[free.model.getJointId(name)]
-        whole[own.idx_q : own.idx_q + own.nq] = value if own.nq == 1 else [np.cos(value), np.sin(value)]
-    return known, whole
-
-
-@pytest.mark.parametrize("name", TIES)
-def test_followers_are_where_the_file_says(tmp_path, name):
-    follows, free, ties = tied(tmp_path, name, mimic="follow")
-    rng = np.random.default_rng(3)
-    for _ in range(5):
-        q = follows.random(rng)
-        _, whole = unfolded(follows, free, ties, q)
-        here, there = follows.at(q, np.zeros(follows.nv)), free.at(whole, np.zeros(free.nv))
-        for frame in "link1", "link2", "link3":
-            np.testing.assert_allclose(here.frame(frame).position, there.frame(frame).position, atol=1e-12)
-            np.testing.assert_allclose(here.frame(frame).rotation, there.frame(frame).rotation, atol=1e-12)
-        assert here.center_of_mass.position == pytest.approx(there.center_of_mass.position, abs=1e-12)
-
-
-@pytest.mark.parametrize("mimic", ["follow", "lock"])
-@pytest.mark.parametrize("name", TIES)
-def test_neither_leader_nor_follower_leaves_its_range(tmp_path, name, mimic):
-    robot, free, ties = tied(tmp_path, name, mimic=mimic)
-    if mimic == "lock":
-        assert not set(ties) & set(robot.joint_names)
-    for way in 1.0, -1.0:
-        goal = PostureTask(robot.integrate(robot.neutral, np.full(robot.nv, 9.0 * way)), gain=2.0)
-        record = simulate(Controller(robot, JointLimits() >> goal, dt=0.02), robot.home, duration=3.0, certify=50)
-        assert record.stopped is None
-        assert record.certified_share == 1.0
-        found = [*record.q[::10], record.q[-1], solve_ik(robot, goal, restarts=False, iterations=60).q]
-        speeds = np.abs(record.v).max(axis=0)
-        for q in found:
-            if mimic == "follow":
-                known, _ = unfolded(robot, free, ties, q)
-                for joint_name, value in known.items():
-                    low, high = free.position_limit[:, free.joint_names.index(joint_name)]
-                    assert low - 1e-9 <= value <= high + 1e-9, joint_name
-        for follower, (leader, factor, _) in ties.items():
-            for one, other, share in (leader, follower, abs(factor)), (follower, leader, 1.0 / (abs(factor) or 1.0)):
-                if one in robot.joint_names and other in free.joint_names:
-                    own = speeds[robot.joint_names.index(one)] * share
-                    assert own <= free.velocity_limit[free.joint_names.index(other)] + 1e-9
-
-
-@pytest.mark.parametrize("name", TIES)
-def test_held_followers_stand_where_their_leader_does(tmp_path, name):
-    held, free, ties = tied(tmp_path, name, mimic="lock")
-    q = held.configuration({name: 0.1 for name in held.joint_names if name in ("joint0",)} if len(ties) < 2 else {})
-    _, whole = unfolded(held, free, {}, q)
-    neutral = {name: 0.0 for name in free.joint_names if name not in held.joint_names}
-    for follower, (leader, factor, offset) in ties.items():
-        rest = next((value for joint_name, value, *_ in held.describe(held.neutral) if joint_name == leader), 0.0)
-        neutral[follower] = offset if leader is None else factor * rest + offset
-    for joint_name, value in neutral.items():
-        own = free.model.joints[free.model.getJointId(joint_name)]
-        whole[own.idx_q : own.idx_q + own.nq] = value if own.nq == 1 else [np.cos(value), np.sin(value)]
-    here, there = (robot.at(x, np.zeros(robot.nv)).frame() for robot, x in ((held, q), (free, whole)))
-    np.testing.assert_allclose(here.position, there.position, atol=1e-12)
-
-
-@pytest.mark.parametrize("name", TIES)
-def test_compiled_rows_know_followers(tmp_path, name):
-    """The rows that a kernel writes from Pinocchio's columns are those that Python writes from frames."""
-    robot, *_ = tied(tmp_path, name, mimic="follow")
-    rng = np.random.default_rng(5)
-    stack = (
-        JointLimits()
-        >> PoseTask([0.1, 0.2, 0.3], np.eye(3), gain=2.0)
-        >> CenterOfMassTask([0.0, 0.1, 0.2], gain=1.0)
-        >> PositionTask([0.1, 0.2, 0.3], frame="link2", gain=2.0)
-    )
-    fast, slow = (stack.build(robot, "velocity", 0.01, compiled=compiled) for compiled in (True, False))
-    assert fast.compiled
-    for _ in range(4):
-        state = robot.at(robot.random(rng), rng.uniform(-1.0, 1.0, robot.nv))
-        for rows in fast, slow:
-            rows.fill(state, 0.0)
-        np.testing.assert_allclose(fast.hierarchy.dense(), slow.hierarchy.dense(), atol=1e-12)
-        np.testing.assert_allclose(fast.hierarchy.lower, slow.hierarchy.lower, atol=1e-12)
-
-
-def test_a_joint_of_a_tie_that_is_locked_takes_the_others_with_it(tmp_path):
-    path = write(tmp_path, *chain(*TIES["plain"][0]), links=4)
-    free = load_robot(path, tip="link3", mimic="free")
-    for lock in {"joint1": 0.4}, {"joint2": 0.0}, {"joint1": 0.4, "joint2": 0.0}:
-        robot = load_robot(path, tip="link3", mimic="follow", lock=lock)
-        assert robot.joint_names == ("joint0",)
-        place = free.at([0.3, 0.4, 0.0], np.zeros(3)).frame().position
-        np.testing.assert_allclose(robot.at([0.3], [0.0]).frame().position, place, atol=1e-12)
-    with pytest.raises(InvalidInput, match=r"lock holds 'joint2' at 0\.5; as it follows 'joint1', it must be 0"):
-        load_robot(path, mimic="follow", lock={"joint1": 0.4, "joint2": 0.5})
-
-
-REFUSED_TIES = {
-    "missing": ([{}, {"mimic": ("nobody", 1.0, 0.0)}], "'joint1' follows 'nobody', and 'nobody' is no joint"),
-    "itself": ([{}, {"mimic": ("joint1", 1.0, 0.0)}], "'joint1' follows itself"),
-    "in a circle": (
-        [{"mimic": ("joint1", 1.0, 0.0)}, {"mimic": ("joint0", 1.0, 0.0)}],
-        "follows itself, by 'joint0' and 'joint1'",
-    ),
-    "no range left": (
-        [{}, {"mimic": ("joint0", 1.0, 5.0)}],
-        "'joint1' follows 'joint0', and the ranges of both leave it no",
-    ),
-    "no number": ([{}, {"mimic": ("joint0", "x", 0.0)}], "mimic of joint 'joint1': multiplier = 'x' must be a finite"),
-    "a base": (
-        [{"kind": "floating"}, {"mimic": ("joint0", 1.0, 0.0)}],
-        "'joint1' follows 'joint0'; 'joint0' must have one position",
-    ),
-}
-
-
-@pytest.mark.parametrize("name", REFUSED_TIES)
-def test_ties_that_mean_nothing(tmp_path, name):
-    parts, said = REFUSED_TIES[name]
-    path = write(tmp_path, *chain(*parts), links=3)
-    for mimic in "lock", "follow":
-        with pytest.raises(InvalidInput, match=said):
-            load_robot(path, mimic=mimic)
-    if name == "missing":
-        assert load_robot(path, lock={"joint1": 0.2}).joint_names == ("joint0",)
-    if name not in ("no number", "itself"):
-        assert load_robot(path, mimic="free").nv >= 2
 
 
 # Names.
@@ -340,6 +166,12 @@ def test_a_range_without_a_position_is_refused_everywhere(tmp_path, kind):
     np.testing.assert_array_equal(np.flatnonzero(np.isfinite(scalar.position_limit[0])), others)
 
 
+def test_home_is_moved_into_limits_by_hand():
+    robot = load_robot("panda", lock=["panda_finger_joint1"], position_limit=(-0.5, 0.5))
+    assert np.abs(robot.home).max() <= 0.5
+    assert load_robot("panda", position_limit={"panda_joint4": (-1.0, -0.5)}).home[3] == -1.0
+
+
 # Bases.
 
 
@@ -431,6 +263,99 @@ def test_axes_that_mean_nothing(tmp_path, axis, kind, said):
         load_robot(path)
 
 
+LIMIT = '<limit lower="-1" upper="1" velocity="1" effort="1"/>'
+ONE = (
+    '<link name="a"/><link name="b"/><joint name="j" type="revolute"><parent link="a"/><child link="b"/>'
+    f"<axis xyz='0 0 1'/>{LIMIT}</joint>"
+)
+NAME, WORLD = '"j"', '"universe"'
+MASS = '<inertial><mass value="{}"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+KILOGRAMS = ONE.replace('<link name="b"/>', f'<link name="b">{MASS.format("5 kg")}</link>')
+ISLAND = (
+    '<link name="c"/><link name="d"/><joint name="k" type="fixed"><parent link="c"/><child link="d"/></joint>'
+    '<joint name="l" type="fixed"><parent link="d"/><child link="c"/></joint>'
+)
+OPEN = '<robot name="a"'
+#: A file, and why it is refused.
+IGNORED = {
+    "xacro of another name": (
+        f'{OPEN} xmlns:xacro="http://wiki.ros.org/xacro">{ONE}<xacro:if/></robot>',
+        "by xacro first",
+    ),
+    "a property": (f'<robot name="${{name}}">{ONE}</robot>', "by xacro first"),
+    "an island": (f"{OPEN}>{ONE}{ISLAND}</robot>", "link 'c' is no part of the tree that begins with 'a'"),
+    "no number of kilograms": (f"{OPEN}>{KILOGRAMS}</robot>", "is no valid URDF: .*(mass|nertia)"),
+    "a capital": (f"{OPEN}>{ONE}<Joint/></robot>", "<Joint> in <robot> is not read; write <joint>"),
+    "a group": (f"{OPEN}>{ONE}<group><link name='x'/></group></robot>", "<link> inside <group> is not read"),
+    "a joint of the world": (
+        f"{OPEN}>{ONE.replace(NAME, WORLD)}</robot>",
+        "joint 'universe' has the name of the",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", IGNORED)
+def test_what_would_be_passed_over_in_silence_is_refused(tmp_path, name):
+    text, said = IGNORED[name]
+    path = tmp_path / "arm.urdf"
+    path.write_text(text)
+    with pytest.raises(InvalidInput, match=said):
+        load_robot(path)
+
+
+def test_what_is_left_out_of_a_urdf_is_said(tmp_path, caplog):
+    path = write(tmp_path, *chain({}, {"kind": "planar"}), links=3)
+    with caplog.at_level(logging.WARNING, logger="hqp"):
+        robot = load_robot(path)
+    assert robot.left_out == ("limits of planar joint 'joint1'",)
+    assert "left out of the robot: limits of planar joint 'joint1'" in caplog.text
+
+
+@pytest.mark.parametrize("encoding", ["ISO-8859-1", "utf-16", "utf-8-sig"])
+def test_names_in_every_encoding(tmp_path, encoding):
+    head = "<?xml version='1.0' encoding='ISO-8859-1'?>" if encoding == "ISO-8859-1" else ""
+    path = tmp_path / "bras.urdf"
+    path.write_bytes(f"{head}<robot name='bras'>{ONE.replace(chr(34) + 'b', chr(34) + 'lié')}</robot>".encode(encoding))
+    assert "lié" in load_robot(path).frame_names
+    path.write_bytes(f"<robot name='bras'>{ONE.replace(chr(34) + 'b', chr(34) + 'lié')}</robot>".encode("latin-1"))
+    with pytest.raises(InvalidInput, match="is not in utf-8; its first line is to name its encoding"):
+        load_robot(path)
+
+
+def test_odd_files_that_are_fine(tmp_path):
+    path = tmp_path / "arm.urdf"
+    for text in (
+        f"<robot name='a' xmlns='http://example.org'>{ONE}</robot>",
+        f"<robot name='a'>{ONE.replace(chr(34) + 'j' + chr(34), chr(34) + 'root_joint' + chr(34))}</robot>",
+    ):
+        path.write_text(text)
+        for base in None, "planar", "floating":
+            assert load_robot(path, base=base).nv == 1 + {None: 0, "planar": 3, "floating": 6}[base]
+
+
+@pytest.mark.parametrize("source", ["a" * 5000, "a" * 5000 + ".urdf", "a/" * 5000, "a\0b.urdf"])
+def test_names_that_no_file_can_have(source):
+    with pytest.raises(InvalidInput, match=r"there is no file|unknown robot"):
+        load_robot(source)
+
+
+def test_options_of_wrong_types():
+    class MjModel:
+        """Not MuJoCo's."""
+
+    for options, said in (
+        ({"source": MjModel()}, "is a MjModel; it must be a name, a file or an MjModel"),
+        ({"base": np.zeros(2)}, "base = array.*; it must be one of None, 'fixed'"),
+        ({"mimic": np.zeros(2)}, "mimic = array.*; it must be one of 'lock'"),
+        ({"tip": []}, r"tip = \[\] is a list; it must be a str"),
+        ({"lock": [["j0"]]}, r"lock: \['j0'\] is a list; it must be the name of a joint"),
+        ({"lock": b"panda"}, "lock = b'panda' is a bytes"),
+        ({"lock": 3}, "lock = 3 is a int; it must be a list of joints"),
+    ):
+        with pytest.raises(InvalidInput, match=said):
+            load_robot(**{"source": "panda", **options})
+
+
 def test_folders_and_text(tmp_path):
     path = write(tmp_path, *chain({}, {}), links=3)
     with pytest.raises(InvalidInput, match=r"is a folder; name a file in it: 'arm\.urdf'"):
@@ -458,6 +383,41 @@ def test_a_mesh_that_is_not_there_is_said_with_what_to_do(tmp_path, capfd):
     assert capfd.readouterr().err == ""
 
 
+def stl(path, *triangles):
+    lines = ["solid flat"]
+    for triangle in triangles:
+        corners = "".join(f"vertex {' '.join(map(str, corner))}\n" for corner in triangle)
+        lines.append(f"facet normal 0 0 1\nouter loop\n{corners}endloop\nendfacet")
+    path.write_text("\n".join([*lines, "endsolid flat"]))
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_a_mesh_without_volume_is_refused_and_crashes_nothing(tmp_path, count):
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    stl(tmp_path / "flat.stl", *corners[:count])
+    path = write(tmp_path, *chain({}, {}, {}), links=4)
+    path.write_text(path.read_text().replace("</link>", f"{MESH.replace('package://arm/hand.stl', 'flat.stl')}</link>"))
+    with pytest.raises(InvalidInput, match="is a mesh without volume; it must not be flat"):
+        load_robot(path).geometry()
+
+
+def test_a_shape_that_means_nothing_is_refused(tmp_path):
+    path = write(tmp_path, *chain({}, {}, {}), links=4)
+    nothing = "<collision><geometry><banana/></geometry></collision>"
+    path.write_text(path.read_text().replace("</link>", f"{nothing}</link>", 1))
+    with pytest.raises(InvalidInput, match=r"the collision shapes of .* cannot be read"):
+        load_robot(path).geometry()
+
+
+def test_shapes_of_a_file_by_any_name_and_with_shared_names(tmp_path):
+    path = shared(tmp_path)
+    box = "<collision><geometry><box size='0.1 0.1 0.1'/></geometry></collision>"
+    other = tmp_path / "robot.xml"
+    other.write_text(path.read_text().replace("</link>", f"{box}</link>"))
+    for mimic in "lock", "follow", "free":
+        assert len(load_robot(other, mimic=mimic).geometry().geometryObjects) == 4
+
+
 # Models that are handed over.
 
 
@@ -473,6 +433,117 @@ def test_a_model_that_moves_nothing_or_has_names_twice_is_refused():
     model.addJoint(0, pin.JointModelRX(), pin.SE3(np.eye(3), np.array([0.0, np.nan, 0.0])), "nowhere")
     with pytest.raises(InvalidInput, match=r"joint 'nowhere' is placed at .*; the place must be finite"):
         PinocchioRobot(model)
+
+
+def simple():
+    model = pin.Model()
+    for parent, name in enumerate(("one", "two")):
+        index = model.addJoint(parent, pin.JointModelRX(), pin.SE3.Identity(), name)
+        model.addJointFrame(index)
+        model.appendBodyToJoint(index, pin.Inertia(1.0, np.zeros(3), np.eye(3)), pin.SE3.Identity())
+    return model
+
+
+def no_parent(model):
+    model.parents[2] = 9
+
+
+def short_range(model):
+    model.lowerPositionLimit = np.zeros(1)
+
+
+def short_names(model):
+    del model.names[2]
+
+
+def odd_home(model):
+    model.referenceConfigurations["home"] = np.zeros(5)
+
+
+def nan_home(model):
+    model.referenceConfigurations["home"] = np.full(2, np.nan)
+
+
+def nan_gravity(model):
+    model.gravity.linear = np.array([0.0, np.nan, 0.0])
+
+
+def negative_speed(model):
+    model.upperVelocityLimit[0] = -1.0
+
+
+def empty_composite(model):
+    model.addJoint(2, pin.JointModelComposite(), pin.SE3.Identity(), "nothing")
+
+
+def lost_frame(model):
+    model.frames[1].parentJoint = 9
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (no_parent, "joint 'two' has the parent 9; it must come before it"),
+        (short_range, "lowerPositionLimit has 1 numbers; it must have 2"),
+        (short_names, "names has 2 entries; there are 3 joints"),
+        (odd_home, "configuration 'home' = .*; it must have 2 finite numbers"),
+        (nan_home, "configuration 'home' = .*; it must have 2 finite numbers"),
+        (nan_gravity, "gravity = .*; it must be finite"),
+        (negative_speed, "largest speed of joint 'one' is -1.0; it must be positive"),
+        (empty_composite, "joint 'nothing' is a Composite of no joints"),
+        (lost_frame, "frame 'one' has the parent joint 9, which is none"),
+    ],
+)
+def test_models_that_would_end_the_process_are_refused(spoil, said):
+    model = simple()
+    assert PinocchioRobot(model).nv == 2
+    spoil(model)
+    with pytest.raises(InvalidInput, match=said):
+        PinocchioRobot(model)
+
+
+def test_limits_that_differ_by_direction_count_as_the_smaller():
+    model = simple()
+    model.lowerVelocityLimit[:], model.upperVelocityLimit[:] = [-0.1, -9.0], [5.0, 2.0]
+    model.lowerEffortLimit[:], model.upperEffortLimit[:] = [-1.0, -np.inf], [50.0, 3.0]
+    robot = PinocchioRobot(model)
+    np.testing.assert_array_equal(robot.velocity_limit, [0.1, 2.0])
+    np.testing.assert_array_equal(robot.torque_limit, [1.0, 3.0])
+
+
+def test_places_of_a_base_that_a_model_limits_are_told(caplog):
+    model = pin.Model()
+    index = model.addJoint(0, pin.JointModelPlanar(), pin.SE3.Identity(), "wheels")
+    model.appendBodyToJoint(index, pin.Inertia(1.0, np.zeros(3), np.eye(3)), pin.SE3.Identity())
+    model.lowerPositionLimit[:2], model.upperPositionLimit[:2] = -0.3, 0.3
+    with caplog.at_level(logging.WARNING, logger="hqp"):
+        assert PinocchioRobot(model).position_limit is None
+    assert "the places of bases are not limited, whatever the model says: wheels" in caplog.text
+
+
+def test_a_screw_and_a_composite_are_no_joints_of_mujoco():
+    pytest.importorskip("mujoco")
+    whole = pin.JointModelComposite()
+    whole.addJoint(pin.JointModelRX(), pin.SE3(np.eye(3), np.ones(3)))
+    for joint_model in pin.JointModelHZ(0.1), whole:
+        model = pin.Model()
+        index = model.addJoint(0, joint_model, pin.SE3.Identity(), "screw")
+        model.appendBodyToJoint(index, pin.Inertia(1.0, np.zeros(3), np.eye(3)), pin.SE3.Identity())
+        with pytest.raises(InvalidInput, match=r"joint 'screw' .* must turn about one axis, or slide along it"):
+            MujocoPlant(PinocchioRobot(model))
+
+
+def test_a_centre_of_no_mass_is_refused():
+    model = pin.Model()
+    model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "one")
+    with pytest.raises(InvalidInput, match=r"nothing that .* moves has a mass; it has no centre"):
+        Controller(PinocchioRobot(model), CenterOfMassTask([0, 0, 0.0], gain=1.0), dt=0.01)
+
+
+def test_factors_that_cancel_each_other_are_refused(tmp_path):
+    robot = load_robot(write(tmp_path, *chain({}, {}), links=3))
+    with pytest.raises(InvalidInput, match="cancel each other; name each joint once"):
+        Controller(robot, JointCouplingTask({0: 1, "joint0": -1}, gain=1.0), dt=0.01)
 
 
 # All robots of the library.

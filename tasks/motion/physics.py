@@ -63,10 +63,10 @@ class MujocoPlant:
         if model is None:
             raise InvalidInput(f"robot = {robot!r}; the physics need the model of a PinocchioRobot")
         check_fixed_base(robot, "MujocoPlant")
-        several = [name for joint, name in _joints(model) if joint.nq != 1 or joint.nv != 1]
-        if several:
+        other = [name for joint, name in _joints(model) if not _known(joint)]
+        if other:
             raise InvalidInput(
-                f"MujocoPlant: joint {several[0]!r} of {robot!r} must have one position and one velocity"
+                f"MujocoPlant: joint {other[0]!r} of {robot!r} must turn about one axis, or slide along it"
             )
         try:
             self.model = _specification(model, mujoco).compile()
@@ -86,6 +86,12 @@ class MujocoPlant:
 
     def __repr__(self) -> str:
         return f"MujocoPlant({self.model.nv} degrees of freedom, step={self.step:g})"
+
+
+def _known(joint: Any) -> bool:
+    """Whether MuJoCo has such a joint: one position, one velocity, and no screw."""
+    kind = joint.shortname().removeprefix("JointModel")
+    return bool(joint.nq == joint.nv == 1 and kind.startswith(("R", "P")))
 
 
 def _joints(model: Any) -> list[tuple[Any, str]]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
+from xml.etree.ElementTree import Element
 
 import coal
 import numpy as np
@@ -10,8 +12,12 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
-from .._quiet import caught
-from .urdf import reason
+from .._quiet import caught, reason
+from .files.urdf import rename, rename_shared
+from .files.xml import parsed, written
+
+#: A mesh whose least extent is this share of its largest has no volume.
+FLAT = 1e-9
 
 
 def collision_geometry(model: pin.Model, source: Path) -> pin.GeometryModel:
@@ -29,18 +35,23 @@ def collision_geometry(model: pin.Model, source: Path) -> pin.GeometryModel:
     Raises
     ------
     InvalidInput
-        If a mesh cannot be read.
+        If a shape cannot be read, or a mesh has no volume.
     """
-    folders = [str(folder) for folder in source.parents]
+    what = f"the collision shapes of {str(source)!r}"
+    root = parsed(source, what)
+    shared = rename_shared(root)
+    text, folders = written(root, what), [str(folder) for folder in source.parents]
     try:
         with caught() as lines:
-            whole = pin.buildModelFromUrdf(str(source))
-            shapes = pin.buildGeomFromUrdf(whole, str(source), pin.GeometryType.COLLISION, package_dirs=folders)
+            whole = pin.buildModelFromXML(text)
+            shapes = pin.buildGeomFromUrdfString(whole, text, pin.GeometryType.COLLISION, package_dirs=folders)
     except (ValueError, RuntimeError) as error:
         raise InvalidInput(
-            f"the collision shapes of {str(source)!r} cannot be read: {reason(lines, error)};"
-            " package://NAME/... is sought as a folder NAME beside the file and in all folders above it"
+            f"{what} cannot be read: {reason(lines, error)}; package://NAME/... is sought as a folder NAME beside the"
+            " file and in all folders above it"
         ) from None
+    rename(whole, shared)
+    _check_all(root, whole, shapes, what)
     geometry = pin.GeometryModel()
     for shape in shapes.geometryObjects:
         body = whole.frames[shape.parentFrame]
@@ -50,15 +61,36 @@ def collision_geometry(model: pin.Model, source: Path) -> pin.GeometryModel:
         own = model.frames[frame]
         placement = own.placement * body.placement.inverse() * shape.placement
         geometry.addGeometryObject(
-            pin.GeometryObject(shape.name, own.parentJoint, frame, placement, convex(shape.geometry))
+            pin.GeometryObject(
+                shape.name, own.parentJoint, frame, placement, convex(shape.geometry, f"{what}: {shape.name!r}")
+            )
         )
     return geometry
 
 
-def convex(shape: coal.CollisionGeometry) -> coal.CollisionGeometry:
-    """The convex hull of a mesh, anything else as it is."""
+def _check_all(root: Element, model: pin.Model, shapes: pin.GeometryModel, what: str) -> None:
+    """Refuse shapes that are in the file, and that urdfdom has left out as it could not read them."""
+    read = Counter(model.frames[shape.parentFrame].name for shape in shapes.geometryObjects)
+    for link in root.findall("link"):
+        name, written = str(link.get("name")), len(link.findall("collision"))
+        if read[name] < written:
+            raise InvalidInput(f"{what} cannot be read: of link {name!r} {read[name]} of {written} mean something")
+
+
+def convex(shape: coal.CollisionGeometry, what: str) -> coal.CollisionGeometry:
+    """The convex hull of a mesh, anything else as it is.
+
+    Raises
+    ------
+    InvalidInput
+        If the mesh has no volume, and so no hull.
+    """
     if not isinstance(shape, coal.BVHModelBase):
         return shape
+    points = np.array(shape.vertices()).reshape(-1, 3)
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) if len(points) > 3 else np.zeros(1)
+    if not spread.min() > FLAT * spread.max():
+        raise InvalidInput(f"{what} is a mesh without volume; it must not be flat")
     shape.buildConvexHull(True, "Qt")
     return shape.convex
 

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import sys
 import warnings
 from collections.abc import Iterable, Mapping
 from os import PathLike
 from pathlib import Path
+from reprlib import repr as brief
 from typing import TYPE_CHECKING, Any, get_args
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 from hqp.checks import truth
 
+from .._checks import Array
 from .choices import Base, Mimic
 from .library import ROBOTS, Entry, available_robots, named
 
@@ -78,60 +82,92 @@ def load_robot(
     entry, file, what = _find(source)
     chosen = _base(base, floating_base, entry)
     for given, allowed, option in (mimic, get_args(Mimic), "mimic"), (chosen, (None, *get_args(Base)), "base"):
-        if given not in allowed:
-            raise InvalidInput(f"{option} = {given!r}; it must be one of {', '.join(map(repr, allowed))}")
-    from .model_file import describe
+        if not isinstance(given, str | None) or given not in allowed:
+            raise InvalidInput(f"{option} = {brief(given)}; it must be one of {', '.join(map(repr, allowed))}")
+    from .files.language import describe
     from .pinocchio import PinocchioRobot
-    from .ranges import open_ranges, tell
-    from .reduction import reduced
-    from .ties import arrange, resolve
+    from .ranges import tell
     from .verification import verify
 
     positions = _positions(lock)
     described = describe(file, chosen, _bodies(body), what)
     verify(described.model, what)
-    open_ranges(described.model, what)
     if described.left_out:
         tell(f"{what}: left out of the robot: {', '.join(described.left_out)}")
-    if mimic == "free":
-        model, neutral = reduced(described.model, positions, described.neutral, what)
-    else:
-        ties = resolve(described.ties, described.model, described.fixed, positions, what)
-        model, neutral = arrange(described.model, described.neutral, ties, mimic, positions, what)
-        if ties and mimic == "lock":
-            tell(f"{what}: joints that follow others are held: {', '.join(tie.follower for tie in ties)}")
+    model, neutral, rooms = _arranged(described, mimic, positions, what)
     robot = PinocchioRobot(
         model,
         tip=entry.tip if tip is None else tip,
         name=str(source) if entry.file else None,
-        position_limit=position_limit,
+        position_limit=tuple(_within(model, position_limit, rooms, what)),
         velocity_limit=velocity_limit,
         acceleration_limit=acceleration_limit,
         torque_limit=torque_limit,
     )
+    for joint, room in rooms.items():
+        if robot.velocity_limit is not None:
+            column = robot.joint_names.index(joint)
+            robot.velocity_limit[column] = min(robot.velocity_limit[column], room.speed)
     robot.start_from(neutral)
     if entry.home or entry.height:
-        q = robot.configuration({joint: q for joint, q in entry.home.items() if joint in robot.joint_names})
+        robot.home = robot.near({joint: q for joint, q in entry.home.items() if joint in robot.joint_names})
         if robot.base == 6:
-            q[2] += entry.height
-        robot.home = q
+            robot.home[2] += entry.height
         robot.home.flags.writeable = False
     robot.left_out = described.left_out
     robot.source = file.resolve() if isinstance(file, Path) else None
     return robot
 
 
+def _arranged(described: Any, mimic: Mimic, positions: dict[str, float | None], what: str) -> Any:
+    """The model with joints held and tied as asked for, its neutral configuration, and what followers leave leaders."""
+    from .files.reduction import reduced
+    from .files.ties import arrange, resolve
+    from .ranges import tell
+
+    if mimic == "free":
+        return *reduced(described.model, positions, described.neutral, what), {}
+    ties = resolve(described.ties, described.model, described.fixed, positions, what)
+    if ties and mimic == "lock":
+        tell(f"{what}: joints that follow others are held: {', '.join(tie.follower for tie in ties)}")
+    return arrange(described.model, described.neutral, ties, mimic, positions, what)
+
+
+def _within(model: Any, given: Range | None, rooms: Mapping[str, Any], what: str) -> Array:
+    """Lowest and highest position of every joint, and what its followers allow if more is given by hand."""
+    from .axes import axes
+    from .ranges import position_limit
+
+    names = [axis.name for axis in axes(model)]
+    limits = position_limit(model, given, what, zero_is_none=False)
+    if limits is None:
+        limits = np.array([[-np.inf], [np.inf]]).repeat(len(names), axis=1)
+    for joint, room in rooms.items():
+        column = names.index(joint)
+        low, high = max(limits[0, column], room.low), min(limits[1, column], room.high)
+        if low > high:
+            raise InvalidInput(
+                f"{what}: position limit of {joint!r} from {limits[0, column]:g} to {limits[1, column]:g}; those that"
+                f" follow it need {room.low:g} to {room.high:g}"
+            )
+        limits[:, column] = low, high
+    return limits
+
+
 def _find(source: Any) -> tuple[Entry, Any, str]:
     """What the library knows of it, its file or model, and how messages call it."""
     if not isinstance(source, (str, PathLike)):
-        if type(source).__name__ == "MjModel":
+        mujoco = sys.modules.get("mujoco")  # there is no MjModel without it
+        if mujoco is not None and isinstance(source, mujoco.MjModel):
             return Entry(""), source, "robot of an MjModel"
-        raise InvalidInput(f"robot = {source!r} is a {type(source).__name__}; it must be a name, a file or an MjModel")
-    from .model_file import check_file, looks_like_a_file
+        raise InvalidInput(
+            f"robot = {brief(source)} is a {type(source).__name__}; it must be a name, a file or an MjModel"
+        )
+    from .files.language import check_file, is_folder, looks_like_a_file
 
     what = f"robot {str(source)!r}"
     if isinstance(source, str) and not looks_like_a_file(source):
-        if source not in ROBOTS and source and Path(source).is_dir() and source not in available_robots():
+        if source and source not in ROBOTS and is_folder(source) and source not in available_robots():
             check_file(source)  # which tells what is in the folder
         return *named(source), what
     return Entry(""), check_file(source), what
@@ -153,14 +189,18 @@ def _bodies(body: Any) -> list[str] | None:
         return None
     names = [body] if isinstance(body, str) else list(body) if isinstance(body, Iterable) else [body]
     if not names or not all(isinstance(name, str) for name in names):
-        raise InvalidInput(f"body = {body!r} must be the name of a body, or a list of names")
+        raise InvalidInput(f"body = {brief(body)} must be the name of a body, or a list of names")
     return names
 
 
 def _positions(lock: Any) -> dict[str, float | None]:
     """Joint -> where to hold it; None for neutral."""
-    if isinstance(lock, str) or not isinstance(lock, Iterable):
+    if isinstance(lock, str | bytes) or not isinstance(lock, Iterable):
         raise InvalidInput(
-            f"lock = {lock!r} is a {type(lock).__name__}; it must be a list of joints, or a dict of positions"
+            f"lock = {brief(lock)} is a {type(lock).__name__}; it must be a list of joints, or a dict of positions"
         )
-    return dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(lock)
+    names = list(lock)
+    wrong = next((name for name in names if not isinstance(name, str)), None)
+    if wrong is not None:
+        raise InvalidInput(f"lock: {brief(wrong)} is a {type(wrong).__name__}; it must be the name of a joint")
+    return dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(names)

@@ -26,12 +26,12 @@ except ImportError as error:  # pragma: no cover
     raise MissingPackage("spatial robots need Pinocchio: pip install 'hqp[robots]'") from error
 
 from .axes import NONE, axes, base_of
+from .files.xml import root_of
 from .frame_names import frame_numbers
 from .pinocchio_state import PinocchioState
-from .ranges import largest, no_position
+from .ranges import SAME, largest, no_position, weaker
 from .ranges import position_limit as limits_of
-from .reduction import SAME
-from .verification import verify
+from .verification import tell_of_inertias, verify
 
 #: The unit of a limit for a joint that turns, and for one that slides.
 SPEED = {"rad": "rad/s", "m": "m/s"}
@@ -106,7 +106,8 @@ class PinocchioRobot:
         self.name = str(model.name) if name is None else of_type(name, str, "name of a robot")
         self.nq, self.nv = int(model.nq), int(model.nv)
         verify(model, repr(self))
-        self.data = self.model.createData()
+        tell_of_inertias(model, repr(self))
+        self.data = _data(model, repr(self))
         self._base, self.base = base_of(model)
         self._axes = axes(model)
         self.joint_names = tuple(axis.name for axis in self._axes)
@@ -120,11 +121,13 @@ class PinocchioRobot:
         self._state: PinocchioState | None = None  # whose kinematics the data holds
         self._accelerated = False
         what = repr(self)
+        speeds = weaker(model.lowerVelocityLimit, model.upperVelocityLimit)
+        torques = weaker(model.lowerEffortLimit, model.upperEffortLimit)
         self.position_limit = limits_of(model, position_limit, what)
-        self.velocity_limit = largest(model, velocity_limit, model.velocityLimit, f"{what}: velocity limit", SPEED)
-        self.torque_limit = largest(model, torque_limit, model.effortLimit, f"{what}: torque limit", TORQUE)
+        self.velocity_limit = largest(model, velocity_limit, speeds, f"{what}: velocity limit", SPEED)
+        self.torque_limit = largest(model, torque_limit, torques, f"{what}: torque limit", TORQUE)
         self.acceleration_limit = largest(model, acceleration_limit, None, f"{what}: acceleration limit", ACCELERATION)
-        self.tip = None if tip is None else self.check_frame(tip)
+        self.tip = None if tip is None else self.check_frame(of_type(tip, str, "tip"))
         self.left_out: tuple[str, ...] = ()
         self.start_from(pin.neutral(model))
         self.source: Path | None = None
@@ -146,7 +149,7 @@ class PinocchioRobot:
         if self._geometry is None:
             from .geometry import collision_geometry
 
-            if self.source is None or self.source.suffix.lower() != ".urdf":
+            if self.source is None or root_of(self.source, repr(self)) != "robot":
                 raise InvalidInput(f"{self!r} has no URDF file to read shapes from; use load_robot, or set its source")
             self._geometry = collision_geometry(self.model, self.source)
         return self._geometry
@@ -208,6 +211,13 @@ class PinocchioRobot:
             else:
                 raise InvalidInput(f"joint {name!r}: {no_position(axis)}; write its numbers into q")
         return q
+
+    def near(self, joints: Mapping[str, float]) -> Array:
+        """The same as :meth:`configuration`, with positions outside the limits moved into them."""
+        q = np.array(self.neutral)
+        for name, position in joints.items():
+            q[self._axes[self.joint_names.index(name)].place] = position
+        return np.array(self._inside(q))
 
     def describe(self, q: Array) -> list[tuple[str, float, float, float]]:
         """Name, position and range of every joint that has a single position; of one that turns without end, its angle.
@@ -302,11 +312,23 @@ class PinocchioRobot:
         """M(q) [kg m^2; kg m and kg where joints slide], symmetric, shape (..., nv, nv)."""
         q = np.asarray(q, dtype=np.float64)
         M = np.empty((*q.shape[:-1], self.nv, self.nv))
+        one = self._by_columns if len(self.model.mimicking_joints) else self._composite
         for row, own in zip(q.reshape(-1, self.nq), M.reshape(-1, self.nv, self.nv), strict=True):
-            upper = np.triu(pin.crba(self.model, self.data, row))  # all that the algorithm promises
-            own[:] = upper + np.triu(upper, 1).T
+            own[:] = one(row)
         self._state = None  # the rest of the data was overwritten
         return M
+
+    def _composite(self, q: Array) -> Array:
+        """M by composite rigid bodies."""
+        upper = np.triu(pin.crba(self.model, self.data, q))  # all that the algorithm promises
+        return np.asarray(upper + np.triu(upper, 1).T)
+
+    def _by_columns(self, q: Array) -> Array:
+        """M by inverse dynamics, a column an acceleration: where joints follow others Pinocchio's ``crba`` is wrong."""
+        still, columns = np.zeros(self.nv), np.eye(self.nv)
+        weight = np.array(pin.rnea(self.model, self.data, q, still, still))
+        M = np.array([np.array(pin.rnea(self.model, self.data, q, still, a)) - weight for a in columns])
+        return np.asarray(0.5 * (M + M.T))
 
     def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
         """What torques [N m], forces [N] hold without acceleration: Coriolis, centripetal, gravity, shape (..., nv)."""
@@ -335,3 +357,10 @@ class PinocchioRobot:
 
     def __repr__(self) -> str:
         return f"PinocchioRobot({self.name!r}, {self.nv} degrees of freedom)"
+
+
+def _data(model: pin.Model, what: str) -> pin.Data:
+    try:
+        return model.createData()
+    except MemoryError:
+        raise InvalidInput(f"{what} has {model.njoints - 1} joints; it is too large for Pinocchio") from None

@@ -12,11 +12,13 @@ import pinocchio as pin
 from hqp import InvalidInput
 
 from .._checks import LARGEST, Array, per_row, position_range, positive, positive_scalar
-from .axes import NONE, Axis, axes
+from .axes import NONE, Axis, axes, kind
 from .robot import joint_index
 
 LOG = logging.getLogger("hqp")
 _TOLD: set[str] = set()
+#: Two joint positions as near as this are one [rad], [m].
+SAME = 1e-9
 
 
 def tell(message: str) -> None:
@@ -45,13 +47,20 @@ def open_ranges(model: pin.Model, what: str) -> None:
 
 
 def known(limits: Array) -> Array:
-    """Largest speeds or torques, shape (nv,); infinite where a model writes 0, as it knows nothing, or no number."""
+    """Largest speeds or torques, shape (nv,); infinite where a model writes 0, as it knows nothing."""
     own = np.array(limits)
-    own[~((own > 0.0) & (own <= LARGEST))] = np.inf
+    own[(own == 0.0) | (own > LARGEST)] = np.inf
     return own
 
 
-def position_limit(model: pin.Model, given: Any, what: str) -> Array | None:
+def weaker(lower: Array, upper: Array) -> Array:
+    """The limit in both directions of limits that differ: the smaller one, where the model knows a lower one."""
+    both = known(upper)
+    below = np.where(lower < 0.0, -lower, np.inf)
+    return np.minimum(both, known(below))
+
+
+def position_limit(model: pin.Model, given: Any, what: str, *, zero_is_none: bool = True) -> Array | None:
     """Lowest and highest positions, shape (2, nv): the model's, and what is given in their place.
 
     Parameters
@@ -61,6 +70,8 @@ def position_limit(model: pin.Model, given: Any, what: str) -> Array | None:
         Of all joints that have a position, or of those that the dict names.
     what : str
         The robot, for messages.
+    zero_is_none : bool
+        Whether a range of the model from 0 to 0 says that it knows none.
 
     Returns
     -------
@@ -75,7 +86,7 @@ def position_limit(model: pin.Model, given: Any, what: str) -> Array | None:
     own = axes(model)
     has = np.array([axis.place != NONE for axis in own])
     if given is None or isinstance(given, Mapping):
-        limits = _of_model(model, own, what)
+        limits = _of_model(model, own, what, zero_is_none)
         for i, pair in _named(own, given or {}, f"{what}: position limit of"):
             label = f"{what}: position limit of {own[i].name!r}"
             if not has[i]:
@@ -94,14 +105,27 @@ def no_position(axis: Axis) -> str:
     return "it is one of several of a base, a ball or a plane, and has no position of its own"
 
 
-def _of_model(model: pin.Model, own: Sequence[Axis], what: str) -> Array:
+def _of_model(model: pin.Model, own: Sequence[Axis], what: str, zero_is_none: bool) -> Array:
+    _tell_of_bases(model, what)
     limits = np.array([[-np.inf], [np.inf]]).repeat(len(own), axis=1)
-    unknown = {axis.place for axis in unknown_ranges(model, what)}
+    unknown = {axis.place for axis in unknown_ranges(model, what)} if zero_is_none else set()
     for i, axis in enumerate(own):
         if axis.place != NONE and axis.place not in unknown:
             low, high = model.lowerPositionLimit[axis.place], model.upperPositionLimit[axis.place]
             limits[:, i] = low if low > -LARGEST else -np.inf, high if high < LARGEST else np.inf
     return limits
+
+
+def _tell_of_bases(model: pin.Model, what: str) -> None:
+    """Tell of joints whose places are limited in the model, and have no position of their own to be held by."""
+    told = []
+    for joint, name in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):
+        places = slice(joint.idx_q, joint.idx_q + {"Planar": 2, "FreeFlyer": 3}.get(kind(joint), 0))
+        ends = np.concatenate([model.lowerPositionLimit[places], model.upperPositionLimit[places]])
+        if (np.abs(ends) < LARGEST).any() and ends.any():
+            told.append(name)
+    if told:
+        tell(f"{what}: the places of bases are not limited, whatever the model says: {', '.join(told)}")
 
 
 def largest(model: pin.Model, given: Any, own: Array | None, what: str, units: Mapping[str, str]) -> Array | None:
@@ -130,7 +154,7 @@ def largest(model: pin.Model, given: Any, own: Array | None, what: str, units: M
     """
     all_of = axes(model)
     if given is None or isinstance(given, Mapping):
-        limits = np.full(len(all_of), np.inf) if own is None else known(own)
+        limits = np.full(len(all_of), np.inf) if own is None else np.array(own)
         for i, value in _named(all_of, given or {}, f"{what} of"):
             limits[i] = positive_scalar(value, f"{what} of {all_of[i].name!r}", unit=units[all_of[i].unit])
         return limits if np.isfinite(limits).any() else None

@@ -1,4 +1,4 @@
-"""What every model must be, whichever reader it came from: names that name one thing, axes, ranges, numbers."""
+"""What every model must be, whichever reader it came from: sizes that fit, names that name one thing, axes, ranges."""
 
 from __future__ import annotations
 
@@ -13,13 +13,14 @@ from hqp import InvalidInput
 
 from .axes import axes, kind
 from .frame_names import by_kind
+from .ranges import tell
 
 #: How far the length of an axis, or a rotation, may be off.
 EXACT = 1e-9
 
 
 def verify(model: pin.Model, what: str) -> None:
-    """Refuse a model that moves nothing, or in which a name, an axis, a range or a number means nothing.
+    """Refuse a model that moves nothing, or in which a size, a name, an axis, a range or a number means nothing.
 
     Raises
     ------
@@ -30,6 +31,7 @@ def verify(model: pin.Model, what: str) -> None:
         raise InvalidInput(
             f"{what} has 0 degrees of freedom: no joint that moves; of a robot that flies, base='floating' gives six"
         )
+    _verify_sizes(model, what)
     everything = {"joint": list(model.names), "axis": [axis.name for axis in axes(model)], **_frames(model)}
     for place, names in everything.items():
         twice = [name for name, count in Counter(names).items() if count > 1]
@@ -43,14 +45,45 @@ def verify(model: pin.Model, what: str) -> None:
     for frame in model.frames:
         _verify_placed(frame.placement, f"{what}: frame {frame.name!r}")
     _verify_axes(model, what)
-    for axis in axes(model):
-        if axis.place >= 0:
-            low, high = float(model.lowerPositionLimit[axis.place]), float(model.upperPositionLimit[axis.place])
-            if not low <= high:
-                raise InvalidInput(
-                    f"{what}: the range of joint {axis.name!r} is from {low:g} to {high:g} {axis.unit};"
-                    " the lowest must not be above the highest"
-                )
+    _verify_limits(model, what)
+
+
+def _verify_sizes(model: pin.Model, what: str) -> None:
+    """What would else be read beyond its end."""
+    count = model.njoints
+    lists = {"joints": model.joints, "names": model.names, "parents": model.parents, "inertias": model.inertias}
+    for name, own in {**lists, "jointPlacements": model.jointPlacements}.items():
+        if len(own) != count:
+            raise InvalidInput(f"{what}: {name} has {len(own)} entries; there are {count} joints")
+    for index in range(1, count):
+        joint, name = model.joints[index], model.names[index]
+        if not 0 <= model.parents[index] < index:
+            raise InvalidInput(f"{what}: joint {name!r} has the parent {model.parents[index]}; it must come before it")
+        if kind(joint) != "Mimic" and joint.nv == 0:
+            raise InvalidInput(f"{what}: joint {name!r} is a {kind(joint)} of no joints; it must move something")
+    for frame in model.frames:
+        if not 0 <= frame.parentJoint < count:
+            raise InvalidInput(f"{what}: frame {frame.name!r} has the parent joint {frame.parentJoint}, which is none")
+    vectors = {
+        "lowerPositionLimit": model.nq,
+        "upperPositionLimit": model.nq,
+        "lowerVelocityLimit": model.nv,
+        "upperVelocityLimit": model.nv,
+        "lowerEffortLimit": model.nv,
+        "upperEffortLimit": model.nv,
+        "armature": model.nv,
+        "damping": model.nv,
+    }
+    for name, size in vectors.items():
+        if len(getattr(model, name)) != size:
+            raise InvalidInput(f"{what}: {name} has {len(getattr(model, name))} numbers; it must have {size}")
+    for entry in model.referenceConfigurations:
+        q = np.array(entry.data())
+        if q.shape != (model.nq,) or not np.isfinite(q).all():
+            raise InvalidInput(f"{what}: configuration {entry.key()!r} = {q}; it must have {model.nq} finite numbers")
+    for name, numbers in ("gravity", model.gravity.vector), ("armature", model.armature):
+        if not np.isfinite(numbers).all() or (name == "armature" and (numbers < 0.0).any()):
+            raise InvalidInput(f"{what}: {name} = {np.array(numbers)}; it must be finite, and armature not negative")
 
 
 def _frames(model: pin.Model) -> dict[str, list[str]]:
@@ -64,9 +97,21 @@ def _verify_placed(placement: pin.SE3, what: str) -> None:
 
 
 def _verify_inertia(inertia: pin.Inertia, what: str) -> None:
-    numbers = np.array([inertia.mass, *inertia.lever, *np.ravel(inertia.inertia)])
+    J = np.array(inertia.inertia)
+    numbers = np.array([inertia.mass, *inertia.lever, *np.ravel(J)])
     if not np.isfinite(numbers).all() or inertia.mass < 0.0:
         raise InvalidInput(f"{what} has the mass {inertia.mass:g} kg; it must be finite and not negative")
+
+
+def tell_of_inertias(model: pin.Model, what: str) -> None:
+    """Tell of inertias that no body has: kinematics are right with them, and torques are not."""
+    wrong = []
+    for inertia, name in list(zip(model.inertias, model.names, strict=True))[1:]:
+        J = np.array(inertia.inertia)
+        if np.linalg.eigvalsh(J).min() < -EXACT * (1.0 + np.abs(J).max()):
+            wrong.append(name)
+    if wrong:
+        tell(f"{what}: no body has such an inertia, torques are not to be trusted, at the joints {', '.join(wrong)}")
 
 
 def _verify_axes(model: pin.Model, what: str) -> None:
@@ -87,3 +132,19 @@ def _single(joint: Any, q: np.ndarray) -> Iterator[tuple[Any, np.ndarray]]:
         data = joint.createData()
         joint.calc(data, q)
         yield joint, np.array(data.S).reshape(6)
+
+
+def _verify_limits(model: pin.Model, what: str) -> None:
+    for i, axis in enumerate(axes(model)):
+        if axis.place >= 0:
+            low, high = float(model.lowerPositionLimit[axis.place]), float(model.upperPositionLimit[axis.place])
+            if not low <= high:
+                raise InvalidInput(
+                    f"{what}: the range of joint {axis.name!r} is from {low:g} to {high:g} {axis.unit};"
+                    " the lowest must not be above the highest"
+                )
+        for name, limits in ("speed", model.upperVelocityLimit), ("torque", model.upperEffortLimit):
+            if not limits[i] >= 0.0:
+                raise InvalidInput(
+                    f"{what}: the largest {name} of joint {axis.name!r} is {limits[i]}; it must be positive"
+                )

@@ -9,13 +9,12 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
-from .._checks import Array, finite_scalar
-from .axes import NONE, axes
-from .frame_names import KINDS
-from .robot import nearest
+from ..._checks import Array, finite_scalar
+from ..axes import NONE, axes
+from ..frame_names import KINDS
+from ..ranges import SAME
+from ..robot import nearest
 
-#: Two joint positions as near as this are one [rad], [m].
-SAME = 1e-9
 #: What a frame is called, by its type.
 KIND_OF = {own: kind for kind, types in KINDS.items() for own in types}
 
@@ -23,7 +22,11 @@ KIND_OF = {own: kind for kind, types in KINDS.items() for own in types}
 def reduced(
     model: pin.Model, positions: Mapping[str, float | None], neutral: Array, what: str
 ) -> tuple[pin.Model, Array]:
-    """The model with these joints held, at a position or where `neutral` has them if that is None; and its neutral.
+    """The model with these joints held, at a position or, if that is None, in their range nearest to neutral.
+
+    Returns
+    -------
+    pinocchio.Model, and the neutral configuration of it.
 
     Raises
     ------
@@ -37,9 +40,12 @@ def reduced(
         if name not in names:
             raise InvalidInput(f"{what}: {name!r} is no joint{nearest(str(name), names)}")
         held.append(int(model.getJointId(name)))
-        if position is None:
-            continue
         axis, own = single.get(name), f"{what}: lock of joint {name!r}"
+        if position is None:
+            if axis is not None and axis.place != NONE:
+                low, high = model.lowerPositionLimit[axis.place], model.upperPositionLimit[axis.place]
+                q[axis.place] = np.clip(q[axis.place], low, high)
+            continue
         if axis is None:
             raise InvalidInput(f"{own}: it has several axes, and can only be held at its neutral place")
         value = finite_scalar(position, own)

@@ -25,14 +25,13 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
-from .._checks import Array
-from .._quiet import caught
-from .axes import kind
-from .choices import Base
+from ..._checks import LARGEST, Array
+from ..._quiet import caught, reason
+from ..axes import kind
+from ..choices import Base
+from .couplings import couplings, moves
 from .description import BASE_JOINT, BASES, Description
-from .mjcf_couplings import couplings, moves
-from .mjcf_scene import Scene, body_names, scene
-from .urdf import reason
+from .scene import Scene, body_names, scene
 
 FREE, BALL, SLIDE, HINGE = range(4)
 #: Axes for which Pinocchio has joints of their own, which are faster.
@@ -93,6 +92,8 @@ class _Reader:
         neutral = np.concatenate([np.zeros(0), *self.start])
         for i in range(self.mj.nkey):
             name = self.mj.key(i).name or f"key{i}"
+            if not np.isfinite(self.mj.key_qpos[i]).all():
+                raise InvalidInput(f"{self.what}: keyframe {name!r} has numbers that are not finite")
             self.model.referenceConfigurations[name] = self.configuration(self.mj.key_qpos[i], neutral)
         self._verify(neutral)
         return Description(self.model, neutral, ties, (), (*self.scene.left_out, *said, *self._unmodelled()))
@@ -128,8 +129,13 @@ class _Reader:
             carrier = self._add_joint(body, j, carrier, placement * anchor)
             placement = anchor.inverse()
         self.placed[body] = carrier, placement
-        J = np.diag(mj.body_inertia[body])
-        inertia = pin.Inertia(float(mj.body_mass[body]), np.zeros(3), J)
+        try:
+            inertia = pin.Inertia(float(mj.body_mass[body]), np.zeros(3), np.diag(mj.body_inertia[body]))
+        except (RuntimeError, ValueError):
+            J = mj.body_inertia[body].tolist()
+            raise InvalidInput(
+                f"{self.what}: body {self.names[body]!r} has the inertia {J}, which no body has"
+            ) from None
         self.model.appendBodyToJoint(carrier, inertia, placement * pose(mj.body_ipos[body], mj.body_iquat[body]))
         if mj.body(body).name:
             self._add_frame(mj.body(body).name, carrier, placement, pin.FrameType.BODY)
@@ -172,8 +178,7 @@ class _Reader:
                 back.rotation = pin.exp3(-ref * axis)
             else:
                 back.translation = -ref * axis
-            limited = bool(mj.jnt_limited[j])
-            low, high = mj.jnt_range[j] if limited else (-np.inf, np.inf)
+            low, high = self._range(j, name)
             force = self._largest_force(j, name)
             ends = (np.array([end]) for end in (force, np.inf, low, high))
             index = int(self.model.addJoint(parent, _joint(what == SLIDE, axis), placement * back, name, *ends))
@@ -207,6 +212,15 @@ class _Reader:
         while name in taken:
             name += "_"
         return name
+
+    def _range(self, j: int, name: str) -> tuple[float, float]:
+        """Lowest and highest position of a joint."""
+        if not self.mj.jnt_limited[j]:
+            return -np.inf, np.inf
+        low, high = (float(end) for end in self.mj.jnt_range[j])
+        if not low <= high:
+            raise InvalidInput(f"{self.what}: joint {name!r} has the range {low:g} to {high:g}; it must be in order")
+        return low if low > -LARGEST else -np.inf, high if high < LARGEST else np.inf
 
     def _largest_force(self, j: int, name: str) -> float:
         """What the motors of a joint can do at least in both directions [N m], [N]."""
@@ -303,8 +317,8 @@ def _randomise(mj: mujoco.MjModel, j: int, qpos: Array, rng: np.random.Generator
     elif what == BALL:
         qpos[address : address + 4] = rng.standard_normal(4)
     else:
-        low, high = mj.jnt_range[j] if mj.jnt_limited[j] else (-np.pi, np.pi)
-        qpos[address] = rng.uniform(low, high)
+        low, high = mj.jnt_range[j] if mj.jnt_limited[j] else (-np.inf, np.inf)
+        qpos[address] = rng.uniform(max(low, min(high, np.pi) - 2.0 * np.pi), min(high, max(low, -np.pi) + 2.0 * np.pi))
 
 
 def _joint(slides: bool, axis: Array) -> Any:

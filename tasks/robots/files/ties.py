@@ -8,16 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from hqp import InvalidInput
 
-from .._checks import Array
-from .choices import Mimic
-from .ranges import known
-from .reduction import SAME, carried, reduced
+from ..._checks import Array
+from ..choices import Mimic
+from ..ranges import SAME, known
+from .reduction import carried, reduced
 
 
 @dataclass(frozen=True)
@@ -87,10 +88,23 @@ def _resolved(tie: Tie, ties: Mapping[str, Tie], model: pin.Model, fixed: set[st
     return tie
 
 
+class Room(NamedTuple):
+    """What its followers leave to a joint: lowest and highest position [rad], [m], and speed [rad/s], [m/s]."""
+
+    low: float
+    high: float
+    speed: float
+
+    def seen_from(self, tie: Tie) -> Room:
+        """The same for the follower of a tie in the place of its leader."""
+        low, high = sorted((tie.factor * self.low + tie.offset, tie.factor * self.high + tie.offset))
+        return Room(low, high, abs(tie.factor) * self.speed)
+
+
 def arrange(
     model: pin.Model, neutral: Array, ties: list[Tie], mimic: Mimic, lock: Mapping[str, float | None], what: str
-) -> tuple[pin.Model, Array]:
-    """The model with its ties as asked for, and with these joints held; and the neutral configuration of it.
+) -> tuple[pin.Model, Array, dict[str, Room]]:
+    """The model with its ties as asked for, and with these joints held.
 
     Parameters
     ----------
@@ -104,6 +118,14 @@ def arrange(
         Where to hold joints; None for neutral.
     what : str
 
+    Returns
+    -------
+    model : pinocchio.Model
+    neutral : array
+        Of the new model.
+    rooms : dict of str to Room
+        What the followers of each joint leave to it.
+
     Raises
     ------
     InvalidInput
@@ -111,49 +133,76 @@ def arrange(
         position outside its range.
     """
     model, neutral, held = pin.Model(model), np.array(neutral), dict(lock)
-    free = [tie for tie in ties if mimic == "follow" or tie.follower not in held]
-    groups: dict[str, list[Tie]] = {}
-    for tie in free:
-        if tie.leader is None:
-            held.setdefault(tie.follower, tie.offset)
-        else:
-            groups.setdefault(tie.leader, []).append(tie)
+    groups = _groups(ties, mimic, held, what)
+    rooms = {leader: _room(model, leader, own) for leader, own in groups.items()}
     for leader, own in groups.items():
-        _narrow(model, leader, own, what)
         place = _place(model, leader)
-        low, high = model.lowerPositionLimit[place], model.upperPositionLimit[place]
-        neutral[place] = np.clip(neutral[place], low, high)
+        _narrow(model, leader, own, rooms[leader], what)
+        neutral[place] = np.clip(neutral[place], model.lowerPositionLimit[place], model.upperPositionLimit[place])
         _hold_together(held, leader, own, float(neutral[place]), mimic, what)
         for tie in own:
             neutral[_place(model, tie.follower)] = tie.factor * neutral[place] + tie.offset
     model, neutral = reduced(model, held, neutral, what)
     for leader, own in groups.items():
-        model, neutral = _followed(model, neutral, leader, [tie for tie in own if tie.follower not in held])
-    return model, neutral
+        if leader in held:
+            del rooms[leader]
+        elif mimic == "follow":
+            model, neutral, driver = _followed(model, neutral, leader, own)
+            rooms[driver.follower] = rooms.pop(leader).seen_from(driver)
+    return model, neutral, rooms
+
+
+def _groups(ties: list[Tie], mimic: Mimic, held: dict[str, float | None], what: str) -> dict[str, list[Tie]]:
+    """The ties of each leader; joints that follow none are held where they are, and so noted in `held`.
+
+    A follower that is held somewhere by hand, while others are held too, has no tie any more.
+    """
+    groups: dict[str, list[Tie]] = {}
+    for tie in ties:
+        asked = held.get(tie.follower)
+        if tie.leader is None:
+            if asked is not None and abs(asked - tie.offset) > SAME:
+                raise InvalidInput(f"{what}: lock holds {tie.follower!r} at {asked:g}; it must be {tie.offset:g}")
+            held[tie.follower] = tie.offset
+        elif mimic == "follow" or asked is None:
+            groups.setdefault(tie.leader, []).append(tie)
+    return groups
 
 
 def _place(model: pin.Model, joint: str) -> int:
     return int(model.joints[model.getJointId(joint)].idx_q)
 
 
-def _narrow(model: pin.Model, leader: str, ties: list[Tie], what: str) -> None:
-    """Narrow range and speed of the leader to what all its followers allow."""
-    place, column = _place(model, leader), int(model.joints[model.getJointId(leader)].idx_v)
-    low, high = model.lowerPositionLimit[place], model.upperPositionLimit[place]
-    speeds = known(model.velocityLimit)
+def _column(model: pin.Model, joint: str) -> int:
+    return int(model.joints[model.getJointId(joint)].idx_v)
+
+
+def _room(model: pin.Model, leader: str, ties: list[Tie]) -> Room:
+    """What the ranges and speeds of all its followers leave to a leader."""
+    low, high, speed = -np.inf, np.inf, np.inf
+    speeds = known(model.upperVelocityLimit)
     for tie in ties:
         own = _place(model, tie.follower)
         least, most = model.lowerPositionLimit[own], model.upperPositionLimit[own]
         ends = sorted(((least - tie.offset) / tie.factor, (most - tie.offset) / tie.factor))
         low, high = max(low, ends[0]), min(high, ends[1])
-        if low > high:
-            raise InvalidInput(
-                f"{what}: joint {tie.follower!r} follows {leader!r}, and the ranges of both leave it no position"
-            )
-        follower = model.joints[model.getJointId(tie.follower)].idx_v
-        speeds[column] = min(speeds[column], speeds[follower] / abs(tie.factor))
+        speed = min(speed, speeds[_column(model, tie.follower)] / abs(tie.factor))
+    return Room(float(low), float(high), float(speed))
+
+
+def _narrow(model: pin.Model, leader: str, ties: list[Tie], room: Room, what: str) -> None:
+    """Give the leader the range and the speed that its followers leave it."""
+    place, column = _place(model, leader), _column(model, leader)
+    low, high = max(model.lowerPositionLimit[place], room.low), min(model.upperPositionLimit[place], room.high)
+    if low > high:
+        followers = " and ".join(repr(tie.follower) for tie in ties)
+        raise InvalidInput(f"{what}: joint {followers} follows {leader!r}, and the ranges of both leave it no position")
     model.lowerPositionLimit[place], model.upperPositionLimit[place] = low, high
-    model.velocityLimit[column] = speeds[column]
+    _limit_speed(model, column, min(known(model.upperVelocityLimit)[column], room.speed))
+
+
+def _limit_speed(model: pin.Model, column: int, speed: float) -> None:
+    model.upperVelocityLimit[column], model.lowerVelocityLimit[column] = speed, -speed
 
 
 def _hold_together(
@@ -177,39 +226,40 @@ def _hold_together(
         held[tie.follower] = own
 
 
-def _followed(model: pin.Model, neutral: Array, leader: str, ties: list[Tie]) -> tuple[pin.Model, Array]:
-    """Tie joints together. The one that comes first in the tree is the independent one, as Pinocchio demands."""
-    if not ties:
-        return model, neutral
+def _followed(model: pin.Model, neutral: Array, leader: str, ties: list[Tie]) -> tuple[pin.Model, Array, Tie]:
+    """Tie joints together. The one that comes first in the tree is the independent one, as Pinocchio demands.
+
+    Returns
+    -------
+    The model, its neutral configuration, and the tie of the independent joint to the leader.
+    """
     all_of = [Tie(leader, leader, 1.0, 0.0), *ties]
     driver = min(all_of, key=lambda tie: model.getJointId(tie.follower))
-    low, high = (model.lowerPositionLimit[_place(model, leader)], model.upperPositionLimit[_place(model, leader)])
-    speed = model.velocityLimit[model.joints[model.getJointId(leader)].idx_v]
+    place, column = _place(model, leader), _column(model, leader)
+    whole = Room(
+        model.lowerPositionLimit[place], model.upperPositionLimit[place], model.upperVelocityLimit[column]
+    ).seen_from(driver)
+    torque = known(model.upperEffortLimit)[column] / abs(driver.factor)  # the motor is the leader's
+    resists = np.zeros(3)
     for tie in all_of:
-        if tie is driver:
-            continue
-        factor = tie.factor / driver.factor
-        before = model
-        led, own = (before.joints[before.getJointId(t.follower)].idx_v for t in (driver, tie))
-        resists = [
-            before.armature[led] + factor**2 * before.armature[own],
-            before.damping[led] + factor**2 * before.damping[own],
-            before.friction[led] + abs(factor) * before.friction[own],
-        ]
-        model = pin.transformJointIntoMimic(
-            before,
-            before.getJointId(driver.follower),
-            before.getJointId(tie.follower),
-            factor,
-            tie.offset - factor * driver.offset,
-        )
-        led = model.joints[model.getJointId(driver.follower)].idx_v
-        model.armature[led], model.damping[led], model.friction[led] = resists
-        neutral = carried(neutral, before, model)
-        for name, q in [(entry.key(), np.array(entry.data())) for entry in before.referenceConfigurations]:
-            model.referenceConfigurations[name] = carried(q, before, model)
-    place = _place(model, driver.follower)
-    ends = sorted((driver.factor * low + driver.offset, driver.factor * high + driver.offset))
-    model.lowerPositionLimit[place], model.upperPositionLimit[place] = ends
-    model.velocityLimit[model.joints[model.getJointId(driver.follower)].idx_v] = abs(driver.factor) * speed
-    return model, neutral
+        factor, own = tie.factor / driver.factor, _column(model, tie.follower)
+        resists += factor**2 * model.armature[own], factor**2 * model.damping[own], abs(factor) * model.friction[own]
+    for tie in all_of:
+        if tie is not driver:
+            model, neutral = _mimicking(model, neutral, driver, tie)
+    place, column = _place(model, driver.follower), _column(model, driver.follower)
+    model.lowerPositionLimit[place], model.upperPositionLimit[place] = whole.low, whole.high
+    _limit_speed(model, column, whole.speed)
+    model.upperEffortLimit[column], model.lowerEffortLimit[column] = torque, -torque
+    model.armature[column], model.damping[column], model.friction[column] = resists
+    return model, neutral, driver
+
+
+def _mimicking(model: pin.Model, neutral: Array, driver: Tie, tie: Tie) -> tuple[pin.Model, Array]:
+    """The model in which the joint of one tie follows that of another, both to the same leader."""
+    factor = tie.factor / driver.factor
+    ids = (model.getJointId(own.follower) for own in (driver, tie))
+    tied = pin.transformJointIntoMimic(model, *ids, factor, tie.offset - factor * driver.offset)
+    for entry in model.referenceConfigurations:
+        tied.referenceConfigurations[entry.key()] = carried(np.array(entry.data()), model, tied)
+    return tied, carried(neutral, model, tied)

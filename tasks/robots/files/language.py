@@ -9,15 +9,18 @@ from typing import TYPE_CHECKING
 
 from hqp import InvalidInput, MissingPackage
 
-from .choices import Base
+from ..choices import Base
 from .description import Description
-from .urdf import read_urdf, root_of
+from .urdf import read_urdf
+from .xml import root_of
 
 if TYPE_CHECKING:
     import mujoco
 
 #: Suffixes of files that are read, or refused with a hint.
 SUFFIXES = (".urdf", ".xml", ".mjcf", ".mjb", ".xacro", ".sdf", ".srdf", ".usd", ".usda", ".zip")
+#: Of a name, so much is shown.
+LONGEST = 200
 #: How many files of a folder are named.
 MOST_NAMED = 8
 #: What to say of other files.
@@ -51,13 +54,25 @@ def check_file(source: str | PathLike[str]) -> Path:
             " write it to one: Path('robot.urdf').write_text(xml), and load_robot('robot.urdf')"
         )
     path = Path(source)
-    if path.is_dir():
+    if is_folder(source):
         inside = sorted(str(p.relative_to(path)) for p in path.rglob("*") if p.suffix.lower() in (".urdf", ".xml"))
         told = ", ".join(map(repr, inside[:MOST_NAMED])) or "it has no .urdf and no .xml"
         raise InvalidInput(f"robot {text!r} is a folder; name a file in it: {told}")
-    if not path.is_file():
-        raise InvalidInput(f"there is no file {text!r}")
+    try:
+        there = path.is_file()
+    except (OSError, ValueError):  # no file can be called so
+        there = False
+    if not there:
+        raise InvalidInput(f"there is no file {text[:LONGEST]!r}")
     return path
+
+
+def is_folder(source: str | PathLike[str]) -> bool:
+    """Whether there is a folder of this name."""
+    try:
+        return Path(source).is_dir()
+    except (OSError, ValueError):
+        return False
 
 
 def describe(source: Path | mujoco.MjModel, base: Base | None, bodies: Iterable[str] | None, what: str) -> Description:

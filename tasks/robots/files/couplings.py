@@ -13,7 +13,7 @@ import mujoco
 
 from hqp import InvalidInput
 
-from .mjcf_scene import Scene
+from .scene import Scene
 from .ties import Tie
 
 EQUALITIES = {mujoco.mjtEq.mjEQ_CONNECT: "connect", mujoco.mjtEq.mjEQ_WELD: "weld", mujoco.mjtEq.mjEQ_TENDON: "tendon"}

@@ -1,0 +1,195 @@
+"""Robots from URDF, read by Pinocchio; what it passes over in silence is refused here, or told."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+import pinocchio as pin
+
+from hqp import InvalidInput
+
+from ..._checks import LARGEST
+from ..._quiet import caught, reason
+from ..choices import Base
+from ..frame_names import KINDS
+from ..ranges import open_ranges, tell
+from .description import BASE_JOINT, BASES, Description
+from .ties import Tie
+from .xml import parsed, written
+
+#: The numbers of a tie, and what they are where the file does not say.
+MIMIC = (("multiplier", "1"), ("offset", "0"))
+#: The elements that make the robot, by the element in which they stand.
+ELEMENTS = {
+    "robot": ("link", "joint"),
+    "joint": ("origin", "parent", "child", "axis", "limit", "mimic"),
+    "link": ("inertial", "collision"),
+}
+#: Elements of others, which may have joints and links of their own.
+FOREIGN = ("gazebo", "transmission", "ros2_control", "drake", "sensor")
+
+
+def read_urdf(path: Path, base: Base | None, what: str) -> Description:
+    """The robot of a URDF, mounted unless another base is asked for.
+
+    Raises
+    ------
+    InvalidInput
+        If it cannot be read exactly; tells the element and why.
+    """
+    root = parsed(path, what)
+    _check_elements(root, path, what)
+    joints = root.findall("joint")
+    ties = list(_ties(joints, what))
+    _check_axes(joints, what)
+    _open(joints, {name for tie in ties for name in (tie.follower, tie.leader)})
+    shared = rename_shared(root)
+    arguments = [written(root, what)]
+    if base in BASES:
+        taken = {joint.get("name") for joint in joints}
+        arguments += [BASES[base](), next(name for name in _names(BASE_JOINT) if name not in taken)]
+    try:
+        with caught() as lines:
+            model = pin.buildModelFromXML(*arguments)
+    except (ValueError, RuntimeError) as error:
+        raise InvalidInput(f"{what} is no valid URDF: {reason(lines, error)}") from None
+    _check_said(lines, what)
+    _check_whole(root, model, what)
+    rename(model, shared)
+    model.lowerVelocityLimit[:], model.lowerEffortLimit[:] = -model.velocityLimit, -model.effortLimit
+    open_ranges(model, what)
+    fixed = tuple(str(joint.get("name")) for joint in joints if joint.get("type") == "fixed")
+    left_out = tuple(
+        f"limits of {joint.get('type')} joint {joint.get('name')!r}"
+        for joint in joints
+        if joint.get("type") in ("planar", "floating") and joint.find("limit") is not None
+    )
+    return Description(
+        model, np.array(pin.neutral(model)), ties, tuple(shared.get(name, name) for name in fixed), left_out
+    )
+
+
+def rename_shared(root: Element) -> dict[str, str]:
+    """Rename joints that share their name with a link, which Pinocchio would confuse: the new names, and the old."""
+    links, renamed = {link.get("name") for link in root.findall("link")}, {}
+    for joint in root.findall("joint"):
+        name = joint.get("name", "")
+        if name in links:
+            joint.set("name", f"joint:{name}")
+            renamed[f"joint:{name}"] = name
+    return renamed
+
+
+def rename(model: pin.Model, names: dict[str, str]) -> None:
+    """Give joints, and their frames, these names in the place of their own."""
+    for i, name in enumerate(model.names):
+        model.names[i] = names.get(name, name)
+    for frame in model.frames:
+        if frame.type in KINDS["joint"]:
+            frame.name = names.get(frame.name, frame.name)
+
+
+def _names(name: str) -> Iterator[str]:
+    """This name, and more and more like it."""
+    while True:
+        yield name
+        name += "_"
+
+
+def _check_elements(root: Element, path: Path, what: str) -> None:
+    """Refuse what is to be expanded first, and elements of a robot where, or as, Pinocchio does not look at them."""
+    stem = path.name.split(".")[0]
+    unexpanded = any("xacro" in str(element.tag).split("}")[0] for element in root.iter())
+    if unexpanded or any("${" in value for element in root.iter() for value in element.attrib.values()):
+        raise InvalidInput(f"{what} is to be expanded by xacro first: xacro {path.name} > {stem}.urdf")
+    for place, known in ELEMENTS.items():
+        for element in [root] if place == "robot" else root.findall(place):
+            for child in element:
+                if child.tag not in known and str(child.tag).lower() in known:
+                    raise InvalidInput(f"{what}: <{child.tag}> in <{place}> is not read; write <{child.tag.lower()}>")
+    inside = [child for child in root if child.tag not in (*ELEMENTS["robot"], *FOREIGN)]
+    for child in inside:
+        for name in ELEMENTS["robot"]:
+            if child.find(f".//{name}") is not None:
+                raise InvalidInput(f"{what}: <{name}> inside <{child.tag}> is not read; it must stand in <robot>")
+    for joint in root.findall("joint"):
+        if joint.get("name") == "universe":
+            raise InvalidInput(f"{what}: joint 'universe' has the name of the world; it must have another")
+
+
+def _check_said(lines: list[str], what: str) -> None:
+    """Refuse a mass that urdfdom could not read, and left out; tell what else it complains of."""
+    errors = [line.strip().removeprefix("Error:").strip() for line in lines if line.lstrip().startswith("Error")]
+    for line in errors:
+        if any(word in line.lower() for word in ("inertia", "mass")):
+            raise InvalidInput(f"{what} is no valid URDF: {line}")
+    if errors:
+        tell(f"{what}: {'; '.join(errors)}")
+
+
+def _check_whole(root: Element, model: pin.Model, what: str) -> None:
+    """Refuse a file of which links or joints are not in the model, as nothing ties them to its first tree."""
+    frames = {kind: {frame.name for frame in model.frames if frame.type in own} for kind, own in KINDS.items()}
+    for tag, kind in ("link", "body"), ("joint", "joint"):
+        for element in root.findall(tag):
+            if element.get("name") not in frames[kind]:
+                raise InvalidInput(
+                    f"{what}: {tag} {element.get('name')!r} is no part of the tree that begins with"
+                    f" {model.frames[1].name!r}; all must be in one tree"
+                )
+
+
+def _ties(joints: list[Element], what: str) -> Iterator[Tie]:
+    for joint in joints:
+        mimic = joint.find("mimic")
+        if mimic is not None:
+            name = joint.get("name", "")
+            own = f"{what}: mimic of joint {name!r}"
+            factor, offset = (_number(mimic, key, default, own) for key, default in MIMIC)
+            yield Tie(name, mimic.get("joint", ""), factor, offset)
+
+
+def _number(element: Element, key: str, default: str, what: str) -> float:
+    text = element.get(key, default)
+    try:
+        value = float(text)
+    except ValueError:
+        value = np.nan
+    if not abs(value) <= LARGEST:
+        raise InvalidInput(f"{what}: {key} = {text!r} must be a finite number")
+    return value
+
+
+def _check_axes(joints: list[Element], what: str) -> None:
+    """Refuse axes that Pinocchio does not take: those of length zero, and of planar joints any other than z."""
+    for joint in joints:
+        axis, name, kind = joint.find("axis"), joint.get("name"), joint.get("type")
+        if axis is None and kind == "planar":
+            raise InvalidInput(f"{what}: planar joint {name!r} has no axis; it must be 0 0 1")
+        if axis is None or kind in ("fixed", "floating"):
+            continue
+        try:
+            own = np.array([float(number) for number in axis.get("xyz", "").split()])
+        except ValueError:
+            continue  # urdfdom says what is wrong with it
+        if not own.any():
+            raise InvalidInput(f"{what}: the axis of joint {name!r} is {axis.get('xyz')}; it must have a direction")
+        if kind == "planar" and (own.shape != (3,) or own[0] or own[1] or own[2] < 0.0):
+            raise InvalidInput(
+                f"{what}: the axis of planar joint {name!r} is {axis.get('xyz')}; only 0 0 1 is read, turn its origin"
+            )
+
+
+def _open(joints: list[Element], tied: set[str | None]) -> None:
+    """Give tied joints that turn without end one number, an angle, from which that of the other can be counted."""
+    for joint in joints:
+        if joint.get("name") in tied and joint.get("type") == "continuous":
+            joint.set("type", "revolute")
+            limit = joint.find("limit")
+            if limit is None:
+                limit = SubElement(joint, "limit", velocity="0", effort="0")
+            limit.set("lower", f"{-10 * LARGEST:g}")
+            limit.set("upper", f"{10 * LARGEST:g}")

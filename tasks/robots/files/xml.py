@@ -1,0 +1,94 @@
+"""XML as readers of robot files take it: they do not insist on all rules of the standard."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+from hqp import InvalidInput
+
+#: Comments, which here may have dashes inside; the declaration; the first element; an ampersand that begins no entity.
+COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+DECLARATION = re.compile(r"\s*<\?xml[^>]*\?>")
+ENCODING = re.compile(r"\s*<\?xml[^>]*?encoding\s*=\s*[\"']([\w.:-]+)[\"']")
+FIRST = re.compile(r"<\s*(?:\w+:)?([A-Za-z_][\w.-]*)")
+AMPERSAND = re.compile(r"&(?!(?:[\w.:-]+|#\w+);)")
+#: Encodings that a file tells by its first bytes.
+MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
+
+
+def text_of(path: Path, what: str) -> str:
+    """What is written in a file, in the encoding that it says, or else in UTF-8.
+
+    Raises
+    ------
+    InvalidInput
+        If it cannot be read, or is not in that encoding.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InvalidInput(f"{what} cannot be read: {error.strerror or error}") from None
+    encoding = next((name for mark, name in MARKS.items() if data.startswith(mark)), "")
+    if not encoding:
+        declared = ENCODING.match(data[:200].decode("latin-1"))
+        encoding = declared.group(1) if declared else "utf-8"
+    try:
+        return data.decode(encoding)
+    except (LookupError, UnicodeDecodeError):
+        raise InvalidInput(f"{what} is not in {encoding}; its first line is to name its encoding") from None
+
+
+def root_of(path: Path, what: str) -> str:
+    """The name of the first element of an XML file; empty if there is none.
+
+    Raises
+    ------
+    InvalidInput
+        If the file cannot be read.
+    """
+    try:
+        text = text_of(path, what)
+    except InvalidInput:
+        if not path.is_file():
+            raise
+        text = path.read_bytes().decode("latin-1")  # names of elements are plain
+    first = FIRST.search(DECLARATION.sub("", COMMENT.sub("", text), count=1))
+    return first.group(1) if first else ""
+
+
+def parsed(path: Path, what: str) -> Element:
+    """The root element of an XML file, its own namespace taken off.
+
+    Raises
+    ------
+    InvalidInput
+        If it cannot be read, or is no XML; tells the line.
+    """
+    text = COMMENT.sub(lambda comment: "\n" * comment.group().count("\n"), text_of(path, what))
+    text = AMPERSAND.sub("&amp;", DECLARATION.sub("", text, count=1).strip())
+    try:
+        root = ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        raise InvalidInput(f"{what} is no valid XML: {error}") from None
+    if root.tag.startswith("{"):
+        own = root.tag[: root.tag.index("}") + 1]
+        for element in root.iter():
+            element.tag = element.tag.removeprefix(own)
+    return root
+
+
+def written(root: Element, what: str) -> str:
+    """The text of an element and all that is in it.
+
+    Raises
+    ------
+    InvalidInput
+        If elements are nested too deeply.
+    """
+    try:
+        return ElementTree.tostring(root, encoding="unicode")
+    except RecursionError:
+        raise InvalidInput(f"{what}: its elements are nested too deeply to be read") from None
