@@ -23,7 +23,7 @@ from .damping import (
     NumericalFiltering,
     SingularValueDamping,
 )
-from .errors import HqpError, InvalidInput, MissingPackage, UnknownBackend, Unsupported
+from .errors import HqpError, InUse, InvalidInput, MissingPackage, UnknownBackend, Unsupported
 from .explanation import Cause, Explanation, LevelExplanation, PartExplanation
 from .families import FAMILIES, Family
 from .hierarchy import Hierarchy
@@ -60,6 +60,7 @@ __all__ = [
     "FixedDamping",
     "Hierarchy",
     "HqpError",
+    "InUse",
     "InvalidInput",
     "Label",
     "Level",

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from queue import SimpleQueue
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from .arrays import Array, real_array
 from .checks import of_type, whole_number
 from .errors import InvalidInput
+from .guard import Guard
 from .hierarchy import LARGEST, Hierarchy
 from .settings import Settings
 from .solution import Counts, Solution, Status
@@ -104,6 +105,22 @@ class Batch:
                 None if level.A is None else A[:, row : row + rows], lower[:, own], upper[:, own], weights[:, own]
             )
             row += rows
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Batch._on, (self._template, self.numbers)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Batch:
+        return Batch._on(self._template.copy(), self.numbers.copy())
+
+    @classmethod
+    def _on(cls, template: Hierarchy, numbers: Array) -> Batch:
+        """A batch on these numbers, with views of its own."""
+        batch = object.__new__(cls)
+        own = np.ascontiguousarray(numbers)
+        batch._template = template
+        batch.numbers = own if own.flags.writeable else own.copy()  # joblib maps large arrays read-only
+        batch.levels = tuple(batch._views())
+        return batch
 
     @property
     def structure(self) -> tuple[object, ...]:
@@ -201,6 +218,11 @@ class BatchSolver:
         self._memories: SimpleQueue[Memory] = SimpleQueue()
         self._warm = False
         self._pool: ThreadPoolExecutor | None = None
+        self._guard, self._pid = Guard("the batch solver"), os.getpid()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy is made from what defines it, and cold: threads and their memory are its own."""
+        return type(self), (self.settings, self.threads)
 
     def forget(self) -> None:
         """Make the next call a cold one."""
@@ -219,10 +241,24 @@ class BatchSolver:
         ------
         InvalidInput
             If `batch` is none, or x_ref is no such array.
+        InUse
+            If another thread is solving with it.
         """
+        of_type(batch, Batch, "what a BatchSolver solves")
+        try:
+            self._guard.take()
+        except IndexError:
+            self._guard.refuse()
+        try:
+            return self._solve(batch, x_ref)
+        finally:
+            self._guard.give(None)
+
+    def _solve(self, batch: Batch, x_ref: ArrayLike | None) -> BatchSolution:
         from .backends.native import PROVED, STATUSES, judged
 
-        of_type(batch, Batch, "what a BatchSolver solves")
+        if self._pid != os.getpid():  # a forked child, which has none of the threads
+            self._pid, self._pool, self._structure = os.getpid(), None, None
         count, n, m = len(batch), batch._template.n, batch._template.m
         reference = _reference(x_ref, count, n)
         if batch.structure != self._structure or self._sides.shape != (count, m):

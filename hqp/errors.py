@@ -23,5 +23,9 @@ class Unsupported(InvalidInput):
     """The hierarchy is valid, but the chosen backend does not take it; the message names one that does."""
 
 
+class InUse(HqpError, RuntimeError):
+    """An object that serves one thread at a time was called by two; the message names it."""
+
+
 class MissingPackage(HqpError, ImportError):
     """An optional package is not installed; the message says how to get it."""

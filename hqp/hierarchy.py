@@ -184,7 +184,8 @@ class Hierarchy:
     def __setstate__(self, state: tuple[dict[str, Any], Array]) -> None:
         form, numbers = state
         self.__dict__.update(form)
-        self._form, self.numbers = form, numbers
+        self._form = form
+        self.numbers = numbers if numbers.flags.writeable else numbers.copy()  # joblib maps large arrays read-only
 
     def matrix(self, k: int) -> Array:
         """Dense rows of level k, shape (m_k, n): a view for rows, a fresh 0/1 matrix for plain bounds."""

@@ -35,6 +35,7 @@ from .checks import of_type
 from .damped import DampedLevel, has_inequalities, left_singular, project, refuse_inequalities
 from .damping import DampingRule, as_rule
 from .errors import InvalidInput, Unsupported
+from .guard import Guard
 from .hierarchy import LARGEST, Hierarchy
 from .relaxation import RegularisedSolution
 from .settings import Settings
@@ -82,6 +83,11 @@ class RegularisedSolver:
         self._work: Hierarchy
         self._plan: list[tuple[int, DampingRule, DampedLevel]] = []
         self._zero = NOTHING
+        self._guard = Guard("the solver")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy is made from what defines it, and cold."""
+        return type(self), (self.damping, self.backend, self.settings)
 
     def _solver(self) -> Solver:
         return Solver(self.backend, self.settings)
@@ -100,8 +106,20 @@ class RegularisedSolver:
         InvalidInput
             If a damped level is not in the hierarchy, if numerical filtering meets an inequality row, or if
             x_ref is no array of real numbers or has the wrong shape.
+        InUse
+            If another thread is solving with it.
         """
-        if of_type(hierarchy, Hierarchy, "hierarchy").structure is not self._structure:
+        try:
+            self._guard.take()
+        except IndexError:
+            self._guard.refuse()
+        try:
+            return self._solve(of_type(hierarchy, Hierarchy, "hierarchy"), x_ref)
+        finally:
+            self._guard.give(None)
+
+    def _solve(self, hierarchy: Hierarchy, x_ref: ArrayLike | None) -> RegularisedSolution:
+        if hierarchy.structure is not self._structure:
             self._adopt(hierarchy)
         work, dampings, stages = self._work, dict[int, float](), list[Solution]()
         work.numbers[:] = hierarchy.numbers

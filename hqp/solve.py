@@ -12,6 +12,7 @@ from .backends.base import Answer
 from .backends.registry import make_backend
 from .checks import of_type
 from .errors import InvalidInput, Unsupported
+from .guard import Guard
 from .hierarchy import LARGEST, Hierarchy
 from .settings import Settings
 from .solution import Counts, Solution, Status
@@ -52,7 +53,8 @@ class Solver:
     A call never raises on *numbers*: a hierarchy that holds NaN, an infinite row or crossed bounds
     comes back with status INVALID and a message naming level and row, x_ref (or zero) in the place
     of an answer. When the structure (sizes, bounded variables) changes, the solver starts afresh.
-    A solver serves one thread at a time: it works in memory of its own, without the interpreter's lock.
+    A solver serves one thread at a time: it works in memory of its own, without the interpreter's lock, and raises
+    where a second one comes. A copy, also one that was pickled, is another solver with the same settings, and cold.
     """
 
     def __init__(self, backend: str = DEFAULT_BACKEND, settings: Settings | None = None) -> None:
@@ -65,6 +67,12 @@ class Solver:
         self._always = self.backend, self.settings
         self._structure: tuple[Any, ...] | None = None
         self._zero = np.zeros(0)
+        self._guard = Guard("the solver")
+        self._take, self._give = self._guard.take, self._guard.give
+
+    def __reduce__(self) -> tuple[type[Solver], tuple[str, Settings]]:
+        """A copy is made from what defines it: memory that a kernel knows by its address cannot be copied."""
+        return type(self), (self.backend, self.settings)
 
     def solve(self, hierarchy: Hierarchy, x_ref: ArrayLike | None = None) -> Solution:
         """Solve, warm if the last hierarchy had the same structure.
@@ -79,7 +87,19 @@ class Solver:
         ------
         InvalidInput
             If x_ref is no array of real numbers, or has the wrong shape.
+        InUse
+            If another thread is solving with it.
         """
+        try:
+            self._take()
+        except IndexError:
+            self._guard.refuse()
+        try:
+            return self._solve(hierarchy, x_ref)
+        finally:
+            self._give(None)
+
+    def _solve(self, hierarchy: Hierarchy, x_ref: ArrayLike | None) -> Solution:
         try:
             structure = hierarchy.structure
         except AttributeError:

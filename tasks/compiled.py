@@ -92,9 +92,6 @@ class CompiledRows:
         state.ready()
         self._run()
 
-    def __reduce__(self) -> Any:
-        raise TypeError("a controller of a spatial robot holds addresses and cannot be copied or pickled; make another")
-
     def _address(self, array: NDArray[Any]) -> int:
         """Where an array is; it is kept."""
         self._kept.append(array)

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import copy
-import pickle
-
 import numpy as np
 import pytest
 
@@ -138,10 +135,3 @@ def test_numbers_that_mean_nothing_are_a_status(where: str) -> None:
     else:
         hand.move([0.4, np.nan, 0.4])
     assert controller(q, v, t).solution.status is Status.INVALID
-
-
-def test_a_controller_that_holds_addresses_is_not_copied() -> None:
-    controller = Controller(load_robot("ur5"), PositionTask([0.4, 0.2, 0.4], gain=2.0))
-    for duplicate in copy.deepcopy, pickle.dumps:
-        with pytest.raises(TypeError):
-            duplicate(controller)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from math import isfinite
-from typing import NamedTuple, get_args
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,13 +13,14 @@ from numpy.typing import ArrayLike
 import hqp
 from hqp import InvalidInput, RegularisedSolution, RegularisedSolver, Relaxation, Settings, Solution
 from hqp.checks import truth
+from hqp.guard import Guard
 
 from .._checks import Array, numbers, positive_scalar, scalar
 from ..part import Command, Order, Part
 from ..robots.robot import Robot, RobotState, as_robot, check_fixed_base, check_joints
 from ..stack import Rows, Stack
 from .timing import Timing, cubic
-from .transition import Answer, Transition
+from .transition import Transition
 
 AnySolver = hqp.Solver | RegularisedSolver
 #: Stacks that a controller keeps ready to go back to.
@@ -66,8 +67,27 @@ class Step(NamedTuple):
         return self.solution.relaxed if isinstance(self.solution, RegularisedSolution) else ()
 
 
+class _Left:
+    """What a controller leaves behind in a change: its stack, with rows and solver, and what it was coming from.
+
+    Called, it gives x, and whether it claims it.
+    """
+
+    def __init__(self, stack: Stack, rows: Rows, solver: AnySolver, before: Transition | None) -> None:
+        self.stack, self._rows, self._solver, self.before = stack, rows, solver, before
+
+    def __call__(self, state: RobotState, t: float) -> tuple[Array, bool]:
+        solution = self._solver.solve(self._rows.fill(state, t))
+        if self.before is None or not solution.ok:
+            return solution.x, solution.ok
+        return self.before.blend(state, t, solution.x)[0], True
+
+
 class Controller:
     """Turns a stack of tasks into motion, tick by tick, warm from the last.
+
+    A copy, by ``copy.deepcopy`` or pickle, is a controller of its own, with a robot and tasks of its own: one for each
+    environment or thread. It is made from what defines it, and begins cold.
 
     Parameters
     ----------
@@ -114,7 +134,30 @@ class Controller:
         self._backend, self._settings = backend, settings
         self._prepared: dict[int, tuple[Stack, Rows, AnySolver]] = {}
         self._transition: Transition | None = None
+        # A robot whose states share a workspace has a guard of its own, for all controllers that it has.
+        self._guard: Guard = getattr(robot, "guard", None) or Guard("the controller")
         self._rows, self._solver = self._prepare(self.stack)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What defines it, and the changes under way, the oldest first: rows and solvers are made anew, and cold."""
+        changes, change = list[tuple[Stack, float, Timing, float | None]](), self._transition
+        while change is not None:
+            left = change.old
+            assert isinstance(left, _Left)
+            changes.insert(0, (left.stack, change.duration, change.law, change.begin))
+            change = left.before
+        settings, torque = self._settings, self._torque is not None and self.order != "torque"
+        own = {"order": self.order, "dt": self.dt, "backend": self._backend, "settings": settings, "torque": torque}
+        return {"robot": self.robot, "stack": self.stack, "options": own, "changes": changes}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        changes = state["changes"]
+        stacks = [*(left for left, *_ in changes), state["stack"]]
+        Controller.__init__(self, state["robot"], stacks[0], **state["options"])
+        for (_, duration, law, begin), stack in zip(changes, stacks[1:], strict=True):
+            self.change(stack, duration=duration, law=law)
+            assert self._transition is not None
+            self._transition.begin = begin
 
     def _inverse_dynamics(self) -> Callable[[Array, Array, Array], Array]:
         asked = "order = 'torque'" if self.order == "torque" else "torque = True"
@@ -154,6 +197,8 @@ class Controller:
         InvalidInput
             If q, v or t has the wrong shape. Numbers never raise: where they are not finite the
             status of the solution is INVALID.
+        InUse
+            If another thread is inside, or in another controller of the same robot, where it has one workspace.
         """
         position, velocity = numbers(q, "q"), numbers(v, "v")
         time = t if type(t) is float else scalar(t, "t")
@@ -168,6 +213,16 @@ class Controller:
             return self._step(q, v, t)
 
     def _step(self, q: Array, v: Array, t: float) -> Step:
+        try:
+            self._guard.take()
+        except IndexError:
+            self._guard.refuse()
+        try:
+            return self._guarded(q, v, t)
+        finally:
+            self._guard.give(None)
+
+    def _guarded(self, q: Array, v: Array, t: float) -> Step:
         state = self.robot.at(q, v)
         solution = self._solve(state, t)
         x, share = solution.x, 1.0
@@ -203,7 +258,7 @@ class Controller:
         """
         wanted = stack if isinstance(stack, Stack) else Stack(stack)
         prepared = self._prepare(wanted)
-        self._transition = Transition(self._answer(), duration, law)
+        self._transition = Transition(_Left(self.stack, self._rows, self._solver, self._transition), duration, law)
         self.stack, (self._rows, self._solver) = wanted, prepared
 
     def _new_solver(self, stack: Stack) -> AnySolver:
@@ -222,18 +277,6 @@ class Controller:
         while len(self._prepared) > MOST_PREPARED:
             del self._prepared[next(iter(self._prepared))]
         return found[1:]
-
-    def _answer(self) -> Answer:
-        """What this controller says from now on, whatever its stack will be."""
-        rows, solver, before = self._rows, self._solver, self._transition
-
-        def answer(state: RobotState, t: float) -> tuple[Array, bool]:
-            solution = solver.solve(rows.fill(state, t))
-            if before is None or not solution.ok:
-                return solution.x, solution.ok
-            return before.blend(state, t, solution.x)[0], True
-
-        return answer
 
     def bounds(self, part: Part) -> tuple[Array, Array]:
         """Lower and upper bounds of a part's rows at the last tick (views: the next call refills them).

@@ -29,7 +29,7 @@ class Transition:
     Parameters
     ----------
     old : callable
-        What is left behind, which may be a change under way itself.
+        What is left behind, with its state and solver; it may be a change under way itself.
     duration : float
         How long it takes [s], from the first tick on.
     law : callable
@@ -42,16 +42,16 @@ class Transition:
     """
 
     def __init__(self, old: Answer, duration: float, law: Timing) -> None:
-        self._old = old
+        self.old = old
         self.duration = positive_scalar(duration, "duration of a change", unit="s")
-        self._law = as_timing(law, "law of a change")
-        self._begin: float | None = None
+        self.law = as_timing(law, "law of a change")
+        self.begin: float | None = None
 
     def share(self, t: float) -> float:
         """How much of the new stack counts at time t [s], 0 at the first tick that asks."""
-        if self._begin is None:
-            self._begin = t
-        return self._law((t - self._begin) / self.duration)[0]
+        if self.begin is None:
+            self.begin = t
+        return self.law((t - self.begin) / self.duration)[0]
 
     def blend(self, state: RobotState, t: float, new: Array) -> tuple[Array, float]:
         """The command between the answers of both stacks, and the share of the new one.
@@ -61,5 +61,5 @@ class Transition:
         s = self.share(t)
         if s >= 1.0:
             return new, 1.0
-        old, ok = self._old(state, t)
+        old, ok = self.old(state, t)
         return ((1.0 - s) * old + s * new, s) if ok else (new, 1.0)

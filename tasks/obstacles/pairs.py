@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -80,12 +81,16 @@ class Pairs:
 
     def bind(self, robot: Robot) -> list[Array]:
         """Where the links end, in the coordinates of their frames; refuses what the robot has not."""
-        if self._bound is None or self._bound[0] is not robot:
+        bound = self._bound
+        if bound is None or bound[0] is not robot:
             try:
-                self._bound = robot, [link.bind(robot) for link in self.links]
+                bound = self._bound = robot, [link.bind(robot) for link in self.links]
             except InvalidInput as refusal:
                 raise InvalidInput(f"{self._what}: {refusal}") from None
-        return self._bound[1]
+        return bound[1]
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_bound": None}
 
     def at(self, state: RobotState, ends: list[Array], t: float) -> list[Distance]:
         """All pairs in this state, at time t [s]."""

@@ -75,9 +75,13 @@ class SelfCollisionLimit(Part):
 
     def shapes(self, robot: Robot) -> Shapes:
         """The pairs of this robot."""
-        if self._bound is None or self._bound[0] is not robot:
-            self._bound = robot, Shapes(robot, self.asked, self.margin, self.label())
-        return self._bound[1]
+        bound = self._bound
+        if bound is None or bound[0] is not robot:
+            bound = self._bound = robot, Shapes(robot, self.asked, self.margin, self.label())
+        return bound[1]
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_bound": None}
 
     def size(self, robot: Robot) -> int:
         assert self.rows is not None

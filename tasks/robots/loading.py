@@ -94,7 +94,7 @@ def load_robot(
     verify(described.model, what)
     if described.left_out:
         tell(f"{what}: left out of the robot: {', '.join(described.left_out)}")
-    model, neutral, rooms = _arranged(described, mimic, positions, what)
+    model, neutral, rooms, recipe = _arranged(described, mimic, positions, what)
     robot = PinocchioRobot(
         model,
         tip=entry.tip if tip is None else tip,
@@ -114,19 +114,19 @@ def load_robot(
         if robot.base == 6:
             robot.home[2] += entry.height
         robot.home.flags.writeable = False
-    robot.left_out = described.left_out
+    robot.recipe, robot.left_out = recipe, described.left_out
     robot.source = file.resolve() if isinstance(file, Path) else None
     return robot
 
 
 def _arranged(described: Any, mimic: Mimic, positions: dict[str, float | None], what: str) -> Any:
-    """The model with joints held and tied as asked for, its neutral configuration, and what followers leave leaders."""
+    """The model with joints held and tied as asked for; see :class:`tasks.robots.files.ties.Arrangement`."""
     from .files.reduction import reduced
     from .files.ties import arrange, resolve
     from .ranges import tell
 
     if mimic == "free":
-        return *reduced(described.model, positions, described.neutral, what), {}
+        return *reduced(described.model, positions, described.neutral, what), {}, None
     ties = resolve(described.ties, described.model, described.fixed, positions, what)
     if ties and mimic == "lock":
         tell(f"{what}: joints that follow others are held: {', '.join(tie.follower for tie in ties)}")

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hqp import InvalidInput, MissingPackage
 from hqp.checks import of_type
+from hqp.guard import Guard
 
 from .._checks import Array, finite_scalar, own_numbers
 from .robot import joint_index, nearest
@@ -28,6 +29,7 @@ except ImportError as error:  # pragma: no cover
 from .axes import NONE, axes, base_of
 from .files.xml import root_of
 from .frame_names import frame_numbers
+from .keeping import Kept, Recipe
 from .pinocchio_state import PinocchioState
 from .ranges import SAME, largest, no_position, weaker
 from .ranges import position_limit as limits_of
@@ -81,6 +83,8 @@ class PinocchioRobot:
         A configuration to start from: that of the library, one that the file names "home", or the neutral one.
     left_out : tuple of str
         What its file has that is no part of it.
+    recipe : Recipe or None
+        How the ties of its model were made, for copies; see :mod:`tasks.robots.keeping`.
     source : pathlib.Path or None
         The file that it was loaded from, for its shapes; see :meth:`geometry`.
 
@@ -118,6 +122,7 @@ class PinocchioRobot:
         self._columns = np.flatnonzero(places != NONE)
         self._places = places[self._columns]
         self._frames: dict[str | None, int] = {}
+        self.guard = Guard(f"the workspace of {self!r}")
         self._state: PinocchioState | None = None  # whose kinematics the data holds
         self._accelerated = False
         what = repr(self)
@@ -129,6 +134,7 @@ class PinocchioRobot:
         self.acceleration_limit = largest(model, acceleration_limit, None, f"{what}: acceleration limit", ACCELERATION)
         self.tip = None if tip is None else self.check_frame(of_type(tip, str, "tip"))
         self.left_out: tuple[str, ...] = ()
+        self.recipe: Recipe | None = None
         self.start_from(pin.neutral(model))
         self.source: Path | None = None
         self._geometry: pin.GeometryModel | None = None
@@ -349,11 +355,14 @@ class PinocchioRobot:
         return np.array(rows).reshape(a.shape)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "data": None, "_state": None}
+        own = dict(self.__dict__, model=Kept(self.model, self.recipe), data=None, guard=None)
+        return dict(own, _state=None, _geometry=None)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
+        self.model = state["model"].model
         self.data = self.model.createData()
+        self.guard = Guard(f"the workspace of {self!r}")
 
     def __repr__(self) -> str:
         return f"PinocchioRobot({self.name!r}, {self.nv} degrees of freedom)"

@@ -17,6 +17,7 @@ from hqp import InvalidInput
 
 from ..._checks import Array
 from ..choices import Mimic
+from ..keeping import Recipe
 from ..ranges import SAME, known
 from .reduction import carried, reduced
 
@@ -101,9 +102,28 @@ class Room(NamedTuple):
         return Room(low, high, abs(tie.factor) * self.speed)
 
 
+class Arrangement(NamedTuple):
+    """A model with joints tied and held.
+
+    Attributes
+    ----------
+    model : pinocchio.Model
+    neutral : array, shape (nq,)
+    rooms : dict of str to Room
+        What the followers of each joint leave to it.
+    recipe : Recipe or None
+        How its ties were made, if it has some.
+    """
+
+    model: pin.Model
+    neutral: Array
+    rooms: dict[str, Room]
+    recipe: Recipe | None
+
+
 def arrange(
     model: pin.Model, neutral: Array, ties: list[Tie], mimic: Mimic, lock: Mapping[str, float | None], what: str
-) -> tuple[pin.Model, Array, dict[str, Room]]:
+) -> Arrangement:
     """The model with its ties as asked for, and with these joints held.
 
     Parameters
@@ -117,14 +137,6 @@ def arrange(
     lock : dict of name to float or None
         Where to hold joints; None for neutral.
     what : str
-
-    Returns
-    -------
-    model : pinocchio.Model
-    neutral : array
-        Of the new model.
-    rooms : dict of str to Room
-        What the followers of each joint leave to it.
 
     Raises
     ------
@@ -143,13 +155,14 @@ def arrange(
         for tie in own:
             neutral[_place(model, tie.follower)] = tie.factor * neutral[place] + tie.offset
     model, neutral = reduced(model, held, neutral, what)
+    untied, made = model, list[tuple[str, str, float, float]]()
     for leader, own in groups.items():
         if leader in held:
             del rooms[leader]
         elif mimic == "follow":
-            model, neutral, driver = _followed(model, neutral, leader, own)
+            model, neutral, driver = _followed(model, neutral, leader, own, made)
             rooms[driver.follower] = rooms.pop(leader).seen_from(driver)
-    return model, neutral, rooms
+    return Arrangement(model, neutral, rooms, Recipe(untied, tuple(made)) if made else None)
 
 
 def _groups(ties: list[Tie], mimic: Mimic, held: dict[str, float | None], what: str) -> dict[str, list[Tie]]:
@@ -226,8 +239,12 @@ def _hold_together(
         held[tie.follower] = own
 
 
-def _followed(model: pin.Model, neutral: Array, leader: str, ties: list[Tie]) -> tuple[pin.Model, Array, Tie]:
+def _followed(
+    model: pin.Model, neutral: Array, leader: str, ties: list[Tie], made: list[tuple[str, str, float, float]]
+) -> tuple[pin.Model, Array, Tie]:
     """Tie joints together. The one that comes first in the tree is the independent one, as Pinocchio demands.
+
+    What is done is noted in `made`.
 
     Returns
     -------
@@ -246,7 +263,9 @@ def _followed(model: pin.Model, neutral: Array, leader: str, ties: list[Tie]) ->
         resists += factor**2 * model.armature[own], factor**2 * model.damping[own], abs(factor) * model.friction[own]
     for tie in all_of:
         if tie is not driver:
-            model, neutral = _mimicking(model, neutral, driver, tie)
+            factor = tie.factor / driver.factor
+            made.append((driver.follower, tie.follower, factor, tie.offset - factor * driver.offset))
+            model, neutral = _mimicking(model, neutral, *made[-1])
     place, column = _place(model, driver.follower), _column(model, driver.follower)
     model.lowerPositionLimit[place], model.upperPositionLimit[place] = whole.low, whole.high
     _limit_speed(model, column, whole.speed)
@@ -255,11 +274,11 @@ def _followed(model: pin.Model, neutral: Array, leader: str, ties: list[Tie]) ->
     return model, neutral, driver
 
 
-def _mimicking(model: pin.Model, neutral: Array, driver: Tie, tie: Tie) -> tuple[pin.Model, Array]:
-    """The model in which the joint of one tie follows that of another, both to the same leader."""
-    factor = tie.factor / driver.factor
-    ids = (model.getJointId(own.follower) for own in (driver, tie))
-    tied = pin.transformJointIntoMimic(model, *ids, factor, tie.offset - factor * driver.offset)
+def _mimicking(
+    model: pin.Model, neutral: Array, leader: str, follower: str, factor: float, offset: float
+) -> tuple[pin.Model, Array]:
+    """The model in which one joint follows another, and its neutral configuration."""
+    tied = pin.transformJointIntoMimic(model, model.getJointId(leader), model.getJointId(follower), factor, offset)
     for entry in model.referenceConfigurations:
         tied.referenceConfigurations[entry.key()] = carried(np.array(entry.data()), model, tied)
     return tied, carried(neutral, model, tied)

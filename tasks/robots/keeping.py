@@ -1,0 +1,95 @@
+"""Models of Pinocchio in copies and files.
+
+Pinocchio writes a model with joints that follow others in a way that it cannot read again: the process ends. Such a
+model is kept as the one without these ties, and how they were made.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+#: What a model has beside its joints, one number a velocity or a position.
+NUMBERS = (
+    "lowerPositionLimit",
+    "upperPositionLimit",
+    "lowerVelocityLimit",
+    "upperVelocityLimit",
+    "lowerEffortLimit",
+    "upperEffortLimit",
+    "armature",
+    "damping",
+    "friction",
+)
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How a model with ties was made.
+
+    Attributes
+    ----------
+    untied : pinocchio.Model
+        Every joint on its own.
+    ties : tuple
+        One after the other: the joint that leads, the one that follows, factor and offset.
+    """
+
+    untied: pin.Model
+    ties: tuple[tuple[str, str, float, float], ...]
+
+    def model(self) -> pin.Model:
+        """The model itself, with the limits that the untied one leaves it."""
+        model = self.untied
+        for leader, follower, factor, offset in self.ties:
+            model = pin.transformJointIntoMimic(
+                model, model.getJointId(leader), model.getJointId(follower), factor, offset
+            )
+        return model
+
+
+@dataclass(frozen=True)
+class Kept:
+    """A model on its way into a copy, or into a file.
+
+    Attributes
+    ----------
+    model : pinocchio.Model
+    recipe : Recipe or None
+        How it was made, where that is known and joints of it follow others.
+    """
+
+    model: pin.Model
+    recipe: Recipe | None
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Kept:
+        return Kept(pin.Model(self.model), self.recipe)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        model = self.model
+        if not len(model.mimicking_joints):
+            return _kept, (model,)
+        if self.recipe is None:
+            raise TypeError(
+                f"the model {model.name!r} has joints that follow others, which Pinocchio cannot read again from a"
+                " pickle; load its file by load_robot(..., mimic='follow')"
+            )
+        numbers = {name: np.array(getattr(model, name)) for name in NUMBERS}
+        named = {entry.key(): np.array(entry.data()) for entry in model.referenceConfigurations}
+        return _tied, (self.recipe, numbers, named)
+
+
+def _kept(model: pin.Model) -> Kept:
+    return Kept(model, None)
+
+
+def _tied(recipe: Recipe, numbers: dict[str, np.ndarray], named: dict[str, np.ndarray]) -> Kept:
+    model = recipe.model()
+    for name, own in numbers.items():
+        getattr(model, name)[:] = own
+    for name, q in named.items():
+        model.referenceConfigurations[name] = q
+    return Kept(model, recipe)
