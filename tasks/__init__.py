@@ -42,7 +42,7 @@ from .motion.record import Record, Stop
 from .motion.simulation import Change, Plant, simulate
 from .motion.timing import cubic, cycloid, harmonic, quintic
 from .motion.trajectories import Fixed, Setpoint, Trajectory
-from .motion.turns import FixedRotation, RotationSetpoint, RotationTrajectory, Turn
+from .motion.turns import FixedRotation, PoseSetpoint, RotationSetpoint, RotationTrajectory, Turn
 from .obstacles.avoidance import AvoidanceTask
 from .obstacles.distance import DistanceLimit
 from .obstacles.links import LinkCapsule, planar_links
@@ -62,6 +62,7 @@ from .robots.manipulability import Degrees, VelocityEllipse, manipulability, tas
 from .robots.planar import PlanarArm, PlanarState
 from .robots.robot import Robot, RobotState
 from .robots.skeleton import skeleton
+from .rotations import from_rpy, from_xyzw
 from .stack import Stack
 from .task import TargetTask, Task
 
@@ -130,6 +131,7 @@ __all__ = [
     "Plant",
     "Polygon",
     "Polynomial",
+    "PoseSetpoint",
     "PoseTask",
     "PositionTask",
     "PostureTask",
@@ -156,6 +158,8 @@ __all__ = [
     "available_robots",
     "cubic",
     "cycloid",
+    "from_rpy",
+    "from_xyzw",
     "harmonic",
     "load_robot",
     "manipulability",

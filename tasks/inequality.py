@@ -13,6 +13,8 @@ passes it by so much, in the order of :math:`\lVert x \rVert^2 dt / K`.
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -26,6 +28,8 @@ from .task import Task
 
 class Inequality(Part):
     """Base of the three: the actual value of a task between its target + `below` and its target + `above`."""
+
+    is_limit: ClassVar[bool] = True
 
     def __init__(self, task: Task, below: ArrayLike, above: ArrayLike) -> None:
         if not isinstance(task, Task):

@@ -54,6 +54,8 @@ class Part:
         Number of rows; None for one row a joint velocity.
     plain : bool
         Whether the rows are those of the identity: bounds on x itself, kept without a matrix.
+    is_limit : bool
+        Whether the rows only bound, and ask for nothing.
     name : str
     weight : array, shape () or (rows,)
         Weight of the rows inside their level.
@@ -61,6 +63,7 @@ class Part:
 
     rows: int | None
     plain: ClassVar[bool] = False
+    is_limit: ClassVar[bool] = False
     name: str
     weight: Array
 

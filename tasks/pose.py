@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from numpy.typing import ArrayLike
 
+from hqp import InvalidInput
+
 from .motion.trajectories import Trajectory, as_trajectory
-from .motion.turns import RotationTrajectory, as_rotation
+from .motion.turns import PoseSetpoint, RotationTrajectory, as_rotation
 from .place import Mask, PlaceTask, Reference, chosen
+from .robots.frame import relative
+from .robots.robot import RobotState
+from .rotations import transform
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
+
+
+def _parts(target: Any, what: str) -> tuple[Any, Any]:
+    """Position and rotation of a target that has both."""
+    if isinstance(target, PoseSetpoint):
+        return target.position, target.rotation
+    return transform(target, what)
 
 
 class PoseTask(PlaceTask):
@@ -18,10 +32,10 @@ class PoseTask(PlaceTask):
 
     Parameters
     ----------
-    position : array, shape (3,), or Trajectory
-        [m].
-    rotation : array, shape (3, 3), or RotationTrajectory
-        Its columns are the axes that the frame is to have.
+    position : array, shape (3,), or Trajectory; or, alone, a transform or a PoseSetpoint
+        [m]. A transform is a matrix of shape (4, 4), or a ``pinocchio.SE3``.
+    rotation : array, shape (3, 3), or RotationTrajectory, optional
+        Its columns are the axes that the frame is to have; none beside a transform.
     frame, relative_to
         See :class:`~tasks.place.PlaceTask`.
     mask : str or sequence of bool, optional
@@ -35,8 +49,8 @@ class PoseTask(PlaceTask):
 
     def __init__(
         self,
-        position: ArrayLike | Trajectory,
-        rotation: ArrayLike | RotationTrajectory,
+        position: ArrayLike | Trajectory | PoseSetpoint,
+        rotation: ArrayLike | RotationTrajectory | None = None,
         *,
         frame: str | None = None,
         relative_to: str | None = None,
@@ -48,9 +62,15 @@ class PoseTask(PlaceTask):
         name: str | None = None,
     ) -> None:
         self._call(name)
+        if rotation is not None and isinstance(position, PoseSetpoint):
+            raise InvalidInput(f"{self.label()}: a rotation is given beside a PoseSetpoint, which has one; give one")
+        where: Any = position
+        how: Any = rotation
+        if rotation is None:
+            where, how = _parts(position, f"{self.label()}: target")
         super().__init__(
-            as_trajectory(position, 3, f"{self.label()}, position"),
-            as_rotation(rotation, f"{self.label()}, rotation"),
+            as_trajectory(where, 3, f"{self.label()}, position"),
+            as_rotation(how, f"{self.label()}, rotation"),
             frame=frame,
             relative_to=relative_to,
             mask=chosen(mask, AXES, self.label()),
@@ -60,6 +80,30 @@ class PoseTask(PlaceTask):
             weight=weight,
             name=name,
         )
+
+    @classmethod
+    def hold(
+        cls, state: RobotState, *, frame: str | None = None, relative_to: str | None = None, **options: Any
+    ) -> PoseTask:
+        """The task that keeps a frame where it is.
+
+        ``PoseTask.hold(robot.at(q, v), frame="left_foot", gain=10.0)``
+
+        Parameters
+        ----------
+        state : RobotState
+            Where it is.
+        frame, relative_to, **options
+            Of the task.
+        """
+        here = state.frame(frame)
+        if here.rotation.ndim == 1:
+            raise InvalidInput(
+                "PoseTask.hold: a planar arm has no pose in space; hold a PositionTask and an OrientationTask"
+            )
+        if relative_to is not None:
+            here = relative(state.frame(relative_to), here, state.v)
+        return cls(here.position, here.rotation, frame=frame, relative_to=relative_to, **options)
 
     def _shown(self) -> list[str]:
         mask = " ".join(AXES[i] for i in self.mask)

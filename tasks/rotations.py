@@ -3,6 +3,7 @@ r"""Rotations of space: a matrix R whose columns are the axes of a frame, and th
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +16,7 @@ from ._checks import Array, finite
 ORTHONORMAL = 1e-6
 #: Angles [rad] below which a series is more exact than a quotient.
 SMALL = 1e-4
+EYE = np.eye(3)
 
 
 def rotation_matrix(value: ArrayLike, what: str) -> Array:
@@ -28,13 +30,17 @@ def rotation_matrix(value: ArrayLike, what: str) -> Array:
     R = finite(value, what)
     if R.shape != (3, 3):
         raise InvalidInput(f"{what} has shape {R.shape}; a rotation is a matrix of shape (3, 3)")
-    error = float(np.abs(R.T @ R - np.eye(3)).max())
+    off = R.T @ R - EYE
+    error = float(np.abs(off).max())
     if not error <= ORTHONORMAL:
         raise InvalidInput(f"{what} is no rotation: R^T R differs from the identity by {error:.3g}")
-    if np.linalg.det(R) < 0.0:
+    (a, b, c), (d, e, f), (g, h, i) = R.tolist()
+    if a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) < 0.0:
         raise InvalidInput(f"{what} is a reflection, not a rotation: its determinant is -1")
-    u, _, vt = np.linalg.svd(R)
-    nearest: Array = u @ vt
+    # To the nearest rotation by Newton's method for the polar factor, which squares the error.
+    nearest = R - 0.5 * (R @ off)
+    if error > 1e-9:
+        nearest = nearest - 0.5 * (nearest @ (nearest.T @ nearest - EYE))
     nearest.flags.writeable = False
     return nearest
 
@@ -92,6 +98,49 @@ def about(axis: int, angle: float) -> Array:
 def from_rpy(roll: float, pitch: float, yaw: float) -> Array:
     """Turned about the axes of the world by roll (x), then pitch (y), then yaw (z) [rad]: URDF's ``rpy``."""
     return np.asarray(about(2, yaw) @ about(1, pitch) @ about(0, roll))
+
+
+def from_xyzw(quaternion: ArrayLike) -> Array:
+    """The rotation of a unit quaternion (x, y, z, w), its scalar part last, as in ROS and Pinocchio, shape (3, 3).
+
+    MuJoCo and Eigen's constructor write (w, x, y, z): reorder it first.
+
+    Raises
+    ------
+    InvalidInput
+        If it is not four finite numbers of norm 1, to 1e-6.
+    """
+    q = finite(quaternion, "quaternion (x, y, z, w)")
+    if q.shape != (4,):
+        raise InvalidInput(f"quaternion (x, y, z, w) has shape {q.shape}; it must be (4,)")
+    norm = float(np.linalg.norm(q))
+    if not abs(norm - 1.0) <= ORTHONORMAL:
+        raise InvalidInput(f"quaternion (x, y, z, w) = {q.tolist()} has norm {norm:g}; it must be 1")
+    return from_quaternion(*q.tolist())
+
+
+def transform(value: Any, what: str) -> tuple[Array, Array]:
+    """Position [m] and rotation matrix of a transform: a 4 x 4 matrix, or an SE3 of Pinocchio.
+
+    Raises
+    ------
+    InvalidInput
+        If it is neither, its last row is not 0 0 0 1, or its rotation is none.
+    """
+    if hasattr(value, "translation") and hasattr(value, "rotation"):
+        position, rotation = finite(value.translation, f"{what}, translation"), value.rotation
+    else:
+        T = finite(value, what)
+        if T.shape != (4, 4):
+            raise InvalidInput(
+                f"{what} has shape {T.shape}; a transform is a matrix of shape (4, 4), or a pinocchio.SE3"
+            )
+        if not (T[3] == [0.0, 0.0, 0.0, 1.0]).all():
+            raise InvalidInput(f"{what} has the last row {T[3].tolist()}; that of a transform is 0 0 0 1")
+        position, rotation = T[:3, 3], T[:3, :3]
+    if np.shape(position) != (3,):
+        raise InvalidInput(f"{what}, translation has shape {np.shape(position)}; it must be (3,)")
+    return np.array(position), rotation_matrix(rotation, f"{what}, rotation")
 
 
 def from_quaternion(x: float, y: float, z: float, w: float) -> Array:

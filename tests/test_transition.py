@@ -153,7 +153,7 @@ def test_stacks_with_parts_inserted_removed_and_swapped() -> None:
 @pytest.mark.parametrize(
     ("stack", "options", "named"),
     [
-        (HAND, {"duration": 0.0}, "duration of a change = 0.0 s must be positive"),
+        (HAND, {"duration": -0.5}, "duration of a change = -0.5 s must be positive"),
         (HAND, {"duration": np.nan}, "duration of a change = nan"),
         (HAND, {"duration": 1.0, "law": 3}, "law of a change"),
         (PostureTask([0.0], gain=1.0), {"duration": 1.0}, "target has shape"),

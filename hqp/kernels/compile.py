@@ -8,11 +8,17 @@ exception, no ``numpy.linalg``: each would cost time when compiled and when run.
 from __future__ import annotations
 
 import hashlib
+import logging
+from functools import cache
 from pathlib import Path
 
+import numba
 from numba import int64, njit
 
+LOG = logging.getLogger("hqp")
+
 FAST = {"reassoc", "contract", "nsz"}
+ENTRY = {"fastmath": FAST, "error_model": "numpy", "nogil": True, "_nrt": False}
 
 #: Counters start with it: a literal would have a variant of its own compiled of every kernel that it is handed to.
 integer = int64
@@ -22,19 +28,32 @@ inner = njit(fastmath=FAST, error_model="numpy", nogil=True, no_cpython_wrapper=
 
 def entry(function):
     """For what Python calls: kept on disk, if anywhere, and run without the interpreter's lock."""
-    options = {"fastmath": FAST, "error_model": "numpy", "nogil": True, "_nrt": False}
     try:
-        return njit(cache=True, **options)(function)
+        return njit(cache=True, **ENTRY)(function)
     except RuntimeError:  # there is no folder that Numba may write to: compiled by every process for itself
-        return njit(**options)(function)
+        return njit(**ENTRY)(function)
 
 
 def stamp(kernel):
-    """Tie what is kept on disk to the sources of *all* kernels; Numba alone looks at the kernel's own file."""
+    """Tie what is kept on disk to the sources of *all* kernels; Numba alone looks at the kernel's own file.
+
+    The place of Numba's own stamp is private. Where a version of Numba has none, what is on disk could be of other
+    sources: nothing is taken from there and nothing kept.
+    """
+    if kernel.stats.cache_path is None:
+        return kernel
+    index = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
+    if not hasattr(index, "_source_stamp"):
+        tell_unkept()
+        return njit(**ENTRY)(kernel.py_func)
     folders = {Path(__file__).parent, Path(kernel.py_func.__code__.co_filename).parent}
     sources = sorted(source for folder in folders for source in folder.glob("*.py"))
-    digest = hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
-    index = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
-    if hasattr(index, "_source_stamp"):
-        index._source_stamp = digest
+    index._source_stamp = hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
     return kernel
+
+
+@cache
+def tell_unkept():
+    """Say once that every process compiles for itself, and why."""
+    why = f"Numba {numba.__version__} has no stamp of what it keeps that could be replaced"
+    LOG.warning("kernels are compiled anew by every process: %s", why)

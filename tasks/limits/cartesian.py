@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -41,6 +43,8 @@ class FrameVelocityLimit(Part):
     InvalidInput
         If a limit is not positive, or there is not one a coordinate.
     """
+
+    is_limit: ClassVar[bool] = True
 
     def __init__(
         self,

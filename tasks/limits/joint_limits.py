@@ -44,6 +44,7 @@ class JointLimits(Part):
         If something else is given, or two of a kind; and, with a robot, if nothing is limited.
     """
 
+    is_limit: ClassVar[bool] = True
     plain: ClassVar[bool] = True
     rows = None
 

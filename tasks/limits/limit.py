@@ -27,6 +27,7 @@ class JointLimit(Part):
         The unit of the quantity.
     """
 
+    is_limit: ClassVar[bool] = True
     plain: ClassVar[bool] = True
     quantity: ClassVar[str]
     unit: ClassVar[str]

@@ -17,6 +17,8 @@ M is invertible: some a always keeps all rows, alone. Beside other limits it may
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput, Label
@@ -43,6 +45,8 @@ class JointTorqueLimit(Part):
         If a limit is not positive; and, with a robot, if there is not one a joint, the order is velocity, the base
         floats, or the robot does not know its mass matrix.
     """
+
+    is_limit: ClassVar[bool] = True
 
     rows = None
 

@@ -11,16 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import hqp
-from hqp import InvalidInput, RegularisedSolution, RegularisedSolver, Relaxation, Settings, Solution
+from hqp import InvalidInput, RegularisedSolution, RegularisedSolver, Relaxation, Settings, Solution, Status
 from hqp.checks import truth
 from hqp.guard import Guard
 
-from .._checks import Array, numbers, positive_scalar, scalar
+from .._checks import Array, finite_scalar, numbers, positive_scalar, scalar
 from ..part import Command, Order, Part
 from ..robots.robot import Robot, RobotState, as_robot, check_fixed_base, check_joints
 from ..stack import Rows, Stack
 from .timing import Timing, cubic
-from .transition import Transition
+from .transition import Limits, Transition
 
 AnySolver = hqp.Solver | RegularisedSolver
 #: Stacks that a controller keeps ready to go back to.
@@ -43,6 +43,7 @@ class Step(NamedTuple):
         Joint accelerations [rad/s^2], at acceleration and at torque order.
     tau : array, shape (nv,), or None
         Joint torques ``M(q) a + b(q, v)`` [N m] that a takes (Eq. 4.1), at torque order or if they were asked for.
+        Always finite: zero where the status of the solution is INVALID, which lets an arm fall.
     share : float
         How much of the stack counts: less than 1 while the controller changes to it from another one. Then v or a lies
         between the answers of both, and `solution` is that of the new one alone.
@@ -109,8 +110,8 @@ class Controller:
     ------
     InvalidInput
         At once, if the robot or the stack is none, the order is neither, dt is not positive, the
-        backend is unknown, a task does not fit the robot, or torques are asked for at velocity order or
-        of a robot that cannot tell them, or is commanded with them and has a floating base.
+        backend is unknown, a task does not fit the robot or its gain the tick, or torques are asked for at velocity
+        order, or of a robot that cannot tell them or has a base that moves freely.
     """
 
     def __init__(
@@ -134,6 +135,10 @@ class Controller:
         self._backend, self._settings = backend, settings
         self._prepared: dict[int, tuple[Stack, Rows, AnySolver]] = {}
         self._transition: Transition | None = None
+        self._limits: Limits | None = None
+        # Where configurations lie on a manifold, the controller looks at them itself: a call never raises for a state.
+        self._on_manifold = getattr(robot, "on_manifold", None)
+        self._state: Callable[[Array, Array], RobotState] = getattr(robot, "state", self.robot.at)
         # A robot whose states share a workspace has a guard of its own, for all controllers that it has.
         self._guard: Guard = getattr(robot, "guard", None) or Guard("the controller")
         self._rows, self._solver = self._prepare(self.stack)
@@ -161,10 +166,9 @@ class Controller:
 
     def _inverse_dynamics(self) -> Callable[[Array, Array, Array], Array]:
         asked = "order = 'torque'" if self.order == "torque" else "torque = True"
-        if self.order == "torque":
-            check_fixed_base(self.robot, asked)
         if self.order == "velocity":
             raise InvalidInput(f"torque = True, but order = {self.order!r} gives no accelerations; it must be False")
+        check_fixed_base(self.robot, asked)
         method: Callable[[Array, Array, Array], Array] | None = getattr(self.robot, "inverse_dynamics", None)
         if method is None:
             raise InvalidInput(f"{asked}, but {self.robot!r} has no inverse_dynamics(q, v, a)")
@@ -195,8 +199,8 @@ class Controller:
         Raises
         ------
         InvalidInput
-            If q, v or t has the wrong shape. Numbers never raise: where they are not finite the
-            status of the solution is INVALID.
+            If q, v or t has the wrong shape. Numbers never raise: where they are not finite, or a quaternion or a
+            point of a circle has not norm 1, the status of the solution is INVALID and nothing moves.
         InUse
             If another thread is inside, or in another controller of the same robot, where it has one workspace.
         """
@@ -223,22 +227,37 @@ class Controller:
             self._guard.give(None)
 
     def _guarded(self, q: Array, v: Array, t: float) -> Step:
-        state = self.robot.at(q, v)
-        solution = self._solve(state, t)
+        fault = None
+        if self._on_manifold is not None:
+            q, fault = self._on_manifold(q)
+        state = self._state(q, v)
+        solution = self._solve(state, t, fault)
         x, share = solution.x, 1.0
         if self._transition is not None and solution.ok:
             x, share = self._transition.blend(state, t, x)
             if share >= 1.0:
                 self._transition = None
+            elif self._limits is not None:
+                x = self._limits.keep(self.hierarchy, x)
         if self.order == "velocity":
             return Step("velocity", state, solution, x, share=share)
-        tau = None if self._torque is None else self._torque(state.q, state.v, x)
+        tau = None if self._torque is None else self._torques(state, x, solution.status is not Status.INVALID)
         return Step(self.order, state, solution, None, x, tau, share)
+
+    def _torques(self, state: RobotState, a: Array, valid: bool) -> Array:
+        """What a takes; zero where there are no numbers: what goes to a motor is finite, whatever a sensor says."""
+        assert self._torque is not None
+        if valid:
+            tau = self._torque(state.q, state.v, a)
+            if np.isfinite(tau).all():
+                return tau
+        return np.zeros_like(a)
 
     def change(self, stack: Stack | Part, *, duration: float, law: Timing = cubic) -> None:
         """Go over to another stack without a jump, from the next tick on; see :mod:`tasks.motion.transition`.
 
-        A change that is still under way is left from where it is. Going back to a stack that the controller has had
+        The limits that the new stack begins with hold from the first tick on, also where the old one has none. A change
+        that is still under way is left from where it is. Going back to a stack that the controller has had
         finds all as it was: rows, and a solver that is warm.
 
         Parameters
@@ -246,20 +265,23 @@ class Controller:
         stack : Stack, or a single task
             What is wanted from now on; its parts may be those of the old one, in another order.
         duration : float
-            How long the change takes [s].
+            How long the change takes [s]; 0 for at once.
         law : callable
             How it goes: ``cubic``, ``quintic``, ``harmonic``, ``cycloid``, or your own timing law.
 
         Raises
         ------
         InvalidInput
-            If the stack does not fit the robot, the duration is not positive, or the law is none. The controller then
+            If the stack does not fit the robot, the duration is negative, or the law is none. The controller then
             goes on as it was.
         """
         wanted = stack if isinstance(stack, Stack) else Stack(stack)
         prepared = self._prepare(wanted)
-        self._transition = Transition(_Left(self.stack, self._rows, self._solver, self._transition), duration, law)
+        left = _Left(self.stack, self._rows, self._solver, self._transition)
+        at_once = finite_scalar(duration, "duration of a change") == 0.0
+        self._transition = None if at_once else Transition(left, duration, law)
         self.stack, (self._rows, self._solver) = wanted, prepared
+        self._limits = None if at_once else Limits.of(wanted, self.hierarchy, self._backend)
 
     def _new_solver(self, stack: Stack) -> AnySolver:
         rules: dict[int | str, hqp.DampingRule | float] = {k: rule for k, rule in enumerate(stack.damping) if rule}
@@ -291,12 +313,12 @@ class Controller:
             raise InvalidInput(f"{part!r} is not in the stack {self.stack!r}")
         return found
 
-    def _solve(self, state: RobotState, time: float) -> Solution | RegularisedSolution:
-        if isfinite(time):
+    def _solve(self, state: RobotState, time: float, fault: str | None) -> Solution | RegularisedSolution:
+        if fault is None and isfinite(time):
             self._rows.fill(state, time)
             return self._solver.solve(self.hierarchy)
         self.hierarchy.lower.fill(np.nan)  # no task is asked, and no bound left that could be met
-        solution, message = self._solver.solve(self.hierarchy), f"t = {time} s must be finite"
+        solution, message = self._solver.solve(self.hierarchy), fault or f"t = {time} s must be finite"
         if isinstance(solution, RegularisedSolution):
             return replace(solution, plain=replace(solution.plain, message=message))
         return replace(solution, message=message)

@@ -7,7 +7,7 @@ in :mod:`~tasks.motion.polynomial`, from boundary conditions; a function of your
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -60,18 +60,45 @@ class Setpoint:
         self._velocity, self._acceleration = np.zeros((2, len(self._value)))
         self._moves = False
 
-    def move(self, value: ArrayLike, velocity: ArrayLike | None = None, acceleration: ArrayLike = 0.0) -> None:
-        """Set where it is, and how it moves if that is known: numbers of the shape it began with, or one for all."""
-        self._value[:] = value
-        if velocity is not None or self._moves:
-            self._velocity[:], self._acceleration[:] = 0.0 if velocity is None else velocity, acceleration
-            self._moves = velocity is not None
+    def move(self, value: ArrayLike, velocity: ArrayLike | None = None, acceleration: ArrayLike | None = None) -> None:
+        """Set where it is, and how it moves if that is known (default: it stands).
+
+        NaN is taken, as a device may send it: the next tick is then INVALID, and moves nothing.
+
+        Raises
+        ------
+        InvalidInput
+            If a part has not the shape that the setpoint began with, or an acceleration comes without a velocity.
+        """
+        moves = velocity is not None
+        if not moves and acceleration is not None:
+            raise InvalidInput("setpoint: an acceleration is given without a velocity; give both")
+        self._value[:] = alike(value, self._value, "setpoint")
+        if moves or self._moves:
+            self._velocity[:] = 0.0 if velocity is None else alike(velocity, self._value, "setpoint: velocity")
+            still = acceleration is None
+            self._acceleration[:] = 0.0 if still else alike(acceleration, self._value, "setpoint: acceleration")
+            self._moves = moves
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
         return self._value, self._velocity, self._acceleration
 
     def __repr__(self) -> str:
         return f"Setpoint({self._value.tolist()})"
+
+
+def alike(value: Any, model: Array, what: str) -> Array:
+    """`value` as numbers of the shape of `model`, one number standing for itself alone.
+
+    Raises
+    ------
+    InvalidInput
+        If it has another shape.
+    """
+    array = np.atleast_1d(numbers(value, what))
+    if array.shape != model.shape:
+        raise InvalidInput(f"{what} has shape {array.shape}; it must be {model.shape}, as it began")
+    return array
 
 
 def as_trajectory(target: ArrayLike | Trajectory, rows: int | None, what: str) -> Trajectory:

@@ -8,19 +8,58 @@ change both stacks are solved, and what is commanded goes from one answer to the
 Every task of either stack then follows an *intermediate value* between what it had and what it will have: where the
 rows are equalities this is the intermediate desired value of J. Lee, N. Mansard and J. Park, IEEE Transactions on
 Robotics 28(6), 2012, for all levels at once. Levels that both stacks begin with, such as the joint limits, are kept
-exactly all the way: the points at which they are optimal form a convex set, and both answers lie in it.
+exactly all the way: the points at which they are optimal form a convex set, and both answers lie in it. Where the new
+stack begins with limits that the old one has not, the old answer may lie outside: what is commanded is then the point
+that is nearest to x among those which are optimal for these limits.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import deepcopy
+
+from hqp import Hierarchy, Solver
 
 from .._checks import Array, positive_scalar
 from ..robots.robot import RobotState
+from ..stack import Stack
 from .timing import Timing, as_timing
 
 #: What a stack asks for at a state and a time: x, and whether its solver claims it.
 Answer = Callable[[RobotState, float], tuple[Array, bool]]
+
+
+class Limits:
+    """The limits that a stack begins with, as a hierarchy of their own.
+
+    Parameters
+    ----------
+    hierarchy : hqp.Hierarchy
+        Of the stack.
+    count : int
+        How many levels of it are limits alone, from the first.
+    backend : str
+    """
+
+    def __init__(self, hierarchy: Hierarchy, count: int, backend: str) -> None:
+        self._own = Hierarchy([deepcopy(level) for level in hierarchy.levels[:count]], n=hierarchy.n)
+        self._solver = Solver(backend)
+
+    @classmethod
+    def of(cls, stack: Stack, hierarchy: Hierarchy, backend: str) -> Limits | None:
+        """Those of a stack, if it begins with some."""
+        kinds = [all(part.is_limit for part in level) for level in stack.levels]
+        count = (*kinds, False).index(False)
+        return cls(hierarchy, count, backend) if count else None
+
+    def keep(self, hierarchy: Hierarchy, x: Array) -> Array:
+        """The point nearest to x that keeps them, by the numbers that the hierarchy of the stack has in this tick."""
+        for own, level in zip(self._own.levels, hierarchy.levels, strict=False):
+            own.lower[:], own.upper[:], own.weights[:] = level.lower, level.upper, level.weights
+            if own.A is not None:
+                own.A[:] = level.A
+        solution = self._solver.solve(self._own, x)
+        return solution.x if solution.ok else x
 
 
 class Transition:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput
 
 from .._checks import Array, finite, numbers, positive_scalar
-from ..rotations import about, exp, log, rotation_matrix
+from ..rotations import about, exp, log, rotation_matrix, transform
 from .timing import Timing, as_timing, quintic
-from .trajectories import Fixed, Trajectory
+from .trajectories import Fixed, Setpoint, Trajectory, alike
 
 
 @runtime_checkable
@@ -58,18 +58,90 @@ class RotationSetpoint:
         self._omega, self._alpha = np.zeros((2, 3))
         self._turns = False
 
-    def move(self, R: ArrayLike, omega: ArrayLike | None = None, alpha: ArrayLike = 0.0) -> None:
-        """Set how it is turned, and how it turns if that is known [rad/s], [rad/s^2]. R is taken as a rotation."""
-        self._R[:] = R
-        if omega is not None or self._turns:
-            self._omega[:], self._alpha[:] = 0.0 if omega is None else omega, alpha
-            self._turns = omega is not None
+    def move(self, R: ArrayLike, omega: ArrayLike | None = None, alpha: ArrayLike | None = None) -> None:
+        """Set how it is turned, and how it turns if that is known [rad/s], [rad/s^2] (default: it stands).
+
+        Raises
+        ------
+        InvalidInput
+            If R is no rotation, to 1e-6; or omega or alpha is not three numbers, or alpha comes without omega.
+        """
+        turns = omega is not None
+        if not turns and alpha is not None:
+            raise InvalidInput("setpoint: alpha is given without omega; give both")
+        self._R[:] = rotation_matrix(R, "setpoint")
+        if turns or self._turns:
+            self._omega[:] = 0.0 if omega is None else alike(omega, self._omega, "setpoint: omega")
+            self._alpha[:] = 0.0 if alpha is None else alike(alpha, self._omega, "setpoint: alpha")
+            self._turns = turns
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
         return self._R, self._omega, self._alpha
 
     def __repr__(self) -> str:
         return f"RotationSetpoint by {log(self._R).round(4).tolist()}"
+
+
+class PoseSetpoint:
+    """A pose that is set from outside: ``setpoint.move(T)`` before a tick, and ``PoseTask(setpoint, gain=5.0)``.
+
+    Parameters
+    ----------
+    T : array, shape (4, 4), or pinocchio.SE3
+        Where it begins.
+
+    Attributes
+    ----------
+    position : Setpoint
+    rotation : RotationSetpoint
+
+    Raises
+    ------
+    InvalidInput
+        If it is no transform.
+    """
+
+    def __init__(self, T: Any) -> None:
+        p, R = transform(T, "setpoint")
+        self.position, self.rotation = Setpoint(p), RotationSetpoint(R)
+
+    def move(self, T: Any, velocity: ArrayLike | None = None) -> None:
+        """Set where it is and, if that is known, how it moves: linear [m/s] before angular [rad/s], in world axes.
+
+        Raises
+        ------
+        InvalidInput
+            If T is no transform, or the velocity not six numbers. The setpoint then stays where it was.
+        """
+        p, R = transform(T, "setpoint")
+        twist = None if velocity is None else alike(velocity, np.zeros(6), "setpoint: velocity")
+        self.position.move(p, None if twist is None else twist[:3])
+        self.rotation.move(R, None if twist is None else twist[3:])
+
+    def __repr__(self) -> str:
+        return f"PoseSetpoint({self.position!r}, {self.rotation!r})"
+
+
+class Watched:
+    """A rotation in time that somebody else computes: what is no rotation becomes NaN, and the tick INVALID.
+
+    Parameters
+    ----------
+    target : RotationTrajectory
+    """
+
+    def __init__(self, target: RotationTrajectory) -> None:
+        self.target = target
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        R, omega, alpha = self.target(t)
+        try:
+            return rotation_matrix(R, "target"), omega, alpha
+        except InvalidInput:
+            return np.full((3, 3), np.nan), omega, alpha
+
+    def __repr__(self) -> str:
+        return repr(self.target)
 
 
 class AboutZ:
@@ -148,4 +220,8 @@ def as_rotation(target: ArrayLike | RotationTrajectory | Trajectory, what: str) 
             " (3, 3), (3,), (3,), or an angle and its derivatives, each (1,)"
         )
     rotation_matrix(sample[0], f"{what}: target(0.0)")
-    return target
+    return target if isinstance(target, KNOWN) else Watched(target)
+
+
+#: Whose rotations are rotations.
+KNOWN = (FixedRotation, RotationSetpoint, Turn, Watched)

@@ -28,6 +28,7 @@ leave too little to brake with, in the order of K times the speed, and then a sm
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -71,6 +72,8 @@ class DistanceLimit(Part):
         If the margin is negative, the gain not positive or more than 1/dt, the controller has no dt, or a link is
         none of the robot's; and at the first tick, if nothing limits the joint speeds.
     """
+
+    is_limit: ClassVar[bool] = True
 
     def __init__(
         self,

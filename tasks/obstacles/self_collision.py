@@ -17,7 +17,7 @@ from __future__ import annotations
 from bisect import insort
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -53,6 +53,8 @@ class SelfCollisionLimit(Part):
         If the margin is negative, the gain not positive or more than 1/dt, the robot has no file of shapes, a frame is
         none of its, or no pair is left.
     """
+
+    is_limit: ClassVar[bool] = True
 
     def __init__(
         self,

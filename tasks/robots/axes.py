@@ -64,6 +64,29 @@ def axes(model: pin.Model) -> tuple[Axis, ...]:
     return tuple(found)
 
 
+def unit_parts(model: pin.Model) -> list[tuple[str, int, int]]:
+    """The numbers of q that must have norm 1: circles (cosine, sine) and quaternions; joint, first number, count."""
+    found = []
+    for joint, name in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):
+        found += [(name, first, count) for first, count in _units(joint)]
+    return found
+
+
+def _units(joint: Any) -> Iterator[tuple[int, int]]:
+    what = kind(joint)
+    if what == "Composite":
+        for part in joint.extract().joints if hasattr(joint, "extract") else joint.joints:
+            yield from _units(part)
+    elif what.startswith(("RUB", "RevoluteUnbounded")):
+        yield joint.idx_q, 2
+    elif what == "Planar":
+        yield joint.idx_q + 2, 2
+    elif what == "FreeFlyer":
+        yield joint.idx_q + 3, 4
+    elif what == "Spherical":
+        yield joint.idx_q, 4
+
+
 def base_of(model: pin.Model) -> tuple[int, int]:
     """How many numbers of q, and how many velocities, are those of a base that moves freely; 0, 0 if it is fixed."""
     if model.njoints > 1 and kind(model.joints[1]) in BASES:

@@ -26,15 +26,17 @@ try:
 except ImportError as error:  # pragma: no cover
     raise MissingPackage("spatial robots need Pinocchio: pip install 'hqp[robots]'") from error
 
-from .axes import NONE, axes, base_of
+from .axes import NONE, axes, base_of, unit_parts
 from .files.xml import root_of
 from .frame_names import frame_numbers
 from .keeping import Kept, Recipe
 from .pinocchio_state import PinocchioState
-from .ranges import SAME, largest, no_position, weaker
+from .ranges import SAME, both_ways, largest, no_position
 from .ranges import position_limit as limits_of
 from .verification import tell_of_inertias, verify
 
+#: How far a norm may be from 1: the square of what is as good as 1, and what is round-off.
+EXACT, ROUND_OFF = 1e-14, 1e-6
 #: The unit of a limit for a joint that turns, and for one that slides.
 SPEED = {"rad": "rad/s", "m": "m/s"}
 ACCELERATION = {"rad": "rad/s^2", "m": "m/s^2"}
@@ -116,6 +118,7 @@ class PinocchioRobot:
         self._axes = axes(model)
         self.joint_names = tuple(axis.name for axis in self._axes)
         self.joint_units = tuple(axis.unit for axis in self._axes)
+        self._units = unit_parts(model)
         self._numbers = frame_numbers(model)
         self.frame_names = tuple(dict.fromkeys(frame.name for frame in model.frames))
         places = np.array([axis.place for axis in self._axes], dtype=np.intp)
@@ -126,8 +129,9 @@ class PinocchioRobot:
         self._state: PinocchioState | None = None  # whose kinematics the data holds
         self._accelerated = False
         what = repr(self)
-        speeds = weaker(model.lowerVelocityLimit, model.upperVelocityLimit)
-        torques = weaker(model.lowerEffortLimit, model.upperEffortLimit)
+        names = self.joint_names
+        speeds = both_ways(model.lowerVelocityLimit, model.upperVelocityLimit, names, f"{what}: velocity limit")
+        torques = both_ways(model.lowerEffortLimit, model.upperEffortLimit, names, f"{what}: torque limit")
         self.position_limit = limits_of(model, position_limit, what)
         self.velocity_limit = largest(model, velocity_limit, speeds, f"{what}: velocity limit", SPEED)
         self.torque_limit = largest(model, torque_limit, torques, f"{what}: torque limit", TORQUE)
@@ -295,13 +299,50 @@ class PinocchioRobot:
             found = self._frames[name] = self._numbers[self.check_frame(name or str(self.tip))]
         return found
 
+    def on_manifold(self, q: Array) -> tuple[Array, str | None]:
+        """q with its circles and quaternions of norm 1, and what is wrong if one is farther from it than by round-off.
+
+        A norm that is off by at most 1e-6 is taken as round-off. NaN passes: the solver reports it.
+        """
+        for name, first, count in self._units:
+            part = q[first : first + count]
+            square = float(part @ part)
+            if abs(square - 1.0) <= EXACT or square != square:
+                continue
+            norm = square**0.5
+            if not abs(norm - 1.0) <= ROUND_OFF:
+                what = "quaternion" if count == 4 else "cosine and sine"
+                return q, (
+                    f"q[{first}:{first + count}], the {what} of joint {name!r}, has norm {norm:g};"
+                    f" it must be 1, as of robot.integrate and robot.configuration"
+                )
+            q = np.array(q)
+            q[first : first + count] = part / norm
+        return q, None
+
     def at(self, q: ArrayLike, v: ArrayLike) -> PinocchioState:
         """Everything that tasks ask for at (q, v), each quantity computed when first asked for.
 
         Raises
         ------
         InvalidInput
-            If q or v has not the numbers of this robot. NaN passes: the solver reports it.
+            If q or v has not the numbers of this robot, or a circle or quaternion of q has not norm 1 to 1e-6. NaN
+            passes: the solver reports it.
+        """
+        state = self.state(q, v)
+        if self._units:
+            state.q, fault = self.on_manifold(state.q)
+            if fault is not None:
+                raise InvalidInput(fault)
+        return state
+
+    def state(self, q: ArrayLike, v: ArrayLike) -> PinocchioState:
+        """The same as :meth:`at`, for a q whose circles and quaternions have been looked at.
+
+        Raises
+        ------
+        InvalidInput
+            If q or v has not the numbers of this robot.
         """
         position, velocity = own_numbers(q, "q"), own_numbers(v, "v")
         if position.shape != (self.nq,) or velocity.shape != (self.nv,):

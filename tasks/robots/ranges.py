@@ -53,11 +53,23 @@ def known(limits: Array) -> Array:
     return own
 
 
-def weaker(lower: Array, upper: Array) -> Array:
-    """The limit in both directions of limits that differ: the smaller one, where the model knows a lower one."""
-    both = known(upper)
-    below = np.where(lower < 0.0, -lower, np.inf)
-    return np.minimum(both, known(below))
+def both_ways(lower: Array, upper: Array, names: Sequence[str], what: str) -> Array:
+    """Largest speeds or torques, shape (nv,): the upper limits, as most programs set no others; told if that is not all.
+
+    Parameters
+    ----------
+    lower, upper : array, shape (nv,)
+        Of the model.
+    names : sequence of str
+        Of the axes.
+    what : str
+        The robot and the quantity, for messages.
+    """
+    limits = known(upper)
+    told = [name for name, low, high in zip(names, lower, limits, strict=True) if low < 0.0 and -low < high]
+    if told:
+        tell(f"{what}: the upper limit counts for both directions, where the lower one is smaller: {', '.join(told)}")
+    return limits
 
 
 def position_limit(model: pin.Model, given: Any, what: str, *, zero_is_none: bool = True) -> Array | None:
