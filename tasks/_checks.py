@@ -54,6 +54,17 @@ def positive(value: ArrayLike, what: str, *, unit: str = "") -> Array:
     return array
 
 
+def not_negative(value: ArrayLike, what: str, *, unit: str = "") -> Array:
+    """`value` as an array of numbers from 0 to `LARGEST`."""
+    array = numbers(value, what)
+    wrong = ~((array >= 0) & (array <= LARGEST))
+    if wrong.any():
+        raise InvalidInput(
+            f"{_first(what, array, wrong)}{unit and ' ' + unit} must not be negative, and at most {LARGEST:g}"
+        )
+    return array
+
+
 def scalar(value: ArrayLike, what: str) -> float:
     """`value` as one number, which may be infinite or NaN."""
     array = numbers(value, what)

@@ -77,8 +77,9 @@ class AxisTask(FrameTask):
         return d / np.sqrt(square), spin, np.cross(d, acceleration) / square - 2.0 * (d @ velocity) / square * spin
 
     def error(self, state: RobotState, t: float) -> Array:
-        frame = self.seen(state)
-        return shortest_turn(self._across, self.axis, frame.rotation.T @ self._direction(t)[0])
+        direction = self.seen(state).rotation.T @ self._direction(t)[0]
+        turn = shortest_turn(self._across, self.axis, direction)
+        return half_a_turn(self.jacobian(state)) if turn is None else turn
 
     def jacobian(self, state: RobotState) -> Array:
         frame = self.seen(state)
@@ -101,13 +102,25 @@ class AxisTask(FrameTask):
         return [repr(self.target), f"axis={self.axis.tolist()}", *super()._shown()]
 
 
-def shortest_turn(across: Array, axis: Array, direction: Array) -> Array:
-    """The shortest turn from an axis to a direction along the two rows `across`, all in one frame [rad], shape (2,)."""
+def shortest_turn(across: Array, axis: Array, direction: Array) -> Array | None:
+    """The shortest turn from an axis to a direction along the two rows `across`, all in one frame [rad], shape (2,).
+
+    None at half a turn, where all ways round are as short.
+    """
     turn = np.cross(axis, direction)
     sine, cosine = float(np.linalg.norm(turn)), float(axis @ direction)
-    if sine < PARALLEL:  # there, or half a turn away, whichever way round
-        return np.array([0.0, 0.0] if cosine > 0.0 else [np.pi, 0.0])
+    if sine < PARALLEL:
+        return np.zeros(2) if cosine > 0.0 else None
     return np.asarray(across @ turn) * (atan2(sine, cosine) / sine)
+
+
+def half_a_turn(jacobian: Array) -> Array:
+    """Half a turn the way round that the joints turn best: along the long axis of what J can do [rad], shape (2,)."""
+    if not np.isfinite(jacobian).all():
+        return np.full(2, np.nan)
+    ways, _, _ = np.linalg.svd(jacobian)
+    way = ways[:, 0]
+    return np.asarray(np.pi * way * (1.0 if way[np.argmax(np.abs(way))] > 0.0 else -1.0))
 
 
 def unit(vector: Array, what: str) -> Array:

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from hqp.checks import of_type
 
-from ._checks import Array, positive
+from ._checks import Array, not_negative
 from .part import Part, Tick
 
 
@@ -30,13 +30,13 @@ class Damping(Part):
     Parameters
     ----------
     weight : float or array, shape (nv,)
-        The lambda, against tasks of weight 1: [m] or [1], for a task in [m] or [rad].
+        The lambda, against tasks of weight 1: [m] or [1], for a task in [m] or [rad]; 0 for a joint that is not damped.
     name : str, optional
 
     Raises
     ------
     InvalidInput
-        If a weight is not positive or larger than 1e15.
+        If a weight is negative or larger than 1e15.
     """
 
     plain: ClassVar[bool] = True
@@ -44,7 +44,7 @@ class Damping(Part):
 
     def __init__(self, weight: ArrayLike, *, name: str | None = None) -> None:
         self.name = "damping" if name is None else of_type(name, str, "name of a Damping")
-        self.weight = positive(weight, f"{self.label()}: weight")
+        self.weight = not_negative(weight, f"{self.label()}: weight")
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         lower.fill(0.0)  # the rows of A are those of the identity from the start

@@ -75,6 +75,9 @@ class FrameTask(Task):
         for what, name in ("frame", self.frame), ("relative_to", self.relative_to):
             if name is not None:
                 check_frame(robot, name, f"{self.label()}: {what}")
+        own = getattr(robot, "tip", None) if self.frame is None else self.frame
+        if self.relative_to is not None and self.relative_to == own:
+            raise InvalidInput(f"{self.label()}: relative_to = {own!r} is the frame itself; name another one")
 
     def _shown(self) -> list[str]:
         options = {"frame": self.frame, "relative_to": self.relative_to}

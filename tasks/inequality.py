@@ -50,7 +50,7 @@ class Inequality(Part):
         return self.task.labels(robot, order)
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        self.task.check(robot, order, dt)
+        self.task.check(robot, order, dt if order == "acceleration" else None)
         rows = self.size(robot)
         for what, value in ("below", self.below), ("above", self.above):
             per_row(value, rows, f"{self.label()}: {what}")

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._checks import Array, finite
-from .axis import shortest_turn, unit
+from .axis import half_a_turn, shortest_turn, unit
 from .frame_task import FrameTask
 from .motion.trajectories import Trajectory, as_trajectory
 from .part import Tick
@@ -77,7 +77,8 @@ class LookAtTask(FrameTask):
 
     def error(self, state: RobotState, t: float) -> Array:
         frame, _, d, _ = self._sight(state, t)
-        return shortest_turn(self._across, self.axis, frame.rotation.T @ d)
+        turn = shortest_turn(self._across, self.axis, frame.rotation.T @ d)
+        return half_a_turn(self.jacobian(state, t)) if turn is None else turn
 
     def jacobian(self, state: RobotState, t: float = 0.0) -> Array:
         frame, across, d, distance = self._sight(state, t)

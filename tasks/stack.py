@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hqp import DampingRule, Hierarchy, InvalidInput, Level
 
@@ -14,7 +15,7 @@ from .limits.envelope import Envelope
 from .limits.joint_limits import JointLimits
 from .limits.limit import JointLimit
 from .part import Order, Part, Tick
-from .robots.robot import Robot, RobotState
+from .robots.robot import Robot, RobotState, on_pinocchio
 
 if TYPE_CHECKING:
     from .compiled import CompiledRows
@@ -192,6 +193,7 @@ class Rows:
             part.check(robot, order, dt)
         self.hierarchy = Hierarchy([_empty_level(level, robot, order) for level in stack.levels], n=robot.nv)
         self._views: list[tuple[Part, Array | None, Array, Array]] = []
+        self._unweighted: list[tuple[Array, Array, NDArray[np.intp]]] = []  # rows that ask for nothing
         self._merged: list[tuple[Array, Array, list[tuple[Array, Array]]]] = []
         for view, parts in zip(self.hierarchy.levels, stack.levels, strict=True):
             row = 0
@@ -199,6 +201,9 @@ class Rows:
                 own = slice(row, row + part.size(robot))
                 row = own.stop
                 self._views.append((part, None if view.A is None else view.A[own], view.lower[own], view.upper[own]))
+                without = per_row(part.weight, part.size(robot), f"{part.label()}: weight") == 0.0
+                if without.any():
+                    self._unweighted.append((view.lower[own], view.upper[own], np.flatnonzero(without)))
                 if isinstance(part, JointLimits):
                     alone = [(limit, None, *np.zeros((2, robot.nv))) for limit in part.of(robot)]
                     self._views.extend(alone)
@@ -206,7 +211,7 @@ class Rows:
         self._envelope = Envelope(((part, lower, upper) for part, _, lower, upper in self._views), robot, order)
         self._compiled: CompiledRows | None = None
         self._written = self._views  # by the parts themselves
-        if compiled and order == "velocity" and hasattr(robot, "model"):
+        if compiled and order == "velocity" and on_pinocchio(robot):
             from .compiled import CompiledRows
 
             self._compiled = CompiledRows(self._views, robot, dt, self._envelope)
@@ -229,6 +234,8 @@ class Rows:
             if self._relaxed:
                 self._envelope.reconcile(tick)
                 self._merge()
+        for lower, upper, rows in self._unweighted:
+            lower[rows], upper[rows] = -np.inf, np.inf
         return self.hierarchy
 
     def _merge(self) -> None:
@@ -244,6 +251,7 @@ def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order) -> Level:
     """One level without numbers yet: plain bounds if all its parts are plain, rows otherwise."""
     name = " + ".join(part.name for part in parts)
     weights = np.concatenate([per_row(p.weight, p.size(robot), f"{p.label()}: weight") for p in parts])
+    weights[weights == 0.0] = 1.0  # of rows that are free
     labels = [label for part in parts for label in part.labels(robot, order)]
     zeros = np.zeros(len(weights))
     if all(part.plain for part in parts):

@@ -24,7 +24,8 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type, whole_number
 
-from ._checks import Array, numbers, per_row, positive, positive_scalar
+from ._checks import Array, not_negative, numbers, per_row, positive, positive_scalar
+from ._telling import tell
 from .motion.trajectories import Trajectory, as_trajectory
 from .part import PER, Order, Part, Tick
 from .robots.robot import Robot, RobotState, neutral
@@ -49,14 +50,16 @@ class Task(Part):
     damping_ratio : float
         The zeta of acceleration order; 1 is critical damping.
     weight : float or array, shape (rows,)
-        Weight of the rows inside their level, against those of other tasks joined by ``+``.
+        Weight of the rows inside their level, against those of other tasks joined by ``+``; a row of weight 0 asks for
+        nothing.
     name : str, optional
         Used in messages, tables and records (default: the name of the class).
 
     Raises
     ------
     InvalidInput
-        If a gain, a weight or the damping ratio is not positive or larger than 1e15; names task and row.
+        If a gain or the damping ratio is not positive, a weight negative, or one of them larger than 1e15; names task
+        and row. With a controller, if the gain makes the error grow from tick to tick.
     """
 
     rows: int | None = None
@@ -66,7 +69,7 @@ class Task(Part):
     ) -> None:
         self._call(name)
         self.gain = positive(gain, f"{self.label()}: gain", unit="1/s")
-        self.weight = positive(weight, f"{self.label()}: weight")
+        self.weight = not_negative(weight, f"{self.label()}: weight")
         self.damping_ratio = positive_scalar(damping_ratio, f"{self.label()}: damping ratio")
         if self.rows is not None:
             whole_number(self.rows, f"{self.label()}: rows", least=1)
@@ -138,6 +141,7 @@ class Task(Part):
         """Try the task once at the neutral configuration: what does not fit is refused here, not in the loop."""
         rows = self.size(robot)
         per_row(self.gain, rows, f"{self.label()}: gain")
+        self.check_gain(order, dt)
         state = self.at_rest(robot)
         feedforward = self.rates(state, 0.0)
         if not (isinstance(feedforward, tuple) and len(feedforward) == 2):
@@ -156,6 +160,31 @@ class Task(Part):
             if shape not in allowed:
                 shapes = " or ".join(map(str, allowed))
                 raise InvalidInput(f"{self.label()}: {what} has shape {shape}; with this robot it must be {shapes}")
+
+    def check_gain(self, order: Order, dt: float | None) -> None:
+        r"""Refuse a gain that makes the error grow from tick to tick, and tell once of one that passes the target.
+
+        With the command held over a tick, :math:`e^+ = (1 - K dt) e` at velocity order, and at acceleration order a
+        matrix whose eigenvalues lie in the unit circle as long as :math:`\zeta K dt < 1` and :math:`K dt < 4 \zeta`.
+
+        Raises
+        ------
+        InvalidInput
+        """
+        if dt is None:
+            return
+        fastest, zeta = float(self.gain.max()), self.damping_ratio
+        most = 2.0 if order == "velocity" else min(1.0 / zeta, 4.0 * zeta)
+        if fastest * dt > most * (1.0 + 1e-9):
+            raise InvalidInput(
+                f"{self.label()}: gain = {fastest:g} 1/s makes the error grow from tick to tick of {dt:g} s at {order}"
+                f" order; it must be at most {most / dt:g}"
+            )
+        if order == "velocity" and fastest * dt > 1.0 + 1e-9:
+            tell(
+                f"{self.label()}: gain = {fastest:g} 1/s passes the target in every tick of {dt:g} s and comes back;"
+                f" above {1.0 / dt:g} it is not reached sooner"
+            )
 
     def __repr__(self) -> str:
         parts = [f"gain={_short(self.gain)}"]

@@ -24,17 +24,17 @@ from tasks import (
     PositionTask,
     PostureTask,
     SelfCollisionLimit,
+    _telling,
     available_robots,
     load_robot,
     simulate,
     solve_ik,
 )
-from tasks.robots import ranges
 
 
 @pytest.fixture(autouse=True)
 def nothing_told(monkeypatch):
-    monkeypatch.setattr(ranges, "_TOLD", set())
+    monkeypatch.setattr(_telling, "_TOLD", set())
 
 
 # Names.
@@ -123,7 +123,7 @@ def test_a_dict_changes_the_joints_that_it_names(tmp_path):
         ({"position_limit": {"joint1": (1, 0)}}, "position limit of 'joint1': joint 'joint1' from 1 to 0 rad; the low"),
         ({"position_limit": {"joint1": 3}}, "position limit of 'joint1' = 3 must be a pair"),
         ({"position_limit": {"joint1": (np.nan, 1)}}, "'joint1' from nan to 1 rad"),
-        ({"velocity_limit": {"joint2": -1}}, "velocity limit of 'joint2' = -1.0 m/s must be positive"),
+        ({"velocity_limit": {"joint2": -1}}, "velocity limit of 'joint2' = -1.0 m/s must not be negative"),
         ({"acceleration_limit": {"joint0": np.inf}}, "acceleration limit of 'joint0' = inf rad/s.2 must be positive"),
         ({"torque_limit": {"joint2": 0}}, "torque limit of 'joint2' = 0.0 N must be positive"),
     ):
@@ -286,7 +286,15 @@ IGNORED = {
     "an island": (f"{OPEN}>{ONE}{ISLAND}</robot>", "link 'c' is no part of the tree that begins with 'a'"),
     "no number of kilograms": (f"{OPEN}>{KILOGRAMS}</robot>", "is no valid URDF: .*(mass|nertia)"),
     "a capital": (f"{OPEN}>{ONE}<Joint/></robot>", "<Joint> in <robot> is not read; write <joint>"),
-    "a group": (f"{OPEN}>{ONE}<group><link name='x'/></group></robot>", "<link> inside <group> is not read"),
+    "a group": (
+        f"{OPEN}>{ONE}<group><link name='x'><inertial/></link></group></robot>",
+        "<link> inside <group> is not read",
+    ),
+    "two ties": (f"{OPEN}>{ONE.replace(LIMIT, LIMIT + 2 * f'<mimic joint={NAME}/>')}</robot>", "has several"),
+    "an attribute": (
+        f"{OPEN}>{ONE.replace('lower', 'Lower')}</robot>",
+        "'Lower' of <limit> is not read; write",
+    ),
     "a joint of the world": (
         f"{OPEN}>{ONE.replace(NAME, WORLD)}</robot>",
         "joint 'universe' has the name of the",
@@ -331,6 +339,48 @@ def test_odd_files_that_are_fine(tmp_path):
         path.write_text(text)
         for base in None, "planar", "floating":
             assert load_robot(path, base=base).nv == 1 + {None: 0, "planar": 3, "floating": 6}[base]
+
+
+def test_what_is_no_part_of_the_robot_does_not_matter(tmp_path):
+    """Colours, pictures, elements of others and text for them: with errors of their own, the robot is the same."""
+    path = tmp_path / "arm.urdf"
+    leaf = (
+        '<link name="c"/><joint name="k" type="fixed"><parent link="b"/><child link="c"/><origin xyz="0 0 1"/></joint>'
+    )
+    for extra in (
+        "<material name='m'/><material name='m'><color rgba='x'/></material>",
+        "<gazebo><link name='x'><inertial/></link></gazebo>",
+        "<transmission><joint name='j'><mimic/></joint></transmission>",
+        "<loop_joint name='l'><link1 link='a'/></loop_joint><disable_collisions><link name='a'/></disable_collisions>",
+        "<c:foo xmlns:c='http://c'><link name='z'><inertial/></link></c:foo>",
+    ):
+        path.write_text(f"{OPEN}>{ONE}{leaf}{extra}</robot>")
+        robot = load_robot(path)
+        assert (robot.joint_names, "c" in robot.frame_names) == (("j",), True)
+    hidden = f"<gazebo><![CDATA[ <!-- ]]></gazebo>{leaf}<gazebo><![CDATA[ --> ]]></gazebo>"
+    path.write_text(f"{OPEN}>{ONE}{hidden}</robot>")
+    assert "c" in load_robot(path).frame_names
+    path.write_text(f"{OPEN}>{ONE}{leaf.replace('<link ', '<link xmlns=' + NAME + ' ')}</robot>")
+    assert load_robot(path).at([0.0], [0.0]).frame("c").position == pytest.approx([0.0, 0.0, 1.0])
+
+
+def test_random_stays_in_ranges_with_one_end():
+    robot = load_robot("ur5", position_limit={"elbow_joint": (4, np.inf), "wrist_1_joint": (-np.inf, -5)})
+    for seed in range(20):
+        q = robot.random(np.random.default_rng(seed))
+        assert 4.0 <= q[2] <= 4.0 + 2 * np.pi
+        assert -5.0 - 2 * np.pi <= q[3] <= -5.0
+
+
+def test_dynamics_of_the_wrong_size_are_refused():
+    robot = load_robot("ur5")
+    for call in (
+        lambda: robot.mass_matrix(np.zeros(5)),
+        lambda: robot.bias(np.zeros(6), np.zeros(7)),
+        lambda: robot.inverse_dynamics(np.zeros((2, 6)), np.zeros((3, 6)), np.zeros((2, 6))),
+    ):
+        with pytest.raises(InvalidInput, match=r"has shape .* takes"):
+            call()
 
 
 @pytest.mark.parametrize("source", ["a" * 5000, "a" * 5000 + ".urdf", "a/" * 5000, "a\0b.urdf"])

@@ -70,7 +70,7 @@ def position(target=(0.3, 0.0, 0.5), gain=1.0, **options):
         ("panda", {"base": "yes"}, "base = 'yes'; it must be one of None, 'fixed', 'planar', 'floating'"),
         ("panda", {"body": "panda_link0"}, r"body = \['panda_link0'\], but a URDF has one robot"),
         ("panda", {"body": 3}, "body = 3 must be the name of a body, or a list of names"),
-        ("panda", {"velocity_limit": -1.0}, "'panda'.*velocity limit = -1.0 rad/s must be positive"),
+        ("panda", {"velocity_limit": -1.0}, "'panda'.*velocity limit = -1.0 rad/s must not be negative"),
         (
             "panda",
             {"acceleration_limit": [1, 2]},

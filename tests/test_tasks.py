@@ -163,7 +163,7 @@ def test_joint_motion_of_a_singular_task_stays_bounded():
         (lambda: PositionTask([1, 0], gain=[1.0, -2.0]), r"gain\[1\] = -2.0 1/s"),
         (lambda: PositionTask([1, 0], gain=np.nan, name="hand"), "PositionTask 'hand': gain = nan"),
         (lambda: PositionTask([1, 0], gain=[1.0, 1.0, 1.0]), r"gain has shape \(3,\)"),
-        (lambda: OrientationTask(0.0, gain=1.0, weight=0.0), "weight = 0.0 must be positive"),
+        (lambda: OrientationTask(0.0, gain=1.0, weight=-1.0), "weight = -1.0 must not be negative"),
         (lambda: OrientationTask(0.0, gain=1.0, weight=[1.0, 1.0]), r"weight has shape \(2,\)"),
         (lambda: OrientationTask(0.0, gain=1.0, damping_ratio=-1.0), "damping ratio = -1.0"),
         (lambda: OrientationTask(0.0, gain=1.0, damping_ratio=[1.0]), "damping ratio has shape"),

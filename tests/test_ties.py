@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -15,16 +17,16 @@ from tasks import (
     PoseTask,
     PositionTask,
     PostureTask,
+    _telling,
     load_robot,
     simulate,
     solve_ik,
 )
-from tasks.robots import ranges
 
 
 @pytest.fixture(autouse=True)
 def nothing_told(monkeypatch):
-    monkeypatch.setattr(ranges, "_TOLD", set())
+    monkeypatch.setattr(_telling, "_TOLD", set())
 
 
 # Joints that follow others.
@@ -188,8 +190,47 @@ def test_limits_by_hand_leave_followers_in_their_ranges(tmp_path, mimic):
         np.testing.assert_allclose(robot.position_limit[:, 1], allowed)
         np.testing.assert_allclose(robot.velocity_limit, [7.0, 0.5])
     assert load_robot(path, mimic=mimic, position_limit={"joint1": (0, 0.1)}).position_limit[:, 1].tolist() == [0, 0.1]
-    with pytest.raises(InvalidInput, match=r"'joint1' from 0.8 to 0.9; those that follow it need -0.4"):
+    with pytest.raises(InvalidInput, match="'joint2' follows 'joint1', and the ranges of both leave it no position"):
         load_robot(path, mimic=mimic, position_limit={"joint1": (0.8, 0.9)})
+    with pytest.raises(InvalidInput, match=r"'joint1' from 0\.8 to 0\.9; those that follow it need -0\.4"):
+        load_robot(path, mimic=mimic, position_limit=(0.8, 0.9))
+
+
+def test_limits_by_hand_leave_all_that_are_tied_in_their_ranges(tmp_path):
+    """Also where a follower comes first in the tree, and is the independent joint: the leader keeps its own limits."""
+    parts = [
+        {"lower": -10, "upper": 10, "speed": 10, "mimic": ("joint1", 2.0, 0.0)},
+        {"lower": -1, "upper": 1, "speed": 1},
+    ]
+    path = write(tmp_path, *chain(*parts), links=3)
+    for position, velocity in (({"joint0": (-5, 5)}, {"joint0": 8.0}), ((-5.0, 5.0), [8.0]), ([[-5.0], [5.0]], 8.0)):
+        robot = load_robot(path, mimic="follow", position_limit=position, velocity_limit=velocity)
+        assert robot.joint_names == ("joint0",)
+        np.testing.assert_allclose(robot.position_limit[:, 0], [-2.0, 2.0])
+        np.testing.assert_allclose(robot.velocity_limit, [2.0])
+    named = load_robot(path, mimic="follow", position_limit={"joint1": (-0.5, 0.5)}, velocity_limit={"joint1": 0.25})
+    np.testing.assert_allclose(named.position_limit[:, 0], [-1.0, 1.0])
+    np.testing.assert_allclose(named.velocity_limit, [0.5])
+    for mimic in "lock", "follow":
+        assert load_robot("panda", mimic=mimic, velocity_limit=[1.0] * 8).velocity_limit.tolist() == [1.0] * 7 + [0.2]
+    with pytest.raises(InvalidInput, match="position limit of joint 'joint1': it is held"):
+        load_robot(path, mimic="free", lock=["joint1"], position_limit={"joint1": (-0.5, 0.5)})
+
+
+def test_a_held_follower_stands_where_limits_by_hand_put_its_leader(tmp_path):
+    path = write(tmp_path, *chain({}, {}, {"mimic": ("joint1", 1.0, 0.0)}), links=4)
+    free = load_robot(path, tip="link3", mimic="free")
+    held = load_robot(path, tip="link3", position_limit={"joint1": (0.5, 0.8)})
+    np.testing.assert_allclose(held.neutral, [0.0, 0.5])
+    expected = free.at([0.0, 0.5, 0.5], np.zeros(3)).frame().position
+    np.testing.assert_allclose(held.at(held.neutral, np.zeros(2)).frame().position, expected, atol=1e-12)
+
+
+def test_a_tie_that_cannot_move_is_told(tmp_path, caplog):
+    path = write(tmp_path, *chain({"lower": 0.0}, {"lower": 0.0, "mimic": ("joint0", -1.0, 0.0)}, {}), links=4)
+    with caplog.at_level(logging.WARNING, logger="hqp"):
+        load_robot(path)
+    assert "joint 'joint0' cannot move: its range and that of 'joint1' leave it 0 alone" in caplog.text
 
 
 def test_the_motor_of_a_tie_is_that_of_its_leader(tmp_path):

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
-from .._checks import Array, numbers, per_row, positive
+from .._checks import Array, not_negative, numbers, per_row, positive
 from ..part import PER, Order, Part
 from ..robots.robot import Robot, joint_names, joint_units
 
@@ -53,7 +53,7 @@ class SymmetricLimit(JointLimit):
     Parameters
     ----------
     limit : float or array, shape (nv,), optional
-        Positive; None for the robot's own.
+        Positive; None for the robot's own. A velocity of 0 holds the joint.
     name : str, optional
 
     Raises
@@ -62,9 +62,12 @@ class SymmetricLimit(JointLimit):
         If a limit is not positive, or larger than 1e15.
     """
 
+    zero_holds: ClassVar[bool] = False
+
     def __init__(self, limit: ArrayLike | None = None, *, name: str | None = None) -> None:
         super().__init__(name)
-        self.limit = None if limit is None else positive(limit, f"{self.label()}: limit", unit=self.unit)
+        checked = not_negative if self.zero_holds else positive
+        self.limit = None if limit is None else checked(limit, f"{self.label()}: limit", unit=self.unit)
 
     def largest(self, robot: Robot) -> Array:
         """The limit of each joint of this robot, shape (nv,), in the unit of the class.

@@ -19,11 +19,12 @@ class JointVelocityLimit(SymmetricLimit):
     Parameters
     ----------
     limit : float or array, shape (nv,), optional
-        [rad/s]; None for the robot's own.
+        [rad/s], [m/s]; None for the robot's own. 0 holds a joint.
     name : str, optional
     """
 
     quantity: ClassVar[str] = "velocity"
+    zero_holds: ClassVar[bool] = True
     unit: ClassVar[str] = "rad/s"
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:

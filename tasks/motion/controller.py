@@ -16,6 +16,9 @@ from hqp.checks import truth
 from hqp.guard import Guard
 
 from .._checks import Array, finite_scalar, numbers, positive_scalar, scalar
+from .._telling import tell
+from ..limits.joint_limits import JointLimits
+from ..limits.velocity import JointVelocityLimit
 from ..part import Command, Order, Part
 from ..robots.robot import Robot, RobotState, as_robot, check_fixed_base, check_joints
 from ..stack import Rows, Stack
@@ -142,6 +145,17 @@ class Controller:
         # A robot whose states share a workspace has a guard of its own, for all controllers that it has.
         self._guard: Guard = getattr(robot, "guard", None) or Guard("the controller")
         self._rows, self._solver = self._prepare(self.stack)
+        self._tell_of_speed()
+
+    def _tell_of_speed(self) -> None:
+        """Tell once where nothing limits the speed: near a singularity it grows without end, and all tasks are met."""
+        parts = [limit for part in self.stack for limit in (part.limits if isinstance(part, JointLimits) else (part,))]
+        held = any(isinstance(part, JointVelocityLimit) for part in parts) or any(self.stack.damping)
+        if getattr(self.robot, "velocity_limit", None) is None and not held:
+            tell(
+                f"nothing limits the speed of {self.robot!r}: near a singularity joints turn as fast as tasks ask;"
+                " add JointVelocityLimit(2.0), in rad/s, to the top of the stack, or give the robot a velocity_limit"
+            )
 
     def __getstate__(self) -> dict[str, Any]:
         """What defines it, and the changes under way, the oldest first: rows and solvers are made anew, and cold."""

@@ -19,7 +19,7 @@ import numpy as np
 from hqp import InvalidInput, MissingPackage
 
 from .._checks import Array, positive_scalar
-from ..robots.robot import Robot, check_fixed_base
+from ..robots.robot import Robot, check_fixed_base, on_pinocchio
 
 if TYPE_CHECKING:
     import mujoco
@@ -59,9 +59,9 @@ class MujocoPlant:
             raise MissingPackage("physics need MuJoCo: pip install 'hqp[mujoco]'") from None
         self._mujoco: Any = mujoco
         self.step = positive_scalar(step, "step", unit="s")
-        model = getattr(robot, "model", None)
-        if model is None:
+        if not on_pinocchio(robot):
             raise InvalidInput(f"robot = {robot!r}; the physics need the model of a PinocchioRobot")
+        model: Any = robot.model  # type: ignore[attr-defined]
         check_fixed_base(robot, "MujocoPlant")
         other = [name for joint, name in _joints(model) if not _known(joint)]
         if other:

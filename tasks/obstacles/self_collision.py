@@ -26,7 +26,7 @@ from hqp.checks import of_type, whole_number
 
 from .._checks import Array, finite_scalar, numbers, positive_scalar
 from ..part import PER, Order, Part, Tick
-from ..robots.robot import Robot, RobotState, nearest
+from ..robots.robot import Robot, RobotState, nearest, on_pinocchio
 from .distance import check_rate
 from .links import Placed
 
@@ -143,7 +143,7 @@ class Shapes:
     """The shapes of one robot, and which pairs of them are watched."""
 
     def __init__(self, robot: Any, asked: tuple[tuple[str, str], ...] | None, margin: float, what: str) -> None:
-        if not hasattr(robot, "geometry"):
+        if not on_pinocchio(robot):
             raise InvalidInput(f"{what}: {robot!r} has no shapes; it needs a robot of load_robot")
         import pinocchio as pin
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from reprlib import repr as brief
@@ -17,12 +18,14 @@ from hqp import InvalidInput
 from hqp.checks import truth
 
 from .._checks import Array
+from .._telling import tell
 from .choices import Base, Mimic
 from .library import ROBOTS, Entry, available_robots, named
 
 if TYPE_CHECKING:
     import mujoco
 
+    from .files.description import Description
     from .pinocchio import PinocchioRobot
 
 #: A limit of all joints, or of those that are named.
@@ -86,7 +89,6 @@ def load_robot(
             raise InvalidInput(f"{option} = {brief(given)}; it must be one of {', '.join(map(repr, allowed))}")
     from .files.language import describe
     from .pinocchio import PinocchioRobot
-    from .ranges import tell
     from .verification import verify
 
     positions = _positions(lock)
@@ -94,15 +96,19 @@ def load_robot(
     verify(described.model, what)
     if described.left_out:
         tell(f"{what}: left out of the robot: {', '.join(described.left_out)}")
-    model, neutral, rooms, recipe = _arranged(described, mimic, positions, what)
+    given = {"position": position_limit, "velocity": velocity_limit, "torque": torque_limit}
+    named = {key: limit for key, limit in given.items() if isinstance(limit, Mapping)}
+    model, neutral, rooms, recipe = _arranged(_limited(described, named, what), mimic, positions, what)
+    _check_named(model, named, what)
+    others = {key: None if key in named else limit for key, limit in given.items()}
     robot = PinocchioRobot(
         model,
         tip=entry.tip if tip is None else tip,
         name=str(source) if entry.file else None,
-        position_limit=tuple(_within(model, position_limit, rooms, what)),
-        velocity_limit=velocity_limit,
+        position_limit=tuple(_within(model, others["position"], rooms, what)),
+        velocity_limit=others["velocity"],
         acceleration_limit=acceleration_limit,
-        torque_limit=torque_limit,
+        torque_limit=others["torque"],
     )
     for joint, room in rooms.items():
         if robot.velocity_limit is not None:
@@ -119,11 +125,47 @@ def load_robot(
     return robot
 
 
-def _arranged(described: Any, mimic: Mimic, positions: dict[str, float | None], what: str) -> Any:
+def _limited(described: Description, named: Mapping[str, Any], what: str) -> Description:
+    """The description with the limits of these joints in the place of the file's, before joints are tied or held."""
+    import pinocchio as pin
+
+    from .axes import NONE, axes
+    from .pinocchio import SPEED, TORQUE
+    from .ranges import largest, position_limit
+
+    if not named:
+        return described
+    model = pin.Model(described.model)
+    ranges = position_limit(model, named.get("position"), what, zero_is_none=False)
+    for i, axis in enumerate(axes(model)):
+        if axis.place != NONE and ranges is not None:
+            model.lowerPositionLimit[axis.place], model.upperPositionLimit[axis.place] = ranges[:, i]
+    for key, upper, lower, units in (
+        ("velocity", model.upperVelocityLimit, model.lowerVelocityLimit, SPEED),
+        ("torque", model.upperEffortLimit, model.lowerEffortLimit, TORQUE),
+    ):
+        if key in named:
+            limits = largest(model, named[key], upper, f"{what}: {key} limit", units, zero_holds=key == "velocity")
+            if limits is not None:
+                upper[:], lower[:] = limits, -limits
+    return replace(described, model=model)
+
+
+def _check_named(model: Any, named: Mapping[str, Any], what: str) -> None:
+    """Refuse a limit of a joint that is held, and has no use for it."""
+    from .axes import axes
+
+    moving = {name for axis in axes(model) for name in (axis.name, axis.joint)} | set(model.names)
+    for key, limits in named.items():
+        for name in limits:
+            if isinstance(name, str) and name not in moving:
+                raise InvalidInput(f"{what}: {key} limit of joint {name!r}: it is held; lock=, or mimic=, says so")
+
+
+def _arranged(described: Description, mimic: Mimic, positions: dict[str, float | None], what: str) -> Any:
     """The model with joints held and tied as asked for; see :class:`tasks.robots.files.ties.Arrangement`."""
     from .files.reduction import reduced
     from .files.ties import arrange, resolve
-    from .ranges import tell
 
     if mimic == "free":
         return *reduced(described.model, positions, described.neutral, what), {}, None
@@ -144,7 +186,10 @@ def _within(model: Any, given: Range | None, rooms: Mapping[str, Any], what: str
         limits = np.array([[-np.inf], [np.inf]]).repeat(len(names), axis=1)
     for joint, room in rooms.items():
         column = names.index(joint)
-        low, high = max(limits[0, column], room.low), min(limits[1, column], room.high)
+        asked = limits[:, column].tolist()
+        low, high = max(asked[0], room.low), min(asked[1], room.high)
+        if given is not None and [low, high] != asked and np.isfinite(asked).all():
+            tell(f"{what}: position limit of {joint!r} is {low:g} .. {high:g}: those that are tied to it allow no more")
         if low > high:
             raise InvalidInput(
                 f"{what}: position limit of {joint!r} from {limits[0, column]:g} to {limits[1, column]:g}; those that"

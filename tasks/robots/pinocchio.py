@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hqp import InvalidInput, MissingPackage
+from hqp.arrays import real_array
 from hqp.checks import of_type
 from hqp.guard import Guard
 
@@ -63,7 +64,7 @@ class PinocchioRobot:
         position, arrays are infinite for the others; a dict changes the joints that it names. A joint whose ends are
         equal is held there.
     velocity_limit : float, array, shape (nv,), or dict of name to float, optional
-        Largest joint speed [rad/s], [m/s] (default: the model's).
+        Largest joint speed [rad/s], [m/s] (default: the model's); 0 holds a joint.
     acceleration_limit : float, array, shape (nv,), or dict of name to float, optional
         Largest joint acceleration [rad/s^2], [m/s^2]; a model has none.
     torque_limit : float, array, shape (nv,), or dict of name to float, optional
@@ -133,7 +134,8 @@ class PinocchioRobot:
         speeds = both_ways(model.lowerVelocityLimit, model.upperVelocityLimit, names, f"{what}: velocity limit")
         torques = both_ways(model.lowerEffortLimit, model.upperEffortLimit, names, f"{what}: torque limit")
         self.position_limit = limits_of(model, position_limit, what)
-        self.velocity_limit = largest(model, velocity_limit, speeds, f"{what}: velocity limit", SPEED)
+        label = f"{what}: velocity limit"
+        self.velocity_limit = largest(model, velocity_limit, speeds, label, SPEED, zero_holds=True)
         self.torque_limit = largest(model, torque_limit, torques, f"{what}: torque limit", TORQUE)
         self.acceleration_limit = largest(model, acceleration_limit, None, f"{what}: acceleration limit", ACCELERATION)
         self.tip = None if tip is None else self.check_frame(of_type(tip, str, "tip"))
@@ -250,8 +252,14 @@ class PinocchioRobot:
         if self.position_limit is None:
             ends = np.array([[-np.pi], [np.pi]]).repeat(len(self._columns), axis=1)
         else:
-            ends = self.position_limit[:, self._columns]
-            ends = np.where(np.isfinite(ends), ends, [[-np.pi], [np.pi]])
+            least, most = self.position_limit[:, self._columns]
+            turn = 2.0 * np.pi  # of joints with one end, so much from it; of those with none, half to either side
+            ends = np.array(
+                [
+                    np.maximum(least, np.minimum(most - turn, -np.pi)),
+                    np.minimum(most, np.maximum(least + turn, np.pi)),
+                ]
+            )
         low[self._places], high[self._places] = ends
         pin.seed(int(rng.integers(2**31)))
         return np.asarray(pin.randomConfiguration(self.model, low, high))
@@ -357,13 +365,24 @@ class PinocchioRobot:
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """M(q) [kg m^2; kg m and kg where joints slide], symmetric, shape (..., nv, nv)."""
-        q = np.asarray(q, dtype=np.float64)
+        (q,) = self._rows(q=q)
         M = np.empty((*q.shape[:-1], self.nv, self.nv))
         one = self._by_columns if len(self.model.mimicking_joints) else self._composite
         for row, own in zip(q.reshape(-1, self.nq), M.reshape(-1, self.nv, self.nv), strict=True):
             own[:] = one(row)
         self._state = None  # the rest of the data was overwritten
         return M
+
+    def _rows(self, **values: ArrayLike) -> list[Array]:
+        """Arrays of configurations, velocities and accelerations with the same leading axes."""
+        found: list[Array] = []
+        for what, value in values.items():
+            array, size = real_array(value, what), self.nq if what == "q" else self.nv
+            if array.shape[-1:] != (size,) or (found and array.shape[:-1] != found[0].shape[:-1]):
+                allowed = f"(..., {size})" if not found else str((*found[0].shape[:-1], size))
+                raise InvalidInput(f"{what} has shape {array.shape}; {self!r} takes {allowed}")
+            found.append(array)
+        return found
 
     def _composite(self, q: Array) -> Array:
         """M by composite rigid bodies."""
@@ -379,7 +398,7 @@ class PinocchioRobot:
 
     def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
         """What torques [N m], forces [N] hold without acceleration: Coriolis, centripetal, gravity, shape (..., nv)."""
-        q, v = (np.asarray(value, dtype=np.float64) for value in (q, v))
+        q, v = self._rows(q=q, v=v)
         rows = zip(q.reshape(-1, self.nq), v.reshape(-1, self.nv), strict=True)
         torques = [np.array(pin.nonLinearEffects(self.model, self.data, *row)) for row in rows]
         self._state = None
@@ -387,7 +406,7 @@ class PinocchioRobot:
 
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """Joint torques [N m], forces [N] for accelerations a, gravity included, shape (..., nv)."""
-        q, v, a = (np.asarray(value, dtype=np.float64) for value in (q, v, a))
+        q, v, a = self._rows(q=q, v=v, a=a)
         rows = [
             pin.rnea(self.model, self.data, *row)
             for row in zip(q.reshape(-1, self.nq), v.reshape(-1, self.nv), a.reshape(-1, self.nv), strict=True)

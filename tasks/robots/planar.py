@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput
 from hqp.checks import of_type
 
-from .._checks import Array, numbers, own_numbers, per_row, position_range, positive
+from .._checks import Array, not_negative, numbers, own_numbers, per_row, position_range, positive
 from . import planar_dynamics as dynamics
 from .frame import FixedFrame, planar_frame
 from .manipulability import manipulability
@@ -96,7 +96,7 @@ class PlanarArm:
         Lowest and highest joint angles [rad], used by limits which name none; infinite where a joint
         turns freely.
     velocity_limit : float or array, shape (n,), optional
-        Largest joint speed [rad/s].
+        Largest joint speed [rad/s]; 0 holds a joint.
     acceleration_limit : float or array, shape (n,), optional
         Largest joint acceleration [rad/s^2].
     torque_limit : float or array, shape (n,), optional
@@ -147,7 +147,9 @@ class PlanarArm:
         )
         self.velocity_limit = self.acceleration_limit = self.torque_limit = None
         if velocity_limit is not None:
-            self.velocity_limit = self._per_joint(velocity_limit, "velocity limit", "rad/s")
+            label = f"{self!r}: velocity limit"
+            speeds = not_negative(velocity_limit, label, unit="rad/s")  # 0 holds a joint
+            self.velocity_limit = per_row(speeds, self.nv, label, "joint")
         if acceleration_limit is not None:
             self.acceleration_limit = self._per_joint(acceleration_limit, "acceleration limit", "rad/s^2")
         if torque_limit is not None:

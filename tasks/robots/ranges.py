@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -11,21 +10,13 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
-from .._checks import LARGEST, Array, per_row, position_range, positive, positive_scalar
+from .._checks import LARGEST, Array, not_negative, per_row, position_range, positive, scalar
+from .._telling import tell
 from .axes import NONE, Axis, axes, kind
 from .robot import joint_index
 
-LOG = logging.getLogger("hqp")
-_TOLD: set[str] = set()
 #: Two joint positions as near as this are one [rad], [m].
 SAME = 1e-9
-
-
-def tell(message: str) -> None:
-    """Say something about a file by logging, once."""
-    if message not in _TOLD:
-        _TOLD.add(message)
-        LOG.warning(message)
 
 
 def unknown_ranges(model: pin.Model, what: str) -> list[Axis]:
@@ -54,7 +45,7 @@ def known(limits: Array) -> Array:
 
 
 def both_ways(lower: Array, upper: Array, names: Sequence[str], what: str) -> Array:
-    """Largest speeds or torques, shape (nv,): the upper limits, as most programs set no others; told if that is not all.
+    """Largest speeds or torques, shape (nv,): the upper limits, which most programs set alone; others are told.
 
     Parameters
     ----------
@@ -140,7 +131,9 @@ def _tell_of_bases(model: pin.Model, what: str) -> None:
         tell(f"{what}: the places of bases are not limited, whatever the model says: {', '.join(told)}")
 
 
-def largest(model: pin.Model, given: Any, own: Array | None, what: str, units: Mapping[str, str]) -> Array | None:
+def largest(
+    model: pin.Model, given: Any, own: Array | None, what: str, units: Mapping[str, str], *, zero_holds: bool = False
+) -> Array | None:
     """Largest speeds, accelerations or torques, shape (nv,): the model's, and what is given in their place.
 
     Parameters
@@ -153,6 +146,8 @@ def largest(model: pin.Model, given: Any, own: Array | None, what: str, units: M
         The robot and the quantity, for messages.
     units : dict
         The unit of the quantity for a joint that turns ("rad") and for one that slides ("m").
+    zero_holds : bool
+        Whether 0 may be given: a joint that is held.
 
     Returns
     -------
@@ -164,13 +159,13 @@ def largest(model: pin.Model, given: Any, own: Array | None, what: str, units: M
     InvalidInput
         If a joint is unknown, or a limit is not positive.
     """
-    all_of = axes(model)
+    all_of, checked = axes(model), not_negative if zero_holds else positive
     if given is None or isinstance(given, Mapping):
         limits = np.full(len(all_of), np.inf) if own is None else np.array(own)
         for i, value in _named(all_of, given or {}, f"{what} of"):
-            limits[i] = positive_scalar(value, f"{what} of {all_of[i].name!r}", unit=units[all_of[i].unit])
+            limits[i] = scalar(checked(value, f"{what} of {all_of[i].name!r}", unit=units[all_of[i].unit]), what)
         return limits if np.isfinite(limits).any() else None
-    return per_row(positive(given, what, unit=units["rad"]), len(all_of), what, "joint")
+    return np.array(per_row(checked(given, what, unit=units["rad"]), len(all_of), what, "joint"))
 
 
 def _named(own: Sequence[Axis], given: Mapping[str, Any], what: str) -> Iterator[tuple[int, Any]]:

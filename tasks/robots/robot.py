@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from reprlib import repr as brief
@@ -102,6 +103,12 @@ class Robot(Protocol):
     def at(self, q: Array, v: Array) -> RobotState:
         """The state at joint positions q [rad] and velocities v [rad/s]."""
         ...
+
+
+def on_pinocchio(robot: Robot) -> bool:
+    """Whether this is a robot of Pinocchio, and not one of somebody's own that happens to have a model."""
+    module = sys.modules.get("tasks.robots.pinocchio")  # there is none without it
+    return module is not None and isinstance(robot, module.PinocchioRobot)
 
 
 def neutral(robot: Robot) -> Array:

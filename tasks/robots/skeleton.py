@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput
 
 from .._checks import Array, numbers
-from .robot import Robot
+from .robot import Robot, on_pinocchio
 
 if TYPE_CHECKING:
     from .pinocchio import PinocchioRobot
@@ -45,7 +45,7 @@ def skeleton(robot: Robot, q: ArrayLike, *, frames: Iterable[str] = ()) -> Array
     q = numbers(q, "q")
     if q.shape != (robot.nq,):
         raise InvalidInput(f"q has shape {q.shape}; the robot takes ({robot.nq},)")
-    if hasattr(robot, "model"):
+    if on_pinocchio(robot):
         segments = _spatial(robot, q, tuple(frames))  # type: ignore[arg-type]
     elif hasattr(robot, "points"):
         points = np.pad(robot.points(q), ((0, 0), (0, 1)))

@@ -11,9 +11,9 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
+from .._telling import tell
 from .axes import axes, kind
 from .frame_names import by_kind
-from .ranges import tell
 
 #: How far the length of an axis, or a rotation, may be off.
 EXACT = 1e-9

@@ -79,6 +79,7 @@ class _Reader:
         self.placed: dict[int, tuple[int, pin.SE3]] = {0: (0, pin.SE3.Identity())}  # body -> joint, and where on it
         self.start: list[Array] = []  # the neutral configuration, joint by joint
         self.base = base
+        self.flown: int | None = None  # the free joint in whose place the robot has a planar one
         if base is not None and len(chosen.roots) > 1:
             raise InvalidInput(f"{what}: base = {base!r}, but there are several robots; each stands as the file says")
         self.world = self._world()
@@ -159,7 +160,8 @@ class _Reader:
                 self._take(free, index)
             self.start.append(pin.SE3ToXYZQUAT(start))
             return index, pin.SE3.Identity()
-        yaw = float(np.arctan2(start.rotation[1, 0], start.rotation[0, 0]))
+        self.flown = free
+        yaw = _yaw(start.rotation)
         self.start.append(np.array([start.translation[0], start.translation[1], np.cos(yaw), np.sin(yaw)]))
         return index, pin.SE3(pin.utils.rotate("z", -yaw) @ start.rotation, np.zeros(3))
 
@@ -266,6 +268,11 @@ class _Reader:
     def configuration(self, qpos: Array, neutral: Array) -> Array:
         """The numbers of MuJoCo for the joints of the robot; a base of which it has none stands as in neutral."""
         q = np.array(neutral)
+        if self.flown is not None:
+            address = int(self.mj.jnt_qposadr[self.flown])
+            place = pose(qpos[address : address + 3], qpos[address + 3 : address + 7])
+            yaw = _yaw(place.rotation)
+            q[:4] = place.translation[0], place.translation[1], np.cos(yaw), np.sin(yaw)
         for j, index in self.joints.items():
             joint, address = self.model.joints[index], int(self.mj.jnt_qposadr[j])
             own = np.array(qpos[address : address + joint.nq])
@@ -295,6 +302,10 @@ class _Reader:
                 here = numbers.oMi[carrier] * placement
                 self._same(here.translation, data.xpos[body], f"the place of body {self.names[body]!r}")
                 self._same(here.rotation, data.xmat[body].reshape(3, 3), f"the axes of body {self.names[body]!r}")
+            if mass > 0.0:
+                centres = [numbers.oMi[i].act(own.lever) * own.mass for i, own in enumerate(self.model.inertias)]
+                expected = sum(mj.body_mass[body] * data.xipos[body] for body in self.scene.bodies)
+                self._same(np.sum(centres, axis=0) / mass, expected / mass, "its centre of mass [m]")
             pin.updateFramePlacements(self.model, numbers)
             for i in range(mj.nsite):
                 name = mj.site(i).name
@@ -319,6 +330,11 @@ def _randomise(mj: mujoco.MjModel, j: int, qpos: Array, rng: np.random.Generator
     else:
         low, high = mj.jnt_range[j] if mj.jnt_limited[j] else (-np.inf, np.inf)
         qpos[address] = rng.uniform(max(low, min(high, np.pi) - 2.0 * np.pi), min(high, max(low, -np.pi) + 2.0 * np.pi))
+
+
+def _yaw(rotation: Array) -> float:
+    """How far a body is turned about the vertical [rad]."""
+    return float(np.arctan2(rotation[1, 0], rotation[0, 0]))
 
 
 def _joint(slides: bool, axis: Array) -> Any:

@@ -64,6 +64,8 @@ def scene(mj: mujoco.MjModel, asked: Iterable[str] | None, what: str) -> Scene:
         roots = robots
     else:
         roots = [_named(mj, name, names, what) for name in asked]
+        if len(set(roots)) < len(roots):
+            raise InvalidInput(f"{what}: body = {[names[root] for root in roots]} names one twice")
     if not roots:
         raise InvalidInput(f"{what} has 0 degrees of freedom: no body has a joint")
     roots.sort(key=lambda root: not _floats(mj, root))

@@ -16,10 +16,14 @@ import pinocchio as pin
 from hqp import InvalidInput
 
 from ..._checks import Array
+from ..._telling import tell
 from ..choices import Mimic
 from ..keeping import Recipe
 from ..ranges import SAME, known
 from .reduction import carried, reduced
+
+#: How far a configuration that a file names may be from its ties [rad], [m].
+KEYED = 1e-6
 
 
 @dataclass(frozen=True)
@@ -146,23 +150,34 @@ def arrange(
     """
     model, neutral, held = pin.Model(model), np.array(neutral), dict(lock)
     groups = _groups(ties, mimic, held, what)
-    rooms = {leader: _room(model, leader, own) for leader, own in groups.items()}
+    rooms: dict[str, Room] = {}
     for leader, own in groups.items():
         place = _place(model, leader)
-        _narrow(model, leader, own, rooms[leader], what)
+        driver = _driver(model, leader, own) if mimic == "follow" else _itself(leader)
+        rooms[driver.follower] = _room(model, driver, [_itself(leader), *own])
+        _narrow(model, leader, own, what)
         neutral[place] = np.clip(neutral[place], model.lowerPositionLimit[place], model.upperPositionLimit[place])
         _hold_together(held, leader, own, float(neutral[place]), mimic, what)
+        _tell_of_configurations(model, leader, own, what)
         for tie in own:
             neutral[_place(model, tie.follower)] = tie.factor * neutral[place] + tie.offset
     model, neutral = reduced(model, held, neutral, what)
     untied, made = model, list[tuple[str, str, float, float]]()
     for leader, own in groups.items():
-        if leader in held:
-            del rooms[leader]
-        elif mimic == "follow":
-            model, neutral, driver = _followed(model, neutral, leader, own, made)
-            rooms[driver.follower] = rooms.pop(leader).seen_from(driver)
+        if mimic == "follow" and leader not in held:
+            model, neutral = _followed(model, neutral, leader, own, made)
+    rooms = {joint: room for joint, room in rooms.items() if joint not in held}
     return Arrangement(model, neutral, rooms, Recipe(untied, tuple(made)) if made else None)
+
+
+def _itself(leader: str) -> Tie:
+    """A leader as one that follows itself."""
+    return Tie(leader, leader, 1.0, 0.0)
+
+
+def _driver(model: pin.Model, leader: str, ties: list[Tie]) -> Tie:
+    """Of joints that are tied together the independent one: the first in the tree, as Pinocchio demands."""
+    return min([_itself(leader), *ties], key=lambda tie: model.getJointId(tie.follower))
 
 
 def _groups(ties: list[Tie], mimic: Mimic, held: dict[str, float | None], what: str) -> dict[str, list[Tie]]:
@@ -190,28 +205,42 @@ def _column(model: pin.Model, joint: str) -> int:
     return int(model.joints[model.getJointId(joint)].idx_v)
 
 
-def _room(model: pin.Model, leader: str, ties: list[Tie]) -> Room:
-    """What the ranges and speeds of all its followers leave to a leader."""
+def _room(model: pin.Model, driver: Tie, ties: list[Tie]) -> Room:
+    """What the ranges and speeds of all others that are tied to it leave to a joint."""
     low, high, speed = -np.inf, np.inf, np.inf
     speeds = known(model.upperVelocityLimit)
     for tie in ties:
-        own = _place(model, tie.follower)
-        least, most = model.lowerPositionLimit[own], model.upperPositionLimit[own]
-        ends = sorted(((least - tie.offset) / tie.factor, (most - tie.offset) / tie.factor))
-        low, high = max(low, ends[0]), min(high, ends[1])
-        speed = min(speed, speeds[_column(model, tie.follower)] / abs(tie.factor))
+        if tie.follower != driver.follower:
+            factor = tie.factor / driver.factor
+            offset, own = tie.offset - factor * driver.offset, _place(model, tie.follower)
+            least, most = model.lowerPositionLimit[own], model.upperPositionLimit[own]
+            ends = sorted(((least - offset) / factor, (most - offset) / factor))
+            low, high = max(low, ends[0]), min(high, ends[1])
+            speed = min(speed, speeds[_column(model, tie.follower)] / abs(factor))
     return Room(float(low), float(high), float(speed))
 
 
-def _narrow(model: pin.Model, leader: str, ties: list[Tie], room: Room, what: str) -> None:
+def _narrow(model: pin.Model, leader: str, ties: list[Tie], what: str) -> None:
     """Give the leader the range and the speed that its followers leave it."""
-    place, column = _place(model, leader), _column(model, leader)
+    room, place, column = _room(model, _itself(leader), ties), _place(model, leader), _column(model, leader)
     low, high = max(model.lowerPositionLimit[place], room.low), min(model.upperPositionLimit[place], room.high)
+    followers = " and ".join(repr(tie.follower) for tie in ties)
     if low > high:
-        followers = " and ".join(repr(tie.follower) for tie in ties)
         raise InvalidInput(f"{what}: joint {followers} follows {leader!r}, and the ranges of both leave it no position")
+    if high - low <= SAME:
+        tell(f"{what}: joint {leader!r} cannot move: its range and that of {followers} leave it {low:g} alone")
     model.lowerPositionLimit[place], model.upperPositionLimit[place] = low, high
     _limit_speed(model, column, min(known(model.upperVelocityLimit)[column], room.speed))
+
+
+def _tell_of_configurations(model: pin.Model, leader: str, ties: list[Tie], what: str) -> None:
+    """Tell of configurations that the file names and in which a follower is not where its leader puts it."""
+    for entry in model.referenceConfigurations:
+        q = np.array(entry.data())
+        for tie in ties:
+            own = tie.factor * q[_place(model, leader)] + tie.offset
+            if abs(q[_place(model, tie.follower)] - own) > KEYED:
+                tell(f"{what}: configuration {entry.key()!r} has {tie.follower!r} where {leader!r} does not put it")
 
 
 def _limit_speed(model: pin.Model, column: int, speed: float) -> None:
@@ -241,17 +270,9 @@ def _hold_together(
 
 def _followed(
     model: pin.Model, neutral: Array, leader: str, ties: list[Tie], made: list[tuple[str, str, float, float]]
-) -> tuple[pin.Model, Array, Tie]:
-    """Tie joints together. The one that comes first in the tree is the independent one, as Pinocchio demands.
-
-    What is done is noted in `made`.
-
-    Returns
-    -------
-    The model, its neutral configuration, and the tie of the independent joint to the leader.
-    """
-    all_of = [Tie(leader, leader, 1.0, 0.0), *ties]
-    driver = min(all_of, key=lambda tie: model.getJointId(tie.follower))
+) -> tuple[pin.Model, Array]:
+    """Tie joints together, and note in `made` what is done: the model, and its neutral configuration."""
+    all_of, driver = [_itself(leader), *ties], _driver(model, leader, ties)
     place, column = _place(model, leader), _column(model, leader)
     whole = Room(
         model.lowerPositionLimit[place], model.upperPositionLimit[place], model.upperVelocityLimit[column]
@@ -262,7 +283,7 @@ def _followed(
         factor, own = tie.factor / driver.factor, _column(model, tie.follower)
         resists += factor**2 * model.armature[own], factor**2 * model.damping[own], abs(factor) * model.friction[own]
     for tie in all_of:
-        if tie is not driver:
+        if tie.follower != driver.follower:
             factor = tie.factor / driver.factor
             made.append((driver.follower, tie.follower, factor, tie.offset - factor * driver.offset))
             model, neutral = _mimicking(model, neutral, *made[-1])
@@ -271,7 +292,7 @@ def _followed(
     _limit_speed(model, column, whole.speed)
     model.upperEffortLimit[column], model.lowerEffortLimit[column] = torque, -torque
     model.armature[column], model.damping[column], model.friction[column] = resists
-    return model, neutral, driver
+    return model, neutral
 
 
 def _mimicking(

@@ -13,23 +13,32 @@ from hqp import InvalidInput
 
 from ..._checks import LARGEST
 from ..._quiet import caught, reason
+from ..._telling import tell
 from ..choices import Base
 from ..frame_names import KINDS
-from ..ranges import open_ranges, tell
+from ..ranges import open_ranges
 from .description import BASE_JOINT, BASES, Description
 from .ties import Tie
 from .xml import parsed, written
 
 #: The numbers of a tie, and what they are where the file does not say.
 MIMIC = (("multiplier", "1"), ("offset", "0"))
-#: The elements that make the robot, by the element in which they stand.
+#: The elements that make the robot, by the element in which they stand; those that may stand there once; attributes.
 ELEMENTS = {
     "robot": ("link", "joint"),
     "joint": ("origin", "parent", "child", "axis", "limit", "mimic"),
     "link": ("inertial", "collision"),
+    "inertial": ("origin", "mass", "inertia"),
+    "collision": ("origin", "geometry"),
 }
 #: Elements of others, which may have joints and links of their own.
 FOREIGN = ("gazebo", "transmission", "ros2_control", "drake", "sensor")
+ONCE = (*ELEMENTS["joint"], *ELEMENTS["inertial"], "inertial", "geometry")
+#: Of these elements: names that are read, in small letters alone.
+ATTRIBUTES = (
+    *("name", "type", "xyz", "rpy", "link", "joint", "lower", "upper"),
+    *("velocity", "effort", "multiplier", "offset"),
+)
 
 
 def read_urdf(path: Path, base: Base | None, what: str) -> Description:
@@ -47,6 +56,7 @@ def read_urdf(path: Path, base: Base | None, what: str) -> Description:
     _check_axes(joints, what)
     _open(joints, {name for tie in ties for name in (tie.follower, tie.leader)})
     shared = rename_shared(root)
+    _drop_pictures(root)
     arguments = [written(root, what)]
     if base in BASES:
         taken = {joint.get("name") for joint in joints}
@@ -75,12 +85,21 @@ def read_urdf(path: Path, base: Base | None, what: str) -> Description:
 def rename_shared(root: Element) -> dict[str, str]:
     """Rename joints that share their name with a link, which Pinocchio would confuse: the new names, and the old."""
     links, renamed = {link.get("name") for link in root.findall("link")}, {}
+    taken = links | {joint.get("name") for joint in root.findall("joint")}
     for joint in root.findall("joint"):
         name = joint.get("name", "")
         if name in links:
-            joint.set("name", f"joint:{name}")
-            renamed[f"joint:{name}"] = name
+            new = next(own for own in _names(f"joint:{name}") if own not in taken)
+            joint.set("name", new)
+            renamed[new] = name
     return renamed
+
+
+def _drop_pictures(root: Element) -> None:
+    """Take off what is only looked at: colours and visual shapes, in which an error is no error of the robot."""
+    for element in [root, *root.findall("link")]:
+        for child in [own for own in element if own.tag in ("material", "visual")]:
+            element.remove(child)
 
 
 def rename(model: pin.Model, names: dict[str, str]) -> None:
@@ -105,16 +124,25 @@ def _check_elements(root: Element, path: Path, what: str) -> None:
     unexpanded = any("xacro" in str(element.tag).split("}")[0] for element in root.iter())
     if unexpanded or any("${" in value for element in root.iter() for value in element.attrib.values()):
         raise InvalidInput(f"{what} is to be expanded by xacro first: xacro {path.name} > {stem}.urdf")
-    for place, known in ELEMENTS.items():
-        for element in [root] if place == "robot" else root.findall(place):
-            for child in element:
-                if child.tag not in known and str(child.tag).lower() in known:
-                    raise InvalidInput(f"{what}: <{child.tag}> in <{place}> is not read; write <{child.tag.lower()}>")
-    inside = [child for child in root if child.tag not in (*ELEMENTS["robot"], *FOREIGN)]
-    for child in inside:
-        for name in ELEMENTS["robot"]:
-            if child.find(f".//{name}") is not None:
-                raise InvalidInput(f"{what}: <{name}> inside <{child.tag}> is not read; it must stand in <robot>")
+    for element in [root, *(own for child in root if child.tag in ELEMENTS["robot"] for own in child.iter())]:
+        known = ELEMENTS.get(str(element.tag), ())
+        for child in element:
+            tag = str(child.tag)
+            if tag not in known and tag.lower() in known:
+                raise InvalidInput(f"{what}: <{tag}> in <{element.tag}> is not read; write <{tag.lower()}>")
+            if tag in ONCE and len(element.findall(tag)) > 1:
+                name = element.get("name")
+                raise InvalidInput(f"{what}: <{element.tag} name={name!r}> has several <{tag}>; only one is read")
+            wrong = [name for name in child.attrib if name not in ATTRIBUTES and name.lower() in ATTRIBUTES]
+            if tag in known and wrong:
+                raise InvalidInput(f"{what}: {wrong[0]!r} of <{tag}> is not read; write {wrong[0].lower()!r}")
+    for child in root:
+        if child.tag not in ELEMENTS["robot"] and child.tag not in FOREIGN and not str(child.tag).startswith("{"):
+            joint = next((own for own in child.iter("joint") if own.find("parent") is not None), None)
+            link = next((own for own in child.iter("link") if len(own)), None)
+            if joint is not None or link is not None:
+                tag = "joint" if joint is not None else "link"
+                raise InvalidInput(f"{what}: <{tag}> inside <{child.tag}> is not read; it must stand in <robot>")
     for joint in root.findall("joint"):
         if joint.get("name") == "universe":
             raise InvalidInput(f"{what}: joint 'universe' has the name of the world; it must have another")

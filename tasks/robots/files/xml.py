@@ -9,8 +9,10 @@ from xml.etree.ElementTree import Element
 
 from hqp import InvalidInput
 
-#: Comments, which here may have dashes inside; the declaration; the first element; an ampersand that begins no entity.
-COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+#: Comments, which here may have dashes inside, and text for others; the declaration; the first element; a namespace
+#: without prefix; an ampersand that begins no entity.
+COMMENT = re.compile(r"<!--.*?-->|<!\[CDATA\[.*?\]\]>", re.DOTALL)
+NAMESPACE = re.compile(r"\sxmlns\s*=\s*(\"[^\"]*\"|'[^']*')")
 DECLARATION = re.compile(r"\s*<\?xml[^>]*\?>")
 ENCODING = re.compile(r"\s*<\?xml[^>]*?encoding\s*=\s*[\"']([\w.:-]+)[\"']")
 FIRST = re.compile(r"<\s*(?:\w+:)?([A-Za-z_][\w.-]*)")
@@ -60,7 +62,7 @@ def root_of(path: Path, what: str) -> str:
 
 
 def parsed(path: Path, what: str) -> Element:
-    """The root element of an XML file, its own namespace taken off.
+    """The root element of an XML file. Namespaces without a prefix mean nothing: the elements are read without them.
 
     Raises
     ------
@@ -68,16 +70,11 @@ def parsed(path: Path, what: str) -> Element:
         If it cannot be read, or is no XML; tells the line.
     """
     text = COMMENT.sub(lambda comment: "\n" * comment.group().count("\n"), text_of(path, what))
-    text = AMPERSAND.sub("&amp;", DECLARATION.sub("", text, count=1).strip())
+    text = NAMESPACE.sub("", AMPERSAND.sub("&amp;", DECLARATION.sub("", text, count=1).strip()))
     try:
-        root = ElementTree.fromstring(text)
+        return ElementTree.fromstring(text)
     except ElementTree.ParseError as error:
         raise InvalidInput(f"{what} is no valid XML: {error}") from None
-    if root.tag.startswith("{"):
-        own = root.tag[: root.tag.index("}") + 1]
-        for element in root.iter():
-            element.tag = element.tag.removeprefix(own)
-    return root
 
 
 def written(root: Element, what: str) -> str:

@@ -1,0 +1,15 @@
+"""What is worth a word and no refusal: told by logging, once."""
+
+from __future__ import annotations
+
+import logging
+
+LOG = logging.getLogger("hqp")
+_TOLD: set[str] = set()
+
+
+def tell(message: str) -> None:
+    """Say it, unless it was said before in this process."""
+    if message not in _TOLD:
+        _TOLD.add(message)
+        LOG.warning(message)
