@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -34,18 +35,30 @@ def cells(text: str, first: str) -> list[str]:
     return line.split()
 
 
+def close(words: str | list[str], expected: list[float]) -> bool:
+    """Whether numbers, as they are printed, are these but for round-off."""
+    found = [float(word) for word in (words.strip("[]").split(",") if isinstance(words, str) else words)]
+    return len(found) == len(expected) and np.allclose(found, expected, rtol=1e-5, atol=1e-9)
+
+
+def line_of(text: str, first: str) -> str:
+    """The rest of the line that begins so."""
+    (line,) = (line.removeprefix(first) for line in text.splitlines() if line.startswith(first))
+    return line
+
+
 def test_it_prints_status_levels_x_and_certificate(file: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["solve", file]) == 0
     text = capsys.readouterr().out
     solution = hqp.solve(example())
     assert text.startswith(f"{hqp.DEFAULT_BACKEND}: optimal\n")
-    assert cells(text, "level 0 ('limits')")[3:] == ["3", "0", "0", "2"]
-    assert cells(text, "level 1 ('reach')")[3:] == ["1", "1", "1", "0"]
-    assert cells(text, "level 2 ('posture')")[3:] == ["1", "0.666667", "1", "0"]
+    assert close(cells(text, "level 0 ('limits')")[3:], [3, 0, 0, 2])  # rows, residual, rank, at a bound
+    assert close(cells(text, "level 1 ('reach')")[3:], [1, 1, 1, 0])
+    assert close(cells(text, "level 2 ('posture')")[3:], [1, 2 / 3, 1, 0])
     assert f"\n{solution.explain()}\n" in text
     assert "reach short by 1: x[0] limits (upper), then x[1] limits (upper)\n" in text
-    (x,) = (line.removeprefix("x = ") for line in text.splitlines() if line.startswith("x = "))
-    np.testing.assert_array_equal([float(number) for number in x.strip("[]").split(",")], solution.x)
+    x = [float(number) for number in line_of(text, "x = ").strip("[]").split(",")]
+    np.testing.assert_array_equal(x, solution.x)  # every digit
     assert text.rstrip().endswith(str(solution.certify()))
 
 
@@ -75,11 +88,12 @@ def test_several_backends_are_compared_a_line_each(file: str, capsys: pytest.Cap
     assert run(["solve", file, "-b", "cascade:proxsuite", "-b", "cascade:qpsolvers/proxqp"]) == 0
     text = capsys.readouterr().out
     for name in "cascade:proxsuite", "cascade:qpsolvers/proxqp":
-        assert cells(text, name) == [name, "optimal", "yes", "0", "1", "0.666667"]
+        assert cells(text, name)[:3] == [name, "optimal", "yes"]
+        assert close(cells(text, name)[3:], [0, 1, 2 / 3])
     assert "residual norms of level 0 ('limits'), level 1 ('reach'), level 2 ('posture')" in text
     assert run(["solve", file, "-b", "cascade:proxsuite", "-b", "pseudoinverse"]) == 1
     text = capsys.readouterr().out
-    assert cells(text, "pseudoinverse  ")[1:4] == ["unsupported", "NO", "0"]
+    assert cells(text, "pseudoinverse  ")[1:4] == ["unsupported", "NO", "0"]  # it gives x_ref back
     assert "pseudoinverse: unsupported, level 0 ('limits'), row 0" in text
 
 
@@ -89,9 +103,12 @@ def test_x_ref_is_the_one_of_the_file_unless_another_is_given(
     hqp.save(tmp_path / "h.npz", example(), [0.0, 0.0, 0.25])
     assert run(["solve", str(tmp_path / "h.npz")]) == 0
     text = capsys.readouterr().out
-    assert "x_ref = [0.0, 0.0, 0.25]\nx = [1.0, 1.0, 0.25]\n" in text
+    assert line_of(text, "x_ref = ") == "[0.0, 0.0, 0.25]"
+    assert close(line_of(text, "x = "), [1.0, 1.0, 0.25])
     assert run(["solve", str(tmp_path / "h.npz"), "--x-ref", "-1,0,-0.5"]) == 0
-    assert "x_ref = [-1.0, 0.0, -0.5]\nx = [1.0, 1.0, -0.5]\n" in capsys.readouterr().out
+    text = capsys.readouterr().out
+    assert line_of(text, "x_ref = ") == "[-1.0, 0.0, -0.5]"
+    assert close(line_of(text, "x = "), [1.0, 1.0, -0.5])
 
 
 def test_names_of_others_are_printed_and_do_nothing_else(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -112,9 +129,12 @@ def test_a_text_file_is_solved_like_an_archive(file: str, tmp_path: Path, capsys
     assert run(["solve", file]) == 0
     archive = capsys.readouterr().out
     assert run(["solve", text(tmp_path, 1.0, 1.0, 0.0)]) == 0
-    assert capsys.readouterr().out == (
-        archive + "#SolGuess: 2 from the x of native\n#Solution: certified; 0 from the x of native\n"
+    more = re.fullmatch(
+        r"#SolGuess: (\S+) from the x of native\n#Solution: certified; (\S+) from the x of native\n",
+        capsys.readouterr().out.removeprefix(archive),
     )
+    assert more
+    assert close([*more.groups()], [2, 0])
 
 
 @pytest.mark.parametrize(
@@ -137,7 +157,9 @@ def test_the_solution_of_a_file_is_judged_with_the_x_ref_that_is_given(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["solve", text(tmp_path, 1.0, 1.0, 0.5), "--x-ref", "0,0,0.5"]) == 0
-    assert capsys.readouterr().out.endswith("#Solution: certified; 0 from the x of native\n")
+    told = re.search(r"#Solution: certified; (\S+) from the x of native\n$", capsys.readouterr().out)
+    assert told
+    assert close([told[1]], [0])
 
 
 @pytest.mark.parametrize(

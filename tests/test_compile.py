@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import errno
+import os
+import subprocess
+import sys
 import tempfile
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -23,6 +27,61 @@ def test_without_a_folder_to_write_to_a_kernel_is_compiled_and_not_kept(monkeypa
     monkeypatch.setattr(tempfile, "TemporaryFile", refuse)  # which Numba tries its folders with
     kernel = compiling.stamp(compiling.entry(double))
     assert kernel(21) == 42
+
+
+HELPER = """
+from hqp.kernels.compile import inner
+
+@inner
+def factor():
+    return {factor}
+"""
+KERNELS = """
+from hqp.kernels.compile import entry, stamp
+from helper import factor
+
+@stamp
+@entry
+def scaled(number):
+    return factor() * number
+
+@stamp
+@entry
+def shifted(number):
+    return factor() + number
+"""
+#: A Numba which keeps kernels by the date of their own file as ours does, and has no private name in common with it.
+WITHOUT_THE_HOOK = """
+from numba.core import caching
+
+class Renamed:
+    def __init__(self, cache_path, filename_base, source_stamp):
+        index = original(cache_path, filename_base, source_stamp)
+        self.flush, self.save, self.load = index.flush, index.save, index.load
+
+original, caching.IndexDataCacheFile = caching.IndexDataCacheFile, Renamed
+"""
+CALL = "from kernels import scaled, shifted; print(scaled(10), shifted(10))"
+
+
+@pytest.mark.parametrize("hook", [True, False])
+def test_another_kernel_changed_is_compiled_anew_though_numba_may_not_see_it(hook: bool, tmp_path: Path) -> None:
+    """With the stamp, what is kept is found as long as nothing changed; without a place for it nothing is kept."""
+    (tmp_path / "kernels.py").write_text(KERNELS)
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "NUMBA_DEBUG_CACHE": "1"}
+    for factor, found in (3, False), (3, hook), (4, False):
+        (tmp_path / "helper.py").write_text(HELPER.format(factor=factor))
+        script = f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n{'' if hook else WITHOUT_THE_HOOK}\n{CALL}"
+        done = subprocess.run(
+            [sys.executable, "-B", "-c", script], env=environment, capture_output=True, text=True, check=True
+        )
+        *kept, answers = done.stdout.splitlines()
+        assert answers == f"{10 * factor} {10 + factor}"
+        assert any("data loaded from" in line for line in kept) == found
+        assert any("data saved to" in line for line in kept) == (hook and not found)
+        told = done.stderr.splitlines()
+        assert len(told) == (not hook)
+        assert all(line.startswith("kernels are compiled anew by every process: Numba ") for line in told)
 
 
 def test_a_full_disk_does_not_stop_it(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -51,7 +51,8 @@ def test_what_a_small_budget_leaves_is_exact_above_the_level_where_it_stopped(it
             gained = certificate.levels[k].residual_norm - best
             assert gained <= solution.gap + 1e-9 * (1.0 + best), name
     assert stopped >= 15
-    assert below >= 1
+    if iterations > 1:  # the first one mostly goes into level 0
+        assert below >= 1
 
 
 def test_a_solver_goes_on_after_its_budget_ran_out() -> None:

@@ -342,7 +342,7 @@ def test_where_strictness_was_relaxed_and_by_how_much():
     assert reach.strict_norm == pytest.approx(0.0, abs=1e-12)
     assert (rest.damping, rest.excess) == (0.0, 0.0)
     assert "2 stages, x = [1.6 1. ]" in repr(solution)
-    assert "Relaxation(level=0, name='reach', damping=1.0, residual_norm=0.8" in repr(solution)
+    assert f"Relaxation(level=0, name='reach', damping=1.0, residual_norm={reach.residual_norm!r}" in repr(solution)
     assert str(solution.certify()).startswith("stage 0: certified")
     assert solution.certify().failed is None
 

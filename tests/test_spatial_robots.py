@@ -26,10 +26,10 @@ from tasks import (
     PoseTask,
     PositionTask,
     PostureTask,
+    _telling,
     load_robot,
     simulate,
 )
-from tasks.robots import ranges
 
 LENGTHS = (0.5, 0.4, 0.3)
 LOWER, UPPER, V_MAX = (-2.0, -2.5, -2.2), (2.0, 2.5, 2.2), (1.0, 1.5, 2.0)
@@ -265,7 +265,7 @@ def test_joints_that_follow_are_in_the_jacobians(tmp_path, name):
 
 
 def test_locked_joints_are_told_once(tmp_path, caplog, monkeypatch):
-    monkeypatch.setattr(ranges, "_TOLD", set())
+    monkeypatch.setattr(_telling, "_TOLD", set())
     path = tied(tmp_path)
     with caplog.at_level(logging.WARNING, logger="hqp"):
         for _ in range(3):

@@ -13,12 +13,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from interrupts import heard
 from PIL import Image
 
 from hqp import InvalidInput
 from tasks.motion.record import Stop
-from tasks.thesis import figures, ideas, report, runs, scenarios, store, tables
-from tasks.thesis.animation import animate
+from tasks.thesis import animation, figures, ideas, report, runs, scenarios, store, tables
 from tasks.thesis.findings import digits, measure, to_csv
 from tasks.thesis.runs import Job, jobs_of, run
 from tasks.thesis.scenarios import scenario
@@ -233,10 +233,11 @@ def test_ctrl_c_in_the_middle_and_on_again(tmp_path):
         "cli.main(sys.argv[1:])"
     )
     command = [sys.executable, "-c", script, "thesis", "-j", "2", "-o", str(tmp_path)]
-    command += [word for figure in ("4.7", "4.9", "4.15", "4.17") for word in ("-f", figure)]
-    first = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT)
-    deadline = time.monotonic() + 60
-    while len(list(tmp_path.glob("runs/*.npz"))) < 3:
+    command += [word for figure in ("4.9", "4.17") for word in ("-f", figure)]
+    with heard():
+        first = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=ROOT)
+    deadline = time.monotonic() + 300
+    while len(list(tmp_path.glob("runs/*.npz"))) < 2:
         assert time.monotonic() < deadline
         assert first.poll() is None, first.stderr.read()
         time.sleep(0.05)
@@ -245,9 +246,9 @@ def test_ctrl_c_in_the_middle_and_on_again(tmp_path):
     assert first.returncode == 130
     assert told.strip().endswith("hqp: interrupted; what was finished is kept")
     kept = len(list(tmp_path.glob("runs/*.npz")))
-    assert 3 <= kept < 24
+    assert 2 <= kept < 12
     second = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
-    assert f"runs simulated: {24 - kept}, pictures drawn: 4" in second.stdout
+    assert f"runs simulated: {12 - kept}, pictures drawn: 2" in second.stdout
 
 
 @pytest.mark.parametrize("form", ["pdf", "svg"])
@@ -257,7 +258,8 @@ def test_formats(form, short_figures, tmp_path):
     assert head in (b"%PDF-", b"<?xml")
 
 
-def test_animation(short_figures, tmp_path):
+def test_animation(short_figures, tmp_path, monkeypatch):
+    monkeypatch.setattr(animation, "FRAMES", 25)  # a third, and each takes as long
     make(tmp_path, "4.7", animated=True)
     with Image.open(tmp_path / "figure-4.7.gif") as picture:
         assert picture.n_frames > 20
@@ -296,7 +298,8 @@ def without_a_tick(record):
     return replace(record, **none, **first, errors=errors, active=active, certified=0, stopped=stopped)
 
 
-def test_a_run_without_an_answer_is_a_finding(tmp_path):
+def test_a_run_without_an_answer_is_a_finding(tmp_path, monkeypatch):
+    monkeypatch.setattr(animation, "FRAMES", 3)  # where all stands still, one is as good as any
     item = short("4.7")
     jobs = [Job(item, law, "cascade:proxsuite") for law in runs.laws_of(item)]
     shown = {job: without_a_tick(run(job)) for job in jobs}
@@ -304,7 +307,7 @@ def test_a_run_without_an_answer_is_a_finding(tmp_path):
     assert {finding.note for finding in found} == {"failed at t = 0 s"}
     assert all(cell == "failed at t = 0 s ✗" for cell in tables.against_claims(found)[0][3:])
     figures.draw(item, shown).savefig(tmp_path / "figure.png", dpi=40)
-    animate(item, shown, tmp_path / "figure.gif")
+    animation.animate(item, shown, tmp_path / "figure.gif")
 
 
 def test_where_there_is_nothing_to_show(tmp_path):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import platform
 import traceback
+import warnings
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
@@ -66,8 +67,9 @@ def processes(plan: Plan, cells: Sequence[Cell], jobs: int) -> Iterator[Done]:
         fresh, begun = [cell for cell in left if not lost[cell]], list[Cell]()
         at_once = "n_jobs" if fresh else 1  # suspects come last, and alone, so that none suffers from another
         parallel = Parallel(n_jobs=jobs, return_as="generator_unordered", batch_size=1, pre_dispatch=at_once)
+        results = parallel(_handed_out(plan, fresh or left, begun))
         try:
-            for cell, result in parallel(_handed_out(plan, fresh or left, begun)):
+            for cell, result in results:
                 left.remove(cell)
                 yield cell, result
         except TerminatedWorkerError:  # all workers go with it; what they had is done again
@@ -75,6 +77,9 @@ def processes(plan: Plan, cells: Sequence[Cell], jobs: int) -> Iterator[Done]:
             for cell in [cell for cell in left if lost[cell] >= LIVES]:
                 left.remove(cell)
                 yield cell, Failed(f"its process died, {LIVES} times\n")
+        finally:
+            with warnings.catch_warnings(action="ignore", category=UserWarning):  # whoever stops here knows
+                results.close()
 
 
 def _handed_out(plan: Plan, cells: Sequence[Cell], begun: list[Cell]) -> Iterator[Any]:

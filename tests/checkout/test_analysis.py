@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from command import ROOT, refused, run
+from command import ROOT, called, refused, run
 from rich.console import Console
 
 from benchmarks import extra
@@ -240,7 +240,7 @@ def test_a_run_compared_with_itself_has_not_changed(small: Path) -> None:
     ],
 )
 def test_wrong_input_is_one_line(arguments: tuple[str, ...], said: str) -> None:
-    refused(run(*arguments), said)
+    refused(called(*arguments), said)
 
 
 @pytest.mark.parametrize("number", [np.nan, np.inf, 1e300, -1e308, 1e-320])
@@ -312,9 +312,9 @@ def test_an_odd_run_becomes_a_page_too(odd: Path, tmp_path: Path) -> None:
     assert "| daqp | tight |" in page
     for absent in ("## Tails", "## Growth", "## Where native is not best", "nan"):
         assert absent not in page
-    refused(run("plot", str(odd), "growth", "-o", str(tmp_path / "g.png")), "no growth curve has three points")
-    refused(run("plot", str(odd), "tails", "-o", str(tmp_path / "t.png")), "families whose first level can be met")
-    done = run("compare", str(odd), str(odd))
+    refused(called("plot", str(odd), "growth", "-o", str(tmp_path / "g.png")), "no growth curve has three points")
+    refused(called("plot", str(odd), "tails", "-o", str(tmp_path / "t.png")), "families whose first level can be met")
+    done = called("compare", str(odd), str(odd))
     assert "0 of 0 times changed beyond noise" in done.stdout
 
 
@@ -329,7 +329,7 @@ def test_a_page_of_an_unfinished_run_says_so(small: Path, tmp_path: Path) -> Non
 
 
 def test_what_is_exported_has_every_digit(odd: Path, tmp_path: Path) -> None:
-    done = run("export", str(odd), str(tmp_path / "rows.csv"))
+    done = called("export", str(odd), str(tmp_path / "rows.csv"))
     assert done.returncode == 0, done.stderr
     exported, kept = pd.read_csv(tmp_path / "rows.csv"), Store.open(odd).table()
     assert len((tmp_path / "rows.csv").read_text().splitlines()) == 1 + len(kept)
@@ -341,7 +341,7 @@ def test_without_tight_answers_there_is_no_page(tmp_path: Path) -> None:
     folder = str(tmp_path / "loose")
     done = run("run", "smoke", "-f", "control/P1", "-m", "daqp*", "-s", "loose", "--draws", "1", "-o", folder)
     assert done.returncode == 0, done.stderr
-    refused(run("report", folder, "-o", str(tmp_path / "page.md")), "no answer at the setting 'tight'")
+    refused(called("report", folder, "-o", str(tmp_path / "page.md")), "no answer at the setting 'tight'")
 
 
 def test_without_pandas_every_command_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import refused, run
+from command import called, refused, run
 
 from benchmarks.families.control import CONTROL
 from benchmarks.methods import METHODS, required
@@ -134,7 +134,7 @@ def test_a_race_of_chosen_ones() -> None:
     ],
 )
 def test_wrong_input_of_a_race_is_one_line(arguments: tuple[str, ...], said: str) -> None:
-    refused(run("solve", "--seeds", "1", "--draws", "1", *arguments), said)
+    refused(called("solve", "--seeds", "1", "--draws", "1", *arguments), said)
 
 
 def scene(name: str) -> Scene:
@@ -193,7 +193,7 @@ def test_peers_are_asked_for_the_same_motion(peer: str) -> None:
     ],
 )
 def test_wrong_input_of_a_tick_is_one_line(arguments: tuple[str, ...], said: str) -> None:
-    refused(run("tick", "--ticks", "1", "--rounds", "1", *arguments), said)
+    refused(called("tick", "--ticks", "1", "--rounds", "1", *arguments), said)
 
 
 def test_poses_are_solved_by_ours_and_by_what_is_here(tmp_path: Path) -> None:
@@ -258,4 +258,4 @@ def test_a_peer_stands_where_ours_stands(peer: str) -> None:
 )
 def test_wrong_input_of_the_poses_is_one_line(arguments: tuple[str, ...], said: str) -> None:
     pytest.importorskip("pinocchio")
-    refused(run("ik", *arguments), said)
+    refused(called("ik", *arguments), said)

@@ -6,7 +6,6 @@ import contextlib
 import io
 import re
 import shlex
-import subprocess
 import sys
 from functools import cache
 from importlib.util import find_spec
@@ -15,10 +14,10 @@ from textwrap import dedent
 from typing import Any
 
 import pytest
+from command import ROOT, called
 
 from tasks.cli import run
 
-ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "CHANGELOG.md", ROOT / "CONTRIBUTING.md"]
 BLOCK = re.compile(r"^( *)```(\w*)\n(.*?)^\1```$", re.MULTILINE | re.DOTALL)
 
@@ -80,9 +79,8 @@ def help_text(*command: str) -> str:
         with contextlib.redirect_stdout(out):
             assert run([*command[1:], "--help"]) == 0, f"{' '.join(command)} is unknown"
         return out.getvalue()
-    asked = subprocess.run(
-        [sys.executable, *command[1:], "--help"], cwd=ROOT, capture_output=True, text=True, check=True
-    )
+    asked = called(*command[3:], "--help")
+    assert asked.returncode == 0, asked.stderr
     return asked.stdout
 
 

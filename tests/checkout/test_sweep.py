@@ -18,7 +18,8 @@ import pandas as pd
 import psutil
 import pyarrow.parquet as pq
 import pytest
-from command import ROOT, refused, run
+from command import ROOT, called, refused, run
+from interrupts import heard
 
 from benchmarks.analysis.comparison import differences, paired
 from benchmarks.families import FAMILIES, Family
@@ -227,7 +228,8 @@ def test_slow_methods_alone_have_no_rows_where_they_get_none(plan: Plan) -> None
 @pytest.mark.parametrize("options", [(), ("--jobs", "2")])
 def test_an_interrupted_run_ends_in_one_line(options: tuple[str, ...], tmp_path: Path) -> None:
     command = [sys.executable, "-m", "benchmarks", "run", "growth", "-m", "native", "-o", str(tmp_path), *options]
-    process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    with heard():
+        process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     while not list(tmp_path.glob("cells/*.parquet")):
         assert process.poll() is None, process.communicate()
         time.sleep(0.002)
@@ -361,7 +363,7 @@ def test_a_folder_of_another_run_is_refused(undisturbed: Path, tmp_path: Path, p
     ],
 )
 def test_wrong_input_of_a_run_is_one_line(arguments: tuple[str, ...], said: str) -> None:
-    refused(run("run", *arguments), said)
+    refused(called("run", *arguments), said)
 
 
 def test_everything_is_listed() -> None:
