@@ -101,6 +101,8 @@ class CompiledRows:
         """What the kernel is told of a part; None if it does not know it."""
         if type(part) is JointLimits:
             return self._limits(part, lower, upper)
+        if isinstance(part, Inequality) and not part.plain and np.isfinite(self._envelope.acceleration).any():
+            return None  # it brakes in time, which takes the drift of the frame
         task = part.task if isinstance(part, Inequality) and type(part) in INEQUALITIES else part
         if not isinstance(task, Task):
             return None

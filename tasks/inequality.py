@@ -9,6 +9,12 @@ far from its bound the quantity moves freely, near it ever slower towards it, an
 K. At velocity order it never passes a bound that stands still (a control barrier function; with a tick dt as long as
 :math:`K dt \le 1`) if it is linear in the joints. Any other bends within a tick, and while it moves along its bound
 passes it by so much, in the order of :math:`\lVert x \rVert^2 dt / K`.
+
+*In time.* Where a stack limits the accelerations of the joints, they cannot stop at once. K is then at most the rate at
+which all joints together can be slowed from full speed (:meth:`tasks.limits.envelope.Envelope.braking_rate`): slowed in
+proportion they go on along their way, and the speed of whatever is bounded falls at least as fast as its distance. What
+the bend of that way takes until then, :math:`\tfrac12 \dot J v / K^2`, is left free beside the bound. At acceleration
+order the velocity at the end of the tick, and the place where it is reached, obey the law of velocity order.
 """
 
 from __future__ import annotations
@@ -21,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 from hqp import InvalidInput, Label
 
 from ._checks import Array, numbers, per_row
+from ._telling import tell
 from .part import Order, Part, Tick
 from .robots.robot import Robot, RobotState
 from .task import Task
@@ -61,18 +68,55 @@ class Inequality(Part):
                 f" it must be at most {1.0 / dt:g}"
             )
 
+    def check_beside(self, tick: Tick) -> None:
+        assert tick.envelope is not None
+        if not self.plain and tick.envelope.brakes_blindly:
+            tell(
+                f"{self.label()}: the joints brake by an acceleration limit, and no velocity limit says for how long;"
+                " it may be passed; add JointVelocityLimit(2.0), in rad/s, to the stack"
+            )
+
     def error(self, state: RobotState, t: float) -> Array:
         """By how much the value is beyond its bounds, and to which side it has to go, shape (rows,)."""
         e = self.task.error(state, t)
         return np.maximum(e + self.below, 0.0) + np.minimum(e + self.above, 0.0)
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        rate = np.inf if tick.envelope is None else tick.envelope.braking_rate(tick)
+        if rate < np.inf and not self.plain:
+            self._write_in_time(tick, A, lower, upper, rate)
+            return
         J, h = self.task.control(tick)
         if A is not None:
             A[:] = J
         K = self.task.gain if tick.order == "velocity" else self.task.gain**2
         lower[:] = h + K * self.below
         upper[:] = h + K * self.above
+
+    def _write_in_time(self, tick: Tick, A: Array | None, lower: Array, upper: Array, rate: float) -> None:
+        """The same where the joints brake by no more than a limit; see the module's docstring."""
+        state, task = tick.state, self.task
+        J, drift = np.asarray(task.jacobian(state)), np.asarray(task.drift(state))
+        if A is not None:
+            A[:] = J
+        e = task.error(state, tick.t)
+        own, _ = task.rates(state, tick.t)
+        K, dt = np.minimum(task.gain, rate), tick.dt
+        assert dt is not None  # else nothing would be known of braking
+        # What the bend of the way takes, on each side: half of what a stop of the length 1/K makes of it.
+        up, down = (0.5 * np.maximum(side, 0.0) * (1.0 / K + dt) / K for side in (drift, -drift))
+        above, below = e + self.above, e + self.below
+        above = np.maximum(above - up, np.minimum(above, 0.0))
+        below = np.minimum(below + down, np.maximum(below, 0.0))
+        if tick.order == "velocity":
+            lower[:], upper[:] = own + K * below, own + K * above
+            return
+        # The velocity at the end of the tick obeys the same law, at the place where it then is.
+        now = J @ state.v
+        half = 0.5 * K * dt
+        for bound, room in (lower, below), (upper, above):
+            end = (own + K * room - half * (now - own)) / (1.0 + half)
+            bound[:] = (end - now) / dt - drift
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.task!r})"

@@ -91,6 +91,14 @@ class Part:
         InvalidInput
         """
 
+    def check_beside(self, tick: Tick) -> None:
+        """Refuse, or tell of, what cannot work with the joint limits of the stack; once, at a state of rest.
+
+        Raises
+        ------
+        InvalidInput
+        """
+
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         """Write this tick's rows in place: A (rows, nv), None where the level is plain, and the bounds (rows,)."""
         raise NotImplementedError

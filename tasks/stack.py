@@ -15,7 +15,7 @@ from .limits.envelope import Envelope
 from .limits.joint_limits import JointLimits
 from .limits.limit import JointLimit
 from .part import Order, Part, Tick
-from .robots.robot import Robot, RobotState, on_pinocchio
+from .robots.robot import Robot, RobotState, neutral, on_pinocchio
 
 if TYPE_CHECKING:
     from .compiled import CompiledRows
@@ -209,6 +209,10 @@ class Rows:
                     self._views.extend(alone)
                     self._merged.append((view.lower[own], view.upper[own], [bounds[2:] for bounds in alone]))
         self._envelope = Envelope(((part, lower, upper) for part, _, lower, upper in self._views), robot, order)
+        rest = Tick(robot, robot.at(neutral(robot), np.zeros(robot.nv)), 0.0, order, dt, self._envelope)
+        with np.errstate(all="ignore"):  # what is infinite is refused in words
+            for part in stack:
+                part.check_beside(rest)
         self._compiled: CompiledRows | None = None
         self._written = self._views  # by the parts themselves
         if compiled and order == "velocity" and on_pinocchio(robot):

@@ -327,6 +327,8 @@ def test_refusals_by_the_robot(robot, part, word):
 def test_refused_without_a_limit_of_the_speed():
     limit = DistanceLimit(LINKS, [BALL], margin=0.1, gain=5.0)
     with pytest.raises(InvalidInput, match="JointVelocityLimit"):
-        Controller(ARM, limit, dt=DT)([0.0, 0.0], [0.0, 0.0])
+        Controller(ARM, limit, dt=DT)
+    limited = Controller(ARM, JointVelocityLimit(2.0) >> limit, order="velocity", dt=DT)
+    assert limited([0.0, 0.0], [0.0, 0.0]).ok
     with pytest.raises(InvalidInput, match="dt"):
         Controller(ARM, limit)

@@ -84,6 +84,27 @@ class Envelope:
         if not self.ranges and np.isinf(self.acceleration).all():
             self._bounds = []  # velocity limits alone never contradict each other
 
+    @property
+    def brakes_blindly(self) -> bool:
+        """Whether some acceleration is limited, and not the velocity from which to brake."""
+        return bool((np.isfinite(self.acceleration) & np.isinf(self.velocity)).any())
+
+    def braking_rate(self, tick: Tick) -> float:
+        r"""The largest rate [1/s] at which a frame may near a bound, if the joints are to stop in time.
+
+        Whatever the joints do, all of them can be slowed together, each by no more than its limit: along the same way,
+        in the time :math:`T = \max_j v_j / a_j`, at first at the rate 1/T. A frame whose speed towards a bound is at
+        most 1/T times its distance then stops before it, whichever bounds there are. v is the limit of the velocity,
+        and where there is none the velocity within reach. The rate is infinite where nothing limits the acceleration.
+        """
+        braked = np.isfinite(self.acceleration)
+        if tick.dt is None or not braked.any():
+            return np.inf
+        a = self.acceleration[braked]
+        within = np.abs(tick.state.v[braked]) + a * tick.dt
+        v = np.where(np.isfinite(self.velocity[braked]), self.velocity[braked], within)
+        return 1.0 / (float((v / a).max()) + tick.dt)
+
     def reconcile(self, tick: Tick) -> None:
         """Relax the bounds of this tick in place, each just so far that it meets the harder ones."""
         if not self._bounds:

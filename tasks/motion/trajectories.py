@@ -73,12 +73,12 @@ class Setpoint:
         moves = velocity is not None
         if not moves and acceleration is not None:
             raise InvalidInput("setpoint: an acceleration is given without a velocity; give both")
-        self._value[:] = alike(value, self._value, "setpoint")
+        still, where = np.zeros(len(self._value)), alike(value, self._value, "setpoint")
+        rate = still if velocity is None else alike(velocity, self._value, "setpoint: velocity")
+        change = still if acceleration is None else alike(acceleration, self._value, "setpoint: acceleration")
+        self._value[:] = where
         if moves or self._moves:
-            self._velocity[:] = 0.0 if velocity is None else alike(velocity, self._value, "setpoint: velocity")
-            still = acceleration is None
-            self._acceleration[:] = 0.0 if still else alike(acceleration, self._value, "setpoint: acceleration")
-            self._moves = moves
+            self._velocity[:], self._acceleration[:], self._moves = rate, change, moves
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
         return self._value, self._velocity, self._acceleration

@@ -69,11 +69,12 @@ class RotationSetpoint:
         turns = omega is not None
         if not turns and alpha is not None:
             raise InvalidInput("setpoint: alpha is given without omega; give both")
-        self._R[:] = rotation_matrix(R, "setpoint")
+        still, where = np.zeros(3), rotation_matrix(R, "setpoint")
+        rate = still if omega is None else alike(omega, still, "setpoint: omega")
+        change = still if alpha is None else alike(alpha, still, "setpoint: alpha")
+        self._R[:] = where
         if turns or self._turns:
-            self._omega[:] = 0.0 if omega is None else alike(omega, self._omega, "setpoint: omega")
-            self._alpha[:] = 0.0 if alpha is None else alike(alpha, self._omega, "setpoint: alpha")
-            self._turns = turns
+            self._omega[:], self._alpha[:], self._turns = rate, change, turns
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
         return self._R, self._omega, self._alpha

@@ -70,7 +70,7 @@ class DistanceLimit(Part):
     ------
     InvalidInput
         If the margin is negative, the gain not positive or more than 1/dt, the controller has no dt, or a link is
-        none of the robot's; and at the first tick, if nothing limits the joint speeds.
+        none of the robot's, or if nothing limits the joint speeds.
     """
 
     is_limit: ClassVar[bool] = True
@@ -107,6 +107,15 @@ class DistanceLimit(Part):
         check_rate(self.label(), self.gain, dt)
         self.pairs.bind(robot)
 
+    def check_beside(self, tick: Tick) -> None:
+        pairs = self.pairs.at(tick.state, self.pairs.bind(tick.robot), tick.t)
+        for k, pair in enumerate(pairs):
+            if np.isnan(self._least(tick, pair, self.pairs.obstacles[k % len(self.pairs.obstacles)])):
+                raise InvalidInput(
+                    f"{self.label()}: nothing keeps the joints from turning a link by a quarter within a tick of"
+                    f" {tick.dt:g} s; add a JointVelocityLimit(2.0), in rad/s, to the stack, above it or on its level"
+                )
+
     def distances(self, robot: Robot, state: RobotState, t: float = 0.0) -> Array:
         """Of the surfaces, one a pair [m], at time t [s]."""
         return np.array([pair.distance for pair in self.pairs.at(state, self.pairs.bind(robot), t)])
@@ -134,13 +143,15 @@ class DistanceLimit(Part):
         gaps, base = pair.witness - pair.core, int(getattr(tick.robot, "base", 0))
         rho = reserve(pair.place, n, gaps, w, dt, shift=float(np.linalg.norm(shift)), base=base)
         if not rho < np.inf:
-            raise InvalidInput(
-                f"{self.label()}: nothing keeps the joints from turning a link by a quarter within a tick of {dt:g} s;"
-                " add a JointVelocityLimit(2.0), in rad/s, to the stack, above it or on its level"
-            )
+            return np.nan  # a link may be anywhere: the solver says that nothing is known
         e, along = pair.distance - self.margin - rho, float(n @ shift) / dt
-        back = min(max(-e, 0.0), rho) / dt + self.gain * max(-e - rho, 0.0)
-        end = along + back - self.gain * max(e, 0.0)
+        gain = self.gain
+        if tick.envelope is not None and (rate := tick.envelope.braking_rate(tick)) < np.inf:
+            gain = min(gain, rate)  # and what the bend of the way takes until the joints stand
+            bend = 0.5 * max(-float(n @ pair.place.drift(v)), 0.0) * (1.0 / gain + dt) / gain
+            e = max(e - bend, min(e, 0.0))
+        back = min(max(-e, 0.0), rho) / dt + gain * max(-e - rho, 0.0)
+        end = along + back - gain * max(e, 0.0)
         if tick.order == "velocity":
             return end
         now = float(pair.gradient @ v)

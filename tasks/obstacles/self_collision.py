@@ -109,10 +109,14 @@ class SelfCollisionLimit(Part):
         for row, k in enumerate(sorted(shapes.nearest(tick.state, len(lower)))):
             contact = shapes.contact(tick.state, k)
             A[row] = J = contact.gradient
-            room = contact.distance - self.margin
-            lower[row] = -self.gain * room
+            room, gain = contact.distance - self.margin, self.gain
+            assert tick.dt is not None  # checked before the first tick
+            if tick.envelope is not None and (rate := tick.envelope.braking_rate(tick)) < np.inf:
+                gain = min(gain, rate)  # and what the bend of the way takes until the joints stand
+                bend = 0.5 * max(-contact.drift(v), 0.0) * (1.0 / gain + tick.dt) / gain
+                room = max(room - bend, min(room, 0.0))
+            lower[row] = -gain * room
             if tick.order == "acceleration":
-                assert tick.dt is not None  # checked before the first tick
                 lower[row] = (lower[row] - float(J @ v)) / tick.dt - contact.drift(v)
         upper[:] = np.inf
 

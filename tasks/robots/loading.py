@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
 #: A limit of all joints, or of those that are named.
 Limit = ArrayLike | Mapping[str, float]
+#: What a model is told of a joint that is held by a speed of 0: by 0 it says that it knows nothing.
+HELD = 1e-300
 Range = tuple[ArrayLike, ArrayLike] | Mapping[str, tuple[float, float]]
 
 
@@ -110,6 +112,8 @@ def load_robot(
         acceleration_limit=acceleration_limit,
         torque_limit=others["torque"],
     )
+    if robot.velocity_limit is not None:
+        robot.velocity_limit[robot.velocity_limit <= HELD] = 0.0
     for joint, room in rooms.items():
         if robot.velocity_limit is not None:
             column = robot.joint_names.index(joint)
@@ -147,6 +151,7 @@ def _limited(described: Description, named: Mapping[str, Any], what: str) -> Des
         if key in named:
             limits = largest(model, named[key], upper, f"{what}: {key} limit", units, zero_holds=key == "velocity")
             if limits is not None:
+                limits[limits == 0.0] = HELD
                 upper[:], lower[:] = limits, -limits
     return replace(described, model=model)
 

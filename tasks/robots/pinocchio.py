@@ -8,6 +8,7 @@ angular velocity along its own axes.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import hypot
 from pathlib import Path
 from typing import Any
 
@@ -36,8 +37,8 @@ from .ranges import SAME, both_ways, largest, no_position
 from .ranges import position_limit as limits_of
 from .verification import tell_of_inertias, verify
 
-#: How far a norm may be from 1: the square of what is as good as 1, and what is round-off.
-EXACT, ROUND_OFF = 1e-14, 1e-6
+#: How far a norm may be from 1: what is as good as 1, and what is round-off.
+EXACT, ROUND_OFF = 1e-15, 1e-6
 #: The unit of a limit for a joint that turns, and for one that slides.
 SPEED = {"rad": "rad/s", "m": "m/s"}
 ACCELERATION = {"rad": "rad/s^2", "m": "m/s^2"}
@@ -314,10 +315,9 @@ class PinocchioRobot:
         """
         for name, first, count in self._units:
             part = q[first : first + count]
-            square = float(part @ part)
-            if abs(square - 1.0) <= EXACT or square != square:
+            norm = hypot(*part.tolist())
+            if abs(norm - 1.0) <= EXACT or norm != norm:
                 continue
-            norm = square**0.5
             if not abs(norm - 1.0) <= ROUND_OFF:
                 what = "quaternion" if count == 4 else "cosine and sine"
                 return q, (
