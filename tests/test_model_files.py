@@ -634,7 +634,7 @@ def test_every_robot_of_the_library_is_read_or_refused_for_a_reason():
 def test_no_robot_ends_its_process(name, base):
     """Each in a process of its own: a certified tick or one line of refusal, and never a crash."""
     program = (
-        "import sys; sys.path.insert(0, sys.argv[1]); import tasks, hqp, numpy as np\n"
+        "import sys; sys.path.insert(0, sys.argv[1]); import logging, tasks, hqp, numpy as np; logging.disable()\n"
         f"try: robot = tasks.load_robot({name!r}, base={base!r})\n"
         "except hqp.InvalidInput as refusal: sys.exit(print(refusal))\n"
         "frame = robot.frame_names[-1]\n"
@@ -644,6 +644,4 @@ def test_no_robot_ends_its_process(name, base):
     )
     done = subprocess.run([sys.executable, "-c", program, "."], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert not [
-        line for line in done.stderr.splitlines() if not line.startswith(("robot ", "PinocchioRobot(", "hqp: "))
-    ]
+    assert not [line for line in done.stderr.splitlines() if not line.startswith("hqp: ")]
