@@ -28,6 +28,8 @@ from hqp import InvalidInput, Label
 
 from ._checks import Array, numbers, per_row
 from ._telling import tell
+from .motion.trajectories import Fixed
+from .motion.turns import FixedRotation
 from .part import Order, Part, Tick
 from .robots.robot import Robot, RobotState
 from .task import Task
@@ -70,11 +72,26 @@ class Inequality(Part):
 
     def check_beside(self, tick: Tick) -> None:
         assert tick.envelope is not None
-        if not self.plain and tick.envelope.brakes_blindly:
+        rate = tick.envelope.braking_rate(tick)
+        if self.plain or not rate < np.inf:
+            return
+        if tick.envelope.brakes_blindly:
             tell(
                 f"{self.label()}: the joints brake by an acceleration limit, and no velocity limit says for how long;"
                 " it may be passed; add JointVelocityLimit(2.0), in rad/s, to the stack"
             )
+        if self._moves():
+            units = {unit for _, unit in self.task.row_names(tick.robot)}
+            unit = units.pop() if len(units) == 1 else "unit"
+            tell(
+                f"{self.label()}: its bound moves, and the joints take up to {1.0 / rate:.3g} s to stop: where it comes"
+                f" nearer by 1 {unit}/s more than it told, it may be passed by up to {0.5 / rate:.3g} {unit}"
+            )
+
+    def _moves(self) -> bool:
+        """Whether the bound may be somewhere else at another time: whatever is no number that stands still."""
+        targets = [getattr(self.task, name, None) for name in ("target", "position", "rotation")]
+        return any(target is not None and not isinstance(target, Fixed | FixedRotation) for target in targets)
 
     def error(self, state: RobotState, t: float) -> Array:
         """By how much the value is beyond its bounds, and to which side it has to go, shape (rows,)."""

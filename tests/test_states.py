@@ -527,3 +527,19 @@ def test_a_bound_without_a_speed_to_brake_from_is_told(caplog):
     with caplog.at_level(logging.WARNING, logger="hqp"):
         Controller(PlanarArm([0.5, 0.4], velocity_limit=3.0), stack, dt=0.01)
     assert "no velocity limit says for how long; it may be passed; add JointVelocityLimit(2.0)" in caplog.text
+
+
+def test_a_bound_that_moves_is_told_with_what_it_may_cost(caplog):
+    joints = JointLimits(JointPositionLimit(), JointVelocityLimit(2.5), JointAccelerationLimit(5.0))
+    hand = Setpoint([0.2])
+    moving = AtLeast(PositionTask(hand, mask="y", gain=5.0))
+    with caplog.at_level(logging.WARNING, logger="hqp"):
+        Controller(ARM, joints >> bounds(5.0)["box"][0] >> bounds(5.0)["distance"][0], dt=0.01)
+        assert not told(caplog)
+        for _ in range(2):
+            Controller(ARM, joints >> moving, dt=0.01)
+        ball = Sphere(lambda t: (np.array([t, 1.0]), np.array([1.0, 0.0]), np.zeros(2)), 0.1)
+        limit = DistanceLimit(planar_links(ARM, 0.03), [ball], margin=0.02, gain=5.0)
+        Controller(ARM, joints >> limit, dt=0.01)
+    assert [message.split(":")[0] for message in told(caplog)] == [moving.label(), limit.label()]
+    assert all("may be passed by up to 0.255 m" in message for message in told(caplog))

@@ -231,14 +231,8 @@ class Controller:
             return self._step(q, v, t)
 
     def _step(self, q: Array, v: Array, t: float) -> Step:
-        try:
-            self._guard.take()
-        except IndexError:
-            self._guard.refuse()
-        try:
+        with self._guard:
             return self._guarded(q, v, t)
-        finally:
-            self._guard.give(None)
 
     def _guarded(self, q: Array, v: Array, t: float) -> Step:
         fault = None

@@ -37,6 +37,7 @@ from hqp import InvalidInput, Label
 from hqp.checks import of_type, whole_number
 
 from .._checks import Array, finite_scalar, per_row, positive, positive_scalar
+from .._telling import tell
 from ..part import PER, Order, Part, Tick
 from ..robots.robot import Robot, RobotState
 from .links import LinkCapsule
@@ -108,6 +109,13 @@ class DistanceLimit(Part):
         self.pairs.bind(robot)
 
     def check_beside(self, tick: Tick) -> None:
+        assert tick.envelope is not None
+        rate = tick.envelope.braking_rate(tick)
+        if rate < np.inf and any(obstacle.moves for obstacle in self.pairs.obstacles):
+            tell(
+                f"{self.label()}: an obstacle moves, and the joints take up to {1.0 / rate:.3g} s to stop: where it"
+                f" comes nearer by 1 m/s the margin may be passed by up to {0.5 / rate:.3g} m"
+            )
         pairs = self.pairs.at(tick.state, self.pairs.bind(tick.robot), tick.t)
         for k, pair in enumerate(pairs):
             if np.isnan(self._least(tick, pair, self.pairs.obstacles[k % len(self.pairs.obstacles)])):

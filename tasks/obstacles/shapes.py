@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput
 
 from .._checks import Array, finite, positive_scalar
-from ..motion.trajectories import Trajectory, as_trajectory
+from ..motion.trajectories import Fixed, Trajectory, as_trajectory
 
 #: Cores nearer than this have no direction that leads from one to the other [m].
 TOUCHING = 1e-12
@@ -28,6 +28,11 @@ class Obstacle:
     """
 
     radius: float
+
+    @property
+    def moves(self) -> bool:
+        """Whether it may be somewhere else at another time."""
+        return False
 
     def core(self, t: float) -> Array:
         """The points whose convex hull is the core at time t [s], shape (1 or 2, 3) [m]."""
@@ -65,6 +70,10 @@ class Sphere(Obstacle):
         else:
             rows = len(_point(centre, "Sphere: centre", flat=True))
         self.centre = as_trajectory(centre, rows, "Sphere: centre")
+
+    @property
+    def moves(self) -> bool:
+        return not isinstance(self.centre, Fixed)
 
     def core(self, t: float) -> Array:
         return _spatial(self.centre(t)[0])[None]
