@@ -16,8 +16,8 @@ from hqp.kernels.memory import floats, ints
 
 from . import layout as at
 
-#: As of :func:`tasks.rotations.log`, :mod:`tasks.limits.position`.
-SMALL, LARGEST, UNLIMITED = 1e-4, 1e15, 1.7976931348623157e308
+#: As of :func:`tasks.rotations.log`, :mod:`tasks.limits.position`, :mod:`tasks.robots.frame`.
+SMALL, LARGEST, UNLIMITED, NOTHING = 1e-4, 1e15, 1.7976931348623157e308, 1e-13
 
 
 @inner
@@ -109,7 +109,9 @@ def place(part, n, J, work):
         full[3], full[4], full[5] = x, y, z
         along(axes, R, p, full, wanted)
         for r in range(rows):
-            A[r * n + velocity[s]] += wanted[first + mask[r]]
+            entry = wanted[first + mask[r]]
+            if abs(entry) >= NOTHING or entry != entry:
+                A[r * n + velocity[s]] += entry
 
 
 @inner

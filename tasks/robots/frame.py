@@ -46,6 +46,17 @@ class Frame(Protocol):
     def angular_drift(self) -> Array: ...
 
 
+#: A joint that moves a frame by less than this [m/rad], [1] does not move it: that is round-off, and a row of it would be
+#: a task that none can meet, for which the joints would run to their limits.
+NOTHING = 1e-13
+
+
+def without_round_off(jacobian: Array) -> Array:
+    """The same array, with 0 in the place of round-off."""
+    jacobian[np.abs(jacobian) < NOTHING] = 0.0
+    return jacobian
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class FixedFrame:
     """A frame whose numbers are all there."""
@@ -73,7 +84,7 @@ def planar_frame(pose: Array, jacobian: Array, drift: Array) -> FixedFrame:
     parts = np.zeros((6, jacobian.shape[1] + 2))
     for row, own in (0, 0), (1, 1), (5, 2):
         parts[row, :-2], parts[row, -2], parts[row, -1] = jacobian[own], pose[own], drift[own]
-    J, place, change = parts[:, :-2], parts[:, -2], parts[:, -1]
+    J, place, change = without_round_off(parts[:, :-2]), parts[:, -2], parts[:, -1]
     return FixedFrame(place[:3], pose[2:], J[:3], J[3:], change[:3], change[3:])
 
 

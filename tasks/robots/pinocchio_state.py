@@ -9,7 +9,7 @@ import numpy as np
 import pinocchio as pin
 
 from .._checks import Array
-from .frame import FixedFrame
+from .frame import FixedFrame, without_round_off
 
 if TYPE_CHECKING:
     from .pinocchio import PinocchioRobot
@@ -89,7 +89,7 @@ class PinocchioFrame:
         place = pin.updateFramePlacement(model, data, index)
         self.position, self.rotation = np.array(place.translation), np.array(place.rotation)
         jacobian = pin.getFrameJacobian(model, data, index, pin.LOCAL_WORLD_ALIGNED)
-        self._jacobian = np.asarray(jacobian).reshape(6, -1)  # Pinocchio gives a vector where nv is 1
+        self._jacobian = without_round_off(np.asarray(jacobian).reshape(6, -1))  # Pinocchio gives a vector for nv = 1
 
     @property
     def linear(self) -> Array:
