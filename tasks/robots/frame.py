@@ -46,7 +46,7 @@ class Frame(Protocol):
     def angular_drift(self) -> Array: ...
 
 
-#: A joint that moves a frame by less than this [m/rad], [1] does not move it: that is round-off, and a row of it would be
+#: A joint that moves a frame by less than this [m/rad], [1] does not move it: it is round-off, and a row of it would be
 #: a task that none can meet, for which the joints would run to their limits.
 NOTHING = 1e-13
 
