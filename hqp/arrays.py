@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from numbers import Real
-from reprlib import repr as brief
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import InvalidInput
+from .errors import InvalidInput, brief
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .arrays import Array, real_array
-from .checks import of_type, whole_number
+from .checks import listed, of_type, whole_number
 from .errors import InvalidInput
 from .guard import Guard
 from .hierarchy import LARGEST, Hierarchy
@@ -32,6 +32,12 @@ if TYPE_CHECKING:
 
 #: Pieces of work a thread: small enough that none waits long for the last.
 PIECES = 4
+
+
+#: The most numbers of a batch: 8 GiB of them.
+MOST_NUMBERS = 2**30
+#: The most threads.
+MOST_THREADS = 1024
 
 
 class LevelNumbers(NamedTuple):
@@ -66,12 +72,13 @@ class Batch:
     Raises
     ------
     InvalidInput
-        If the template is no hierarchy, or count no integer of at least 0.
+        If the template is no hierarchy, or count no integer of at least 0; or that would be more than 2^30 numbers.
     """
 
     def __init__(self, template: Hierarchy, count: int) -> None:
         self._template = of_type(template, Hierarchy, "the template of a batch")
-        self.numbers: Array = np.tile(template.numbers, (whole_number(count, "count"), 1))
+        most = MOST_NUMBERS // max(self._template.numbers.size, 1)
+        self.numbers: Array = np.tile(template.numbers, (whole_number(count, "count", most=most), 1))
         self.levels = tuple(self._views())
 
     @classmethod
@@ -83,7 +90,7 @@ class Batch:
         InvalidInput
             If there is none, or two differ in structure.
         """
-        given = list(hierarchies)
+        given = listed(hierarchies, "a batch", "hierarchies")
         if not given:
             raise InvalidInput("a batch of no hierarchies has no structure; use Batch(template, 0)")
         batch = cls(given[0], len(given))
@@ -204,7 +211,7 @@ class BatchSolver:
     Raises
     ------
     InvalidInput
-        If the settings are none, or threads is no positive integer.
+        If the settings are none, or threads is no integer from 1 to 1024.
     """
 
     def __init__(self, settings: Settings | None = None, threads: int | None = None) -> None:
@@ -212,7 +219,7 @@ class BatchSolver:
 
         warm_up()
         self.settings = Settings() if settings is None else of_type(settings, Settings, "settings")
-        self.threads = _cores() if threads is None else whole_number(threads, "threads", least=1)
+        self.threads = _cores() if threads is None else whole_number(threads, "threads", least=1, most=MOST_THREADS)
         self._structure: tuple[object, ...] | None = None
         self._sides = np.zeros((0, 0), dtype=np.int64)
         self._memories: SimpleQueue[Memory] = SimpleQueue()
@@ -245,14 +252,8 @@ class BatchSolver:
             If another thread is solving with it.
         """
         of_type(batch, Batch, "what a BatchSolver solves")
-        try:
-            self._guard.take()
-        except IndexError:
-            self._guard.refuse()
-        try:
+        with self._guard:
             return self._solve(batch, x_ref)
-        finally:
-            self._guard.give(None)
 
     def _solve(self, batch: Batch, x_ref: ArrayLike | None) -> BatchSolution:
         from .backends.native import PROVED, STATUSES, judged

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .arrays import Array, finite_vector, length, lengths
-from .checks import of_type, positive_number
+from .checks import of_type, positive_number, truth
 from .errors import InvalidInput
 from .hierarchy import Hierarchy
 from .rows import ROUND_OFF, RowStates, row_states
@@ -160,7 +160,7 @@ def certify(
     ------
     InvalidInput
         If x or x_ref has the wrong shape or is not finite, x reaches beyond 1e60, the tolerance is
-        not between 0 and 1, or the hierarchy has a fault.
+        not between 0 and 1, unique not True or False, or the hierarchy has a fault.
     """
     of_type(hierarchy, Hierarchy, "the hierarchy")
     point = finite_vector(x, hierarchy.n, "x")
@@ -168,6 +168,7 @@ def certify(
     if np.abs(point).max(initial=0.0) > FURTHEST:
         raise InvalidInput(f"x reaches {np.abs(point).max():g}; nothing beyond {FURTHEST:g} can be judged")
     tolerance = positive_number(tolerance, "tolerance", below=1.0)
+    unique = truth(unique, "unique")
     fault = hierarchy.find_fault()
     if fault:
         raise InvalidInput(fault)

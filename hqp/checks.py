@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Iterable
 from numbers import Integral, Real
-from reprlib import repr as brief
 from typing import TypeVar
 
 import numpy as np
 
-from .errors import InvalidInput
+from .errors import InvalidInput, brief
 
 T = TypeVar("T")
 
@@ -17,12 +17,12 @@ T = TypeVar("T")
 LARGEST_COUNT = 2**31 - 1
 
 
-def whole_number(value: object, what: str, least: int = 0) -> int:
-    """`value` as an int of at least `least`, and in reach of a counter; True and 2.0 are none."""
+def whole_number(value: object, what: str, least: int = 0, most: int = LARGEST_COUNT) -> int:
+    """`value` as an int from `least` to `most`; True and 2.0 are none."""
     if not isinstance(value, Integral) or isinstance(value, bool) or int(value) < least:
         raise InvalidInput(f"{what} = {brief(value)} must be an integer of at least {least}")
-    if int(value) > LARGEST_COUNT:
-        raise InvalidInput(f"{what} = {brief(value)} must be an integer of at most {LARGEST_COUNT}")
+    if int(value) > most:
+        raise InvalidInput(f"{what} = {brief(value)} must be an integer of at most {most}")
     return int(value)
 
 
@@ -51,6 +51,25 @@ def truth(value: object, what: str) -> bool:
     if isinstance(value, bool | np.bool_):
         return bool(value)
     raise InvalidInput(f"{what} = {brief(value)} must be True or False")
+
+
+def listed(value: Iterable[T], what: str, of: str) -> list[T]:
+    """`value` as a list; a text, an array without axes and a thing that is no sequence are none."""
+    if not isinstance(value, str | bytes):
+        try:
+            items = iter(value)
+        except TypeError:  # nothing to go through
+            pass
+        else:
+            return list(items)
+    raise InvalidInput(f"{what} = {brief(value)} is a {type(value).__name__}; it must be a list of {of}")
+
+
+def one_of(value: object, choices: Collection[str], what: str) -> str:
+    """`value`, which must be one of these words."""
+    if isinstance(value, str) and value in choices:
+        return value
+    raise InvalidInput(f"{what} = {brief(value)}; it must be one of {', '.join(map(repr, choices))}")
 
 
 def of_type(value: object, kind: type[T], what: str) -> T:

@@ -6,6 +6,8 @@ of a valid hierarchy is never an exception: it is a :class:`hqp.Status`.
 
 from __future__ import annotations
 
+import reprlib
+
 
 class HqpError(Exception):
     """Root of every exception that this package raises on purpose."""
@@ -29,3 +31,11 @@ class InUse(HqpError, RuntimeError):
 
 class MissingPackage(HqpError, ImportError):
     """An optional package is not installed; the message says how to get it."""
+
+
+def brief(value: object) -> str:
+    """`value` as a message shows it: short, and whatever it is."""
+    try:
+        return reprlib.repr(value)
+    except ValueError:  # an int of more digits than Python writes
+        return f"a {type(value).__name__} too long to be written"

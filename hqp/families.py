@@ -34,7 +34,7 @@ import numpy as np
 
 from . import adversaries
 from .checks import whole_number
-from .errors import InvalidInput
+from .errors import InvalidInput, brief
 from .hierarchy import Hierarchy
 
 Expectation = Literal["certified", "undecidable rank", "certified or stalled", "refused"]
@@ -98,8 +98,8 @@ def hierarchies(name: str, count: int, seed: int = 0) -> Iterator[Hierarchy]:
     InvalidInput
         If there is no such family, or count or seed is no integer of at least 0.
     """
-    if name not in FAMILIES:
-        raise InvalidInput(f"unknown family {name!r}; there are: {', '.join(FAMILIES)}")
+    if not isinstance(name, str) or name not in FAMILIES:
+        raise InvalidInput(f"unknown family {brief(name)}; there are: {', '.join(FAMILIES)}")
     stream = [whole_number(seed, "seed"), zlib.crc32(name.encode())]
     make, numbers = FAMILIES[name].hierarchy, range(whole_number(count, "count"))
     return (make(np.random.default_rng([*stream, k])) for k in numbers)

@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
+import math
 import os
 import zipfile
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import IO, Any, BinaryIO
 from uuid import uuid4
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import InvalidInput
+from .errors import InvalidInput, brief
 
 #: How a zip archive begins.
 _ARCHIVE = b"PK\x03\x04"
+
+#: So many bytes may come out of any file, and so many times what it holds: more is a small file that asks for a
+#: large memory. What is written keeps to it.
+MOST_UNPACKED, MOST_SHRUNK = 2**30, 100
+
+#: Who reads what stands in front of an array.
+_HEADERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
 
 #: What numpy and zipfile say of a file that is another's or damaged, and what its reader says of the contents.
 _DAMAGED = (
@@ -33,7 +41,8 @@ def write_arrays(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]
     InvalidInput
         If the file cannot be written.
     """
-    method = zipfile.ZIP_DEFLATED if compressed else zipfile.ZIP_STORED
+    small = sum(array.nbytes for array in arrays.values()) < MOST_UNPACKED // 2
+    method = zipfile.ZIP_DEFLATED if compressed and small else zipfile.ZIP_STORED
     with _whole_or_nothing(path) as part, zipfile.ZipFile(part, "w", method) as archive:
         for name, array in arrays.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as stream:
@@ -69,6 +78,7 @@ def arrays_of(path: str | os.PathLike[str], what: str) -> Iterator[dict[str, NDA
     """
     with _blamed(path, what) as file:
         with zipfile.ZipFile(file) as archive:
+            _check_size(archive, file.stat().st_size)
             members = dict(_members(archive))
         yield members
 
@@ -106,7 +116,7 @@ def _blamed(path: str | os.PathLike[str], what: str) -> Iterator[Path]:
 
 def _as_path(path: str | os.PathLike[str]) -> Path:
     if not (isinstance(path, str | os.PathLike) and Path(path).name):
-        raise InvalidInput(f"path = {path!r} must be the name of a file")
+        raise InvalidInput(f"path = {brief(path)} must be the name of a file")
     try:
         file = Path(os.path.realpath(path))  # a link stays a link: what it leads to is meant
     except ValueError as error:  # a name that no file can have
@@ -131,9 +141,32 @@ def _whole_or_nothing(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise InvalidInput(f"cannot write {str(file)!r}: {getattr(error, 'strerror', None) or error}") from None
 
 
+def _check_size(archive: zipfile.ZipFile, held: int) -> None:
+    """Refuse, before anything is unpacked, what would fill a memory that the file does not account for."""
+    declared, most = sum(member.file_size for member in archive.infolist()), max(MOST_UNPACKED, MOST_SHRUNK * held)
+    if declared > most:
+        raise ValueError(f"its {held} bytes would unpack to {declared}; they may to {most}")
+
+
 def _members(archive: zipfile.ZipFile) -> Iterator[tuple[str, NDArray[Any]]]:
-    for name in archive.namelist():
-        with archive.open(name) as stream:
+    for member in archive.infolist():
+        with archive.open(member) as stream:
+            _check_header(stream, member)
+        with archive.open(member) as stream:
             array = np.lib.format.read_array(stream, allow_pickle=False)
         array.flags.writeable = False
-        yield name.removesuffix(".npy"), array
+        yield member.filename.removesuffix(".npy"), array
+
+
+def _check_header(stream: IO[bytes], member: zipfile.ZipInfo) -> None:
+    """Refuse an array that says to be larger, or smaller, than what is there: numpy takes the memory first."""
+    version = np.lib.format.read_magic(stream)
+    if version not in _HEADERS:
+        raise ValueError(f"its member {member.filename!r} has version {version} of the format of numpy's arrays")
+    shape, _, dtype = _HEADERS[version](stream)
+    size = math.prod(shape) * dtype.itemsize
+    if size != member.file_size - stream.tell() and not dtype.hasobject:  # objects are refused by their reader
+        raise ValueError(
+            f"its member {member.filename!r} says to be {dtype} of shape {shape}, {size} bytes,"
+            f" but holds {member.file_size - stream.tell()}"
+        )

@@ -21,19 +21,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import cached_property
-from reprlib import repr as brief
 from typing import Any
 
 import numpy as np
 
 from .arrays import Array, Indices, lengths
-from .checks import whole_number
-from .errors import InvalidInput
+from .checks import of_type, whole_number
+from .errors import InvalidInput, brief
 from .label import Label
 from .level import Level
 
 #: Most unknowns that indices alone may tell: beyond, a slip of the pen is likelier than so many.
 MOST_GUESSED = 10_000
+
+#: Most unknowns of any hierarchy: whoever solves it needs a dense matrix of them.
+MOST_UNKNOWNS = 1_000_000
 
 #: Numbers beyond this one are refused, and rows shorter than its inverse are zero rows: squares of what lies
 #: between neither overflow nor underflow, weighted or not.
@@ -49,7 +51,7 @@ class Hierarchy:
         The highest priority first. Their numbers are copied; change them afterwards through
         ``hierarchy.levels[k]``.
     n : int, optional
-        Number of unknowns. Needed only where no level tells (none at all, or only bounds on
+        Number of unknowns, at most a million. Needed only where no level tells (none at all, or only bounds on
         listed indices).
 
     Attributes
@@ -163,9 +165,10 @@ class Hierarchy:
         InvalidInput
             If it is no contiguous array of float64 of the size of ``self.numbers``.
         """
-        if numbers.shape != self.numbers.shape or numbers.dtype != np.float64 or not numbers.flags.c_contiguous:
+        given = of_type(numbers, np.ndarray, "numbers")
+        if given.shape != self.numbers.shape or given.dtype != np.float64 or not given.flags.c_contiguous:
             raise InvalidInput(
-                f"numbers of shape {numbers.shape} and type {numbers.dtype}; they must be contiguous,"
+                f"numbers of shape {given.shape} and type {given.dtype}; they must be contiguous,"
                 f" of shape {self.numbers.shape} and type float64"
             )
         twin = object.__new__(Hierarchy)
@@ -278,9 +281,10 @@ class Hierarchy:
 def _levels(levels: Iterable[Level]) -> list[Level]:
     if isinstance(levels, Level):
         raise InvalidInput("a hierarchy takes a sequence of levels, highest first; put the one level into a list")
-    if not isinstance(levels, Iterable):
-        raise InvalidInput(f"a hierarchy takes a sequence of levels, highest first, not {brief(levels)}")
-    given = list(levels)
+    try:
+        given = list(levels)
+    except TypeError:
+        raise InvalidInput(f"a hierarchy takes a sequence of levels, highest first, not {brief(levels)}") from None
     for k, level in enumerate(given):
         if not isinstance(level, Level):
             raise InvalidInput(f"level {k} is a {type(level).__name__}; it must be a hqp.Level")
@@ -297,7 +301,7 @@ def _unknowns(levels: Sequence[Level], n: int | None) -> int:
         if not rows and max(highest) > max(MOST_GUESSED, sum(map(len, levels))):
             raise InvalidInput(f"index {max(highest) - 1} makes {max(highest)} unknowns; if so many are meant, give n")
         n = rows[0] if rows else max(highest)
-    n = whole_number(n, "n")
+    n = whole_number(n, "n", most=MOST_UNKNOWNS)
     for k, level in enumerate(levels):
         label = f"level {k} ({level.name!r})" if level.name else f"level {k}"
         if level.A is not None and level.A.shape[1] != n:
@@ -306,6 +310,25 @@ def _unknowns(levels: Sequence[Level], n: int | None) -> int:
             row = int(np.argmax(level.indices >= n))
             raise InvalidInput(f"{label}, row {row}: index {level.indices[row]}, but the hierarchy has {n} unknowns")
     return n
+
+
+def check_told(n: int, numbers: int) -> None:
+    """Refuse more unknowns than the numbers of a file account for: a slip, or meant to fill the memory of its reader.
+
+    Parameters
+    ----------
+    n : int
+    numbers : int
+        As many as there are of one kind: of A, of bounds, or of x.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    if n > max(MOST_GUESSED, numbers):
+        raise InvalidInput(
+            f"n = {n} unknowns, of which only {numbers} numbers tell; without more, there may be {MOST_GUESSED}"
+        )
 
 
 def _allowed(value: float) -> str:

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 from .arrays import Array, real_array
 from .checks import of_type, truth, whole_number
 from .errors import InvalidInput
-from .hierarchy import Hierarchy
+from .hierarchy import Hierarchy, check_told
 from .label import Label
 from .level import Level
 
@@ -46,7 +46,7 @@ def save(path: str | os.PathLike[str], hierarchy: Hierarchy, x_ref: ArrayLike | 
     Raises
     ------
     InvalidInput
-        If the file cannot be written, or x_ref has the wrong shape.
+        If the file cannot be written, x_ref has the wrong shape, or n is more than 10 000 and than all numbers.
     """
     import json
 
@@ -62,6 +62,7 @@ def save(path: str | os.PathLike[str], hierarchy: Hierarchy, x_ref: ArrayLike | 
         arrays["x_ref"] = real_array(x_ref, "x_ref")
         if arrays["x_ref"].shape != (h.n,):
             raise InvalidInput(f"x_ref has shape {arrays['x_ref'].shape}; it must be ({h.n},)")
+    check_told(h.n, max(array.size for array in arrays.values()))
     write_arrays(path, arrays, compressed=True)
 
 
@@ -84,6 +85,7 @@ def load(path: str | os.PathLike[str]) -> tuple[Hierarchy, Array | None]:
     with arrays_of(path, "hierarchy") as arrays:
         head = _head(arrays)
         n, kinds = whole_number(head["n"], "its n"), [_kind(k, level) for k, level in enumerate(head["levels"])]
+        check_told(n, max(array.size for array in arrays.values()))
         m, dense = sum(rows for _, rows, _ in kinds), sum(rows for _, rows, bounds in kinds if not bounds)
         A = _array(arrays, "A", (dense, n))
         lower, upper, weights = (_array(arrays, name, (m,)) for name in ("lower", "upper", "weights"))

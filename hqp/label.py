@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from reprlib import repr as brief
 
 from .checks import of_type
-from .errors import InvalidInput
+from .errors import InvalidInput, brief
 from .side import Side
 
 
@@ -75,9 +74,12 @@ def labels_of(value: Iterable[Label] | None, m: int, what: str) -> tuple[Label, 
     """A label for each of m rows, or None; InvalidInput that names `what` otherwise."""
     if value is None:
         return None
-    if isinstance(value, str | Label) or not isinstance(value, Iterable):
+    try:
+        labels = None if isinstance(value, str) else tuple(value)
+    except TypeError:
+        labels = None
+    if labels is None:
         raise InvalidInput(f"{what} = {brief(value)} must be a sequence of hqp.Label, one a row")
-    labels = tuple(value)
     for row, label in enumerate(labels):
         of_type(label, Label, f"{what}[{row}]")
     if len(labels) != m:

@@ -142,7 +142,7 @@ class Level:
             row = int(np.argmax(wrong))
             raise InvalidInput(f"{_label(name)}, row {row}: weight {scale[row]} must be positive and finite")
         called = labels_of(labels, m, f"{_label(name)}: labels")
-        self._hold(A, lower, upper, scale, indices, of_type(name, str, "name of a level"), called)
+        self._hold(A, lower, upper, scale, indices, name, called)
 
     def _hold(self, *values: Array | Indices | str | tuple[Label, ...] | None) -> Level:
         """Take these arrays as they are, unchecked and uncopied, in the order of the fields."""
@@ -178,7 +178,8 @@ def _column(value: ArrayLike, m: int, what: str, name: str) -> Array:
 
 
 def _label(name: str) -> str:
-    return f"level {name!r}" if name else "level"
+    """How messages call the level; a name that is none is refused in the first of them."""
+    return f"level {name!r}" if of_type(name, str, "name of a level") else "level"
 
 
 def _short(indices: Indices) -> str:

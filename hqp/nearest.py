@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .arrays import finite_vector, real_array
+from .checks import of_type
 from .errors import InvalidInput
 from .level import Level
 
@@ -36,7 +37,7 @@ def nearest(x_ref: ArrayLike, M: ArrayLike, *, name: str = "nearest") -> Level:
     InvalidInput
         If M is not symmetric and positive definite, or x_ref does not fit it.
     """
-    label = f"level {name!r}"
+    label = f"level {of_type(name, str, 'name of a level')!r}"
     metric = real_array(M, f"{label}: M")
     if metric.ndim != 2 or metric.shape[0] != metric.shape[1]:
         raise InvalidInput(f"{label}: M has shape {metric.shape}; it must be square")

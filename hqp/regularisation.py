@@ -24,7 +24,6 @@ import math
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from numbers import Integral
-from reprlib import repr as brief
 from typing import Any
 
 import numpy as np
@@ -34,7 +33,7 @@ from .arrays import Array, finite_vector, real_array
 from .checks import of_type
 from .damped import DampedLevel, has_inequalities, left_singular, project, refuse_inequalities
 from .damping import DampingRule, as_rule
-from .errors import InvalidInput, Unsupported
+from .errors import InvalidInput, Unsupported, brief
 from .guard import Guard
 from .hierarchy import LARGEST, Hierarchy
 from .relaxation import RegularisedSolution
@@ -109,14 +108,8 @@ class RegularisedSolver:
         InUse
             If another thread is solving with it.
         """
-        try:
-            self._guard.take()
-        except IndexError:
-            self._guard.refuse()
-        try:
+        with self._guard:
             return self._solve(of_type(hierarchy, Hierarchy, "hierarchy"), x_ref)
-        finally:
-            self._guard.give(None)
 
     def _solve(self, hierarchy: Hierarchy, x_ref: ArrayLike | None) -> RegularisedSolution:
         if hierarchy.structure is not self._structure:
@@ -257,5 +250,5 @@ def solve_regularised(
 
 def _rule(key: object, value: object) -> DampingRule:
     if not isinstance(key, Integral | str) or isinstance(key, bool):
-        raise InvalidInput(f"damping: {key!r} must be the index or the name of a level")
+        raise InvalidInput(f"damping: {brief(key)} must be the index or the name of a level")
     return as_rule(value, f"damping of {key!r}")

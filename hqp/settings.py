@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-from .checks import positive_number, truth, whole_number
+from .checks import positive_number, real_number, truth, whole_number
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,7 +63,7 @@ class Settings:
             elif field.type == "int":
                 value = whole_number(value, what, least=1)
             else:
-                if field.name == "time_limit" and value == math.inf:
-                    continue
-                value = positive_number(value, what, below=1.0 if "tolerance" in field.name else math.inf)
+                value = real_number(value, what)
+                if field.name != "time_limit" or value != math.inf:
+                    value = positive_number(value, what, below=1.0 if "tolerance" in field.name else math.inf)
             object.__setattr__(self, field.name, value)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from reprlib import repr as brief
 from tempfile import TemporaryFile
 from typing import TypeVar
 
@@ -14,11 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 from hqp import InvalidInput
 from hqp.arrays import Array as Array
 from hqp.arrays import real_array
+from hqp.errors import brief
 
 F = TypeVar("F")
+T = TypeVar("T")
 
-#: The largest gain, limit, length or time: no product or square of two of them leaves the floats.
+#: The largest gain, limit, length, angle or time: no product or square of two of them leaves the floats.
 LARGEST = 1e15
+#: What is positive is no less: nor does what is divided by one of them, or by its square.
+LEAST = 1.0 / LARGEST
 
 
 def numbers(value: ArrayLike, what: str) -> Array:
@@ -36,16 +39,22 @@ def own_numbers(value: ArrayLike, what: str) -> Array:
 
 
 def finite(value: ArrayLike, what: str) -> Array:
-    """`value` as an array of finite numbers."""
+    """`value` as an array of finite numbers, none beyond `LARGEST` in size."""
     array = numbers(value, what)
     if not np.isfinite(array).all():
         raise InvalidInput(f"{_first(what, array, ~np.isfinite(array))} must be finite")
+    wrong = np.abs(array) > LARGEST
+    if wrong.any():
+        raise InvalidInput(f"{_first(what, array, wrong)} must be at most {LARGEST:g} in size")
     return array
 
 
 def positive(value: ArrayLike, what: str, *, unit: str = "") -> Array:
-    """`value` as an array of positive numbers of at most `LARGEST`."""
+    """`value` as an array of positive numbers from `LEAST` to `LARGEST`."""
     array = numbers(value, what)
+    tiny = (array > 0) & (array < LEAST)
+    if tiny.any():
+        raise InvalidInput(f"{_first(what, array, tiny)}{unit and ' ' + unit} must be at least {LEAST:g}")
     wrong = ~((array > 0) & (array <= LARGEST))
     if wrong.any():
         raise InvalidInput(
@@ -79,7 +88,7 @@ def finite_scalar(value: float, what: str) -> float:
 
 
 def positive_scalar(value: float, what: str, *, unit: str = "") -> float:
-    """`value` as one positive number of at most `LARGEST`."""
+    """`value` as one positive number from `LEAST` to `LARGEST`."""
     return scalar(positive(value, what, unit=unit), what)
 
 
@@ -97,6 +106,15 @@ def per_row(value: Array, rows: int, what: str, of: str = "row") -> Array:
     if value.shape != (rows,):
         raise InvalidInput(f"{what} has shape {value.shape}; it must be one number, or ({rows},): one a {of}")
     return value
+
+
+def pair(value: tuple[T, T], what: str, of: str) -> tuple[T, T]:
+    """`value` as two things, which must be a tuple, a list or an array of two."""
+    if isinstance(value, tuple | list) or (isinstance(value, np.ndarray) and value.ndim):
+        both = tuple(value)
+        if len(both) == 2:
+            return both
+    raise InvalidInput(f"{what} = {brief(value)} must be a pair: {of}")
 
 
 def position_range(
@@ -126,11 +144,10 @@ def position_range(
     InvalidInput
         Names the joint, what it is given, and what is allowed.
     """
-    if not isinstance(value, (tuple, list, np.ndarray)) or len(value) != 2:
-        raise InvalidInput(f"{what} = {brief(value)} must be a pair: lowest and highest [rad], [m]")
+    lowest, highest = pair(value, what, "lowest and highest [rad], [m]")
     has = np.ones(rows, dtype=np.bool_) if has is None else has
     ends = []
-    for given, name, free in (value[0], "lowest", -np.inf), (value[1], "highest", np.inf):
+    for given, name, free in (lowest, "lowest", -np.inf), (highest, "highest", np.inf):
         own = numbers(given, f"{what}, {name}")
         spread = per_row(own, rows, f"{what}, {name}", "joint")
         ends.append(np.where(has, spread, free) if own.ndim == 0 else np.array(spread))

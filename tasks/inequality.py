@@ -46,6 +46,12 @@ class Inequality(Part):
         self.task, self.name, self.weight, self.rows = task, task.name, task.weight, task.rows
         self.plain = task.plain  # type: ignore[misc]
         self.below, self.above = numbers(below, f"{self.label()}: below"), numbers(above, f"{self.label()}: above")
+        shapes = {side.shape for side in (self.below, self.above)} - {()}
+        if len(shapes) > 1 or any(len(shape) > 1 for shape in shapes):
+            raise InvalidInput(
+                f"{self.label()}: below has shape {self.below.shape}, above {self.above.shape}; each must be one"
+                " number, or one a row"
+            )
         if not (self.below <= self.above).all():
             raise InvalidInput(f"{self.label()}: below = {below!r} must not exceed above = {above!r}")
 

@@ -12,6 +12,8 @@ import numpy as np
 
 import hqp
 from hqp import InvalidInput, Solution
+from hqp.checks import listed
+from hqp.errors import brief
 
 from ._checks import Array, finite
 from .newton import Room, Step, ranges, steps
@@ -187,6 +189,10 @@ def _tolerance(unit: str, tolerance: Array) -> float:
     return float({"m": tolerance[0], "rad": tolerance[1]}.get(unit, tolerance.min()))
 
 
+def _shown(part: object) -> str:
+    return repr(part) if isinstance(part, Part) else brief(part)
+
+
 def _wanted(own: list[Step], goal: Part | Iterable[Part] | None) -> list[Step]:
     """The steps of the tasks that must be met.
 
@@ -198,11 +204,11 @@ def _wanted(own: list[Step], goal: Part | Iterable[Part] | None) -> list[Step]:
     if goal is None:
         wanted = [step for step in own if not isinstance(step.task, PostureTask)] or own
     else:
-        parts = [goal] if isinstance(goal, Part) else list(goal)
+        parts = [goal] if isinstance(goal, Part) else listed(goal, "goal", "tasks of the stack")
         wanted = [step for step in own if any(step.part is part for part in parts)]
         for part in parts:
             if not any(step.part is part for step in wanted):
-                raise InvalidInput(f"goal: {part!r} is no task or inequality of the stack; name some of its own")
+                raise InvalidInput(f"goal: {_shown(part)} is no task or inequality of the stack; name some of its own")
     if not wanted:
         raise InvalidInput("goal: there is nothing to be met; the stack needs a task or an inequality")
     return wanted

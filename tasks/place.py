@@ -12,13 +12,15 @@ way, not even at half a turn. In the axes of the frame itself, which turn with i
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
+from hqp.checks import one_of
+from hqp.errors import brief
 
 from ._checks import Array
 from .frame_task import FrameTask
@@ -72,10 +74,7 @@ class PlaceTask(FrameTask):
         name: str | None,
     ) -> None:
         self._call(name)
-        if reference not in get_args(Reference):
-            allowed = ", ".join(map(repr, get_args(Reference)))
-            raise InvalidInput(f"{self.label()}: reference = {reference!r}; it must be one of {allowed}")
-        self.reference: Reference = reference
+        self.reference: Reference = as_reference(reference, self.label())
         self.position, self.rotation, self.mask = position, rotation, mask
         self.rows = len(mask)
         first, last = mask[0], mask[-1]
@@ -170,6 +169,12 @@ def _turn(target: RotationTrajectory, R: Array, t: float) -> Array:
     return log(target(t)[0] @ R.T)
 
 
+def as_reference(value: str, what: str) -> Reference:
+    """`value`, which must name some axes."""
+    found: Reference = one_of(value, get_args(Reference), f"{what}: reference")  # type: ignore[assignment]
+    return found
+
+
 def chosen(mask: Mask | None, names: Sequence[str], what: str) -> tuple[int, ...]:
     """Which coordinates a mask chooses, in order; all, if there is none.
 
@@ -186,7 +191,12 @@ def chosen(mask: Mask | None, names: Sequence[str], what: str) -> tuple[int, ...
         if unknown or len(set(words)) != len(words) or not words:
             raise InvalidInput(f"{what}: mask = {mask!r}; it must name some of {', '.join(names)}, each once")
         return tuple(sorted(map(list(names).index, words)))
-    truths = list(mask) if isinstance(mask, Iterable) else [mask]
+    try:
+        truths = list(mask)
+    except TypeError:
+        truths = [mask]  # type: ignore[list-item]
     if len(truths) != len(names) or not all(isinstance(t, bool | np.bool_) for t in truths) or not any(truths):
-        raise InvalidInput(f"{what}: mask = {truths}; it must say True or False of {', '.join(names)}, and True once")
+        raise InvalidInput(
+            f"{what}: mask = {brief(truths)}; it must say True or False of {', '.join(names)}, and True once"
+        )
     return tuple(int(i) for i in np.flatnonzero(truths))

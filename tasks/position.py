@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput
 
 from .motion.trajectories import Trajectory, as_trajectory, spread
-from .place import Mask, PlaceTask, Reference, chosen
+from .place import Mask, PlaceTask, Reference, as_reference, chosen
 
 AXES = ("x", "y", "z")
 
@@ -47,10 +47,10 @@ class PositionTask(PlaceTask):
     ) -> None:
         self._call(name)
         self.target = as_trajectory(target, None, self.label())
-        size = len(self.target(0.0)[0])
+        size, local = len(self.target(0.0)[0]), as_reference(reference, self.label()) == "local"
         axes = chosen("xy" if mask is None and size == 2 else mask, AXES, self.label())
-        if size != 3 and (size != len(axes) or reference == "local"):
-            sizes = {3} if reference == "local" else {2, 3} if mask is None else {len(axes), 3}
+        if size != 3 and (size != len(axes) or local):
+            sizes = {3} if local else {2, 3} if mask is None else {len(axes), 3}
             allowed = " or ".join(f"({size},)" for size in sorted(sizes))
             raise InvalidInput(f"{self.label()}: target has shape ({size},); it must be {allowed}")
         super().__init__(

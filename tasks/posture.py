@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from functools import lru_cache
+from numbers import Integral
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hqp import InvalidInput
+from hqp.checks import listed
+from hqp.errors import brief
 
 from ._checks import Array
 from .motion.trajectories import Fixed, Trajectory, as_trajectory
@@ -59,9 +62,10 @@ class PostureTask(TargetTask):
         name: str | None = None,
     ) -> None:
         self._call(name)
-        if isinstance(joints, str):
-            raise InvalidInput(f"{self.label()}: joints = {joints!r} is a str; it must be a list of joints")
-        self.joints = None if joints is None else tuple(joints)
+        self.joints = None if joints is None else tuple(listed(joints, f"{self.label()}: joints", "joints"))
+        for joint in self.joints or ():
+            if not isinstance(joint, str | Integral) or isinstance(joint, bool):
+                raise InvalidInput(f"{self.label()}: joint {brief(joint)} must be a name or a number")
         if self.joints is not None:
             self.rows = len(self.joints)
         self._call(name)

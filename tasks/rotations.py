@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
-from ._checks import Array, finite
+from ._checks import Array, finite, finite_scalar
 
-#: How far R^T R may be from the identity.
-ORTHONORMAL = 1e-6
+#: How far R^T R may be from the identity, and may stay.
+ORTHONORMAL, EXACT = 1e-6, 1e-15
 #: Angles [rad] below which a series is more exact than a quotient.
 SMALL = 1e-4
 EYE = np.eye(3)
@@ -27,20 +27,27 @@ def rotation_matrix(value: ArrayLike, what: str) -> Array:
     InvalidInput
         If it is no finite 3 x 3 matrix, its columns are not orthonormal to 1e-6, or it is a reflection.
     """
-    R = finite(value, what)
+    R = value if type(value) is np.ndarray and value.dtype == np.float64 else finite(value, what)
     if R.shape != (3, 3):
         raise InvalidInput(f"{what} has shape {R.shape}; a rotation is a matrix of shape (3, 3)")
-    off = R.T @ R - EYE
-    error = float(np.abs(off).max())
+    (a, b, c), (d, e, f), (g, h, i) = R.tolist()  # one by one: nine numbers are too few for numpy's calls
+    error = max(
+        abs(a * a + d * d + g * g - 1.0),
+        abs(b * b + e * e + h * h - 1.0),
+        abs(c * c + f * f + i * i - 1.0),
+        abs(a * b + d * e + g * h),
+        abs(a * c + d * f + g * i),
+        abs(b * c + e * f + h * i),
+    )
     if not error <= ORTHONORMAL:
+        finite(R, what)
         raise InvalidInput(f"{what} is no rotation: R^T R differs from the identity by {error:.3g}")
-    (a, b, c), (d, e, f), (g, h, i) = R.tolist()
     if a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) < 0.0:
         raise InvalidInput(f"{what} is a reflection, not a rotation: its determinant is -1")
-    # To the nearest rotation by Newton's method for the polar factor, which squares the error.
-    nearest = R - 0.5 * (R @ off)
-    if error > 1e-9:
-        nearest = nearest - 0.5 * (nearest @ (nearest.T @ nearest - EYE))
+    nearest = np.array(R)
+    if error > EXACT:  # to the nearest rotation by Newton's method for the polar factor, which squares the error
+        for _ in range(2):
+            nearest -= 0.5 * (nearest @ (nearest.T @ nearest - EYE))
     nearest.flags.writeable = False
     return nearest
 
@@ -96,7 +103,14 @@ def about(axis: int, angle: float) -> Array:
 
 
 def from_rpy(roll: float, pitch: float, yaw: float) -> Array:
-    """Turned about the axes of the world by roll (x), then pitch (y), then yaw (z) [rad]: URDF's ``rpy``."""
+    """Turned about the axes of the world by roll (x), then pitch (y), then yaw (z) [rad]: URDF's ``rpy``.
+
+    Raises
+    ------
+    InvalidInput
+        If an angle is no finite number.
+    """
+    roll, pitch, yaw = finite_scalar(roll, "roll"), finite_scalar(pitch, "pitch"), finite_scalar(yaw, "yaw")
     return np.asarray(about(2, yaw) @ about(1, pitch) @ about(0, roll))
 
 

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hqp import DampingRule, Hierarchy, InvalidInput, Level
+from hqp.checks import of_type, one_of, truth
+from hqp.errors import brief
 
-from ._checks import Array, per_row
+from ._checks import Array, per_row, positive_scalar
 from .limits.envelope import Envelope
 from .limits.joint_limits import JointLimits
 from .limits.limit import JointLimit
 from .part import Order, Part, Tick
-from .robots.robot import Robot, RobotState, neutral, on_pinocchio
+from .robots.robot import Robot, RobotState, as_robot, neutral, on_pinocchio
 
 if TYPE_CHECKING:
     from .compiled import CompiledRows
@@ -124,7 +126,8 @@ class Stack:
         for k, level in enumerate(self.levels):
             if any(own is part for own in level):
                 return k
-        raise InvalidInput(f"{part!r} is not in the stack {self!r}")
+        shown = repr(part) if isinstance(part, Part) else brief(part)
+        raise InvalidInput(f"{shown} is not in the stack {self!r}")
 
     def _ruled(self) -> Iterable[Ruled]:
         """Every level with its damping."""
@@ -171,9 +174,13 @@ class Stack:
         Raises
         ------
         InvalidInput
-            If a part does not fit the robot, or the rest of the stack; names the part.
+            If a part does not fit the robot, or the rest of the stack; names the part. If the robot is none, the order
+            none of the two, or dt not positive.
         """
-        return Rows(self, robot, order, dt, compiled)
+        robot = as_robot(robot)
+        one_of(order, get_args(Order), "order")
+        tick = None if dt is None else positive_scalar(dt, "dt", unit="s")
+        return Rows(self, robot, order, tick, truth(compiled, "compiled"))
 
 
 class Rows:
@@ -253,7 +260,7 @@ class Rows:
 
 def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order) -> Level:
     """One level without numbers yet: plain bounds if all its parts are plain, rows otherwise."""
-    name = " + ".join(part.name for part in parts)
+    name = " + ".join(of_type(part.name, str, f"name of a {type(part).__name__}") for part in parts)
     weights = np.concatenate([per_row(p.weight, p.size(robot), f"{p.label()}: weight") for p in parts])
     weights[weights == 0.0] = 1.0  # of rows that are free
     labels = [label for part in parts for label in part.labels(robot, order)]
@@ -284,4 +291,4 @@ def _levels_of(part: Part | Stack) -> tuple[tuple[Part, ...], ...]:
         return part.levels
     if isinstance(part, Part):
         return ((part,),)
-    raise InvalidInput(f"{part!r} is a {type(part).__name__}; {ALLOWED}")
+    raise InvalidInput(f"{brief(part)} is a {type(part).__name__}; {ALLOWED}")

@@ -15,7 +15,6 @@ K = 10 /min, 100 /min and 2500 /min^2 are K = 50 /min.
 
 from __future__ import annotations
 
-from reprlib import repr as brief
 from typing import Any
 
 import numpy as np
@@ -23,6 +22,7 @@ from numpy.typing import ArrayLike
 
 from hqp import InvalidInput, Label
 from hqp.checks import of_type, whole_number
+from hqp.errors import brief
 
 from ._checks import Array, not_negative, numbers, per_row, positive, positive_scalar
 from ._telling import tell

@@ -242,7 +242,7 @@ def test_a_curve_of_ones_own_must_be_defined():
         (lambda: Circle([0, 0], 1.0, 1.0, turn=np.inf), "circle: turn = inf must be finite"),
         (
             lambda: Circle([0, 0], 1.0, 1.0, turn=-1e16),
-            r"turn = -1e\+16 rad must be between -1e\+15 and 1e\+15",
+            r"circle: turn = -1e\+16 must be at most 1e\+15 in size",
         ),
         (lambda: Circle([0, 0], 1.0, 1.0, timing="cubic"), "circle: timing = 'cubic' is a str"),
         (lambda: Polygon([0, 1, 2], 1.0), r"polygon: corners has shape \(3,\); it must be \(n, rows\) with n >= 2"),

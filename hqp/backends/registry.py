@@ -8,7 +8,7 @@ from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 
-from ..errors import UnknownBackend
+from ..errors import UnknownBackend, brief
 from ..settings import Settings
 from .base import Backend
 
@@ -170,7 +170,7 @@ def backend_info(name: str) -> BackendInfo:
     """
     info = BACKENDS.get(name) if isinstance(name, str) else None
     if info is None:
-        raise UnknownBackend(f"unknown backend {name!r}; installed here: {', '.join(available_backends())}")
+        raise UnknownBackend(f"unknown backend {brief(name)}; installed here: {', '.join(available_backends())}")
     if not info.installed:
         raise UnknownBackend(
             f"backend {name!r} needs the package {info.package!r} (pip install '{info.install}');"

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable
-from reprlib import repr as brief
 
 from ..checks import LARGEST_COUNT
+from ..errors import brief
 from ..hierarchy import LARGEST
 from .problem import HEADER, POINTS
 

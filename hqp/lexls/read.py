@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import re
 from dataclasses import dataclass
-from reprlib import repr as brief
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..hierarchy import Hierarchy
+from ..errors import brief
+from ..hierarchy import Hierarchy, check_told
 from ..level import Level
 from ..side import Side
 from .lines import Lines, named
@@ -38,6 +38,8 @@ def read_lexls(path: str | os.PathLike[str]) -> LexLSProblem:
         header = _header(lines)
         levels, sides = zip(*(_objective(lines, header, k) for k in range(len(header.rows))), strict=True)
         points = _points(lines, header.n)
+        told = header.n if points or any(level.A is not None and len(level) for level in levels) else sum(header.rows)
+        check_told(header.n, told)
         guess = np.concatenate(sides) if header.kind == WITH_GUESS else None
         return LexLSProblem(Hierarchy(levels, n=header.n), guess, *map(points.get, POINTS))
 

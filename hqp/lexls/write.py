@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from reprlib import repr as brief
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, finite_vector, index_vector
 from ..checks import of_type
-from ..errors import InvalidInput
+from ..errors import InvalidInput, brief
 from ..hierarchy import Hierarchy
 from ..level import Level
 from ..side import Side

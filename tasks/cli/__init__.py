@@ -1,54 +1,18 @@
 """The ``hqp`` command: one small file a subcommand, its imports done when it is called.
 
 Whatever is wrong with the input is told in one line on stderr, with exit code 2. An interruption
-(Ctrl-C) ends with exit code 130 and keeps every finished file. See :mod:`.command`.
+(Ctrl-C) ends with exit code 130 and keeps every finished file. See :mod:`.command`; so that this holds from the start,
+nothing is imported before.
 """
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Sequence
-from typing import Annotated
-
-import typer
+from typing import Any
 
 from . import command
-from .backends import backends
-from .convert import convert
-from .ik import Numbers, ik
-from .solve import solve
-from .thesis import thesis
-from .validate import validate
-from .warmup import warmup
-
-app = typer.Typer(
-    name="hqp",
-    help="Strict task priorities as a lexicographic sequence of QPs, with proof.",
-    rich_markup_mode=None,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-)
-app.command()(thesis)
-app.command()(validate)
-app.command()(backends)
-app.command()(solve)
-app.command()(convert)
-app.command(cls=Numbers)(ik)
-app.command()(warmup)
-
-
-@app.callback(invoke_without_command=True)
-def _root(
-    context: typer.Context,
-    version: Annotated[bool, typer.Option("--version", help="Print the version and leave.")] = False,
-) -> None:
-    if version:
-        from hqp import __version__
-
-        print(f"hqp {__version__}")
-        raise typer.Exit
-    if context.invoked_subcommand is None:
-        print(context.get_help())
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -59,9 +23,18 @@ def main(arguments: Sequence[str] | None = None) -> None:
     arguments : sequence of str, optional
         What to use in place of ``sys.argv[1:]``.
     """
-    sys.exit(run(arguments))
+    code = run(arguments)
+    if code == command.INTERRUPTED:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # once more ends it without a word
+    sys.exit(code)
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run the command; its exit code."""
-    return command.run(app, "hqp", arguments)
+    return command.run(_app, "hqp", arguments)
+
+
+def _app(**options: Any) -> Any:
+    from .app import app
+
+    return app(**options)

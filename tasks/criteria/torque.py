@@ -26,15 +26,14 @@ found. The remedy is a share of least motion on the same level (a balance as of 
 
 from __future__ import annotations
 
-from reprlib import repr as brief
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
+from hqp.errors import brief
 
-from .._checks import Array, finite, per_row, positive
+from .._checks import Array, finite, pair, per_row, positive
 from ..part import Order, Part, Tick
 from ..robots.robot import Robot, joint_names, joint_units
 from .dynamics import check_fixed, check_methods
@@ -77,9 +76,7 @@ class MinimumTorqueTask(Part):
         self.torque_range = torque_range
         if torque_range is not None:
             what = f"{self.label()}: torque range"
-            if not isinstance(torque_range, (tuple, list, np.ndarray)) or len(torque_range) != 2:
-                raise InvalidInput(f"{what} = {brief(torque_range)} must be a pair: lowest and highest [N m]")
-            low, high = (finite(end, what) for end in torque_range)
+            low, high = (finite(end, what) for end in pair(torque_range, what, "lowest and highest [N m]"))
             shapes = {array.shape for array in (low, high, self.weight)} - {()}
             if len(shapes) > 1:
                 raise InvalidInput(

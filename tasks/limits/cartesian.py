@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput, Label
+from hqp.checks import of_type
 
 from .._checks import Array, numbers, per_row, positive
 from ..inequality import Inequality
@@ -129,6 +130,7 @@ class BoxLimit(Inequality):
         gain: ArrayLike,
         name: str = "box",
     ) -> None:
+        name = of_type(name, str, "name of a BoxLimit")
         low, high = numbers(lower, f"box {name!r}: lower"), numbers(upper, f"box {name!r}: upper")
         for what, corner in ("lower", low), ("upper", high):
             if corner.shape not in {(2,), (3,)} or corner.shape != low.shape:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 import hqp
 from hqp import InvalidInput, RegularisedSolution, RegularisedSolver, Relaxation, Settings, Solution, Status
-from hqp.checks import truth
+from hqp.checks import one_of, truth
 from hqp.guard import Guard
 
 from .._checks import Array, finite_scalar, numbers, positive_scalar, scalar
@@ -128,8 +128,7 @@ class Controller:
         settings: Settings | None = None,
         torque: bool = False,
     ) -> None:
-        if order not in get_args(Command):
-            raise InvalidInput(f"order = {order!r}; it must be one of {', '.join(map(repr, get_args(Command)))}")
+        one_of(order, get_args(Command), "order")
         self.robot = as_robot(robot)
         self.stack = stack if isinstance(stack, Stack) else Stack(stack)
         self.order: Command = order

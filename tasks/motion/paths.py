@@ -16,16 +16,16 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from itertools import accumulate, pairwise
 from math import cos, pi, sin
-from reprlib import repr as brief
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
-from hqp.checks import truth
+from hqp.checks import real_number, truth
+from hqp.errors import brief
 
-from .._checks import LARGEST, Array, finite, finite_scalar, positive_scalar
+from .._checks import Array, finite, finite_scalar, positive_scalar
 from .timing import Timing, as_timing, cubic
 from .trajectories import Trajectory, as_trajectory
 
@@ -59,6 +59,8 @@ class Path:
         raise NotImplementedError(f"{type(self).__name__} must define curve(s)")
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        if type(t) is not float:
+            t = real_number(t, "t")
         s, rate, bend = self.timing(t / self.duration)
         rate, bend = rate / self.duration, bend / self.duration**2
         r, slope, curvature = self.curve(s)
@@ -138,8 +140,6 @@ class Circle(Path):
         self.radius = positive_scalar(radius, "circle: radius", unit="m")
         self.start = finite_scalar(start, "circle: start")
         self.turn = finite_scalar(turn, "circle: turn")
-        if abs(self.turn) > LARGEST:
-            raise InvalidInput(f"circle: turn = {self.turn} rad must be between {-LARGEST:g} and {LARGEST:g}")
         super().__init__(duration, timing)
 
     def curve(self, s: float) -> tuple[Array, Array, Array]:
@@ -196,6 +196,8 @@ class Chain:
         self._end = end, np.zeros_like(end), np.zeros_like(end)
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        if type(t) is not float:
+            t = real_number(t, "t")
         if t >= self.duration:  # said here: the sum of the durations is rounded, and the last piece could fall short
             return self._end
         k = bisect_right(self._starts, t, lo=1) - 1  # before t = 0 the first; at NaN the last, which gives NaN

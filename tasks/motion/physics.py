@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hqp import InvalidInput, MissingPackage
+from hqp.errors import brief
 
 from .._checks import Array, positive_scalar
 from ..robots.robot import Robot, check_fixed_base, on_pinocchio
@@ -60,7 +61,7 @@ class MujocoPlant:
         self._mujoco: Any = mujoco
         self.step = positive_scalar(step, "step", unit="s")
         if not on_pinocchio(robot):
-            raise InvalidInput(f"robot = {robot!r}; the physics need the model of a PinocchioRobot")
+            raise InvalidInput(f"robot = {brief(robot)}; the physics need the model of a PinocchioRobot")
         model: Any = robot.model  # type: ignore[attr-defined]
         check_fixed_base(robot, "MujocoPlant")
         other = [name for joint, name in _joints(model) if not _known(joint)]

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
-from hqp.checks import of_type
+from hqp.checks import of_type, real_number
 
 from .._checks import Array, finite, finite_scalar, positive_scalar
 
@@ -118,6 +118,8 @@ class Polynomial:
         return len(self._newton) - 1
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        if type(t) is not float:
+            t = real_number(t, "t")
         if t < 0.0:
             return self._before
         if t > self.duration:

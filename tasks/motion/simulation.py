@@ -19,14 +19,15 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput, RegularisedSolution, Solution
-from hqp.checks import of_type, whole_number
+from hqp.checks import listed, of_type, whole_number
+from hqp.errors import brief
 
 from .._checks import Array, finite, finite_scalar, function, positive_scalar
 from ..robots.robot import Robot, check_joints, integrate, joint_names, joint_units
@@ -131,6 +132,8 @@ def simulate(
         raise InvalidInput("simulate needs the tick; give the controller dt in s")
     if plant is not None and controller.order != "torque":
         raise InvalidInput(f"a plant is moved by torques, but order = {controller.order!r}; it must be 'torque'")
+    if plant is not None and not callable(getattr(plant, "advance", None)):
+        raise InvalidInput(f"plant = {brief(plant)} is a {type(plant).__name__}; a plant has advance(q, v, tau, dt)")
     share = positive_scalar(duration, "duration", unit="s") / dt
     if share > MOST_TICKS:
         raise InvalidInput(f"duration = {duration:g} s is more than {MOST_TICKS} ticks of dt = {dt:g} s")
@@ -148,7 +151,8 @@ def simulate(
     progress = None if progress is None else function(progress, "progress")
     report_every = max(ticks // 100, 1)
 
-    waiting = deque(sorted((of_type(change, Change, "a change") for change in changes), key=lambda change: change.t))
+    given = [_checked(of_type(change, Change, "a change")) for change in listed(changes, "changes", "Change")]
+    waiting = deque(sorted(given, key=lambda change: change.t))
     stacks = [controller.stack, *(change.stack for change in waiting)]
     parts = {id(part): part for stack in stacks for part in stack}
     log = Log(controller, ticks, robot.at(q, v), parts.values())
@@ -192,6 +196,12 @@ def simulate(
     else:
         log.state(ticks, start + ticks * dt, robot.at(q, v))
     return log.record(stopped)
+
+
+def _checked(change: Change) -> Change:
+    """A change whose time is a number, and whose stack is one."""
+    stack = change.stack if isinstance(change.stack, Stack) else Stack(change.stack)
+    return replace(change, t=finite_scalar(change.t, "a change: t"), stack=stack)
 
 
 def _fastest(robot: Robot, v: Array) -> str:

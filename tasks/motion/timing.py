@@ -20,6 +20,7 @@ from math import cos, pi, sin
 import numpy as np
 
 from hqp import InvalidInput
+from hqp.checks import real_number
 
 from .._checks import function, numbers
 
@@ -35,6 +36,8 @@ def _at_rest_outside(law: Timing) -> Timing:
 
     @wraps(law)
     def timing(u: float) -> tuple[float, float, float]:
+        if type(u) is not float:
+            u = real_number(u, f"{law.__name__}: u")
         if u < 0.0:
             return 0.0, 0.0, 0.0
         if u >= 1.0:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
+from hqp.arrays import real_array
 
 from .._checks import Array, finite, numbers
 
@@ -73,12 +74,13 @@ class Setpoint:
         moves = velocity is not None
         if not moves and acceleration is not None:
             raise InvalidInput("setpoint: an acceleration is given without a velocity; give both")
-        still, where = np.zeros(len(self._value)), alike(value, self._value, "setpoint")
-        rate = still if velocity is None else alike(velocity, self._value, "setpoint: velocity")
-        change = still if acceleration is None else alike(acceleration, self._value, "setpoint: acceleration")
-        self._value[:] = where
-        if moves or self._moves:
-            self._velocity[:], self._acceleration[:], self._moves = rate, change, moves
+        where = alike(value, self._value, "setpoint")
+        if not moves and not self._moves:
+            self._value[:] = where
+            return
+        rate = 0.0 if velocity is None else alike(velocity, self._value, "setpoint: velocity")
+        change = 0.0 if acceleration is None else alike(acceleration, self._value, "setpoint: acceleration")
+        self._value[:], self._velocity[:], self._acceleration[:], self._moves = where, rate, change, moves
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
         return self._value, self._velocity, self._acceleration
@@ -95,7 +97,8 @@ def alike(value: Any, model: Array, what: str) -> Array:
     InvalidInput
         If it has another shape.
     """
-    array = np.atleast_1d(numbers(value, what))
+    plain = type(value) is np.ndarray and value.dtype == np.float64
+    array: Array = value if plain else np.atleast_1d(real_array(value, what))
     if array.shape != model.shape:
         raise InvalidInput(f"{what} has shape {array.shape}; it must be {model.shape}, as it began")
     return array

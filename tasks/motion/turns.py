@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
+from hqp.checks import real_number
 
 from .._checks import Array, finite, numbers, positive_scalar
 from ..rotations import about, exp, log, rotation_matrix, transform
@@ -69,12 +70,13 @@ class RotationSetpoint:
         turns = omega is not None
         if not turns and alpha is not None:
             raise InvalidInput("setpoint: alpha is given without omega; give both")
-        still, where = np.zeros(3), rotation_matrix(R, "setpoint")
-        rate = still if omega is None else alike(omega, still, "setpoint: omega")
-        change = still if alpha is None else alike(alpha, still, "setpoint: alpha")
-        self._R[:] = where
-        if turns or self._turns:
-            self._omega[:], self._alpha[:], self._turns = rate, change, turns
+        where = rotation_matrix(R, "setpoint")
+        if not turns and not self._turns:
+            self._R[:] = where
+            return
+        rate = 0.0 if omega is None else alike(omega, self._omega, "setpoint: omega")
+        change = 0.0 if alpha is None else alike(alpha, self._alpha, "setpoint: alpha")
+        self._R[:], self._omega[:], self._alpha[:], self._turns = where, rate, change, turns
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
         return self._R, self._omega, self._alpha
@@ -183,6 +185,8 @@ class Turn:
         self._vector = log(self.end @ self.start.T)
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        if type(t) is not float:
+            t = real_number(t, "t")
         s, ds, dds = self.law(t / self.duration)
         rate, change = ds / self.duration, dds / self.duration**2
         return exp(s * self._vector) @ self.start, rate * self._vector, change * self._vector

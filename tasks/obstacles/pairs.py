@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 
 from hqp import InvalidInput
+from hqp.checks import listed
+from hqp.errors import brief
 
 from .._checks import Array
 from ..robots.robot import Robot, RobotState
@@ -64,11 +66,13 @@ class Pairs:
     """
 
     def __init__(self, links: Sequence[LinkCapsule], obstacles: Sequence[Obstacle], what: str) -> None:
-        self.links, self.obstacles, self._what = tuple(links), tuple(obstacles), what
+        self._what = what
+        self.links = tuple(listed(links, f"{what}: links", "LinkCapsule"))
+        self.obstacles = tuple(listed(obstacles, f"{what}: obstacles", "Sphere and Capsule"))
         for kind, given in (LinkCapsule, self.links), (Obstacle, self.obstacles):
             wrong = [value for value in given if not isinstance(value, kind)]
             if wrong or not given:
-                got = f"{wrong[0]!r}" if wrong else "none"
+                got = brief(wrong[0]) if wrong else "none"
                 raise InvalidInput(f"{what}: got {got}; it takes at least one {kind.__name__} in a list")
         self._bound: tuple[Robot, list[Array]] | None = None
 

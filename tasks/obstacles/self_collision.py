@@ -22,9 +22,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from hqp import InvalidInput, Label
-from hqp.checks import of_type, whole_number
+from hqp.checks import listed, of_type, whole_number
 
-from .._checks import Array, finite_scalar, numbers, positive_scalar
+from .._checks import Array, finite_scalar, numbers, pair, positive_scalar
 from ..part import PER, Order, Part, Tick
 from ..robots.robot import Robot, RobotState, nearest, on_pinocchio
 from .distance import check_rate
@@ -66,7 +66,7 @@ class SelfCollisionLimit(Part):
         name: str = "self-collision",
     ) -> None:
         self.name = of_type(name, str, "name of a SelfCollisionLimit")
-        self.asked = None if pairs is None else tuple(pairs)
+        self.asked = None if pairs is None else self._pairs(pairs)
         self.margin = finite_scalar(margin, f"{self.label()}: margin")
         if self.margin < 0.0:
             raise InvalidInput(f"{self.label()}: margin = {self.margin:g} m must not be negative")
@@ -74,6 +74,13 @@ class SelfCollisionLimit(Part):
         self.rows = whole_number(rows, f"{self.label()}: rows", least=1)
         self.weight = numbers(1.0, "weight")
         self._bound: tuple[Robot, Shapes] | None = None
+
+    def _pairs(self, pairs: Iterable[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
+        what, found = f"{self.label()}: pairs", list[tuple[str, str]]()
+        for given in listed(pairs, what, "pairs of bodies"):
+            first, second = pair(given, what, "two bodies")
+            found.append((of_type(first, str, f"{what}: body"), of_type(second, str, f"{what}: body")))
+        return tuple(found)
 
     def shapes(self, robot: Robot) -> Shapes:
         """The pairs of this robot."""
@@ -223,10 +230,10 @@ class Shapes:
         self._pin.updateGeometryPlacements(self._robot.model, data, self.geometry, self._data)
 
     @staticmethod
-    def _known(pair: tuple[str, str], bodies: list[str], what: str) -> tuple[str, str]:
-        for name in pair:
+    def _known(both: tuple[str, str], bodies: list[str], what: str) -> tuple[str, str]:
+        for name in both:
             if name not in bodies:
                 raise InvalidInput(
                     f"{what}: {name!r} is no body with a shape{nearest(str(name), dict.fromkeys(bodies))}"
                 )
-        return pair
+        return both

@@ -65,11 +65,9 @@ class Sphere(Obstacle):
 
     def __init__(self, centre: ArrayLike | Trajectory, radius: float) -> None:
         self.radius = positive_scalar(radius, "Sphere: radius", unit="m")
-        if callable(centre):
-            rows = 2 if np.shape(centre(0.0)[0]) == (2,) else 3
-        else:
-            rows = len(_point(centre, "Sphere: centre", flat=True))
-        self.centre = as_trajectory(centre, rows, "Sphere: centre")
+        given = centre if callable(centre) else _point(centre, "Sphere: centre", flat=True)
+        self.centre = as_trajectory(given, None, "Sphere: centre")
+        _point(self.centre(0.0)[0], "Sphere: centre", flat=True)
 
     @property
     def moves(self) -> bool:

@@ -8,14 +8,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from reprlib import repr as brief
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
-from hqp.checks import truth
+from hqp.checks import listed, truth
+from hqp.errors import brief
 
 from .._checks import Array
 from .._telling import tell
@@ -237,19 +237,19 @@ def _base(base: Any, floating_base: bool | None, entry: Entry) -> Any:
 def _bodies(body: Any) -> list[str] | None:
     if body is None:
         return None
-    names = [body] if isinstance(body, str) else list(body) if isinstance(body, Iterable) else [body]
+    what = f"body = {brief(body)} must be the name of a body, or a list of names"
+    try:
+        names = [body] if isinstance(body, str) else listed(body, "body", "names")
+    except InvalidInput:
+        raise InvalidInput(what) from None
     if not names or not all(isinstance(name, str) for name in names):
-        raise InvalidInput(f"body = {brief(body)} must be the name of a body, or a list of names")
+        raise InvalidInput(what)
     return names
 
 
 def _positions(lock: Any) -> dict[str, float | None]:
     """Joint -> where to hold it; None for neutral."""
-    if isinstance(lock, str | bytes) or not isinstance(lock, Iterable):
-        raise InvalidInput(
-            f"lock = {brief(lock)} is a {type(lock).__name__}; it must be a list of joints, or a dict of positions"
-        )
-    names = list(lock)
+    names = listed(lock, "lock", "joints, or a dict of positions")
     wrong = next((name for name in names if not isinstance(name, str)), None)
     if wrong is not None:
         raise InvalidInput(f"lock: {brief(wrong)} is a {type(wrong).__name__}; it must be the name of a joint")

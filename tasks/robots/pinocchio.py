@@ -20,7 +20,7 @@ from hqp.arrays import real_array
 from hqp.checks import of_type
 from hqp.guard import Guard
 
-from .._checks import Array, finite_scalar, own_numbers
+from .._checks import Array, finite, finite_scalar, own_numbers
 from .robot import joint_index, nearest
 
 try:
@@ -237,6 +237,9 @@ class PinocchioRobot:
 
         All in [rad] or [m]; the range is infinite where there is none.
         """
+        q = finite(q, "q")
+        if q.shape != (self.nq,):
+            raise InvalidInput(f"q has shape {q.shape}; {self!r} takes ({self.nq},)")
         told, low, high = [], *np.array([[-np.inf], [np.inf]]).repeat(self.nv, axis=1)
         if self.position_limit is not None:
             low, high = self.position_limit
@@ -249,6 +252,7 @@ class PinocchioRobot:
 
     def random(self, rng: np.random.Generator) -> Array:
         """A configuration from the whole range of every joint; half a turn to either side where there is none."""
+        rng = of_type(rng, np.random.Generator, "rng")
         low, high = np.full(self.nq, -1.0), np.full(self.nq, 1.0)
         if self.position_limit is None:
             ends = np.array([[-np.pi], [np.pi]]).repeat(len(self._columns), axis=1)

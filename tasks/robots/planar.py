@@ -222,18 +222,20 @@ class PlanarArm:
             If q [rad] or v [rad/s] has not one number a joint. NaN passes: the solver reports it.
         """
         q, v = self._joints(single=True, q=q, v=v)
-        angles, points = self._points(q)
-        pose = np.array([points[-1, 0], points[-1, 1], angles[-1]])
-        J = _jacobian(points)
-        # Jdot v: every link pulls its end towards its beginning at length * rate^2.
-        drift = np.zeros(3)
-        drift[:2] = -(v.cumsum() ** 2) @ (points[1:] - points[:-1])
-        return PlanarState(q, v, points, pose, J, J @ v, drift, planar_frame(pose, J, drift))
+        with np.errstate(all="ignore"):  # what is beyond all numbers is for the solver to report
+            angles, points = self._points(q)
+            pose = np.array([points[-1, 0], points[-1, 1], angles[-1]])
+            J = _jacobian(points)
+            # Jdot v: every link pulls its end towards its beginning at length * rate^2.
+            drift = np.zeros(3)
+            drift[:2] = -(v.cumsum() ** 2) @ (points[1:] - points[:-1])
+            return PlanarState(q, v, points, pose, J, J @ v, drift, planar_frame(pose, J, drift))
 
     def _points(self, q: Array) -> tuple[Array, Array]:
         """Angles of the links against the x axis, shape (..., n), and the points between them."""
-        angles = q.cumsum(axis=-1)
-        return angles, _chain(self.lengths * np.cos(angles), self.lengths * np.sin(angles))
+        with np.errstate(all="ignore"):  # what is infinite is NaN, for the solver to report
+            angles = q.cumsum(axis=-1)
+            return angles, _chain(self.lengths * np.cos(angles), self.lengths * np.sin(angles))
 
     def _joints(self, *, single: bool = False, **values: ArrayLike) -> list[Array]:
         """Arrays of one number a joint, all of the shape of the first."""

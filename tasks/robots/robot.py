@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
-from reprlib import repr as brief
 from typing import Protocol
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from hqp import InvalidInput
 from hqp.checks import whole_number
+from hqp.errors import brief
 
 from .._checks import Array
 from .frame import Frame

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
+from hqp.checks import listed, of_type
 
-from .._checks import Array, numbers
-from .robot import Robot, on_pinocchio
+from .._checks import Array, finite
+from .robot import Robot, as_robot, on_pinocchio
 
 if TYPE_CHECKING:
     from .pinocchio import PinocchioRobot
@@ -42,11 +43,13 @@ def skeleton(robot: Robot, q: ArrayLike, *, frames: Iterable[str] = ()) -> Array
     InvalidInput
         If q does not fit, there is no such frame, or the robot tells neither points nor joints.
     """
-    q = numbers(q, "q")
+    as_robot(robot)
+    names = [of_type(name, str, "frames: name") for name in listed(frames, "frames", "names")]
+    q = finite(q, "q")
     if q.shape != (robot.nq,):
         raise InvalidInput(f"q has shape {q.shape}; the robot takes ({robot.nq},)")
     if on_pinocchio(robot):
-        segments = _spatial(robot, q, tuple(frames))  # type: ignore[arg-type]
+        segments = _spatial(robot, q, names)  # type: ignore[arg-type]
     elif hasattr(robot, "points"):
         points = np.pad(robot.points(q), ((0, 0), (0, 1)))
         segments = np.stack([points[:-1], points[1:]], axis=1)
@@ -55,7 +58,7 @@ def skeleton(robot: Robot, q: ArrayLike, *, frames: Iterable[str] = ()) -> Array
     return np.asarray(segments[np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1) > SHORT])
 
 
-def _spatial(robot: PinocchioRobot, q: Array, frames: tuple[str, ...]) -> Array:
+def _spatial(robot: PinocchioRobot, q: Array, frames: list[str]) -> Array:
     import pinocchio as pin
 
     model, data = robot.model, robot.model.createData()  # its own: the robot's belongs to the state of a tick
