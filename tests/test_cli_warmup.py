@@ -33,7 +33,7 @@ def test_a_solver_that_cannot_be_kept_is_told(
     monkeypatch.setattr(solver, "solve", unkept)
     assert run(["warmup"]) == 0
     told = capsys.readouterr().out.splitlines()[0]
-    assert told.endswith("s; not kept: there is no folder that can be written to")
+    assert told.endswith("s; not kept: no folder can be written to, or this Numba has no stamp for what is kept")
 
 
 @pytest.mark.sweep

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 
+#: Why every process compiles for itself; which of the two it is, logging says.
+UNKEPT = "no folder can be written to, or this Numba has no stamp for what is kept"
+
+
 def warmup() -> None:
     """Compile all kernels ahead of time, or find them compiled; say how long that took and where they are kept."""
     from time import perf_counter
@@ -18,5 +22,5 @@ def warmup() -> None:
         done = "compiled" if warm_up() else "already compiled, ready"
         seconds = perf_counter() - start
         folder = kernel.stats.cache_path
-        kept = f"kept in {folder}" if folder else "not kept: there is no folder that can be written to"
+        kept = f"kept in {folder}" if folder else f"not kept: {UNKEPT}"
         print(f"{name}: {done} in {seconds:.1f} s; {kept}")
