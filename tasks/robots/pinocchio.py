@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hqp import InvalidInput, MissingPackage
-from hqp.arrays import real_array
 from hqp.checks import of_type
 from hqp.guard import Guard
 
@@ -28,6 +27,7 @@ try:
 except ImportError as error:  # pragma: no cover
     raise MissingPackage("spatial robots need Pinocchio: pip install 'hqp[robots]'") from error
 
+from . import pinocchio_dynamics as dynamics
 from .axes import NONE, axes, base_of, unit_parts
 from .files.xml import root_of
 from .frame_names import frame_numbers
@@ -369,54 +369,18 @@ class PinocchioRobot:
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """M(q) [kg m^2; kg m and kg where joints slide], symmetric, shape (..., nv, nv)."""
-        (q,) = self._rows(q=q)
-        M = np.empty((*q.shape[:-1], self.nv, self.nv))
-        one = self._by_columns if len(self.model.mimicking_joints) else self._composite
-        for row, own in zip(q.reshape(-1, self.nq), M.reshape(-1, self.nv, self.nv), strict=True):
-            own[:] = one(row)
-        self._state = None  # the rest of the data was overwritten
-        return M
-
-    def _rows(self, **values: ArrayLike) -> list[Array]:
-        """Arrays of configurations, velocities and accelerations with the same leading axes."""
-        found: list[Array] = []
-        for what, value in values.items():
-            array, size = real_array(value, what), self.nq if what == "q" else self.nv
-            if array.shape[-1:] != (size,) or (found and array.shape[:-1] != found[0].shape[:-1]):
-                allowed = f"(..., {size})" if not found else str((*found[0].shape[:-1], size))
-                raise InvalidInput(f"{what} has shape {array.shape}; {self!r} takes {allowed}")
-            found.append(array)
-        return found
-
-    def _composite(self, q: Array) -> Array:
-        """M by composite rigid bodies."""
-        upper = np.triu(pin.crba(self.model, self.data, q))  # all that the algorithm promises
-        return np.asarray(upper + np.triu(upper, 1).T)
-
-    def _by_columns(self, q: Array) -> Array:
-        """M by inverse dynamics, a column an acceleration: where joints follow others Pinocchio's ``crba`` is wrong."""
-        still, columns = np.zeros(self.nv), np.eye(self.nv)
-        weight = np.array(pin.rnea(self.model, self.data, q, still, still))
-        M = np.array([np.array(pin.rnea(self.model, self.data, q, still, a)) - weight for a in columns])
-        return np.asarray(0.5 * (M + M.T))
+        self._state = None  # the rest of the data is overwritten
+        return dynamics.mass_matrix(self.model, self.data, *dynamics.rows_of(self, q=q))
 
     def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
         """What torques [N m], forces [N] hold without acceleration: Coriolis, centripetal, gravity, shape (..., nv)."""
-        q, v = self._rows(q=q, v=v)
-        rows = zip(q.reshape(-1, self.nq), v.reshape(-1, self.nv), strict=True)
-        torques = [np.array(pin.nonLinearEffects(self.model, self.data, *row)) for row in rows]
         self._state = None
-        return np.array(torques).reshape(v.shape)
+        return dynamics.bias(self.model, self.data, *dynamics.rows_of(self, q=q, v=v))
 
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """Joint torques [N m], forces [N] for accelerations a, gravity included, shape (..., nv)."""
-        q, v, a = self._rows(q=q, v=v, a=a)
-        rows = [
-            pin.rnea(self.model, self.data, *row)
-            for row in zip(q.reshape(-1, self.nq), v.reshape(-1, self.nv), a.reshape(-1, self.nv), strict=True)
-        ]
         self._state = None
-        return np.array(rows).reshape(a.shape)
+        return dynamics.inverse_dynamics(self.model, self.data, *dynamics.rows_of(self, q=q, v=v, a=a))
 
     def __getstate__(self) -> dict[str, Any]:
         own = dict(self.__dict__, model=Kept(self.model, self.recipe), data=None, guard=None)
