@@ -67,5 +67,10 @@ def test_what_has_no_skeleton_is_refused():
     class Point:
         nq = nv = 1
 
+        def at(self, q, v):
+            return None
+
+    with pytest.raises(InvalidInput, match=r"a robot has nq, nv and at\(q, v\)"):
+        skeleton(3, [0.0])  # type: ignore[arg-type]
     with pytest.raises(InvalidInput, match="no skeleton"):
         skeleton(Point(), [0.0])  # type: ignore[arg-type]
