@@ -44,9 +44,11 @@ def run(
 ) -> None:
     """Measure families x methods x settings. Interrupted, it goes on where it was, when called again in the same way.
 
+    The picture of the run is put beside its cells; the last line says which backend to use, for what.
     Exit code 1 if a cell could not be measured.
     """
     required_packages()
+    from .analysis.advice import conclude
     from .analysis.summary import summary
     from .sweep.store import Store, place
     from .sweep.workers import Failed
@@ -90,6 +92,8 @@ def run(
     printer.print(f"{everything - len(failed)} of {everything} cells in {folder}", markup=False, soft_wrap=True)
     for file in failed:
         printer.print(f"not measured, see {file}", markup=False, soft_wrap=True)
+    if len(failed) < everything:
+        conclude(printer, store)
     if failed:
         raise typer.Exit(_INCOMPLETE)
 

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from hqp import Hierarchy, Level, Settings, Solver, Status, solve
+from hqp import Hierarchy, Level, Settings, Solver, Status, load, solve
 from hqp.backends import cascade
+from hqp.backends.polish import MENDING, polish
+from hqp.backends.subproblem import LevelRows, State, objective
 from hqp.problems import random_hierarchy
 from hqp.qp import FlatQP, FlatResult
 
@@ -158,3 +164,104 @@ def test_500_random_hierarchies(first: int) -> None:
     seeds = range(first, first + 250)
     made = {k: random_hierarchy(np.random.default_rng(k)) for k in seeds}
     assert [k for k, h in made.items() if not solve(h, backend=BACKEND).certify().ok] == []
+
+
+#: Contact forces of a humanoid in their cones and accelerations, 59 unknowns and 203 rows: apexes of cones at zero,
+#: limits which no x can keep, and a solver's rho which outweighs what they leave.
+SATURATED = Path(__file__).parent / "data" / "saturated_forces.npz"
+
+
+def test_a_saturated_body_is_optimal_and_proved(general_backend: str) -> None:
+    hierarchy, x_ref = load(SATURATED)
+    solution = solve(hierarchy, backend=general_backend, x_ref=x_ref)
+    assert solution.ok, solution.message
+    assert solution.certify().ok
+
+
+@pytest.mark.parametrize("found", ["a saturated body", *range(12)])
+def test_what_was_not_verified_is_claimed_only_if_it_is_proved(monkeypatch: pytest.MonkeyPatch, found: object) -> None:
+    """The polish verifies nothing; where the certificate refutes x, it is not optimal, and says from which level on."""
+    monkeypatch.setattr(cascade, "polish", lambda *arguments: replace(polish(*arguments), verified=False))
+    if found == "a saturated body":
+        hierarchy, x_ref = load(SATURATED)
+    else:
+        hierarchy, x_ref = random_hierarchy(np.random.default_rng([int(str(found)), 5])), None
+    solution = solve(hierarchy, backend=BACKEND, x_ref=x_ref)
+    failed = solution.certify().failed
+    assert solution.ok == (failed is None)
+    if failed is not None:
+        assert solution.level is not None
+        assert solution.level <= failed.level
+        assert solution.status in (Status.STALLED, Status.FAILED)
+        assert "the levels above" in solution.message
+
+
+def test_an_answer_that_is_off_is_stalled_at_its_level(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As by a polish that ends elsewhere, 8 % off at the second level."""
+    real, h = cascade.Cascade._solve_level, stack()
+
+    def off(self, k, problem, tally):
+        settled = real(self, k, problem, tally)
+        return settled._replace(y=0.92 * settled.y, verified=False) if k == 1 else settled
+
+    monkeypatch.setattr(cascade.Cascade, "_solve_level", off)
+    solution = solve(h, backend=BACKEND)
+    assert (solution.status, solution.level) == (Status.STALLED, 1)
+    assert "level 1 ('hand'): the answer of proxsuite could not be verified" in solution.message
+    assert all(level.ok for level in solution.certify(unique=False).levels[:1])
+
+
+def test_where_a_later_level_fails_too_the_first_wrong_one_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    real, h = cascade.Cascade._solve_level, stack()
+
+    def off(self, k, problem, tally):
+        if k == 3:
+            raise cascade.LevelFailed("gave up")
+        settled = real(self, k, problem, tally)
+        return settled._replace(y=0.92 * settled.y, verified=False) if k == 1 else settled
+
+    monkeypatch.setattr(cascade.Cascade, "_solve_level", off)
+    solution = solve(h, backend=BACKEND)
+    assert (solution.status, solution.level) == (Status.FAILED, 1)
+    assert "level 3 ('gaze'): proxsuite failed (gave up)" in solution.message
+    assert "level 1 ('hand')" in solution.message
+
+
+def first_level(h: Hierarchy):
+    """The problem that the top level is, from x = 0."""
+    rows = next(LevelRows.of(h, np.zeros(h.n)))
+    return rows.problem(State.start(np.zeros(h.n)), rows.at(np.zeros(h.n), Settings()), Settings())
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_polish_arrives_from_wherever_it_starts(seed: int) -> None:
+    """Inequalities that contradict each other, and a start that tells nothing of which are active: it is convex."""
+    rng = np.random.default_rng(seed)
+    A, centre = rng.standard_normal((60, 20)), 3.0 * rng.standard_normal(60)
+    problem = first_level(Hierarchy([Level(A, centre - 0.1, centre + 0.1)]))
+    ends = [
+        polish(problem, y, np.zeros(0, dtype=np.int8), Settings().rank_tolerance)
+        for y in (np.zeros(20), 1e3 * rng.standard_normal(20))
+    ]
+    assert all(end.verified for end in ends)
+    values = [objective(problem.slacks(end.y)) for end in ends]
+    assert values[0] == pytest.approx(values[1], rel=1e-9)
+
+
+def test_no_round_of_descent_is_worse_than_the_one_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    from hqp.backends import polish as module
+
+    hierarchy, x_ref = load(SATURATED)
+    values: list[tuple[object, float]] = []
+    real = module._pays
+
+    def seen(problem, y, d, active):
+        values.append((problem, objective(problem.slacks(y))))
+        return real(problem, y, d, active)
+
+    monkeypatch.setattr(module, "_pays", seen)
+    solution = solve(hierarchy, backend=BACKEND, x_ref=x_ref)
+    assert solution.counts.polishes > MENDING
+    assert values
+    for (problem, before), (following, after) in pairwise(values):
+        assert problem is not following or after <= before * (1.0 + 1e-9)

@@ -53,8 +53,8 @@ class Off:
     def __init__(self, name: str) -> None:
         self.exact = Solver("pseudoinverse")
 
-    def solve(self, hierarchy: Hierarchy) -> Solution:
-        solution = self.exact.solve(hierarchy)
+    def solve(self, hierarchy: Hierarchy, x_ref: np.ndarray) -> Solution:
+        solution = self.exact.solve(hierarchy, x_ref)
         return replace(solution, x=solution.x * (1 + 1e-4))
 
 

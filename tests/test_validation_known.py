@@ -10,6 +10,7 @@ import pytest
 from hqp import BACKENDS, certify, solve
 from hqp.backends.pseudoinverse import joint_form
 from hqp.validation import KNOWN, KnownAnswer, check, known
+from hqp.validation.backwards import BACKWARDS, backwards
 
 EACH = pytest.mark.parametrize("answer", KNOWN, ids=lambda answer: answer.name)
 
@@ -20,7 +21,7 @@ def test_every_name_is_another() -> None:
 
 @EACH
 def test_it_is_the_optimum_by_the_certificate_alone(answer: KnownAnswer) -> None:
-    certificate = certify(answer.hierarchy, answer.x)
+    certificate = certify(answer.hierarchy, answer.x, answer.x_ref)
     assert certificate.ok, certificate
     residuals = [level.residual_norm for level in certificate.levels[:-1]]
     assert residuals == pytest.approx(answer.residuals.tolist(), abs=1e-12)
@@ -36,7 +37,36 @@ def test_its_multipliers_balance_the_level(answer: KnownAnswer) -> None:
         slack = A @ answer.x - np.clip(A @ answer.x, level.lower, level.upper)
         above = rows[: h.pointers[k]]
         assert A.T @ (level.weights**2 * slack) + above.T @ multipliers == pytest.approx(np.zeros(h.n), abs=1e-12)
-        assert certify(h, answer.x).levels[k].multipliers == pytest.approx(multipliers, abs=1e-12)
+        found = certify(h, answer.x, answer.x_ref).levels[k].multipliers
+        assert found == pytest.approx(multipliers, abs=1e-12)
+
+
+@pytest.mark.parametrize("n", [7, 30])
+def test_what_is_made_backwards_is_known_to_the_last_digit_and_has_everything_in_it(n: int) -> None:
+    """Small integers and powers of two: nothing is rounded, so that x is the optimum exactly."""
+    (answer,) = [answer for answer in BACKWARDS if answer.hierarchy.n == n]
+    h = answer.hierarchy
+    scaled = [64.0 * array[np.isfinite(array)] for array in (h.A, h.lower, h.upper, h.weights, answer.x, answer.x_ref)]
+    assert all((array == np.round(array)).all() and np.abs(array).max() < 2**20 for array in scaled)
+    for level in h.levels:
+        assert (level.lower < level.upper).any()
+        assert np.ptp(level.weights) > 0.0
+    assert (answer.residuals[1:] > 0.0).all()
+    assert np.abs(solve(h).x - answer.x).max() > 1e-3  # x_ref has a say
+    assert answer.multipliers
+
+
+def test_a_seed_gives_one_hierarchy_and_another_another() -> None:
+    one, same, other = (backwards(7, (4, 1, 0), seed=seed) for seed in (3, 3, 4))
+    assert (one.hierarchy.A == same.hierarchy.A).all()
+    assert one.hierarchy.A.shape != other.hierarchy.A.shape or (one.hierarchy.A != other.hierarchy.A).any()
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_whatever_the_seed_it_is_certified_and_found(seed: int) -> None:
+    answer = backwards(15, (5, 3, 2, 1), seed=seed)
+    assert certify(answer.hierarchy, answer.x, answer.x_ref).ok
+    assert solve(answer.hierarchy, x_ref=answer.x_ref).x == pytest.approx(answer.x, abs=1e-9)
 
 
 def test_the_multipliers_of_the_harmonic_levels_have_the_sign_of_escande() -> None:

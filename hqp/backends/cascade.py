@@ -11,6 +11,7 @@ with y_prev = 0, which makes rank-deficient levels strictly convex. Then one equ
 active rows (:mod:`.polish`) takes rho out again, and its answer is checked against the optimality
 conditions. Where it does not meet them, the solver is asked again and again, warm, until y stops moving
 (a few proximal steps, which cost no accuracy), and the polish of that is kept only if no level gets worse.
+Such a level is without a proof, and what can be claimed of x is then what the certificate says.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, length
+from ..certificate import certify
 from ..errors import HqpError
 from ..hierarchy import Hierarchy
 from ..qp import FlatQP, FlatResult, FlatSolver, Sizes, make_flat_solver
@@ -40,6 +42,8 @@ CREDIBLE = 1e-5
 LEAK = 1e2
 #: Where a solver gives up on a level, it is asked again with rho larger by these factors.
 RETREAT = (1e3, 1e6)
+#: What is said of x where a level failed, or stalled.
+EXACT_ABOVE = "x is optimal for the levels above"
 
 
 #: The running :class:`hqp.Counts` of one solve, by the names of its fields.
@@ -88,7 +92,13 @@ class Cascade:
         self.flat.clear()
 
     def solve(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
-        state, tally = State.start(x_ref.copy()), Tally(int)
+        answer, verified = self._descend(hierarchy, x_ref)
+        # Without polish nothing is verified, by choice: then the claim is the named solver's own.
+        return answer if verified or not self.settings.polish else self._judged(hierarchy, x_ref, answer)
+
+    def _descend(self, hierarchy: Hierarchy, x_ref: Array) -> tuple[Answer, bool]:
+        """Level by level; and whether each that needed the named solver was verified."""
+        state, tally, verified = State.start(x_ref.copy()), Tally(int), True
         last = len(hierarchy.levels)
         for k, rows in enumerate(LevelRows.of(hierarchy, x_ref)):
             try:
@@ -97,24 +107,36 @@ class Cascade:
                     tally["levels_met"] += 1
                     y, pressing = np.zeros(state.Z.shape[1]), np.zeros(len(state.hard), dtype=np.int8)
                 else:
-                    y, pressing = self._solve_level(k, rows.problem(state, here, self.settings), tally)
+                    settled = self._solve_level(k, rows.problem(state, here, self.settings), tally)
+                    y, pressing, verified = settled.y, settled.pressing, verified and settled.verified
                 if k == last:
-                    return Answer(state.x + state.Z @ y, counts=Counts(**tally))
+                    return Answer(state.x + state.Z @ y, counts=Counts(**tally)), verified
                 state = rows.freeze(state, here, y, pressing, self.settings)
             except (LevelFailed, np.linalg.LinAlgError) as failure:
-                label = hierarchy.label(k) if k < last else "min ||x - x_ref||"
-                message = f"{label}: {self.solver} failed ({failure}); x is optimal for the levels above"
-                return Answer(state.x, Status.FAILED, message, k, Counts(**tally))
+                message = f"{_label(hierarchy, k)}: {self.solver} failed ({failure}); {EXACT_ABOVE}"
+                return Answer(state.x, Status.FAILED, message, k, Counts(**tally)), verified
             if not state.Z.size:  # nothing is left to move
                 tally["levels_met"] += last - k
-                return Answer(state.x, counts=Counts(**tally))
+                return Answer(state.x, counts=Counts(**tally)), verified
         raise AssertionError("the implicit last level always comes last")
 
-    def _solve_level(self, k: int, problem: LevelProblem, tally: Tally) -> tuple[Array, Signs]:
+    def _judged(self, hierarchy: Hierarchy, x_ref: Array, answer: Answer) -> Answer:
+        """What is claimed of an x with a level that was not verified: no more than the certificate says."""
+        failed = certify(hierarchy, answer.x, x_ref).failed
+        if failed is None or (answer.level is not None and answer.level <= failed.level):
+            return answer
+        said = f"the answer of {self.solver} could not be verified, and the certificate refutes it"
+        message = f"{_label(hierarchy, failed.level)}: {said}; {EXACT_ABOVE}"
+        if answer.message:
+            message = f"{answer.message.removesuffix(f'; {EXACT_ABOVE}')}; {message}"
+        status = Status.STALLED if answer.status is Status.OPTIMAL else answer.status
+        return Answer(answer.x, status, message, failed.level, answer.counts)
+
+    def _solve_level(self, k: int, problem: LevelProblem, tally: Tally) -> Settled:
         """The step y of one level, and the hard rows that press against it."""
         if _nothing_to_do(problem):
             tally["levels_met"] += 1
-            return np.zeros(problem.N.shape[1]), np.zeros(len(problem.N), dtype=np.int8)
+            return Settled(np.zeros(problem.N.shape[1]), np.zeros(len(problem.N), dtype=np.int8), verified=True)
         said = ""
         scales = step_scales(problem)
         for rho, scale in [(1.0, scale) for scale in scales] + [(rho, scales[0]) for rho in RETREAT]:
@@ -126,7 +148,7 @@ class Cascade:
                 tally["levels_solved"] += 1
                 tally["levels_polished"] += settled.polished
                 # Without the proof that they press, no rows are frozen for good.
-                return settled.y, settled.pressing if settled.verified else np.zeros_like(settled.pressing)
+                return settled if settled.verified else settled._replace(pressing=np.zeros_like(settled.pressing))
             said = settled.said
         raise LevelFailed(said)
 
@@ -190,6 +212,11 @@ class Cascade:
                 self.flat.pop(next(iter(self.flat)))
             self.flat[key] = make_flat_solver(self.solver, sizes, self.settings)
         return self.flat[key]
+
+
+def _label(hierarchy: Hierarchy, k: int) -> str:
+    """Of a level, the implicit last one included."""
+    return hierarchy.label(k) if k < len(hierarchy.levels) else "min ||x - x_ref||"
 
 
 def _nothing_to_do(problem: LevelProblem) -> bool:

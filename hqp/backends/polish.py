@@ -3,12 +3,16 @@
 Where the active rows of a :class:`.subproblem.LevelProblem` are known, it is an equality-constrained least
 squares. The QP solver's answer tells them nearly always; where round-off blurred one, the optimality
 conditions say which, the guess is mended and the least squares solved again, a few times.
+
+Where rho, or a first-order solver, has blurred many, a mended guess may be further off than the one before. Then the
+polish descends from the QP solver's point instead, a step towards the least squares of the present guess each time,
+no further than the level improves and a hard row allows, and the rows found there are the next guess.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,11 +20,12 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from ..arrays import Array, length
+from ..rows import excess
 from .lapack import least_squares, row_space
-from .subproblem import LevelProblem, Signs
+from .subproblem import REACH, LevelProblem, Signs
 
-#: Rounds of mending: all faults at once, and after these one at a time.
-BLOCK_ROUNDS, ROUNDS = 6, 30
+#: Rounds of mending, all faults at once; and of descent after these.
+MENDING, DESCENT = 6, 100
 #: Slacks of the QP solver's point up to this share of the row's norm are taken for none.
 BLUR = 1e-7
 #: A multiplier of the wrong sign counts beyond this share of the forces in the level, one of the right sign
@@ -59,15 +64,69 @@ def polish(problem: LevelProblem, y: Array, pressing: Signs, rank_tolerance: flo
     if not problem.equations:
         w = problem.slacks(y)
         pulled = (np.sign(w) * (np.abs(w) > BLUR * problem.norms)).astype(np.int8)
-    for turn in range(1, ROUNDS + 1):
+    start = y
+    for turn in range(1, MENDING + 1):
         y = _least_squares(problem, y, active, pulled, rank_tolerance)
         faults, presses = _faults(problem, y, active, pulled)
         if not faults:
             return Polished(y, True, np.where(presses, active, 0).astype(np.int8), turn)
-        rows = [fault for fault in faults if fault.kind != "slope"]
-        for fault in rows if turn <= BLOCK_ROUNDS else rows[:1]:
-            (active if fault.kind == "hard" else pulled)[fault.row] = fault.sign
-    return Polished(y, False, active, ROUNDS)
+        for fault in faults:
+            if fault.kind != "slope":
+                (active if fault.kind == "hard" else pulled)[fault.row] = fault.sign
+    done = _descend(problem, start, pressing.copy(), rank_tolerance)
+    return replace(done, rounds=MENDING + done.rounds)
+
+
+def _descend(problem: LevelProblem, y: Array, active: Signs, rank_tolerance: float) -> Polished:
+    """Least squares after least squares, each reached as far as it pays, until the optimality conditions hold."""
+    for turn in range(1, DESCENT + 1):
+        pulled = np.sign(problem.slacks(y)).astype(np.int8)
+        aim = _least_squares(problem, y, active, pulled, rank_tolerance)
+        step, row = _pays(problem, y, aim - y, active)
+        if step < 1.0:
+            y = y + step * (aim - y)
+            if row is not None:
+                active[row[0]] = row[1]
+            continue
+        y = aim
+        faults, presses = _faults(problem, y, active, pulled)
+        if not faults:
+            return Polished(y, True, np.where(presses, active, 0).astype(np.int8), turn)
+        worst = next((fault for fault in faults if fault.kind == "hard"), None)
+        if worst is not None:
+            active[worst.row] = worst.sign
+    return Polished(y, False, active, DESCENT)
+
+
+def _pays(problem: LevelProblem, y: Array, d: Array, active: Signs) -> tuple[float, tuple[int, int] | None]:
+    """How far along d the level improves, at most 1; and the hard row that ends it before, with its sign."""
+    step, row = 1.0, None
+    move, place = problem.N @ d, problem.N @ y
+    for sign, room in ((1, problem.high - place), (-1, place - problem.low)):
+        toward = (active == 0) & (sign * move > REACH * length(d)) & (room < sign * move)
+        for i in np.flatnonzero(toward):
+            reached = max(float(room[i]), 0.0) / float(sign * move[i])
+            if reached < step:
+                step, row = reached, (int(i), sign)
+    best = _least(problem, y, d, step)
+    return (step, row) if best >= step else (best, None)
+
+
+def _least(problem: LevelProblem, y: Array, d: Array, furthest: float) -> float:
+    """The t from 0 to `furthest` at which the level is least along ``y + t d``: its slope there grows with t."""
+    value, move = problem.B @ y, problem.B @ d
+    with np.errstate(divide="ignore", invalid="ignore"):
+        kinks = np.concatenate([(problem.lower - value) / move, (problem.upper - value) / move])
+    kinks = kinks[(kinks > 0.0) & (kinks < furthest)]
+    ends = np.unique(np.concatenate([[0.0], kinks, [furthest]]))
+    at = value + ends[:, None] * move
+    slopes = excess(at, problem.lower, problem.upper) @ move
+    if slopes[0] >= 0.0 or slopes[-1] <= 0.0:  # d is round-off: y is the least squares already; or it goes on
+        return furthest
+    after = int(np.argmax(slopes > 0.0))
+    before = slopes[after - 1]
+    t: float = ends[after - 1] - before * (ends[after] - ends[after - 1]) / (slopes[after] - before)
+    return t
 
 
 def _least_squares(problem: LevelProblem, y: Array, active: Signs, pulled: Signs, rank_tolerance: float) -> Array:

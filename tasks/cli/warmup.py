@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-
 #: Why every process compiles for itself; which of the two it is, logging says.
 UNKEPT = "no folder can be written to, or this Numba has no stamp for what is kept"
 

@@ -31,7 +31,7 @@ DPI = 90
 COLUMNS = (
     "check", "formula", "backend", "case", "targets", "sigma", "zone", "stacks",
     "x_least", "x_median", "x_most", "residual_least", "residual_median", "residual_most",
-    "length_median", "multipliers", "certified", "failures", "allowed", "ok",
+    "length_median", "multipliers", "certified", "failures", "refuted", "beaten", "beaten_by", "allowed", "ok",
 )  # fmt: skip
 
 
@@ -90,6 +90,12 @@ def _rows(results: Results) -> Iterator[dict[str, object]]:
             "stacks": len(parting.x), **_spread("x", parting.x), **_spread("residual", parting.residual),
             "length_median": f"{np.median(parting.joint):.4g}", "certified": parting.certified, "ok": parting.ok,
         }  # fmt: skip
+    for each in results.judgements:
+        yield {
+            "check": "random hierarchy", "backend": each.backend, "case": f"n = {each.n}, {each.levels} levels",
+            "stacks": each.count, "certified": each.certified, "failures": each.failures, "refuted": each.refuted,
+            "beaten": each.beaten, "beaten_by": " ".join(each.by), "allowed": each.allowed, "ok": each.ok,
+        }  # fmt: skip
     for found in results.findings:
         yield {
             "check": "known answer", "backend": found.backend, "case": found.name, "stacks": 1,
@@ -116,8 +122,8 @@ def to_markdown(results: Results) -> str:
     parts = [
         "# Validation",
         verdict,
-        f"{results.count} random stacks a case, {results.near} at every singular value, seed {results.seed}."
-        f" Every number is in `{NUMBERS}`.",
+        f"{results.count} random stacks a case, {results.near} at every singular value, {results.whole} random"
+        f" hierarchies of every size, seed {results.seed}. Every number is in `{NUMBERS}`.",
         "## Closed forms",
         CLOSED_FORMS,
         *(text for table in tables.closed_forms(results.reports, cases=False) for text in _titled(table)),
@@ -128,6 +134,9 @@ def to_markdown(results: Results) -> str:
         "## Two formulas",
         TWO_FORMULAS,
         tables.two_formulas(results.partings).markdown(),
+        "## Random hierarchies",
+        RANDOM_HIERARCHIES,
+        tables.random_hierarchies(results.judgements, sizes=True).markdown(),
         "## Known answers",
         KNOWN_ANSWERS,
         tables.known(results.findings).markdown(),
@@ -159,8 +168,9 @@ def _versions(results: Results) -> str:
 
 
 CLOSED_FORMS = """\
-Random equality stacks of six shapes in four rank cases. *x*: the largest $\\lVert x - x_c\\rVert / \\lVert x_c\\rVert$
-from the closed form $x_c$; *residual*: the largest difference of a level's residual norm, relative to
+Random equality stacks of six shapes in four rank cases, with random weights and a random $z$, the reference of the last
+level. *x*: the largest $\\lVert x - x_c\\rVert / \\lVert x_c\\rVert$ from the closed form $x_c$; *residual*: the
+largest difference of a level's residual norm, relative to
 $\\lVert b_k\\rVert + \\lVert A_k\\rVert \\lVert x_c\\rVert$; *proved*: what the certificate accepts; *solved*, *met*:
 levels a stack which the named QP solver solved, and which needed none. Against Eq. 4.8 all but itself solve the
 hierarchy whose optimum it is, the first task above $x = J_2^{\\sharp} h_2$."""
@@ -205,6 +215,12 @@ of $J_1$, and where the first task is met by $J_2^{\\sharp} h_2$ already. Else i
 way into a singularity, with targets of any size: between the levels the $x$ of the strict stack grows as
 $1 / \\sigma$ and that of Eq. 4.8 does not, at the price of its residual. Below the rank tolerance both are the same
 again. Strict answers are those of `native`."""
+
+RANDOM_HIERARCHIES = """\
+Rows of all kinds at every level, a quarter of them rows from further up again, of different length and with weights,
+and a random reference of the last level. *proved*: what the certificate accepts, at the tolerance of the class;
+*refuted*: answers that fail at a level which the backend claims; *failed*: claimed not to be optimal; *beaten*: answers
+with a level at which another backend attains less, all above being the same."""
 
 KNOWN_ANSWERS = """\
 *x*, *residual*, *multipliers*: the largest difference from what is known, over all backends that promise something,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hqp.validation import FORMULAS, KNOWN, ZONES, Finding, Parting, Point, Report, merge, zone
+from hqp.validation import FORMULAS, KNOWN, ZONES, Finding, Judgement, Parting, Point, Report, merge, summed, zone
 
 if TYPE_CHECKING:
     from rich.table import Table as Printed
@@ -122,6 +122,28 @@ def two_formulas(partings: Iterable[Parting]) -> Table:
         rows,
         2,
     )
+
+
+def random_hierarchies(judgements: Sequence[Judgement], sizes: bool) -> Table:
+    """A row a backend, or a row a backend and size; judged are all sizes together."""
+    fine = {total.backend: total.ok for total in summed(judgements)}
+    rows = [
+        [
+            each.backend,
+            *([str(each.n), str(each.levels)] if sizes else []),
+            str(each.count),
+            f"{each.certified / each.count:.1%}",
+            str(each.refuted),
+            str(each.failures),
+            str(each.beaten),
+            f"{1e3 * each.seconds / each.count:.2f}",
+            _verdict(fine[each.backend], each.allowed),
+        ]
+        for each in (judgements if sizes else summed(judgements))
+    ]
+    titled = ["backend", "n", "levels"] if sizes else ["backend"]
+    headings = [*titled, "solved", "proved", "refuted", "failed", "beaten", "ms", ""]
+    return Table("Random hierarchies, inequalities, conflicts and weights at every level", headings, rows)
 
 
 def known(findings: Sequence[Finding]) -> Table:

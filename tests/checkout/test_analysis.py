@@ -17,6 +17,7 @@ from rich.console import Console
 
 from benchmarks import extra
 from benchmarks.__main__ import app
+from benchmarks.analysis.advice import PICTURE, advice
 from benchmarks.analysis.comparison import answers, changes, differences, paired
 from benchmarks.analysis.figures import FIGURES, best_others
 from benchmarks.analysis.growth import growth
@@ -161,6 +162,37 @@ def test_shortfalls_name_who_is_faster_and_no_more_often_wrong() -> None:
     assert shortfalls(missed)[0]["not certified"] == "50"
 
 
+def both_starts(times: dict[str, list[float]], **columns: object) -> pd.DataFrame:
+    """As `pair`, cold and warm."""
+    return pd.concat(
+        [pair(times, start=[start] * sum(map(len, times.values())), **columns) for start in ("cold", "warm")]
+    )
+
+
+def test_the_advice_is_the_fastest_whose_answers_can_be_used() -> None:
+    times = {"native": [1e-6, 1e-6], "daqp": [5e-7, 5e-7], "other": [9e-6, 9e-6]}
+    assert "In a control loop (warm): daqp, 0.5 us, 100 % certified" in advice(both_starts(times))
+    wrong = {"wrong": [False, False, True, True, False, False], "certified": [True, True, False, False, True, True]}
+    said = advice(both_starts(times, **wrong))
+    assert "In a control loop (warm): native, 1.0 us, 100 % certified" in said
+    assert "for one problem (cold): native" in said
+    assert "for a second opinion: other, 9.0 us" in said
+    assert "wrong without a word: daqp (100 %)" in said
+    assert said.count("\n") == 0
+    assert said.endswith(".")
+
+
+def test_the_advice_for_some_families_is_for_them_alone() -> None:
+    everywhere = both_starts({"native": [2e-6, 2e-6]}, family=["control/P1", "equalities/n 7"], group=["control", "e"])
+    there = both_starts({"formula": [1e-6]}, family=["equalities/n 7"], group=["e"]).assign(draw=1)
+    some = pd.concat([everywhere, there])
+    for name in ("family", "method", "setting"):
+        some[name] = pd.Categorical(some[name], categories=list(dict.fromkeys(some[name])), ordered=True)
+    said = advice(some.reset_index(drop=True))
+    assert "In a control loop (warm): native" in said
+    assert "on e: formula, 1.0 us" in said
+
+
 def noisy(rng: np.random.Generator, factors: dict[str, float]) -> pd.DataFrame:
     """40 problems by each method, with noise of 3 % on every time."""
     base = np.random.default_rng(0).uniform(1e-6, 1e-4, 40)
@@ -202,6 +234,17 @@ def small(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert done.returncode == 0, done.stderr
     assert "native" in done.stdout
     return folder
+
+
+def test_a_run_ends_with_its_picture_and_which_backend_to_use(small: Path) -> None:
+    done = run(
+        "run", "smoke", "-f", "size/n *", "-m", "native", "-m", "daqp*", "-m", "cascade:proxsuite", "-o", str(small)
+    )
+    assert done.returncode == 0, done.stderr
+    assert (small / PICTURE).stat().st_size > 5000
+    last = done.stdout.splitlines()[-1]
+    assert last == advice(Store.open(small).table())
+    assert last.startswith("Which backend, for what? In a control loop (warm): ")
 
 
 def test_a_run_becomes_a_page_with_figures(small: Path, tmp_path: Path) -> None:
@@ -341,6 +384,7 @@ def test_without_tight_answers_there_is_no_page(tmp_path: Path) -> None:
     folder = str(tmp_path / "loose")
     done = run("run", "smoke", "-f", "control/P1", "-m", "daqp*", "-s", "loose", "--draws", "1", "-o", folder)
     assert done.returncode == 0, done.stderr
+    assert "no picture and no advice: the run has no answer at the setting 'tight'" in done.stdout
     refused(called("report", folder, "-o", str(tmp_path / "page.md")), "no answer at the setting 'tight'")
 
 
