@@ -57,7 +57,8 @@ def both_ways(lower: Array, upper: Array, names: Sequence[str], what: str) -> Ar
         The robot and the quantity, for messages.
     """
     limits = known(upper)
-    told = [name for name, low, high in zip(names, lower, limits, strict=True) if low < 0.0 and -low < high]
+    other = known(np.where(lower < 0.0, -lower, np.inf))
+    told = [name for name, low, high in zip(names, other, limits, strict=True) if low < high]
     if told:
         tell(f"{what}: the upper limit counts for both directions, where the lower one is smaller: {', '.join(told)}")
     return limits
