@@ -9,7 +9,7 @@ from hypothesis import settings
 
 from hqp import available_backends, backend_info
 from hqp.backends import native
-from tasks import compiled
+from tasks import _telling, compiled
 
 # The machines are shared: no deadline. Derandomised: a red run is red again.
 settings.register_profile("hqp", deadline=None, derandomize=True, max_examples=60)
@@ -39,3 +39,9 @@ GENERAL = [
 def general_backend(request: pytest.FixtureRequest) -> str:
     """Each backend that takes inequalities, in turn."""
     return str(request.param)
+
+
+@pytest.fixture
+def nothing_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What another test was told is told again."""
+    monkeypatch.setattr(_telling, "_TOLD", set())

@@ -10,7 +10,7 @@ import pytest
 from mjcf_idioms import ALONE, CUBE, READ, REFUSED, STL, TABLE, TARGET, arm
 
 from hqp import InvalidInput
-from tasks import Controller, JointLimits, PositionTask, PostureTask, _telling, load_robot, simulate
+from tasks import Controller, JointLimits, PositionTask, PostureTask, load_robot, simulate
 
 mujoco = pytest.importorskip("mujoco", reason="MJCF needs MuJoCo: pip install 'hqp[mujoco]'")
 
@@ -381,10 +381,9 @@ def test_what_is_left_out_is_told_once(folder, caplog):
 
 
 @pytest.mark.parametrize("name", [name for name, idiom in READ.items() if not idiom.left and not idiom.options])
-def test_nothing_is_told_of_a_robot_that_is_alone(folder, caplog, monkeypatch, name):
+def test_nothing_is_told_of_a_robot_that_is_alone(folder, caplog, nothing_told, name):
     """But for joints that are held."""
     path = written(folder, READ[name].text, READ[name].files, name="alone.xml")
-    monkeypatch.setattr(_telling, "_TOLD", set())  # what another test was told is told again
     with caplog.at_level(logging.DEBUG, logger="hqp"):
         load_robot(path)
     assert len(caplog.records) == (1 if Twin(path, READ[name]).ties else 0)

@@ -24,17 +24,13 @@ from tasks import (
     PositionTask,
     PostureTask,
     SelfCollisionLimit,
-    _telling,
     available_robots,
     load_robot,
     simulate,
     solve_ik,
 )
 
-
-@pytest.fixture(autouse=True)
-def nothing_told(monkeypatch):
-    monkeypatch.setattr(_telling, "_TOLD", set())
+pytestmark = pytest.mark.usefixtures("nothing_told")
 
 
 # Names.

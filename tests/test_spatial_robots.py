@@ -27,7 +27,6 @@ from tasks import (
     PoseTask,
     PositionTask,
     PostureTask,
-    _telling,
     load_robot,
     simulate,
 )
@@ -265,8 +264,7 @@ def test_joints_that_follow_are_in_the_jacobians(tmp_path, name):
             np.testing.assert_allclose(mine, expected, atol=tolerance, err_msg=frame)
 
 
-def test_locked_joints_are_told_once(tmp_path, caplog, monkeypatch):
-    monkeypatch.setattr(_telling, "_TOLD", set())
+def test_locked_joints_are_told_once(tmp_path, caplog, nothing_told):
     path = tied(tmp_path)
     with caplog.at_level(logging.WARNING, logger="hqp"):
         for _ in range(3):

@@ -36,7 +36,6 @@ from tasks import (
     Setpoint,
     Sphere,
     Turn,
-    _telling,
     from_xyzw,
     load_robot,
     planar_links,
@@ -45,10 +44,7 @@ from tasks import (
 )
 from tasks.rotations import exp, from_quaternion, log
 
-
-@pytest.fixture(autouse=True)
-def nothing_told(monkeypatch):
-    monkeypatch.setattr(_telling, "_TOLD", set())
+pytestmark = pytest.mark.usefixtures("nothing_told")
 
 
 def told(caplog):

@@ -17,16 +17,12 @@ from tasks import (
     PoseTask,
     PositionTask,
     PostureTask,
-    _telling,
     load_robot,
     simulate,
     solve_ik,
 )
 
-
-@pytest.fixture(autouse=True)
-def nothing_told(monkeypatch):
-    monkeypatch.setattr(_telling, "_TOLD", set())
+pytestmark = pytest.mark.usefixtures("nothing_told")
 
 
 # Joints that follow others.
