@@ -21,18 +21,16 @@ import math
 
 from . import layout as at
 from .compile import inner, integer
+from .dual import late
 from .escape import escape
-from .memory import clock, ints, marks, matrix, vector
+from .freeze import CLEAR
+from .memory import ints, marks, matrix, vector
 from .orthogonal import factor, length, level_least_squares, project
 from .sweep import DUAL, EQUALITY, INACTIVE, LOWER, UPPER
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance, copy_row, remove, value_of
 
 OPTIMAL, SUBOPTIMAL, STALLED = 0, 1, 2
 
-#: A deadline that never comes.
-NEVER = -1
-#: Rows whose multiplier is above this share of the forces keep their bound for good: implicit equalities.
-CLEAR = 1e-8
 #: In a level that is not met, what a row misses carries a multiplier if it is more than this share of its tolerance.
 CARRIES = 1e-4
 #: A gain below this share of all targets is round-off.
@@ -102,14 +100,14 @@ def release(count, forces, here):
 
 
 @inner
-def active_set(here, last, budget, deadline):
-    """Solve levels 0 .. last from ``x``, one after the other, within so many iterations and by the deadline.
+def active_set(here, last):
+    """Solve levels 0 .. last from ``x``, one after the other, until :func:`.dual.late` says stop.
 
     On return ``side`` is the active set at ``x``.
 
     Returns
     -------
-    status, level, iterations : int
+    status, level : int
         The level is that of the first status which is not OPTIMAL.
     """
     head = ints(here, 0, at.HEAD)
@@ -126,7 +124,6 @@ def active_set(here, last, budget, deadline):
     multiplier, scratch, lengths = vector(here, at.MULTIPLIER), vector(here, at.SCRATCH), vector(here, at.LENGTHS)
     V, L, B, R, H = matrix(here, at.V), matrix(here, at.L), matrix(here, at.B), matrix(here, at.R), matrix(here, at.H)
     frozen = working = integer(0)
-    iterations = 0
     status, where = OPTIMAL, last + 1
     for i in range(ptr[last]):
         kind[i] = FUTURE
@@ -145,12 +142,12 @@ def active_set(here, last, budget, deadline):
             for i in range(ptr[min(k + 1, last)]):
                 if kind[i] != FROZEN:
                     v[i] = value_of(i, x, here)
-            if iterations >= budget or (deadline != NEVER and clock() > deadline):
+            if late(here):
                 if where > k:
                     status, where = SUBOPTIMAL, k
                 forces = 0.0
                 break
-            iterations += 1
+            head[at.ITERATIONS] += 1
 
             # Which rows pull, and how much.
             count, met = integer(0), True
@@ -167,8 +164,8 @@ def active_set(here, last, budget, deadline):
                         forces += abs(d[j])
                 for q in range(frozen + working):
                     scratch[q] = 0.0
-                project(d, n, V, frozen + working, scratch)
-                project(d, n, V, frozen + working, scratch)
+                project(d, n, V, 0, frozen + working, scratch)
+                project(d, n, V, 0, frozen + working, scratch)
                 gain = length(d, n)
             else:
                 for i in range(first, end):
@@ -374,4 +371,4 @@ def active_set(here, last, budget, deadline):
     for i in range(ptr[last]):
         if kind[i] == HARD:
             side[i] = INACTIVE
-    return status, where, iterations
+    return status, where

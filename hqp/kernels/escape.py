@@ -38,8 +38,8 @@ def escape(here, forces, frozen, working, hard_end):
             d[j] = -g[j]
         for q in range(c):
             scratch[q] = 0.0
-        project(d, n, V, c, scratch)
-        project(d, n, V, c, scratch)
+        project(d, n, V, 0, c, scratch)
+        project(d, n, V, 0, c, scratch)
         steep = length(d, n)
         if steep <= DUAL * forces:
             for j in range(n):

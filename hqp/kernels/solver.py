@@ -12,11 +12,13 @@ from __future__ import annotations
 import math
 
 from . import layout as at
-from .active_set import NEVER, OPTIMAL, STALLED, active_set
-from .compile import entry, inner, stamp
-from .guess import guess
+from .active_set import OPTIMAL, STALLED, SUBOPTIMAL, active_set, best_step
+from .compile import entry, inner, integer, stamp
+from .dual import NEVER, late
+from .levels import levels
 from .memory import clock, floats, given, ints, marks, matrix, vector
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep
+from .working_set import FROZEN, value_of
 
 #: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; proved at once;
 #: proved as far as one tolerance goes for rows of very different lengths.
@@ -148,81 +150,112 @@ def contested(here, last):
 
 
 @inner
-def start(here):
-    """Where the safe method starts: at what the last level wants, within the bounds of level 0."""
-    head = ints(here, 0, at.HEAD)
-    n, boxed = head[at.N], head[at.BOXED] != 0
-    ptr, col = marks(here, at.PTR), marks(here, at.COL)
-    x, x0, lower, upper = vector(here, at.X), vector(here, at.X0), vector(here, at.LOWER), vector(here, at.UPPER)
+def verify(here, last, patience, few):
+    """Sweep, and let contradictions change sides as long as that makes progress: the number of those that are left."""
+    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
+    fewest, left, tau = head[at.ROWS] + 1, patience, option[at.TAU]
+    while True:
+        faults, blurred = sweep(here, last, tau)
+        head[at.SWEEPS] += 1
+        if faults == 0 and blurred and tau > SHARPEST:
+            tau *= SHARPER
+            continue
+        left = patience if faults < fewest else left - 1
+        fewest = min(fewest, faults)
+        if faults == 0 or left <= 0 or late(here) or (faults > few and contested(here, last)):
+            return faults
+        repair(here, last)
+
+
+@inner
+def stop_early(here, k, last):
+    """At the limit: the point that is exact above level k, and one step from it that makes k better, and nothing worse.
+
+    The step ends at the first row of the levels above that is in the way, or where the level is best.
+    """
+    n, ptr = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR)
+    kind, norm = marks(here, at.KIND), vector(here, at.NORM)
+    lo, hi, v, slope = vector(here, at.LO), vector(here, at.HI), vector(here, at.LOW), vector(here, at.SLOPE)
+    x, exact, x0, d = vector(here, at.X), vector(here, at.EXACT), vector(here, at.X0), vector(here, at.D)
     for j in range(n):
-        x[j] = x0[j]
-    if boxed:
-        for i in range(ptr[0], ptr[1]):
-            j = col[i]
-            x[j] = min(max(x[j], lower[i]), upper[i])
+        d[j] = x[j] - exact[j]
+    limit = 1.0
+    for i in range(ptr[min(k + 1, last)]):
+        v[i], slope[i] = value_of(i, exact, here), value_of(i, d, here)
+        if i < ptr[k] and norm[i] > 0.0 and kind[i] != FROZEN and slope[i] != 0.0:
+            limit = min(limit, max(0.0, ((hi[i] if slope[i] > 0.0 else lo[i]) - v[i]) / slope[i]))
+    if k < last:
+        reach = best_step(ptr[k], ptr[k + 1], v, slope, lo, hi)
+    else:
+        gain, steep = 0.0, 0.0
+        for j in range(n):
+            gain += d[j] * (x0[j] - exact[j])
+            steep += d[j] * d[j]
+        reach = max(0.0, gain / steep) if steep > 0.0 else 0.0
+    reach = min(reach, limit)
+    for j in range(n):
+        x[j] = exact[j] + reach * d[j]
+
+
+@inner
+def from_levels(here, last, warm):
+    """Level by level, and the proof: the level that stopped it, `last` + 1 if none did, and contradictions left."""
+    level = levels(here, last, warm)
+    if level <= last:
+        return level, integer(1)
+    return level, verify(here, last, PATIENCE, FEW)
 
 
 @inner
 def solve_one(here):
     """Solve the hierarchy of the directory; see :func:`solve`."""
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
-    n, m = head[at.N], head[at.ROWS]
-    x, safe_x = vector(here, at.X), vector(here, at.SAFE)
-    warm = head[at.WARM] != 0
-    head[at.WARM] = 0
+    warm, history = head[at.WARM] != 0, head[at.HISTORY] != 0
+    head[at.WARM] = head[at.HISTORY] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
+    head[at.DEADLINE] = NEVER if option[at.LIMIT] == math.inf else clock() + int(1e9 * option[at.LIMIT])
     if not load(here, warm, head[at.TRUSTED] != 0):
         return SUSPECT
     last = levels_that_count(here)
-    deadline = NEVER if option[at.LIMIT] == math.inf else clock() + int(1e9 * option[at.LIMIT])
-
-    status, level, iterations, sweeps = OPTIMAL, last, 0, 0
-    wanted, guesses, safe = not warm, 1 if warm else 2, False
-    fewest, patience, tau = m + 1, PATIENCE, option[at.TAU]
-    while True:
-        if wanted:
-            guess(here, last, guesses == 1)
-            wanted, guesses = False, guesses - 1
-            fewest, patience = m + 1, PATIENCE
-        faults, blurred = sweep(here, last, tau)
-        sweeps += 1
-        if faults == 0 and blurred and tau > SHARPEST:
-            tau *= SHARPER
-            continue
-        if faults == 0:
-            break
-        patience = PATIENCE if faults < fewest else patience - 1
-        fewest = min(fewest, faults)
-        if safe and patience <= 0:
-            break
-        late = deadline != NEVER and clock() > deadline
-        hopeless = patience <= 0 or (faults > FEW and contested(here, last))
-        if guesses > 0 and hopeless and not (safe or late):
-            wanted = True
-        elif patience > 0 and (safe or not late):
-            repair(here, last)
-        else:
-            safe = True
-            start(here)
-            status, level, iterations = active_set(here, last, int(option[at.BUDGET]), deadline)
-            for j in range(n):
-                safe_x[j] = x[j]
-            if status != OPTIMAL:
-                break
-            fewest, patience = m + 1, PATIENCE
-    if safe and faults > 0:  # round-off decides what the sweep says: the safe method has the last word
-        for j in range(n):
-            x[j] = safe_x[j]
-        if status == OPTIMAL:  # and no proof
-            status, level = STALLED, first_contradiction(here, last)
-    head[at.LEVEL], head[at.SWEEPS], head[at.ITERATIONS], head[at.WARM] = (
-        level,
-        sweeps,
-        iterations,
-        1,
-    )
+    status, level = OPTIMAL, integer(last)
+    quick = warm or head[at.ROWS] <= 0
+    faults = 1
+    if warm:
+        faults = verify(here, last, PATIENCE, FEW)
+    if faults > 0 and warm and history:
+        level, faults = from_levels(here, last, True)
+        head[at.HISTORY] = faults == 0
+    if faults > 0 and not late(here):
+        level, faults = from_levels(here, last, False)
+        head[at.HISTORY] = faults == 0
+    if faults > 0 and late(here):
+        stop_early(here, level, last)
+        status = SUBOPTIMAL
+    elif faults > 0:
+        status, level = safely(here, last)
+    head[at.LEVEL], head[at.WARM] = min(level, last), 1
     if status == OPTIMAL and not is_even(here):
         return UNEVEN
-    return CLEAR if sweeps == 1 and not safe else status
+    return CLEAR if head[at.SWEEPS] == 1 and head[at.ITERATIONS] == 0 else status
+
+
+@inner
+def safely(here, last):
+    """The safe method from EXACT; where round-off decides what the sweep says, it has the last word."""
+    head = ints(here, 0, at.HEAD)
+    n = head[at.N]
+    x, exact, safe_x = vector(here, at.X), vector(here, at.EXACT), vector(here, at.SAFE)
+    for j in range(n):
+        x[j] = exact[j]
+    status, level = active_set(here, last)
+    for j in range(n):
+        safe_x[j] = x[j]
+    if status == OPTIMAL and verify(here, last, PATIENCE, head[at.ROWS]) == 0:
+        return status, level
+    for j in range(n):
+        x[j] = safe_x[j]
+    if status == OPTIMAL:  # and no proof
+        status, level = STALLED, first_contradiction(here, last)
+    return status, level
 
 
 @stamp

@@ -12,8 +12,9 @@ from .compile import inner
 from .memory import ints, marks, matrix, vector
 from .orthogonal import CANCELLED, length, project
 
-#: What a row is to the level that is being solved: below it, satisfied above it, in the working set, decided.
-FUTURE, HARD, WORKING, FROZEN = 0, 1, 2, 3
+#: What a row is to the level that is being solved: below it, satisfied above it, in the working set, decided; satisfied
+#: above it as far as round-off lets one say.
+FUTURE, HARD, WORKING, FROZEN, IGNORED = 0, 1, 2, 3, 4
 
 
 @inner
@@ -67,7 +68,7 @@ def append(i, c, here, tau):
         coefficients[q] = 0.0
     size = norm[i]
     for _ in range(3):
-        project(row, n, V, c, coefficients)
+        project(row, n, V, 0, c, coefficients)
         before, size = size, length(row, n)
         if not size > tau * norm[i]:
             return False
