@@ -22,12 +22,10 @@ DEFAULT_BACKEND = "native"
 
 
 OPTIMAL = Status.OPTIMAL
-#: What almost every tick of a control loop takes.
-ONE_SWEEP = Counts(sweeps=1)
 new = object.__new__
 
 
-def _nothing(hierarchy: Hierarchy, x_ref: Array | None) -> Array | None:
+def _nothing(hierarchy: Hierarchy, x_ref: Array | None) -> tuple[Array, Counts] | None:
     """The short way of a backend that has none."""
     return None
 
@@ -106,19 +104,20 @@ class Solver:
             structure = None
         if structure is None or structure is not self._structure:
             self._adopt(hierarchy)
-        x = fault = None
+        proved = fault = None
         if x_ref is None:
             reference = self._zero
-            x = self._quick(hierarchy, None)
+            proved = self._quick(hierarchy, None)
         else:
             fault, reference = self._reference(x_ref)
             if fault is None:
-                x = self._quick(hierarchy, reference)
+                proved = self._quick(hierarchy, reference)
         solution = new(Solution)  # and its fields, at a third of the price of a frozen dataclass's __init__
         fields = solution.__dict__
         fields["_noted"] = hierarchy, hierarchy.numbers.copy(), reference, self._always
-        if x is not None:
-            fields["x"], fields["status"], fields["counts"] = x, OPTIMAL, ONE_SWEEP
+        if proved is not None:
+            fields["x"], fields["counts"] = proved
+            fields["status"] = OPTIMAL
         else:
             answer = self._answer(hierarchy, reference, fault)
             fields["x"], fields["status"], fields["counts"] = answer.x, answer.status, answer.counts

@@ -39,7 +39,9 @@ SIGNATURE = int64(int64, int64)
 #: Outcomes that mean OPTIMAL.
 PROVED = (OPTIMAL, CLEAR)
 
-Quick = Callable[[Hierarchy, Array | None], Array | None]
+Quick = Callable[[Hierarchy, Array | None], tuple[Array, Counts] | None]
+#: What almost every tick of a control loop takes.
+ONE_SWEEP = Counts(sweeps=1)
 
 
 class Native:
@@ -52,19 +54,24 @@ class Native:
     def prepare(self, structure: tuple[Any, ...]) -> Quick:
         """The short way for hierarchies of this structure.
 
-        It takes a hierarchy and x_ref, None for zero, and gives the optimum if the first sweep proves it, as it mostly
-        does in a control loop. If it does not, :meth:`solve` tells what came out.
+        It takes a hierarchy and x_ref, None for zero, and gives the optimum, and what it took, if a sweep proves it,
+        as in a control loop it mostly does. If none does, :meth:`solve` tells what came out.
         """
         memory = self._memory = Memory(structure, self._settings)
-        run, copy, reference, zero = memory.run, memory.x.copy, memory.x_ref, True
+        run, copy, reference, zero, head = memory.run, memory.x.copy, memory.x_ref, True, memory.head
 
-        def quick(hierarchy: Hierarchy, x_ref: Array | None) -> Array | None:
+        def quick(hierarchy: Hierarchy, x_ref: Array | None) -> tuple[Array, Counts] | None:
             nonlocal zero
             if x_ref is not None:
                 reference[:], zero = x_ref, False
             elif not zero:
                 reference[:], zero = 0.0, True
-            return copy() if run(hierarchy.address) == CLEAR else None
+            outcome = run(hierarchy.address)
+            if outcome == CLEAR:
+                return copy(), ONE_SWEEP
+            if outcome == OPTIMAL:
+                return copy(), Counts(int(head[at.SWEEPS]), int(head[at.ITERATIONS]))
+            return None
 
         return quick
 

@@ -15,11 +15,13 @@ from .working_set import HARD
 
 #: Softness of the highest and of the lowest level, relative to the square of the longest row of the level.
 HARDEST, SOFTEST = 3e-15, 1e-5
+#: A guess that takes more rounds is not quick, and mostly wrong.
+ROUNDS = 16
 
 
 @inner
 def guess(here, last):
-    """Set ``side`` to the active rows of the weighted problem, or to the first of them if they are more than fit."""
+    """Set ``side`` to the active rows of the weighted problem; False if they are not found within a few rounds."""
     head = ints(here, 0, at.HEAD)
     n, first = head[at.N], 1 if head[at.BOXED] != 0 else 0
     ptr, side, kind, depth = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.DEPTH)
@@ -42,4 +44,4 @@ def guess(here, last):
                 if count < most and admit(i, 0, count, 0.0, here):
                     count += 1
         softness *= 1.0 if k < first else step
-    settle(here, ptr[last], 0, count, 0.0)
+    return settle(here, ptr[last], 0, count, 0.0, ROUNDS, ptr[last - 1] if last > 0 else 0) >= 0

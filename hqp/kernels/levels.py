@@ -40,7 +40,7 @@ def levels(here, last, warm):
     level : int
         The one that could not be solved, with EXACT exact above it; `last` + 1 if all were.
     """
-    ptr = marks(here, at.PTR)
+    ptr, rounds = marks(here, at.PTR), 4 * len(marks(here, at.MEMBERS)) + 4
     k, frozen = begin(here, last)
     while k < last:
         delta = take_up(here, k, last, warm)
@@ -48,7 +48,7 @@ def levels(here, last, warm):
         faults, _, pull = judge(here, k, frozen, hard, rank, own)
         if faults > 0:
             count = assemble(here, k, last, frozen, delta)
-            count = settle(here, ptr[k + 1], frozen, count, delta)
+            count = settle(here, ptr[k + 1], frozen, count, delta, rounds, 0)
             remember(here, k, last, count)
             hard, rank, own, own_rank = polish(here, k, frozen)
             faults, _, pull = judge(here, k, frozen, hard, rank, own)
@@ -65,7 +65,7 @@ def levels(here, last, warm):
         k += 1
     take_up(here, last, last, warm)
     count = assemble(here, last, last, frozen, 0.0)
-    settle(here, ptr[last], frozen, count, 0.0)
+    settle(here, ptr[last], frozen, count, 0.0, rounds, 0)
     keep(here, last, last)
     return last if late(here) else last + 1
 

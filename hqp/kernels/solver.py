@@ -15,6 +15,7 @@ from . import layout as at
 from .active_set import OPTIMAL, STALLED, SUBOPTIMAL, active_set, best_step
 from .compile import entry, inner, integer, stamp
 from .dual import NEVER, late
+from .guess import guess
 from .levels import levels
 from .memory import clock, floats, given, ints, marks, matrix, vector
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep
@@ -217,9 +218,8 @@ def solve_one(here):
         return SUSPECT
     last = levels_that_count(here)
     status, level = OPTIMAL, integer(last)
-    quick = warm or head[at.ROWS] <= 0
     faults = 1
-    if warm:
+    if warm or guess(here, last):
         faults = verify(here, last, PATIENCE, FEW)
     if faults > 0 and warm and history:
         level, faults = from_levels(here, last, True)
