@@ -31,7 +31,7 @@ SHARE = 0.5
 #: Objectives that rise by less have not risen; and how often that may happen in a row.
 RISES, IDLE = 1e-12, 4
 #: From which share on a row is off its bound.
-UNMET = 1e-1
+UNMET = 1e-2
 #: A hard row of which the members leave no more than these shares of its part, of its length, of the softness, is
 #: dependent; and a member takes no part in that if its share is below the last.
 PART, WHOLE, YIELDS, PARTAKES = 1e-11, 1e-15, 1e-3, 1e-10
@@ -116,8 +116,10 @@ def move(here, count):
     members, side = marks(here, at.MEMBERS), marks(here, at.SIDE)
     wanted, force = vector(here, at.WANTED), vector(here, at.FORCE)
     while True:
-        head[at.ITERATIONS] += 1
         objective = wants(count, here)
+        if late(here):
+            return count, objective
+        head[at.ITERATIONS] += 1
         reach, blocks = 1.0, integer(-1)
         for c in range(count):
             sign = sign_of(c, here)
@@ -134,8 +136,6 @@ def move(here, count):
                 side[members[c]] = INACTIVE
                 leave(c, count, here)
                 count -= 1
-        if late(here):
-            return count, objective
 
 
 @inner

@@ -42,7 +42,7 @@ def levels(here, last, warm):
     """
     ptr, rounds = marks(here, at.PTR), 4 * len(marks(here, at.MEMBERS)) + 4
     k, frozen = begin(here, last)
-    while k < last:
+    while k < last and not late(here):
         delta = take_up(here, k, last, warm)
         hard, rank, own, own_rank = polish(here, k, frozen)
         faults, _, pull = judge(here, k, frozen, hard, rank, own)
@@ -63,6 +63,8 @@ def levels(here, last, warm):
         frozen = freeze(here, k, frozen, hard, rank, own, own_rank, pull)
         advance(here)
         k += 1
+    if late(here):
+        return k
     take_up(here, last, last, warm)
     count = assemble(here, last, last, frozen, 0.0)
     settle(here, ptr[last], frozen, count, 0.0, rounds, 0)

@@ -151,19 +151,19 @@ def contested(here, last):
 
 
 @inner
-def verify(here, last, patience, few):
+def verify(here, last):
     """Sweep, and let contradictions change sides as long as that makes progress: the number of those that are left."""
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
-    fewest, left, tau = head[at.ROWS] + 1, patience, option[at.TAU]
+    fewest, left, tau = head[at.ROWS] + 1, PATIENCE, option[at.TAU]
     while True:
         faults, blurred = sweep(here, last, tau)
         head[at.SWEEPS] += 1
         if faults == 0 and blurred and tau > SHARPEST:
             tau *= SHARPER
             continue
-        left = patience if faults < fewest else left - 1
+        left = PATIENCE if faults < fewest else left - 1
         fewest = min(fewest, faults)
-        if faults == 0 or left <= 0 or late(here) or (faults > few and contested(here, last)):
+        if faults == 0 or left <= 0 or late(here) or (faults > FEW and contested(here, last)):
             return faults
         repair(here, last)
 
@@ -204,28 +204,41 @@ def from_levels(here, last, warm):
     level = levels(here, last, warm)
     if level <= last:
         return level, integer(1)
-    return level, verify(here, last, PATIENCE, FEW)
+    return level, verify(here, last)
+
+
+@inner
+def seed(here, last):
+    """Nothing is known of the end of each level: the sides of the last answer are taken for it."""
+    m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
+    side, saved = marks(here, at.SIDE), marks(here, at.SAVED)
+    for k in range(last + 1):
+        for i in range(ptr[min(k + 1, last)]):
+            saved[k * m + i] = side[i]
 
 
 @inner
 def solve_one(here):
     """Solve the hierarchy of the directory; see :func:`solve`."""
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
-    warm, history = head[at.WARM] != 0, head[at.HISTORY] != 0
-    head[at.WARM] = head[at.HISTORY] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
+    warm = head[at.WARM] != 0
+    head[at.WARM] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
     head[at.DEADLINE] = NEVER if option[at.LIMIT] == math.inf else clock() + int(1e9 * option[at.LIMIT])
     if not load(here, warm, head[at.TRUSTED] != 0):
         return SUSPECT
     last = levels_that_count(here)
-    status, level = OPTIMAL, integer(last)
-    faults = 1
+    status, level, faults, begun = OPTIMAL, integer(last), integer(1), False
+    if warm and head[at.HISTORY] == 0:
+        seed(here, last)
     if warm or guess(here, last):
-        faults = verify(here, last, PATIENCE, FEW)
-    if faults > 0 and warm and history:
+        faults = verify(here, last)
+    if faults > 0 and warm:
         level, faults = from_levels(here, last, True)
-        head[at.HISTORY] = faults == 0
-    if faults > 0 and not late(here):
+        begun = True
+    if faults > 0 and not (begun and late(here)):
         level, faults = from_levels(here, last, False)
+        begun = True
+    if begun:
         head[at.HISTORY] = faults == 0
     if faults > 0 and late(here):
         stop_early(here, level, last)
@@ -233,9 +246,11 @@ def solve_one(here):
     elif faults > 0:
         status, level = safely(here, last)
     head[at.LEVEL], head[at.WARM] = min(level, last), 1
-    if status == OPTIMAL and not is_even(here):
+    if status != OPTIMAL:
+        return status
+    if not is_even(here):
         return UNEVEN
-    return CLEAR if head[at.SWEEPS] == 1 and head[at.ITERATIONS] == 0 else status
+    return CLEAR if head[at.SWEEPS] == 1 and head[at.ITERATIONS] == 0 else OPTIMAL
 
 
 @inner
@@ -249,7 +264,7 @@ def safely(here, last):
     status, level = active_set(here, last)
     for j in range(n):
         safe_x[j] = x[j]
-    if status == OPTIMAL and verify(here, last, PATIENCE, head[at.ROWS]) == 0:
+    if status == OPTIMAL and verify(here, last) == 0:
         return status, level
     for j in range(n):
         x[j] = safe_x[j]
