@@ -91,6 +91,11 @@ class Native:
         counts = Counts(sweeps=head[at.SWEEPS], iterations=head[at.ITERATIONS])
         return judged(hierarchy, memory.x.copy(), x_ref, outcome, head[at.LEVEL], counts)
 
+    def began(self, when: int) -> None:
+        """The time limit of the next run counts from `when`, by ``time.monotonic_ns``."""
+        if self._memory is not None:
+            self._memory.head[at.BEGAN] = when
+
     def reset(self) -> None:
         self._memory = None
 
@@ -131,7 +136,7 @@ class Memory:
     def __init__(self, structure: tuple[Any, ...], settings: Settings) -> None:
         directory, self._owned, (ints, floats) = _layout(structure)
         self._directory = directory.copy()
-        self._blocks = np.zeros(ints, dtype=np.int64), np.zeros(floats)
+        self._blocks = np.empty(ints, dtype=np.int64), np.empty(floats)  # nothing is read before it is written
         entries = self._directory[at.HEAD :].reshape(-1, 3)
         begins = {place: int(entries[place, 0]) for place in (at.X, at.X_REF, at.OPTION)}
         for block, places in zip(self._blocks, at.PLACES, strict=True):
@@ -139,6 +144,7 @@ class Memory:
         self.head = self._directory[: at.HEAD]
         n, memory = int(self.head[at.N]), self._blocks[1]
         self.x, self.x_ref = memory[begins[at.X] :][:n], memory[begins[at.X_REF] :][:n]
+        self.x_ref[:] = 0.0
         memory[begins[at.OPTION] :][:4] = (
             settings.rank_tolerance,
             settings.tolerance,

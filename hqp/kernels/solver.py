@@ -223,7 +223,10 @@ def solve_one(here):
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
     warm = head[at.WARM] != 0
     head[at.WARM] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
-    head[at.DEADLINE] = NEVER if option[at.LIMIT] == math.inf else clock() + int(1e9 * option[at.LIMIT])
+    head[at.DEADLINE] = NEVER
+    if option[at.LIMIT] < math.inf:
+        head[at.DEADLINE] = (head[at.BEGAN] if head[at.BEGAN] != 0 else clock()) + int(1e9 * option[at.LIMIT])
+    head[at.BEGAN] = 0
     if not load(here, warm, head[at.TRUSTED] != 0):
         return SUSPECT
     last = levels_that_count(here)
