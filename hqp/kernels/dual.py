@@ -252,6 +252,8 @@ def settle(here, end, frozen, count, delta, rounds, met):
         if unmet(here, met, count, size):
             return integer(-1)
         worst = excesses(here, end, tolerance, size)
+        if worst == 0.0 and met > 0:  # a guess need not be finer
+            return count
         if worst == 0.0 and tolerance == ROUGH:
             tolerance = FINE
             refine(here, count)
