@@ -32,6 +32,8 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
     size, all_frozen = length(x, n), rank == hard
     for i in range(ptr[k], ptr[k + 1]):
         kind[i], softness[i] = HARD, 0.0
+        if side[i] == INACTIVE:
+            w[i] = 0.0
     if pull > 0.0:
         for q in range(frozen, frozen + rank):
             i = pivot[q]
@@ -49,7 +51,9 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
         if side[i] == EQUALITY or (pull > 0.0 and abs(w[i]) > tol * (abs(goal) + norm[i] * size)):
             kind[i] = FROZEN
         else:
-            all_frozen = False
+            all_frozen, w[i] = False, 0.0
+        if pull == 0.0:
+            w[i] = 0.0
     if all_frozen:  # the basis is there already
         for j in range(n):
             anchor[j] = x[j]

@@ -65,13 +65,13 @@ def first_event(here, k):
 
 
 @inner
-def primal(here, k, frozen):
+def primal(here, k, last, frozen):
     """Take exact steps from APPROACH until level k is optimal; what :func:`.polish.polish` and its judge say then."""
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
     side, start, x = marks(here, at.SIDE), vector(here, at.APPROACH), vector(here, at.X)
-    hard, rank, own, own_rank = polish(here, k, frozen)
-    faults, worst, pull = judge(here, k, frozen, hard, rank, own)
+    hard, rank, own, own_rank = polish(here, k, last, frozen)
+    faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
     for _ in range(STEPS):
         if faults == 0 or late(here):
             break
@@ -85,6 +85,6 @@ def primal(here, k, frozen):
             side[worst] = INACTIVE
         else:
             break
-        hard, rank, own, own_rank = polish(here, k, frozen)
-        faults, worst, pull = judge(here, k, frozen, hard, rank, own)
+        hard, rank, own, own_rank = polish(here, k, last, frozen)
+        faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
     return faults, hard, rank, own, own_rank, pull

@@ -204,6 +204,9 @@ def from_levels(here, last, warm):
     level = levels(here, last, warm)
     if level <= last:
         return level, integer(1)
+    if level > last + 1:
+        ints(here, 0, at.HEAD)[at.SWEEPS] += 1
+        return level, integer(0)
     return level, verify(here, last)
 
 
