@@ -6,7 +6,7 @@ from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length, pivots
-from .sweep import EQUALITY, INACTIVE, LOWER
+from .sweep import EQUALITY, INACTIVE, LOWER, extent
 from .working_set import FROZEN, HARD
 
 #: Rows above whose multiplier is beyond this share of the forces keep their bound for good: implicit equalities.
@@ -29,7 +29,7 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
     lo, hi, norm, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)
     x, anchor, softness = vector(here, at.X), vector(here, at.ANCHOR), vector(here, at.VALUE)
     multiplier, carried = vector(here, at.MULTIPLIER), vector(here, at.LAMBDA)
-    size, all_frozen = length(x, n), rank == hard
+    size, all_frozen = extent(x, here), rank == hard
     for i in range(ptr[k], ptr[k + 1]):
         kind[i], softness[i] = HARD, 0.0
         if side[i] == INACTIVE:

@@ -22,8 +22,9 @@ COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES = 9, 10, 11, 12, 13, 14
 #: it must end, and whether the sides at the end of each level mean something.
 BEGAN, DEADLINE, HISTORY, HEAD = 16, 17, 18, 19
 
-#: Places in OPTION: relative tolerances on rank and on rows, most iterations, most seconds.
-TAU, TOL, BUDGET, LIMIT = 0, 1, 2, 3
+#: Places in OPTION: relative tolerances on rank and on rows, most iterations, most seconds; and, of each solve, what
+#: round-off in x0 adds to the length of x where a tolerance is relative to it.
+TAU, TOL, BUDGET, LIMIT, BLUR = 0, 1, 2, 3, 4
 
 # The structure. PTR: rows of level k are PTR[k] .. PTR[k + 1]. WHOLE: whether level k bounds every variable once.
 # COL: variable of a plain bound, or -1. ROW_OF: row of A, or -1.
@@ -55,7 +56,7 @@ def shapes(n, levels, m, dense, widest):
     ints |= {SAVED: ((levels + 1) * m, 1), DEPTH: (m, 1)}
     reals = dict.fromkeys((LO, HI, NORM, W, VALUE, SLOPE, LOW, HIGH, ALLOWED), (m, 1))
     reals |= dict.fromkeys((X_REF, X0, X, Y, G, BALANCE, D, MULTIPLIER, SHARE, SCRATCH, SAFE), (n, 1))
-    reals |= {B: (dense, n), V: (n, n), L: (m, n), R: (deep, n), H: (n, deep), FORCES: (levels, 1), OPTION: (4, 1)}
+    reals |= {B: (dense, n), V: (n, n), L: (m, n), R: (deep, n), H: (n, deep), FORCES: (levels, 1), OPTION: (5, 1)}
     reals |= dict.fromkeys((LENGTHS, RHS), (deep, 1))
     reals |= dict.fromkeys((ANCHOR, EXACT, APPROACH), (n, 1)) | {P: (m + n, n), LAMBDA: (m, 1), FACTOR: (many, many)}
     reals |= dict.fromkeys((DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED), (many, 1))

@@ -22,7 +22,7 @@ from .members import enter, prepare, start_of
 from .orthogonal import length, pivots, triangle
 from .polish import holds, judge, polish
 from .primal import primal
-from .sweep import EQUALITY, INACTIVE, LOWER, UPPER
+from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, extent
 from .working_set import FROZEN, FUTURE, HARD, IGNORED, value_of
 
 #: Softness of the level that is being solved, relative to the square of its longest row.
@@ -244,7 +244,7 @@ def feasible(here, k):
     n, ptr = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR)
     kind, norm = marks(here, at.KIND), vector(here, at.NORM)
     lo, hi, point = vector(here, at.LO), vector(here, at.HI), vector(here, at.APPROACH)
-    size = length(point, n)
+    size = extent(point, here)
     for i in range(ptr[k]):
         if kind[i] != FROZEN and norm[i] > 0.0:
             value, near = value_of(i, point, here), FEASIBLE * norm[i] * size
@@ -263,7 +263,7 @@ def start_again(here, k):
     point, exact = vector(here, at.APPROACH), vector(here, at.EXACT)
     for j in range(n):
         point[j] = exact[j]
-    size = length(point, n)
+    size = extent(point, here)
     for i in range(ptr[k + 1]):
         if kind[i] == FROZEN or norm[i] == 0.0 or side[i] == EQUALITY:
             continue

@@ -16,7 +16,7 @@ from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .members import prepare, start_of
 from .orthogonal import length, level_least_squares, pivots, separate
-from .sweep import DUAL, EQUALITY, INACTIVE, LOWER
+from .sweep import DUAL, EQUALITY, INACTIVE, LOWER, extent
 from .working_set import FROZEN, HARD, balance, value_of
 
 
@@ -111,24 +111,25 @@ def judge(here, k, last, frozen, hard, rank, own):
         The forces of the level; 0 if it is met.
     """
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
-    n, tol = head[at.N], option[at.TOL]
+    n, tol, blur = head[at.N], option[at.TOL], option[at.TOL] * option[at.BLUR]
     ptr, col, row_of, side = marks(here, at.PTR), marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.SIDE)
     kind, ids, pivot = marks(here, at.KIND), marks(here, at.IDS), marks(here, at.PIVOT)
     lo, hi, norm, B = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), matrix(here, at.B)
     x, w, g, multiplier = vector(here, at.X), vector(here, at.W), vector(here, at.G), vector(here, at.MULTIPLIER)
     x0 = vector(here, at.X0)
-    size, met, pull = length(x, n), True, 0.0
+    size, met, pull = extent(x, here), True, 0.0
     if k == last:  # min ||x - x_0||, which is never met but where x_0 is
         for j in range(n):
             g[j] = x[j] - x0[j]
             pull += abs(g[j])
-        met = pull == 0.0
+        met = pull <= blur
     for r in range(hard, hard + own):
         i = ids[r]
         goal = lo[i] if side[i] == LOWER else hi[i]
         met = met and abs(w[i]) <= tol * (abs(goal) + norm[i] * size)
         pull += norm[i] * abs(w[i])
-    faults, worst, least = integer(0), integer(-1), -DUAL * pull
+    faults, worst = integer(0), integer(-1)
+    least = wrong = -DUAL * pull - (blur if k == last else 0.0)
     if met:
         pull = 0.0
     else:
@@ -148,14 +149,14 @@ def judge(here, k, last, frozen, hard, rank, own):
         for q in range(frozen, frozen + rank):
             i = pivot[q]
             says = multiplier[q] * side[i] * norm[i]
-            faults += says < -DUAL * pull
+            faults += says < wrong
             if says < least:
                 worst, least = i, says
         for r in range(hard, hard + own):
             i = ids[r]
             if side[i] != EQUALITY:
                 says = w[i] * side[i] * norm[i]
-                faults += says < -DUAL * pull
+                faults += says < wrong
                 if says < least:
                     worst, least = i, says
     for i in range(ptr[k + 1] if k < last else 0):  # at the last level :func:`holds` looks at all rows
@@ -176,7 +177,7 @@ def holds(here, last):
     head, tol = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.TOL]
     ptr, side, x = marks(here, at.PTR), marks(here, at.SIDE), vector(here, at.X)
     lo, hi, norm, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)
-    size = length(x, head[at.N])
+    size = extent(x, here)
     for i in range(ptr[last]):
         if norm[i] == 0.0:
             continue

@@ -9,7 +9,7 @@ from .compile import inner, integer
 from .dual import late
 from .memory import ints, marks, vector
 from .polish import judge, polish
-from .sweep import EQUALITY, INACTIVE, LOWER, UPPER
+from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, extent
 from .working_set import FROZEN, value_of
 
 #: The most steps of one level.
@@ -34,12 +34,11 @@ def first_event(here, k):
     ptr, side, kind = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.KIND)
     lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
     x, start, d = vector(here, at.X), vector(here, at.APPROACH), vector(here, at.D)
-    steep = size = 0.0
+    steep = 0.0
     for j in range(n):
         d[j] = x[j] - start[j]
         steep += d[j] * d[j]
-        size += start[j] * start[j]
-    steep, size = math.sqrt(steep), math.sqrt(size)
+    steep, size = math.sqrt(steep), extent(start, here)
     reach, row, becomes = 1.0, integer(-1), integer(INACTIVE)
     for i in range(ptr[k + 1]):
         if norm[i] == 0.0 or kind[i] == FROZEN or side[i] == EQUALITY:

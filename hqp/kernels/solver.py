@@ -18,6 +18,7 @@ from .dual import NEVER, late
 from .guess import guess
 from .levels import levels
 from .memory import clock, floats, given, ints, marks, matrix, vector
+from .orthogonal import length
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep
 from .working_set import FROZEN, value_of
 
@@ -28,6 +29,8 @@ SUSPECT, UNEVEN = 3, 4
 #: As :data:`hqp.hierarchy.LARGEST`: a row that is longer has an entry to be looked at.
 LARGEST = 1e30
 
+#: Round-off of x, in units of the length of x_0, where it comes from.
+ROUND_OFF = 16 * 2.0**-52
 #: A row that is this much shorter than another of its level may disappear in the round-off of that one.
 EVEN = 1e-8
 
@@ -233,6 +236,7 @@ def solve_one(here):
     if not load(here, warm, head[at.TRUSTED] != 0):
         return SUSPECT
     last = levels_that_count(here)
+    option[at.BLUR] = ROUND_OFF / option[at.TOL] * length(vector(here, at.X0), head[at.N])
     status, level, faults, begun = OPTIMAL, integer(last), integer(1), False
     if warm and head[at.HISTORY] == 0:
         seed(here, last)

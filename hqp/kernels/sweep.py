@@ -27,6 +27,12 @@ DUAL = 1e-9
 
 
 @inner
+def extent(x, here):
+    """The length of x to which tolerances are relative: at least what the round-off of x_0, where it comes from, asks."""
+    return length(x, ints(here, 0, at.HEAD)[at.N]) + vector(here, at.OPTION)[at.BLUR]
+
+
+@inner
 def target(side, low, high):
     """The bound that a row on this side is held to."""
     return low if side == LOWER else high
@@ -153,7 +159,7 @@ def judge_rows(here, last):
     lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
     w, forces_of = vector(here, at.W), vector(here, at.FORCES)
     B = matrix(here, at.B)
-    size = length(x, n)
+    size = extent(x, here)
     faults = undecided = 0
     blurred = False
     for k in range(last):
@@ -215,7 +221,7 @@ def judge_multipliers(here, last, undecided):
     norm, x0, x, w = vector(here, at.NORM), vector(here, at.X0), vector(here, at.X), vector(here, at.W)
     y, g, G, forces_of = vector(here, at.Y), vector(here, at.G), vector(here, at.BALANCE), vector(here, at.FORCES)
     B, L = matrix(here, at.B), matrix(here, at.L)
-    faults = 0
+    option, faults = vector(here, at.OPTION), 0
     for k in range(last + 1):
         if undecided == 0:
             break
@@ -240,6 +246,8 @@ def judge_multipliers(here, last, undecided):
                 G[j] = x[j] - x0[j]
                 forces += abs(G[j])
         clear = DUAL * forces
+        if k == last:
+            clear += option[at.TOL] * option[at.BLUR]
         for q in range(c - 1, -1, -1):
             i = pivot[q]
             multiplier = -g[q] / L[i][q]
