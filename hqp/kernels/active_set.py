@@ -26,8 +26,8 @@ from .escape import escape
 from .freeze import CLEAR
 from .memory import ints, marks, matrix, vector
 from .orthogonal import factor, length, level_least_squares, project
-from .sweep import DUAL, EQUALITY, INACTIVE, LOWER, UPPER, extent
-from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance, copy_row, remove, value_of
+from .sweep import DUAL, EQUALITY, INACTIVE, LOWER, UPPER, extent, value_of
+from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance, copy_row, remove
 
 OPTIMAL, SUBOPTIMAL, STALLED = 0, 1, 2
 

@@ -20,7 +20,7 @@ from .compile import inner, integer
 from .members import enter, leave, prepare, sign_of, start_of, wants
 from .memory import clock, ints, marks, matrix, vector
 from .sweep import INACTIVE, LOWER, UPPER
-from .working_set import FROZEN, HARD, IGNORED
+from .working_set import FROZEN, IGNORED
 
 #: A deadline that never comes.
 NEVER = -1

@@ -68,7 +68,7 @@ def refactor(here, frozen, hard, own):
     n = head[at.N]
     kind, ids, slots, pivot = marks(here, at.KIND), marks(here, at.IDS), marks(here, at.SLOTS), marks(here, at.PIVOT)
     norm, lengths, tau = vector(here, at.NORM), vector(here, at.LENGTHS), vector(here, at.OPTION)[at.TAU]
-    x, y, anchor, rhs = vector(here, at.X), vector(here, at.Y), vector(here, at.ANCHOR), vector(here, at.RHS)
+    x, y, anchor = vector(here, at.X), vector(here, at.Y), vector(here, at.ANCHOR)
     P, V, L, R = matrix(here, at.P), matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
     count = integer(0)
     for r in range(hard + own):

@@ -17,13 +17,13 @@ from . import layout as at
 from .compile import inner, integer
 from .dual import admit, late, settle
 from .freeze import freeze
-from .memory import ints, marks, matrix, vector
 from .members import enter, prepare, start_of
+from .memory import ints, marks, matrix, vector
 from .orthogonal import length, pivots, triangle
 from .polish import holds, judge, polish
 from .primal import primal
-from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, extent
-from .working_set import FROZEN, FUTURE, HARD, IGNORED, value_of
+from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, extent, far, value_of
+from .working_set import FROZEN, FUTURE, HARD, IGNORED
 
 #: Softness of the level that is being solved, relative to the square of its longest row.
 SOFT = 1e-9
@@ -74,7 +74,7 @@ def levels(here, last, warm):
     keep(here, last, last)
     if late(here):
         return last
-    return last + 1 if faults > 0 or not holds(here, last) else last + 2
+    return last + 1 if faults > 0 or far(here) or not holds(here, last) else last + 2
 
 
 @inner
@@ -241,8 +241,7 @@ def remember(here, k, last, count):
 @inner
 def feasible(here, k):
     """Whether APPROACH satisfies the levels above k."""
-    n, ptr = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR)
-    kind, norm = marks(here, at.KIND), vector(here, at.NORM)
+    ptr, kind, norm = marks(here, at.PTR), marks(here, at.KIND), vector(here, at.NORM)
     lo, hi, point = vector(here, at.LO), vector(here, at.HI), vector(here, at.APPROACH)
     size = extent(point, here)
     for i in range(ptr[k]):

@@ -13,11 +13,11 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
-from .memory import ints, marks, matrix, vector
 from .members import prepare, start_of
+from .memory import ints, marks, matrix, vector
 from .orthogonal import length, level_least_squares, pivots, separate
-from .sweep import DUAL, EQUALITY, INACTIVE, LOWER, extent
-from .working_set import FROZEN, HARD, balance, value_of
+from .sweep import DUAL, EQUALITY, INACTIVE, LOWER, extent, value_of
+from .working_set import FROZEN, balance
 
 
 @inner
@@ -174,8 +174,8 @@ def judge(here, k, last, frozen, hard, rank, own):
 @inner
 def holds(here, last):
     """Whether the x of the last level has kept what every level above has decided: slacks, and bounds."""
-    head, tol = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.TOL]
     ptr, side, x = marks(here, at.PTR), marks(here, at.SIDE), vector(here, at.X)
+    tol = vector(here, at.OPTION)[at.TOL]
     lo, hi, norm, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)
     size = extent(x, here)
     for i in range(ptr[last]):

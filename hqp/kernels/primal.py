@@ -9,8 +9,8 @@ from .compile import inner, integer
 from .dual import late
 from .memory import ints, marks, vector
 from .polish import judge, polish
-from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, extent
-from .working_set import FROZEN, value_of
+from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, extent, value_of
+from .working_set import FROZEN
 
 #: The most steps of one level.
 STEPS = 60

@@ -19,8 +19,8 @@ from .guess import guess
 from .levels import levels
 from .memory import clock, floats, given, ints, marks, matrix, vector
 from .orthogonal import length
-from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep
-from .working_set import FROZEN, value_of
+from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep, value_of
+from .working_set import FROZEN
 
 #: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; proved as far as one
 #: tolerance goes for rows of very different lengths.
