@@ -109,7 +109,7 @@ def fix_variables(here):
 
 @inner
 def gather(here, k, f):
-    """The active rows of level k, of the f free variables alone, and what is left of their bounds: how many they are."""
+    """The active rows of level k, of the f free variables alone, and what is left of their bounds: how many."""
     n = ints(here, 0, at.HEAD)[at.N]
     col, row_of, ptr, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.PTR), marks(here, at.SIDE)
     free, ids = marks(here, at.FREE), marks(here, at.IDS)
