@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,7 +22,8 @@ from .laws import NAMES, Law, laws_of
 from .runs import Job, jobs_of, run
 from .scenarios import ASSUMPTIONS, SCENARIOS, Scenario, scenario
 from .store import Drawn, Store
-from .tables import to_markdown, to_terminal
+from .studies import STUDIES, Study
+from .tables import Section, to_markdown, to_terminal
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,14 +32,37 @@ if TYPE_CHECKING:
 FORMATS = ("png", "pdf", "svg")
 DPI = 110
 
+Subject = Scenario | Idea | Study
+
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure of the text or the picture of an idea, the runs it shows, and the files to make of it."""
+    """A figure of the text, the picture of an idea or a study, the runs it shows, and the files to make of it."""
 
-    subject: Scenario | Idea
+    subject: Subject
     jobs: tuple[Job, ...]
     files: tuple[str, ...]
+
+    @property
+    def shown(self) -> tuple[Job, ...]:
+        """One run a law of a figure: the backend's, which comes after the formula's. Of others, all."""
+        return tuple({job.law.key: job for job in self.jobs}.values()) if self.of_figure else self.jobs
+
+    @property
+    def coarser(self) -> dict[Job, Job]:
+        """Of the runs that are compared with the same at twice the tick, that one."""
+        compared = self.of_figure or (isinstance(self.subject, Study) and self.subject.against_ticks)
+        return {job: job.coarser for job in self.shown} if compared else {}
+
+    @property
+    def needed(self) -> tuple[Job, ...]:
+        """All that has to be simulated."""
+        return *self.jobs, *self.coarser.values()
+
+    @property
+    def of_figure(self) -> bool:
+        """Whether it is a figure of the text."""
+        return isinstance(self.subject, Scenario)
 
 
 def report(
@@ -56,7 +80,7 @@ def report(
     Parameters
     ----------
     figures : sequence of str
-        Such as ``"4.7"``, or the name of an idea, such as ``"argument"``; empty for all.
+        Such as ``"4.7"``, or the name of an idea or a study, such as ``"argument"`` or ``"lines"``; empty for all.
     backend : str, optional
         Beside the closed forms (default: ``hqp.DEFAULT_BACKEND``).
     out : Path
@@ -105,12 +129,13 @@ def report(
     writable(out / "runs", ["drawn.json"])
     store, drawn = Store(out / "runs"), Drawn(out, out / "runs" / "drawn.json")
 
-    missing = [job for job in dict.fromkeys(job for picture in pictures for job in picture.jobs) if job not in store]
+    missing = [job for job in dict.fromkeys(job for picture in pictures for job in picture.needed) if job not in store]
     missing.sort(key=lambda job: job.ticks, reverse=True)  # the longest first
     if missing:
         hqp.Solver(chosen)  # what has to be compiled is compiled once, not by every process
     parallel = Parallel(n_jobs=processes, return_as="generator")
     findings: list[Finding] = []
+    studies: list[Section] = []
     made = 0
     with _progress() as progress:
         bar = progress.add_task("simulating", total=len(missing), visible=bool(missing))
@@ -125,18 +150,23 @@ def report(
         drawn.forget(file for files in due for file in files)
         bar = progress.add_task("drawing", total=len(pictures))
         shown = parallel(
-            delayed(_show)(picture, [store.path(job) for job in picture.jobs], [out / file for file in files])
+            delayed(_show)(picture, {job: store.path(job) for job in picture.needed}, [out / file for file in files])
             for picture, files in zip(pictures, due, strict=True)
         )
-        for files, key, found in zip(due, keys, shown, strict=True):
+        for picture, files, key, found in zip(pictures, due, keys, shown, strict=True):
             for file in files:
                 drawn.add(file, key)
             made += len(files)
-            findings += found
+            if isinstance(picture.subject, Study):
+                runs = {(job.scenario, job.law): one for job, one in zip(picture.jobs, found, strict=True)}
+                studies.append(picture.subject.tabulate(runs))
+            else:
+                findings += found
             progress.advance(bar)
 
-    if findings:
-        (out / "claims.md").write_text(to_markdown(findings, [*left_out, *ASSUMPTIONS]), encoding="utf-8")
+    if findings or studies:
+        told = to_markdown(findings, studies, [*left_out, *ASSUMPTIONS])
+        (out / "claims.md").write_text(told, encoding="utf-8")
         (out / "claims.csv").write_text(to_csv(findings), encoding="utf-8")
     store.forget_other_versions()
     printer = console(140)  # give every row its line
@@ -148,22 +178,25 @@ def report(
     return findings
 
 
-def _subjects(figures: Sequence[str], laws: Collection[str]) -> list[Scenario | Idea]:
-    """What the names mean, each once. If there are none: all figures, and the ideas, which take all laws."""
+def _subjects(figures: Sequence[str], laws: Collection[str]) -> list[Subject]:
+    """What the names mean, each once. If there are none: all figures, and ideas and studies, which take all laws."""
+    others: dict[str, Idea | Study] = {**IDEAS, **STUDIES}
     if not figures:
-        return [*SCENARIOS.values(), *(IDEAS.values() if set(laws) >= set(NAMES) else ())]
+        return [*SCENARIOS.values(), *(others.values() if set(laws) >= set(NAMES) else ())]
     names = dict.fromkeys(map(str.strip, figures))
     for name in names:
-        if name not in IDEAS and name not in SCENARIOS:
-            raise hqp.InvalidInput(f"figure {name!r} is unknown; available: {', '.join([*SCENARIOS, *IDEAS])}")
-    return [IDEAS[name] if name in IDEAS else scenario(name) for name in names]
+        if name not in others and name not in SCENARIOS:
+            raise hqp.InvalidInput(f"figure {name!r} is unknown; available: {', '.join([*SCENARIOS, *others])}")
+    return [others[name] if name in others else scenario(name) for name in names]
 
 
-def _laws(subject: Scenario | Idea, laws: Collection[str]) -> Sequence[Law]:
+def _laws(subject: Subject, laws: Collection[str]) -> Sequence[Law]:
     return laws_of(subject, laws) if isinstance(subject, Scenario) else subject.laws
 
 
-def _picture(subject: Scenario | Idea, backend: str, laws: Collection[str], form: str, animated: bool) -> Picture:
+def _picture(subject: Subject, backend: str, laws: Collection[str], form: str, animated: bool) -> Picture:
+    if isinstance(subject, Study):
+        return Picture(subject, tuple(subject.jobs(backend)), ())
     if isinstance(subject, Idea):
         return Picture(subject, tuple(subject.jobs(backend)), (f"{subject.name}.{form}",))
     name = f"figure-{subject.figure}"
@@ -176,24 +209,25 @@ def _simulate(job: Job, path: Path) -> None:
     run(job).save(path)
 
 
-def _show(picture: Picture, runs: Sequence[Path], due: Sequence[Path]) -> list[Finding]:
+def _show(picture: Picture, runs: Mapping[Job, Path], due: Sequence[Path]) -> list[Finding]:
     """In a process of its own: what is due of one picture, and what its runs show in numbers."""
-    records = {job: _loaded(job, path) for job, path in zip(picture.jobs, runs, strict=True)}
+    records = {job: _loaded(job, path) for job, path in runs.items()}
     item = picture.subject
     if isinstance(item, Idea):
         for file in due:
-            _save(item.draw(records), file)
+            _save(item.draw({job: records[job] for job in picture.jobs}), file)
         return []
-    # One run a law: the backend's, which comes after the formula's.
-    shown = {job: records[job] for job in {job.law.key: job for job in picture.jobs}.values()}
-    for file in due:
+    for file in due:  # none of a study
+        assert isinstance(item, Scenario)
+        shown = {job: records[job] for job in picture.shown}
         if file.suffix == ".gif":
             animate(item, shown, _part(file))
             _part(file).replace(file)
         else:
             _save(draw(item, shown), file)
     closed = {job.law.key: records[job] for job in picture.jobs if job.closed_form}
-    return [measure(job, records[job], closed.get(job.law.key)) for job in picture.jobs]
+    coarser = {job: records[other] for job, other in picture.coarser.items()}
+    return [measure(job, records[job], closed.get(job.law.key), coarser.get(job)) for job in picture.jobs]
 
 
 def _loaded(job: Job, path: Path) -> Record:
