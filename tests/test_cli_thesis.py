@@ -52,7 +52,7 @@ def test_thesis_end_to_end(short_figures, tmp_path, capsys):
     assert len(rows) == 1 + 6 + 3 + 3
     printed = capsys.readouterr().out
     assert "both tasks met with maximum accuracy" in printed
-    assert f"runs simulated: 9, pictures drawn: 4, all in {out}" in printed
+    assert f"runs simulated: 15, pictures drawn: 4, all in {out}" in printed
 
 
 def test_one_law_one_format(short_figures, tmp_path):

@@ -16,7 +16,7 @@ def thesis(
         typer.Option(
             "--figure",
             "-f",
-            help="4.2 to 4.37, argument, priorities or workspace; may be given several times.",
+            help="4.2 to 4.37; argument, priorities, workspace; lines, stacks; may be given several times.",
             metavar="N",
         ),
     ] = None,

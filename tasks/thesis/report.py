@@ -158,18 +158,17 @@ def report(
                 drawn.add(file, key)
             made += len(files)
             if isinstance(picture.subject, Study):
-                runs = {(job.scenario, job.law): one for job, one in zip(picture.jobs, found, strict=True)}
-                studies.append(picture.subject.tabulate(runs))
+                studies.append(picture.subject.section(picture.jobs, found))
             else:
                 findings += found
             progress.advance(bar)
 
+    store.forget_other_versions()
+    printer = console(140)  # give every row its line
     if findings or studies:
         told = to_markdown(findings, studies, [*left_out, *ASSUMPTIONS])
         (out / "claims.md").write_text(told, encoding="utf-8")
         (out / "claims.csv").write_text(to_csv(findings), encoding="utf-8")
-    store.forget_other_versions()
-    printer = console(140)  # give every row its line
     if findings:
         printer.print(to_terminal(findings))
     for why in left_out:

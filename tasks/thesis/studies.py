@@ -54,6 +54,10 @@ class Study:
             return []
         return [Job(item, law, backend) for item, law in self.runs()]
 
+    def section(self, jobs: Sequence[Job], found: Sequence[Finding]) -> Section:
+        """The table of these jobs and of what they show."""
+        return self.tabulate({(job.scenario, job.law): one for job, one in zip(jobs, found, strict=True)})
+
 
 def on_line(figure: str, end: tuple[float, float], tick: str = "") -> Scenario:
     """A figure on the inclined line to another end [m], without joint limits at another tick [min]."""
@@ -99,8 +103,8 @@ STACKS = {
 }
 #: What the second study tells of its runs.
 SHOWN = (
-    "figure", "law", "tip_error_mm", "phi_share", "phi_peak_deg", "reversals", "peak_acceleration", "end_speed",
-    "turned_deg", "tick_deg",
+    "figure", "law", "tip_error_mm", "phi_share", "phi_peak_deg", "peak_speed", "reversals", "peak_acceleration",
+    "end_speed", "turned_deg", "tick_deg",
 )  # fmt: skip
 
 
