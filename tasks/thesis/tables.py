@@ -30,8 +30,8 @@ HOLDS, FAILS, UNDECIDED, TURNS = "✓", "✗", "?", "↻"
 LEGEND = (
     "Of claims on both tasks: share of the minute with φ within 1 degree. Of claims on the tip: its largest error after"
     f" 0.7 min. {HOLDS}: the text's claim holds of this run, {FAILS}: it does not, {UNDECIDED}: undecided, for the text"
-    f" does not give the line (see Other lines, finer ticks). {TURNS}: at the end, where the path rests, a joint still"
-    f" turns faster than {AT_REST:g} rad/min, at so many rad/min."
+    f" does not give the line ('hqp thesis --figure lines' tries others). {TURNS}: at the end, where the path rests, a"
+    f" joint still turns faster than {AT_REST:g} rad/min, at so many rad/min."
 )
 CONVERGENCE = (
     f"Runs whose joint angles differ by more than {CONVERGED:g} degree from the same run at twice the tick, by so many"
