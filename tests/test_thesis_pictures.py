@@ -159,7 +159,7 @@ def test_a_plain_figure_fits_a_column_of_a_paper(figure, shown):
         texts = [text for text in drawing.findobj(Text) if text.get_text() and text.get_visible()]
         assert {text.get_fontsize() for text in texts} == {8.0}
         assert_inside(drawing)
-        caption = drawing.texts[0].get_text().replace("\n", " ")
+        caption = drawing.texts[0].get_text().replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
         assert caption.startswith(f"Figure {figure}: {job.law.title}, links ")
         assert ("diverges" in caption) == bool(record.stopped)
         panels, legends = boxes(drawing)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -57,9 +58,12 @@ def draw(scenario: Scenario, runs: Mapping[Job, Record]) -> Figure:
     piece = view(scenario, runs.values())
     rows = {"arm": Row("y [m]", COLUMN * proportion(piece), above=0.0)} | PANELS
     if scenario.phi is None:
-        rows["phi"] = Row("φ [deg]", PANELS["phi"].height, PANELS["phi"].above)
-    if not any(job.law.inequalities for job in runs):
+        rows["phi"] = replace(PANELS["phi"], label="φ [deg]")
+    limited = [job.law.inequalities for job in runs]
+    if not any(limited):
         del rows["limits"]
+    elif all(limited):  # no time axis above it
+        rows["limits"] = replace(PANELS["limits"], above=0.32)
     backends = ", ".join(dict.fromkeys(job.backend for job in runs))
     heads = [Head(job.law.title, _lines(job, record), ended(record)) for job, record in runs.items()]
     foot = f"The text: {scenario.claim.says}. Solved by {backends}."

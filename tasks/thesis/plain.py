@@ -60,7 +60,7 @@ def draw_plain(job: Job, record: Record) -> Figure:
 def title(job: Job, record: Record) -> str:
     """``Figure 4.7: Eq. 4.8, links 0.7 0.7 0.3 m, φ = 0°``."""
     scenario = job.scenario
-    parts = [job.law.title, f"links {' '.join(map(str, scenario.lengths))} m"]
+    parts = [job.law.title, "\N{NO-BREAK SPACE}".join(["links", *map(str, scenario.lengths), "m"])]
     if scenario.phi is not None:
         parts.append(f"φ = {np.degrees(scenario.phi):.0f}°")
     if record.stopped:

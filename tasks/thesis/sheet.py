@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 #: Of a column, left and right of all, and between two of them [inch].
-COLUMN, LEFT, RIGHT, BETWEEN = 3.5, 0.85, 0.2, 0.26
+COLUMN, LEFT, RIGHT, BETWEEN = 3.5, 0.95, 0.2, 0.26
 #: Below the last panel, for its time axis; and of a line of text [inch].
 TIME, LINE = 0.5, 0.19
 #: Of an entry of the legend [inch].
@@ -61,7 +61,7 @@ def sheet(
     from matplotlib.figure import Figure
 
     width = LEFT + RIGHT + len(heads) * COLUMN + (len(heads) - 1) * BETWEEN
-    title, foot = _broken(title, 0.145, width), _broken(foot, 0.078, width)
+    title, foot = _broken(title, 0.112, width), _broken(foot, 0.078, width)
     named_rows = ceil(len(legend["labels"]) * ENTRY / (width - 0.2))
     across = ceil(len(legend["labels"]) / named_rows)
     named = 0.12 + LINE * named_rows
@@ -107,7 +107,7 @@ def same_range(panels: Iterable[Axes], low: float | None = None, high: float | N
 def _label(panel: Axes, text: str) -> None:
     """At the left edge, in line with those of the other rows however wide their numbers are."""
     panel.set_ylabel(text)
-    panel.yaxis.set_label_coords(-0.6 / COLUMN, 0.5)
+    panel.yaxis.set_label_coords(-0.7 / COLUMN, 0.5)
 
 
 def _head(panel: Axes, head: Head, lines: int) -> None:
