@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
-#: As many columns as a screen has.
-STRIPES = 600
+#: Columns of a stripe: each at least a dot wide on a screen, so that a limit met for a moment shows.
+STRIPES = 300
 
 
 def draw_phi(axis: Axes, scenario: Scenario, record: Record) -> None:
@@ -60,7 +60,7 @@ def draw_limits(axis: Axes, scenario: Scenario, record: Record) -> None:
     for bit, name in ((1, "velocity"), (2, "acceleration")):
         if name in record.active:
             kinds |= np.uint8(bit) * (record.active[name] != 0)
-    # A limit that is met between two columns of the screen still shows.
+    # A limit that is met between two columns still shows.
     bins = np.array_split(kinds, STRIPES) if len(kinds) >= STRIPES else [kinds[k : k + 1] for k in range(len(kinds))]
     stripes = np.array([np.bitwise_or.reduce(block, axis=0) for block in bins]).reshape(-1, joints).T
     if not stripes.any():
