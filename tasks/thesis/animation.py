@@ -31,7 +31,7 @@ def animate(scenario: Scenario, runs: Mapping[Job, Record], path: Path) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    piece = view(scenario, runs.values(), outlines=False)
+    piece = view(scenario, runs.values())
     figure = Figure(figsize=(3.6 * len(runs), 0.6 + 3.3 * proportion(piece)), layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots(1, len(runs), squeeze=False)[0]

@@ -84,8 +84,8 @@ def ellipses(scenario: Scenario, record: Record) -> Array:
     return np.array(outlines)
 
 
-def view(scenario: Scenario, records: Iterable[Record], *, outlines: bool = True) -> Array:
-    """The piece of the plane which all that is drawn of these runs needs: ((x, x), (y, y)) [m].
+def view(scenario: Scenario, records: Iterable[Record], *, outlines: bool = False) -> Array:
+    """The piece of the plane that is drawn of these runs, with ellipses or without: ((x, x), (y, y)) [m].
 
     Of a run that ended early only the arms count: its path may lead anywhere.
     """

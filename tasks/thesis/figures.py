@@ -55,7 +55,7 @@ def draw(scenario: Scenario, runs: Mapping[Job, Record]) -> Figure:
     matplotlib.figure.Figure
         With the desired path in red and the actual one in blue; time in minutes, like the text.
     """
-    piece = view(scenario, runs.values())
+    piece = view(scenario, runs.values(), outlines=True)
     rows = {"arm": Row("y [m]", COLUMN * proportion(piece), above=0.0)} | PANELS
     if scenario.phi is None:
         rows["phi"] = replace(PANELS["phi"], label="φ [deg]")
@@ -106,7 +106,7 @@ def _scales(panels: Mapping[str, NDArray[np.object_]], scenario: Scenario, runs:
     same_range(panels["phi"])
     same_range(panels["speed"], *speed_range(scenario, runs.values()))
     same_range(panels["torque"], *(torque_range(runs.values()) or (None, None)))
-    same_range(panels["manipulability"], low=0.0)
+    same_range(panels["manipulability"], 0.0, 1.06 * max(panel.get_ylim()[1] for panel in panels["manipulability"]))
     limited = any(job.law.inequalities for job in runs)
     name_joints(panels["speed"][0], scenario.velocity_limit * MINUTE if limited else 0.0)
 

@@ -156,7 +156,7 @@ def _stretched(arm: PlanarArm, tip: Array, phi: float) -> Sequence[float]:
 def _columns(title: str, runs: Mapping[Job, Record], names: Mapping[Job, str]) -> Figure:
     """A column a run: the arm, the errors, the joint speeds and accelerations."""
     item = scenario(FIGURE)
-    piece = view(item, runs.values(), outlines=False)
+    piece = view(item, runs.values())
     rows = {"arm": Row("y [m]", COLUMN * proportion(piece), above=0.0)} | PANELS
     heads = []
     for job, record in runs.items():

@@ -36,7 +36,7 @@ def draw_plain(job: Job, record: Record) -> Figure:
         Its caption names figure, law, links and phi.
     """
     scenario = job.scenario
-    piece = view(scenario, [record], outlines=False)
+    piece = view(scenario, [record])
     text = fill(title(job, record), LETTERS)
     wide = COLUMN - LEFT - RIGHT
     high = wide * proportion(piece)
