@@ -18,7 +18,7 @@ from PIL import Image
 
 from hqp import InvalidInput
 from tasks.motion.record import Stop
-from tasks.thesis import animation, figures, ideas, report, runs, scenarios, store, tables
+from tasks.thesis import animation, drawings, figures, ideas, pictures, report, runs, scenarios, store, tables
 from tasks.thesis.findings import digits, measure, to_csv
 from tasks.thesis.runs import Job, jobs_of, run
 from tasks.thesis.scenarios import scenario
@@ -187,10 +187,10 @@ def test_runs_of_other_versions_go_and_files_of_others_stay(short_figures, tmp_p
 
 
 def test_all_figures_come_with_the_ideas_unless_laws_are_chosen():
-    everything = report._subjects([], report.NAMES)
-    assert len(everything) == 36 + len(ideas.IDEAS)
-    assert len(report._subjects([], ["limits"])) == 36
-    assert [item.name for item in report._subjects(["argument", " argument "], ["limits"])] == ["argument"]
+    everything = pictures.subjects([], report.NAMES)
+    assert len(everything) == len(drawings.DRAWINGS) + 36 + len(ideas.IDEAS)
+    assert len(pictures.subjects([], ["limits"])) == 36
+    assert [item.name for item in pictures.subjects(["argument", " argument "], ["limits"])] == ["argument"]
 
 
 def test_a_picture_that_is_being_drawn_is_not_up_to_date(tmp_path):
