@@ -36,8 +36,7 @@ links = [
 arc = Circle(VALVE[:2], RADIUS, SECONDS, start=0.6 * np.pi, turn=0.8 * np.pi, timing=quintic)
 
 
-def round_the_valve(t):
-    """The arc at the height of the camera, with its velocity and acceleration."""
+def round_the_valve(t):  # the arc at the height of the camera, its velocity and acceleration
     return tuple(np.append(part, z) for part, z in zip(arc(t), (VALVE[2] + ABOVE, 0.0, 0.0), strict=True))
 
 
