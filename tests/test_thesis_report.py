@@ -19,7 +19,7 @@ from PIL import Image
 import hqp
 from hqp import InvalidInput
 from tasks.motion.record import Stop
-from tasks.thesis import animation, figures, ideas, report, runs, scenarios, store, studies, tables
+from tasks.thesis import animation, drawings, figures, ideas, pictures, report, runs, scenarios, store, studies, tables
 from tasks.thesis.findings import digits, measure, to_csv
 from tasks.thesis.runs import Job, jobs_of, run
 from tasks.thesis.scenarios import scenario
@@ -86,9 +86,9 @@ def test_claims_stand_against_what_the_backend_found(few):
 def test_a_joint_that_still_turns_at_the_end_stands_beside_the_mark(few):
     item = scenario("4.37")
     rest, turning = (replace(few[0], phi_share=0.88, tip_error_mm=0.5, end_speed=speed) for speed in (0.9, 22.6))
-    assert tables.verdict(item, item.claim, rest) == "0.88 ✓"
-    assert tables.verdict(item, item.claim, turning) == "0.88 ✓ ↻23"
-    assert tables.verdict(item, item.claim, replace(turning, diverged_min=0.5)) == "diverges at 0.500 min ✗"
+    assert tables.verdict(item, item.claims[0], rest) == "0.88 ✓"
+    assert tables.verdict(item, item.claims[0], turning) == "0.88 ✓ ↻23"
+    assert tables.verdict(item, item.claims[0], replace(turning, diverged_min=0.5)) == "diverges at 0.500 min ✗"
 
 
 def test_a_verdict_that_hangs_on_what_the_text_does_not_give_is_none(few):
@@ -96,7 +96,7 @@ def test_a_verdict_that_hangs_on_what_the_text_does_not_give_is_none(few):
     found = replace(few[0], figure="4.27", phi_share=0.68, tip_error_mm=0.4, end_speed=0.0)
     rows = tables.against_claims([replace(found, law="strict, joint limits")])
     assert [row[5] for row in rows] == ["0.68 ?", "0.4 mm ?"]
-    assert tables.verdict(replace(item, undecided=""), item.claim, found) == "0.68 ✓"
+    assert tables.verdict(replace(item, undecided=""), item.claims[0], found) == "0.68 ✓"
 
 
 def test_what_has_not_converged_has_a_table(few):
@@ -246,10 +246,10 @@ def test_runs_of_other_versions_go_and_files_of_others_stay(short_figures, tmp_p
 
 
 def test_all_figures_come_with_the_ideas_unless_laws_are_chosen():
-    everything = report._subjects([], report.NAMES)
-    assert len(everything) == 36 + len(ideas.IDEAS) + len(studies.STUDIES)
-    assert len(report._subjects([], ["limits"])) == 36
-    assert [item.name for item in report._subjects(["argument", " argument "], ["limits"])] == ["argument"]
+    everything = pictures.subjects([], report.NAMES)
+    assert len(everything) == len(drawings.DRAWINGS) + 36 + len(ideas.IDEAS) + len(studies.STUDIES)
+    assert len(pictures.subjects([], ["limits"])) == 36
+    assert [item.name for item in pictures.subjects(["argument", " argument "], ["limits"])] == ["argument"]
 
 
 def test_a_picture_that_is_being_drawn_is_not_up_to_date(tmp_path):

@@ -130,11 +130,6 @@ class Scenario:
     damping: float = 0.1
 
     @property
-    def claim(self) -> Claim:
-        """The first thing that the text says of it."""
-        return self.claims[0]
-
-    @property
     def arm(self) -> PlanarArm:
         """The robot, with its limits."""
         return PlanarArm(self.lengths, velocity_limit=self.velocity_limit, acceleration_limit=self.acceleration_limit)
