@@ -44,8 +44,8 @@ def thesis(
 
     Without --figure: all of them. Each figure of chapter 4 is drawn in full, all laws side by side, and
     plain, as the text has it, for a paper: of the first law that is asked for. 2.1, 3.1 to 3.5 and 4.1
-    are drawings and simulate nothing. What is finished is kept: after an interruption the same command
-    goes on where it was.
+    are drawings and simulate nothing; lines and stacks are studies, a table each, without a picture.
+    What is finished is kept: after an interruption the same command goes on where it was.
     """
     from ..thesis.laws import NAMES
     from ..thesis.report import report
