@@ -17,6 +17,7 @@ from tasks import cli
 from tasks.thesis import figures, ideas, plain, report, runs, scenarios, sheet, store, style
 from tasks.thesis.arms import ellipses
 from tasks.thesis.drawings import DRAWINGS
+from tasks.thesis.findings import measure
 from tasks.thesis.runs import Job, run
 from tasks.thesis.scenarios import scenario
 
@@ -144,6 +145,23 @@ def test_only_laws_with_limits_have_a_panel_of_limits(shown):
         assert words == (len(by_law) - limited if limited else 0)
 
 
+def test_the_foot_names_every_claim_and_whether_it_is_decided():
+    item, job = scenario("4.27"), Job(scenario("4.27"), runs.laws_of(scenario("4.27"))[0], LIMITED)
+    told = figures.foot(item, [job, job])
+    assert all(claim.says in told for claim in item.claims)
+    assert told.endswith(f". Undecided: the text does not give the line. Solved by {LIMITED}.")
+    assert "Undecided" not in figures.foot(scenario("4.9"), [job])
+
+
+def test_a_joint_that_turns_at_the_end_stands_over_its_column(shown):
+    for item, by_law in shown.values():
+        drawing = figures.draw(item, by_law)
+        for axis, (job, record) in zip(arms(drawing), by_law.items(), strict=True):
+            over = [text.get_text() for text in axis.texts]
+            told = any(text.startswith("at the end a joint still turns") for text in over)
+            assert told == measure(job, record).turning
+
+
 def legend_of(axis):
     return [text.get_text() for text in axis.get_legend().get_texts()]
 
@@ -187,7 +205,8 @@ def test_drawings_need_no_simulation(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize("name", ["3.6", "2.2", "1.1", "4.38", "4.1-plain"])
 def test_what_is_no_figure_is_refused_with_what_is_one(name, tmp_path):
     with pytest.raises(
-        InvalidInput, match=rf"figure '{name}' is unknown; available: 2.1, 3.1, .*, 4.1, 4.2, .*workspace"
+        InvalidInput,
+        match=rf"figure '{name}' is unknown; available: 2.1, 3.1, .*, 4.1, 4.2, .*, 4.37, argument, .*, stacks",
     ):
         report.report([name], None, tmp_path / "new", processes=1)
     assert not (tmp_path / "new").exists()

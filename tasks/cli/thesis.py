@@ -16,7 +16,8 @@ def thesis(
         typer.Option(
             "--figure",
             "-f",
-            help="2.1, 3.1 to 3.5, 4.1 to 4.37, argument, priorities or workspace; may be given several times.",
+            help="2.1, 3.1 to 3.5, 4.1 to 4.37; argument, priorities, workspace; lines, stacks; may be given several"
+            " times.",
             metavar="N",
         ),
     ] = None,
@@ -43,8 +44,8 @@ def thesis(
 
     Without --figure: all of them. Each figure of chapter 4 is drawn in full, all laws side by side, and
     plain, as the text has it, for a paper: of the first law that is asked for. 2.1, 3.1 to 3.5 and 4.1
-    are drawings and simulate nothing. What is finished is kept: after an interruption the same command
-    goes on where it was.
+    are drawings and simulate nothing; lines and stacks are studies, a table each, without a picture.
+    What is finished is kept: after an interruption the same command goes on where it was.
     """
     from ..thesis.laws import NAMES
     from ..thesis.report import report

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -64,10 +64,9 @@ def draw(scenario: Scenario, runs: Mapping[Job, Record]) -> Figure:
         del rows["limits"]
     elif all(limited):  # no time axis above it
         rows["limits"] = replace(PANELS["limits"], above=0.32)
-    backends = ", ".join(dict.fromkeys(job.backend for job in runs))
     heads = [Head(job.law.title, _lines(job, record), ended(record)) for job, record in runs.items()]
-    foot = f"The text: {scenario.claim.says}. Solved by {backends}."
-    figure, panels = sheet(scenario.title, rows, heads, legend(outlines=True, held=scenario.phi is not None), foot)
+    named = legend(outlines=True, held=scenario.phi is not None)
+    figure, panels = sheet(scenario.title, rows, heads, named, foot(scenario, runs))
     for k, (job, record) in enumerate(runs.items()):
         draw_arm(panels["arm"][k], scenario, record)
         draw_ellipses(panels["arm"][k], scenario, record)
@@ -111,6 +110,15 @@ def _scales(panels: Mapping[str, NDArray[np.object_]], scenario: Scenario, runs:
     name_joints(panels["speed"][0], scenario.velocity_limit * MINUTE if limited else 0.0)
 
 
+def foot(scenario: Scenario, runs: Iterable[Job]) -> str:
+    """What the text says of a figure, whether that can be decided, and what solved it."""
+    parts = [f"The text: {'; '.join(claim.says for claim in scenario.claims)}."]
+    if scenario.undecided:
+        parts.append(f"Undecided: {scenario.undecided}.")
+    parts.append(f"Solved by {', '.join(dict.fromkeys(job.backend for job in runs))}.")
+    return " ".join(parts)
+
+
 def ended(record: Record) -> str:
     """When a run ended early, or nothing."""
     if not record.stopped:
@@ -129,7 +137,10 @@ def summary(found: Finding) -> str:
 
 def _lines(job: Job, record: Record) -> list[str]:
     """Numbers over a column. Degrees (Eq. 3.7, 3.8) are of the task levels and of what is below, where checked."""
-    lines = [summary(measure(job, record))]
+    found = measure(job, record)
+    lines = [summary(found)]
+    if found.turning:
+        lines.append(f"at the end a joint still turns at {digits(found.end_speed)} rad/min")
     if record.checked:
         tasks = record.degrees.manipulability[:, 1 if job.law.inequalities else 0 :]
         levels = " + ".join(_span(level) for level in tasks.T)

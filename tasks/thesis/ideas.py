@@ -16,7 +16,7 @@ from ..motion.record import Record
 from ..robots.planar import PlanarArm
 from .arms import desired_path, draw_arm, legend, proportion, show, view
 from .figures import ended, summary
-from .findings import measure
+from .findings import digits, measure
 from .laws import DAMPED, LIMITS, STRICT, SWAPPED, THESIS, Law
 from .panels import draw_joints, draw_phi, draw_time, name_joints, speed_range
 from .runs import Job, tip_error
@@ -161,7 +161,10 @@ def _columns(title: str, runs: Mapping[Job, Record], names: Mapping[Job, str]) -
     heads = []
     for job, record in runs.items():
         found = measure(job, record)
-        lines = [f"joints turn at up to {found.peak_speed:.0f} rad/min", summary(found)]
+        speeds = f"joints turn at up to {found.peak_speed:.0f} rad/min"
+        if found.turning:
+            speeds += f", at the end at {digits(found.end_speed)}"
+        lines = [speeds, summary(found)]
         heads.append(Head(names[job], lines, ended(record)))
     figure, panels = sheet(title, rows, heads, legend(held=True))
     top = item.acceleration_limit * MINUTE**2

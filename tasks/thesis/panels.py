@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
 
-#: Columns of a stripe: each at least a dot wide on a screen, so that a limit met for a moment shows.
-STRIPES = 300
+#: Columns of a stripe: each some dots wide on a screen, so that a limit met for a moment shows, beside the frame too.
+STRIPES = 100
 
 
 def draw_phi(axis: Axes, scenario: Scenario, record: Record) -> None:

@@ -1,4 +1,4 @@
-"""What there is to show: the simulated figures, each full and plain, the ideas beside them, and the drawings."""
+"""What there is to show: the simulated figures, each full and plain, drawings, ideas and studies beside them."""
 
 from __future__ import annotations
 
@@ -18,32 +18,59 @@ from .laws import NAMES, Law, laws_of
 from .plain import draw_plain
 from .runs import Job, jobs_of
 from .scenarios import SCENARIOS, Scenario, scenario
+from .studies import STUDIES, Study
 from .style import PRINT, part, save
 
-Subject = Scenario | Idea | Drawing
+Subject = Scenario | Idea | Study | Drawing
 
 
 @dataclass(frozen=True)
 class Picture:
-    """What is shown, the runs it takes, and the files to make of it."""
+    """What is shown, the runs it shows, and the files to make of it; of a study none, it is a table."""
 
     subject: Subject
     jobs: tuple[Job, ...]
     files: tuple[str, ...]
 
+    @property
+    def shown(self) -> tuple[Job, ...]:
+        """One run a law of a figure: the backend's, which comes after the formula's. Of others, all."""
+        return tuple({job.law.key: job for job in self.jobs}.values()) if self.of_figure else self.jobs
+
+    @property
+    def coarser(self) -> dict[Job, Job]:
+        """Of the runs that are compared with the same at twice the tick, that one."""
+        compared = self.of_figure or (isinstance(self.subject, Study) and self.subject.against_ticks)
+        return {job: job.coarser for job in self.shown} if compared else {}
+
+    @property
+    def needed(self) -> tuple[Job, ...]:
+        """All that has to be simulated."""
+        return *self.jobs, *self.coarser.values()
+
+    @property
+    def of_figure(self) -> bool:
+        """Whether it is a simulated figure of the text."""
+        return isinstance(self.subject, Scenario)
+
+    @property
+    def measured(self) -> bool:
+        """Whether its runs stand in a table, in numbers."""
+        return self.of_figure or isinstance(self.subject, Study)
+
 
 def subjects(names: Sequence[str], laws: Collection[str]) -> list[Subject]:
     """What the names mean, each once. If there are none: all there is, in the order of the text.
 
-    Drawings and ideas are left out where only some laws are asked for: no law concerns the former, and
-    the latter take all.
+    Drawings, ideas and studies are left out where only some laws are asked for: no law concerns the first,
+    and the others take all.
 
     Raises
     ------
     InvalidInput
         If a name is unknown; lists those that there are.
     """
-    known = [*DRAWINGS, *SCENARIOS, *IDEAS]
+    known = [*DRAWINGS, *SCENARIOS, *IDEAS, *STUDIES]
     if not names:
         return [_subject(name) for name in (known if set(laws) >= set(NAMES) else SCENARIOS)]
     wanted = dict.fromkeys(map(str.strip, names))
@@ -80,35 +107,41 @@ def refusals(chosen: Sequence[Subject], backend: BackendInfo, laws: Collection[s
 def make(picture: Picture, records: Mapping[Job, Record], files: Sequence[Path]) -> None:
     """Make files of one picture."""
     subject = picture.subject
-    # One run a law: the backend's, which comes after the formula's.
-    shown = {job: records[job] for job in {job.law.key: job for job in picture.jobs}.values()}
+    shown = {job: records[job] for job in picture.shown}
     for file in files:
         if isinstance(subject, Drawing):
             save(subject.draw(), file, PRINT)
         elif isinstance(subject, Idea):
-            save(subject.draw(records), file)
-        elif file.suffix == ".gif":
-            animate(subject, shown, part(file))
-            part(file).replace(file)
-        elif file.stem.endswith("-plain"):
-            save(draw_plain(*next(iter(shown.items()))), file, PRINT)
-        else:
-            save(draw(subject, shown), file)
+            save(subject.draw(shown), file)
+        elif isinstance(subject, Scenario):
+            _make_of_figure(subject, shown, file)
+
+
+def _make_of_figure(item: Scenario, shown: Mapping[Job, Record], file: Path) -> None:
+    if file.suffix == ".gif":
+        animate(item, shown, part(file))
+        part(file).replace(file)
+    elif file.stem.endswith("-plain"):
+        save(draw_plain(*next(iter(shown.items()))), file, PRINT)
+    else:
+        save(draw(item, shown), file)
 
 
 def _subject(name: str) -> Subject:
-    return DRAWINGS.get(name) or IDEAS.get(name) or scenario(name)
+    return DRAWINGS.get(name) or IDEAS.get(name) or STUDIES.get(name) or scenario(name)
 
 
 def _laws(subject: Subject, laws: Collection[str]) -> Sequence[Law]:
     if isinstance(subject, Scenario):
         return laws_of(subject, laws)
-    return subject.laws if isinstance(subject, Idea) else ()
+    return () if isinstance(subject, Drawing) else subject.laws
 
 
 def _picture(subject: Subject, backend: str, laws: Collection[str], form: str, animated: bool) -> Picture:
     """Of what may go into a paper there is a picture in pixels and one in lines."""
     paper = ("png", "svg" if form == "svg" else "pdf")
+    if isinstance(subject, Study):
+        return Picture(subject, tuple(subject.jobs(backend)), ())
     if isinstance(subject, Idea):
         return Picture(subject, tuple(subject.jobs(backend)), (f"{subject.name}.{form}",))
     name = f"figure-{subject.figure}"

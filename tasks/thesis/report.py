@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,10 +17,11 @@ from .findings import Finding, measure, to_csv
 from .laws import NAMES
 from .pictures import Picture, make, pictures, refusals, subjects
 from .runs import Job, run
-from .scenarios import ASSUMPTIONS, Scenario
+from .scenarios import ASSUMPTIONS
 from .store import Drawn, Store
+from .studies import Study
 from .style import FORMATS
-from .tables import to_markdown, to_terminal
+from .tables import Section, to_markdown, to_terminal
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -41,8 +42,8 @@ def report(
     Parameters
     ----------
     figures : sequence of str
-        Such as ``"4.7"``, the number of a drawing, such as ``"4.1"``, or the name of an idea, such as
-        ``"argument"``; empty for all.
+        Such as ``"4.7"``, the number of a drawing, such as ``"4.1"``, or the name of an idea or a study, such as
+        ``"argument"`` or ``"lines"``; empty for all.
     backend : str, optional
         Beside the closed forms (default: ``hqp.DEFAULT_BACKEND``).
     out : Path
@@ -79,19 +80,21 @@ def report(
     writable(out / "runs", ["drawn.json"])
     store, drawn = Store(out / "runs"), Drawn(out, out / "runs" / "drawn.json")
 
-    missing = [job for job in dict.fromkeys(job for picture in shown for job in picture.jobs) if job not in store]
+    missing = [job for job in dict.fromkeys(job for picture in shown for job in picture.needed) if job not in store]
     if missing:
         hqp.Solver(chosen)  # what has to be compiled is compiled once, not by every process
     parallel = Parallel(n_jobs=processes, return_as="generator")
     with _progress() as progress:
         _simulate_all(missing, store, parallel, progress)
-        findings, made = _draw_all(shown, store, drawn, parallel, progress)
+        found, made = _draw_all(shown, store, drawn, parallel, progress)
+    findings, studies = _told(shown, found)
 
-    if findings:
-        (out / "claims.md").write_text(to_markdown(findings, [*left_out, *ASSUMPTIONS]), encoding="utf-8")
-        (out / "claims.csv").write_text(to_csv(findings), encoding="utf-8")
     store.forget_other_versions()
     printer = console(140)  # give every row its line
+    if findings or studies:
+        told = to_markdown(findings, studies, [*left_out, *ASSUMPTIONS])
+        (out / "claims.md").write_text(told, encoding="utf-8")
+        (out / "claims.csv").write_text(to_csv(findings), encoding="utf-8")
     if findings:
         printer.print(to_terminal(findings))
     for why in left_out:
@@ -122,8 +125,8 @@ def _simulate_all(missing: Sequence[Job], store: Store, parallel: Any, progress:
 
 def _draw_all(
     shown: Sequence[Picture], store: Store, drawn: Drawn, parallel: Any, progress: Progress
-) -> tuple[list[Finding], int]:
-    """The files that are not up to date; what all runs show, and how many pictures were drawn, whole or in part."""
+) -> tuple[list[list[Finding]], int]:
+    """The files that are not up to date; what the runs of each show, and how many were drawn, whole or in part."""
     from joblib import delayed
 
     keys = [drawn.key([store.key(job) for job in picture.jobs]) for picture in shown]
@@ -132,17 +135,31 @@ def _draw_all(
     ]
     drawn.forget(file for files in due for file in files)
     bar = progress.add_task("drawing", total=len(shown))
-    found = parallel(
-        delayed(_show)(picture, [store.path(job) for job in picture.jobs], [drawn.folder / file for file in files])
+    rows = parallel(
+        delayed(_show)(
+            picture, {job: store.path(job) for job in picture.needed}, [drawn.folder / file for file in files]
+        )
         for picture, files in zip(shown, due, strict=True)
     )
-    findings: list[Finding] = []
-    for files, key, rows in zip(due, keys, found, strict=True):
+    found: list[list[Finding]] = []
+    for files, key, of_picture in zip(due, keys, rows, strict=True):
         for file in files:
             drawn.add(file, key)
-        findings += rows
+        found.append(of_picture)
         progress.advance(bar)
-    return findings, sum(map(bool, due))
+    return found, sum(map(bool, due))
+
+
+def _told(shown: Sequence[Picture], found: Sequence[list[Finding]]) -> tuple[list[Finding], list[Section]]:
+    """What figures show, a row a run, and what studies show, a table each."""
+    findings: list[Finding] = []
+    studies: list[Section] = []
+    for picture, rows in zip(shown, found, strict=True):
+        if isinstance(picture.subject, Study):
+            studies.append(picture.subject.section(picture.jobs, rows))
+        else:
+            findings += rows
+    return findings, studies
 
 
 def _simulate(job: Job, path: Path) -> None:
@@ -150,16 +167,17 @@ def _simulate(job: Job, path: Path) -> None:
     run(job).save(path)
 
 
-def _show(picture: Picture, runs: Sequence[Path], due: Sequence[Path]) -> list[Finding]:
+def _show(picture: Picture, runs: Mapping[Job, Path], due: Sequence[Path]) -> list[Finding]:
     """In a process of its own: what is due of one picture, and what its runs show in numbers."""
-    if not due and not isinstance(picture.subject, Scenario):
+    if not due and not picture.measured:
         return []
-    records = {job: _loaded(job, path) for job, path in zip(picture.jobs, runs, strict=True)}
+    records = {job: _loaded(job, path) for job, path in runs.items()}
     make(picture, records, due)
-    if not isinstance(picture.subject, Scenario):
+    if not picture.measured:
         return []
     closed = {job.law.key: records[job] for job in picture.jobs if job.closed_form}
-    return [measure(job, records[job], closed.get(job.law.key)) for job in picture.jobs]
+    coarser = {job: records[other] for job, other in picture.coarser.items()}
+    return [measure(job, records[job], closed.get(job.law.key), coarser.get(job)) for job in picture.jobs]
 
 
 def _loaded(job: Job, path: Path) -> Record:
