@@ -200,10 +200,8 @@ def solve(
     Unsupported
         If the backend does not take such a hierarchy; names one that does.
     """
-    if settings is None or settings.time_limit == math.inf:
-        now = None
-    else:
-        now = time.monotonic_ns()
+    settings = _DEFAULT if settings is None else of_type(settings, Settings, "settings")
+    now = None if settings.time_limit == math.inf else time.monotonic_ns()
     if x_ref is not None and isinstance(hierarchy, Hierarchy):
         x_ref = finite_vector(x_ref, hierarchy.n, "x_ref")
     key, solver = _borrow(hierarchy, backend, settings)
@@ -222,18 +220,15 @@ _kept = threading.local()
 _DEFAULT = Settings()
 
 
-def _borrow(hierarchy: Hierarchy, backend: str, settings: Settings | None) -> tuple[Any, Solver]:
+def _borrow(hierarchy: Hierarchy, backend: str, settings: Settings) -> tuple[Any, Solver]:
     """A cold solver, taken from those that are kept if there is one of this structure: it has its memory ready."""
-    settings = _DEFAULT if settings is None else settings
-    if backend != DEFAULT_BACKEND or not isinstance(hierarchy, Hierarchy):
+    if not (isinstance(backend, str) and backend == DEFAULT_BACKEND and isinstance(hierarchy, Hierarchy)):
         return None, Solver(backend, settings)
     key = hierarchy.structure, settings
     try:
         solver = _kept.solvers.pop(key, None)
     except AttributeError:
         solver, _kept.solvers = None, {}
-    except TypeError:  # settings that are none
-        return None, Solver(backend, settings)
     if solver is None:
         return key, Solver(backend, settings)
     solver.forget()

@@ -36,7 +36,7 @@ STATUSES = {
 SIGNATURE = int64(int64, int64)
 
 Quick = Callable[[Hierarchy, Array | None], tuple[Array, Counts] | None]
-#: What almost every tick of a control loop takes, by its iterations: one sweep. Making these anew would be a third of it.
+#: What almost every tick of a control loop takes, by its iterations: one sweep. Made anew they were a third of a tick.
 ONE_SWEEP = [Counts(1, iterations) for iterations in range(64)]
 
 
@@ -102,9 +102,9 @@ class Native:
 
 
 def judged(hierarchy: Hierarchy, x: Array, x_ref: Array, outcome: int, level: int, counts: Counts) -> Answer:
-    """What is claimed of x. Where the kernel has no proof of its own, the certificate says up to where x is exact."""
+    """What is claimed of x. Where the proof holds only as far as one tolerance goes, the certificate has the word."""
     status = STATUSES[outcome]
-    if status is Status.STALLED:
+    if outcome == kernel.UNEVEN:
         failed = certify(hierarchy, x, x_ref).failed
         if failed is None:
             status = Status.OPTIMAL
