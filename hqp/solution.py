@@ -54,9 +54,10 @@ class Counts(NamedTuple):
     Attributes
     ----------
     sweeps
-        Guesses of the active rows that the native solver solved and verified.
+        Times that the native solver went through all levels: guesses of the active rows that it solved and verified,
+        or level by level.
     iterations
-        Of its safe method, where repairing the guess did not end.
+        Steps of its active sets, where the rows that were active the last time are no longer the right ones.
     qp_solves
         QPs handed to the named solver, proximal steps included.
     proximal_steps

@@ -1,10 +1,10 @@
-r"""The whole solver: guess, solve the equalities, verify, repair; and where repair fails, the safe method.
+"""The whole solver: one sweep where the active rows are known, level by level where they are not, and what is behind.
 
-From one tick of a control loop to the next the active rows hardly change, so that the last ones are the guess and
-one sweep is the answer, with its proof (:mod:`.sweep`). Where there is no last one, a weighted problem makes the guess
-(:mod:`.guess`). All rows that contradict a guess change sides at once. Where that makes no progress, or where many do
-although levels above others are out of reach, so that it would make none, a more careful guess is made, level by level.
-If that fails, too, the safe method decides (:mod:`.active_set`), and one more sweep gives its answer the same proof.
+From one tick of a control loop to the next the active rows hardly change, so that one sweep with the last ones is the
+answer, with its proof (:mod:`.sweep`); rows that contradict it change sides at once, as long as that makes progress.
+Where it does not, or there is no last tick, the levels are solved one after the other (:mod:`.levels`), which is a
+proof of its own. A few unknowns are guessed all at once first (:mod:`.guess`). If all that fails, the safe method
+decides (:mod:`.active_set`), from the last point that is known to be exact.
 """
 
 from __future__ import annotations
@@ -309,6 +309,7 @@ def solve(here, numbers):
         point, sides = floats(head[at.POINTS], b * n, n), ints(head[at.SIDES], b * m, m)
         for i in range(m):
             side[i] = sides[i]
+        head[at.HISTORY] = 0  # of a neighbour
         if head[at.REFERENCES] != 0:
             reference = floats(head[at.REFERENCES], b * n, n)
             for j in range(n):
