@@ -56,11 +56,10 @@ def saturated(rng: np.random.Generator) -> Hierarchy:
     return Hierarchy([dynamics, limits, *tasks, rest])
 
 
-FAMILIES = (
-    Family(
-        "whole body",
-        "saturated",
-        f"n = {N}: 18 = | 32 cones, {JOINTS} torques <> | 3 = | 6 = | {N - BASE} =, out of reach",
-        drawn(saturated),
-    ),
+WHOLE_BODY = Family(
+    "control",
+    "WB",
+    f"n = {N}: 18 = | {4 * POINTS} <=, {JOINTS} <> | 3 = | 6 = | {N - BASE} =, saturated",
+    drawn(saturated),
+    feasible=True,
 )
