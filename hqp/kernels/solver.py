@@ -35,7 +35,7 @@ ROUND_OFF = 16 * 2.0**-52
 EVEN = 1e-8
 
 #: How many rounds of repair in a row may fail to bring the number of contradictions down.
-PATIENCE = 2
+PATIENCE = 1
 #: So many contradictions are repaired even where levels above others are not met.
 FEW = 2
 #: Where a row that counts as dependent shows that it is not, less of it has to be left, down to round-off.
