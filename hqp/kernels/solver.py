@@ -12,11 +12,12 @@ from __future__ import annotations
 import math
 
 from . import layout as at
-from .active_set import OPTIMAL, STALLED, SUBOPTIMAL, active_set, best_step
+from .active_set import OPTIMAL, STALLED, SUBOPTIMAL, active_set
 from .compile import entry, inner, integer, stamp
 from .dual import NEVER, late
 from .guess import guess
 from .levels import levels
+from .line_search import best_step
 from .memory import clock, floats, given, ints, marks, matrix, vector
 from .orthogonal import length
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep, value_of
