@@ -1,0 +1,187 @@
+r"""Do the rows above a level balance its forces?
+
+Row i of a level pulls at x with the force :math:`\|a_i\| d_i^2 w_i` along its unit normal. Rows of the levels above
+push back: equalities and violated rows either way, rows at a bound only inward. So the free normals are projected
+out, and over the others it is a non-negative least squares. What is left is round-off where x is optimal, or
+vanishes when the slacks of the level shift within the tolerances of their rows.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .arrays import Array, length, lengths
+from .rows import RowStates
+from .side import Side
+from .subspace import RowSpace, row_space
+
+#: Rank decision among normals: the weak choice, so that either answer to a near-singular one passes.
+FREE_RANK = 1e-12
+#: The same, of what the rows of a level can still move: what a solver may have taken for zero, with a margin.
+OWN_RANK = 4e-9
+#: Round-off of a sum of forces, relative to them.
+ROUND_OFF = 64 * np.finfo(np.float64).eps
+#: Stationarity asked of a level, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``, where the slacks of
+#: its rows may shift within their tolerances.
+STATIONARITY = 1e-10
+#: What is asked at the least, however badly conditioned the rows are that hold the level back.
+BLURRED = 1e-6
+
+
+class Forces(NamedTuple):
+    """One level as forces on x.
+
+    Attributes
+    ----------
+    units : array, shape (m, n)
+        Along these row i pulls.
+    push : array, shape (m,)
+        With this force: ``norm_i d_i^2 w_i``, zero where the slack is within its tolerance.
+    blur : array, shape (m,)
+        As much of it as the tolerance may hide.
+    sides : array of int8
+        Which way: at a bound only out of what the row allows.
+    """
+
+    units: Array
+    push: Array
+    blur: Array
+    sides: NDArray[np.int8]
+
+
+class Balance(NamedTuple):
+    """How the rows above balance one level.
+
+    Attributes
+    ----------
+    exact
+        Whether what is left of the forces is round-off.
+    scale
+        The sum of all forces in the level.
+    stationarity
+        What is left, relative to it.
+    multipliers : array
+        Over all rows of the levels above.
+    """
+
+    exact: bool
+    scale: float
+    stationarity: float
+    multipliers: Array
+
+
+class Above:
+    """The rows of the levels above one level, as one goes down the levels.
+
+    Parameters
+    ----------
+    units : array, shape (m, n)
+        Unit normals of all rows of the hierarchy.
+    rows : RowStates
+
+    Attributes
+    ----------
+    free : array of int
+        Rows above that push either way: equalities and violated rows.
+    signed : array of int
+        Rows above that push one way, inward: those at a bound.
+    """
+
+    def __init__(self, units: Array, rows: RowStates) -> None:
+        self._rows, able = rows, rows.norms > 0
+        either = able & ((rows.sides == Side.EQUALITY) | rows.violated)
+        self._all_free = np.flatnonzero(either)
+        self._all_signed = np.flatnonzero(able & ~either & (rows.sides != Side.INACTIVE))
+        self._outward = rows.sides[self._all_signed, None] * units[self._all_signed]
+        self._span = RowSpace(units[self._all_free], FREE_RANK)
+        self.descend(0)
+
+    def descend(self, count: int) -> None:
+        """The first `count` rows of the hierarchy are above now."""
+        self._count = count
+        self.free = self._all_free[: np.searchsorted(self._all_free, count)]
+        self.signed = self._all_signed[: np.searchsorted(self._all_signed, count)]
+        self._span.grow(len(self.free))
+
+    def balance(self, forces: Forces) -> Balance:
+        """Balance the forces of the level below them."""
+        multipliers = np.zeros(self._count)
+        scale = float(np.abs(forces.push).sum())
+        if scale == 0.0:  # met: nothing to improve, no multipliers
+            return Balance(True, 0.0, 0.0, multipliers)
+
+        gradient = (forces.push / scale) @ forces.units
+        left = self._span.project(gradient)
+        pressing, normals, mu = self.signed[:0], self._outward[:0], np.zeros(0)
+        if len(self.signed) and length(left) > ROUND_OFF:
+            normals = self._span.project(self._outward[: len(self.signed)])
+            able = lengths(normals) > FREE_RANK  # the others depend on free ones: what is left of them is round-off
+            pressing, normals = self.signed[able], normals[able]
+            mu = _nonnegative(normals, -left)
+            left = left + mu @ normals
+            gradient = gradient + mu @ self._outward[: len(self.signed)][able]
+        stationarity = length(left)
+        exact = stationarity <= STATIONARITY or self._round_off(left, forces, scale, normals, mu)
+
+        norms, sides = self._rows.norms, self._rows.sides
+        multipliers[pressing] = scale * mu * sides[pressing] / norms[pressing]
+        multipliers[self.free] = -scale * self._span.combine(gradient) / norms[self.free]
+        return Balance(exact, scale, stationarity, multipliers)
+
+    def _round_off(self, left: Array, forces: Forces, scale: float, normals: Array, mu: Array) -> bool:
+        """Whether what is left of the forces is what a perfect x leaves."""
+        # Round-off is magnified where the normals that balance the level are nearly dependent.
+        pressing, kept, smallest = normals[mu > 0.0], np.zeros((len(left), 0)), self._span.smallest()
+        if len(pressing):
+            sizes = lengths(pressing)
+            kept, _, least = row_space(pressing / sizes[:, None], FREE_RANK)
+            smallest = min(smallest, least, float(sizes.min()))
+        exact = float(np.clip(ROUND_OFF / smallest, STATIONARITY, BLURRED))
+        if length(left) <= exact:
+            return True
+        carriers = forces.sides != Side.INACTIVE
+        own = self._span.project(forces.units[carriers])
+        # A direction in which the level hardly moves while those rows press may count as none: a rank decision that
+        # could go either way.
+        moves, _, _ = row_space(own - (own @ kept) @ kept.T, OWN_RANK)
+        left = moves @ (moves.T @ left)
+        if length(left) <= exact:
+            return True
+        return _carried(left, normals, mu, own, forces.blur[carriers] / scale, forces.sides[carriers]) <= exact
+
+
+def _nonnegative(rows: Array, target: Array) -> Array:
+    """The mu >= 0 that minimises ``||rows^T mu - target||``."""
+    if not len(rows):
+        return np.zeros(0)
+    from scipy.optimize import lsq_linear, nnls
+
+    try:
+        solution: Array = nnls(rows.T, target)[0]
+    except RuntimeError:  # iteration limit: rows that are all but parallel
+        solution = lsq_linear(rows.T, target, bounds=(0.0, np.inf), method="bvls", tol=1e-14).x
+    return solution
+
+
+def _carried(left: Array, normals: Array, mu: Array, own: Array, capacity: Array, sides: NDArray[np.int8]) -> float:
+    """What remains of `left` when every row of the level may shift its slack within its tolerance.
+
+    A backward error: is the point exact for slacks that round-off cannot tell from its own? A shift moves the balance
+    along the row of `own`, by up to its `capacity` either way, at a bound one way; the multipliers may follow.
+    """
+    from scipy.optimize import lsq_linear
+
+    unit = float(np.linalg.norm(left)) or 1.0
+    sizes = np.maximum(lengths(own), 1e-300)  # directions of length one, whatever the rows are worth
+    matrix = np.concatenate([own / sizes[:, None], normals]).T
+    reach = np.minimum(capacity * sizes / unit, 1e6)
+    low = np.concatenate([np.where(sides == Side.UPPER, 0.0, -reach), -mu / unit])
+    high = np.concatenate([np.where(sides == Side.LOWER, 0.0, reach), np.full(len(mu), np.inf)])
+    try:
+        found = lsq_linear(matrix, -left / unit, bounds=(low, np.maximum(high, low + 1e-300)), method="bvls", tol=1e-13)
+    except (np.linalg.LinAlgError, ValueError):
+        return unit
+    return unit * float(np.linalg.norm(matrix @ found.x + left / unit))
