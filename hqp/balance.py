@@ -29,6 +29,8 @@ ROUND_OFF = 64 * np.finfo(np.float64).eps
 STATIONARITY = 1e-10
 #: What is asked at the least, however badly conditioned the rows are that hold the level back.
 BLURRED = 1e-6
+#: A row that can carry no more than this share of what is left does not matter.
+NEGLIGIBLE = 1e-15
 
 
 class Forces(NamedTuple):
@@ -104,7 +106,6 @@ class Above:
         self._count = count
         self.free = self._all_free[: np.searchsorted(self._all_free, count)]
         self.signed = self._all_signed[: np.searchsorted(self._all_signed, count)]
-        self._span.grow(len(self.free))
 
     def balance(self, forces: Forces) -> Balance:
         """Balance the forces of the level below them."""
@@ -113,6 +114,7 @@ class Above:
         if scale == 0.0:  # met: nothing to improve, no multipliers
             return Balance(True, 0.0, 0.0, multipliers)
 
+        self._span.grow(len(self.free))
         gradient = (forces.push / scale) @ forces.units
         left = self._span.project(gradient)
         pressing, normals, mu = self.signed[:0], self._outward[:0], np.zeros(0)
@@ -174,14 +176,20 @@ def _carried(left: Array, normals: Array, mu: Array, own: Array, capacity: Array
     """
     from scipy.optimize import lsq_linear
 
-    unit = float(np.linalg.norm(left)) or 1.0
-    sizes = np.maximum(lengths(own), 1e-300)  # directions of length one, whatever the rows are worth
-    matrix = np.concatenate([own / sizes[:, None], normals]).T
+    unit, sizes = length(left) or 1.0, lengths(own)
     reach = np.minimum(capacity * sizes / unit, 1e6)
+    able = reach > NEGLIGIBLE
+    own, sides, sizes, reach = own[able], sides[able], sizes[able], reach[able]
+    matrix = np.concatenate([own / sizes[:, None], normals]).T  # directions of length one, whatever the rows are worth
     low = np.concatenate([np.where(sides == Side.UPPER, 0.0, -reach), -mu / unit])
     high = np.concatenate([np.where(sides == Side.LOWER, 0.0, reach), np.full(len(mu), np.inf)])
+    target = -left / unit
     try:
-        found = lsq_linear(matrix, -left / unit, bounds=(low, np.maximum(high, low + 1e-300)), method="bvls", tol=1e-13)
+        # The shortest shift, in units of what each row can, mostly is within the bounds.
+        scales = np.concatenate([reach, np.minimum(mu / unit, 1e6)])
+        shift = scales * np.linalg.lstsq(matrix * scales, target, rcond=FREE_RANK)[0]
+        if not ((low <= shift) & (shift <= high)).all() or length(matrix @ shift - target) > STATIONARITY / unit:
+            shift = lsq_linear(matrix, target, bounds=(low, high), method="bvls", tol=1e-13).x
     except (np.linalg.LinAlgError, ValueError):
         return unit
-    return unit * float(np.linalg.norm(matrix @ found.x + left / unit))
+    return unit * length(matrix @ shift - target)
