@@ -32,6 +32,9 @@ BLURRED = 1e-6
 #: A row that can carry no more than this share of what is left does not matter.
 NEGLIGIBLE = 1e-15
 
+#: Sides as the numbers that arrays of them hold.
+INSIDE, EITHER_WAY = np.int8(Side.INACTIVE), np.int8(Side.EQUALITY)
+
 
 class Forces(NamedTuple):
     """One level as forces on x.
@@ -94,9 +97,9 @@ class Above:
 
     def __init__(self, units: Array, rows: RowStates) -> None:
         self._rows, able = rows, rows.norms > 0
-        either = able & ((rows.sides == Side.EQUALITY) | rows.violated)
-        self._all_free = np.flatnonzero(either)
-        self._all_signed = np.flatnonzero(able & ~either & (rows.sides != Side.INACTIVE))
+        either = (rows.sides == EITHER_WAY) | rows.violated
+        self._all_free = np.flatnonzero(able & either)
+        self._all_signed = np.flatnonzero(able & ~either & (rows.sides != INSIDE))
         self._outward = rows.sides[self._all_signed, None] * units[self._all_signed]
         self._span = RowSpace(units[self._all_free], FREE_RANK)
         self.descend(0)
@@ -144,7 +147,7 @@ class Above:
         exact = float(np.clip(ROUND_OFF / smallest, STATIONARITY, BLURRED))
         if length(left) <= exact:
             return True
-        carriers = forces.sides != Side.INACTIVE
+        carriers = forces.sides != INSIDE
         own = self._span.project(forces.units[carriers])
         # A direction in which the level hardly moves while those rows press may count as none: a rank decision that
         # could go either way.

@@ -26,16 +26,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .arrays import Array, finite_vector, length
-from .balance import Above, Forces
+from .balance import EITHER_WAY, Above, Forces
 from .checks import of_type, positive_number, truth
 from .errors import InvalidInput
 from .hierarchy import Hierarchy
 from .rows import ROUND_OFF, RowStates, row_states
-from .side import Side
 
 #: Beyond this x, squares of residuals overflow.
 FURTHEST = 1e60
-EITHER_WAY = np.int8(Side.EQUALITY)
 
 
 @dataclass(frozen=True, eq=False)

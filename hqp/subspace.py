@@ -7,9 +7,11 @@ import numpy as np
 from .arrays import Array
 
 #: Rows whose singular values are all above this one are independent beyond doubt.
-CLEAR = 1e-5
+CLEAR = 1e-6
 #: A pivot below this share of the rank tolerance is round-off beyond doubt.
 FAR_BELOW = 1e-2
+#: Each gains ``CLEAR^2 / eps``, four digits, or all of them where the rows are well conditioned.
+REFINEMENTS = 3
 
 
 def split(rows: Array, norms: Array, tolerance: float) -> tuple[Array, Array]:
@@ -91,18 +93,17 @@ class RowSpace:
         With the coordinates :math:`C` of the rows in the basis it is :math:`C (C^T C)^{-1}` times those of the vector;
         refined, because :math:`C^T C` squares the condition number.
         """
+        from scipy.linalg.lapack import dpotrs
+
         if not self.basis.size:
             return np.zeros(len(self.rows))
         if self._factor is None:
             return np.asarray(np.linalg.lstsq(self.rows.T, vector, rcond=self._tolerance)[0], dtype=np.float64)
-        found = self._shortest(self._factor, vector)
-        return found + self._shortest(self._factor, vector - found @ self.rows)
-
-    def _shortest(self, factor: Array, vector: Array) -> Array:
-        from scipy.linalg.lapack import dpotrs
-
-        coordinates: Array = dpotrs(factor, vector @ self.basis)[0]
-        return self.rows @ (self.basis @ coordinates)
+        found, left = np.zeros(len(self.rows)), vector
+        for _ in range(REFINEMENTS):
+            found += self.rows @ (self.basis @ dpotrs(self._factor, left @ self.basis)[0])
+            left = vector - found @ self.rows
+        return found
 
     def _extend(self, units: Array) -> bool:
         """Add to the basis what is new in a block; False where the pivots do not tell the rank."""
