@@ -72,14 +72,15 @@ def allowance(
 def pull(slack: Array, norms: Array, cuts: Sequence[int] = (0,)) -> float:
     """How far the slacks of a level, weighted like its norms, would take x, row by row: the largest step of any level.
 
-    A row that is short beside others of its level has little say in x, however far its own bound is away. `cuts` are
-    the first rows of the levels that have any.
+    A row that is short beside others of its level has little say in x, however far its own bound is away. A row alone
+    gets what it asks for, or has no say at all. `cuts` are the first rows of the levels that have any.
     """
     if not len(norms):
         return 0.0
     longest = np.maximum.reduceat(norms, cuts)
     steps = np.maximum.reduceat(np.abs(slack) * norms, cuts)
-    return float(np.divide(steps, longest * longest, out=np.zeros(len(steps)), where=longest > 0.0).max())
+    counts = (longest > 0.0) & (np.diff(cuts, append=len(norms)) > 1)
+    return float(np.divide(steps, longest * longest, out=np.zeros(len(steps)), where=counts).max())
 
 
 def travel(hierarchy: Hierarchy, x: Array, x_ref: Array | None, slack: Array, norms: Array) -> float:
@@ -92,10 +93,13 @@ def travel(hierarchy: Hierarchy, x: Array, x_ref: Array | None, slack: Array, no
         \max_{k,\, i \in k} \frac{d_i^2 |w_i| \|a_i\|}{\max_{j \in k} d_j^2 \|a_j\|^2}\Bigr).
 
     What a level asks for and does not get is its slack, hence the last term: a posture that cannot be taken counts
-    like an x_ref. What it does get is in x.
+    like an x_ref. What it does get is in x. Two kinds of rows do not count there, because slack means nothing for x:
+    those alone in their level, and those shorter than round-off of the longest row of all, which are round-off
+    themselves, as of a task in a direction in which nothing moves.
     """
-    weights, cuts = hierarchy.weights, [a for a, b in pairwise(hierarchy.pointers) if a < b]
-    asked = pull(weights * slack, weights * norms, cuts)
+    cuts = [a for a, b in pairwise(hierarchy.pointers) if a < b]
+    asking = np.where(norms > ROUND_OFF * norms.max(initial=0.0), hierarchy.weights * slack, 0.0)
+    asked = pull(asking, hierarchy.weights * norms, cuts)
     return max(length(x), asked, 0.0 if x_ref is None else length(x - x_ref))
 
 

@@ -91,15 +91,28 @@ def test_stopped_next_to_nothing() -> None:
     for seed in range(200):
         rng = np.random.default_rng(seed)
         n = int(rng.integers(3, 15))
-        stop = rng.standard_normal((2, n))
-        x = 1e-14 * stop.T @ rng.uniform(0.5, 1.0, 2)
-        pull = -rng.uniform(0.5, 1.0, 2) @ stop
-        levels = [Level(stop, stop @ x, np.inf), Level.equality(pull[None], [pull @ x + 1.0])]
-        way = 1.0 / float(np.linalg.norm(pull))
+        stop, along = rng.standard_normal((2, n)), rng.standard_normal(n)
+        x = 1e-14 * (rng.uniform(0.5, 1.0, 2) @ stop + along)
+        tip = np.array([-rng.uniform(0.5, 1.0, 2) @ stop, along])
+        levels = [Level(stop, stop @ x, np.inf), Level.equality(tip, tip @ x + [1.0, 0.0])]
+        way = float(np.linalg.norm(tip[0])) / float((tip * tip).sum(axis=1).max())
         h, d = Hierarchy(levels), direction(rng, n)
         assert certify(h, x).ok, seed
         assert certify(h, x + NOISE * way * d).ok, seed
         assert not certify(h, x + WRONG * way * d).ok, seed
+
+
+@pytest.mark.parametrize(
+    ("short", "alone"), [(1e-6, True), (1e-10, True), (1e-17, True), (1e-6, False), (1e-17, False)]
+)
+def test_a_task_that_nothing_can_serve_hides_nothing(short: float, alone: bool) -> None:
+    """A robot in a singular position: the rows of a task are round-off, and ask for x next to infinity."""
+    task = short * np.array([[1.0, 0.5, 0.0], [0.5, 1.0, 0.0]])[: 1 if alone else 2]
+    limits, posture = Level.bounds([-1.0] * 3, [1.0] * 3), Level.equality(np.eye(3), [0.5, 0.2, -0.3])
+    h = Hierarchy([limits, Level.equality(task, np.full(len(task), 0.1)), posture])
+    assert certify(h, [1.0, 1.0, -0.3]).ok
+    for wrong in ([1.0, 1.0 - 1e-6, -0.3], [1.0, 1.0, -0.3 + 1e-6], [1.0 + 1e-6, 1.0, -0.3]):
+        assert not certify(h, wrong).ok
 
 
 def scaled(h: Hierarchy, rows: float, length: float) -> Hierarchy:
