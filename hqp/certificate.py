@@ -164,7 +164,7 @@ def certify(
         raise InvalidInput(fault)
 
     with np.errstate(all="ignore"):  # of what over- or underflows, the comparisons below make a refusal
-        rows = row_states(hierarchy, point, tolerance, reference)
+        rows = row_states(hierarchy, point, reference, tolerance)
         judge = _Judge(hierarchy, rows, length(point) + length(reference))
         levels = [judge.level(k) for k in range(len(hierarchy.levels))]
         if unique:

@@ -83,7 +83,7 @@ def pull(slack: Array, norms: Array, cuts: Sequence[int] = (0,)) -> float:
     return float(np.divide(steps, longest * longest, out=np.zeros(len(steps)), where=counts).max())
 
 
-def travel(hierarchy: Hierarchy, x: Array, x_ref: Array | None, slack: Array, norms: Array) -> float:
+def travel(hierarchy: Hierarchy, x: Array, x_ref: Array, slack: Array, norms: Array) -> float:
     r"""The longest way that takes part in x: what round-off in it is relative to.
 
     A solver comes from zero or from x_ref, and goes where its levels ask. Round-off of the way stays in x where x
@@ -100,11 +100,11 @@ def travel(hierarchy: Hierarchy, x: Array, x_ref: Array | None, slack: Array, no
     cuts = [a for a, b in pairwise(hierarchy.pointers) if a < b]
     asking = np.where(norms > ROUND_OFF * norms.max(initial=0.0), hierarchy.weights * slack, 0.0)
     asked = pull(asking, hierarchy.weights * norms, cuts)
-    return max(length(x), asked, 0.0 if x_ref is None else length(x - x_ref))
+    return max(length(x), length(x - x_ref), asked)
 
 
-def row_states(hierarchy: Hierarchy, x: Array, tolerance: float, x_ref: Array | None = None) -> RowStates:
-    """Classify every row at x; `tolerance` is relative, see :class:`hqp.Settings`; x_ref is zero by default."""
+def row_states(hierarchy: Hierarchy, x: Array, x_ref: Array, tolerance: float) -> RowStates:
+    """Classify every row at x; `tolerance` is relative, see :class:`hqp.Settings`."""
     lower, upper = hierarchy.lower, hierarchy.upper
     with np.errstate(all="ignore"):  # an x out of all bounds is judged, not warned about
         value = hierarchy.product(x)
