@@ -102,22 +102,18 @@ class Above:
         self._all_signed = np.flatnonzero(able & ~either & (rows.sides != INSIDE))
         self._outward = rows.sides[self._all_signed, None] * units[self._all_signed]
         self._span = RowSpace(units[self._all_free], FREE_RANK)
-        self.descend(0)
+        self.free, self.signed = self._all_free[:0], self._all_signed[:0]
 
-    def descend(self, count: int) -> None:
-        """The first `count` rows of the hierarchy are above now."""
-        self._count = count
-        self.free = self._all_free[: np.searchsorted(self._all_free, count)]
-        self.signed = self._all_signed[: np.searchsorted(self._all_signed, count)]
-
-    def balance(self, forces: Forces) -> Balance:
-        """Balance the forces of the level below them."""
-        multipliers = np.zeros(self._count)
-        scale = float(np.abs(forces.push).sum())
-        if scale == 0.0:  # met: nothing to improve, no multipliers
+    def balance(self, forces: Forces, count: int) -> Balance:
+        """Balance the forces of a level by the `count` rows that are above it, no fewer than the last time."""
+        multipliers = np.zeros(count)
+        if not forces.push.any():  # met: nothing to improve
             return Balance(True, 0.0, 0.0, multipliers)
 
+        self.free = self._all_free[: self._all_free.searchsorted(count)]
+        self.signed = self._all_signed[: self._all_signed.searchsorted(count)]
         self._span.grow(len(self.free))
+        scale = float(np.abs(forces.push).sum())
         gradient = (forces.push / scale) @ forces.units
         left = self._span.project(gradient)
         pressing, normals, mu = self.signed[:0], self._outward[:0], np.zeros(0)

@@ -192,19 +192,17 @@ class _Judge:
     def level(self, k: int) -> LevelCertificate:
         """Level k, given those above it."""
         own, level = slice(*self._hierarchy.pointers[k : k + 2]), self._hierarchy.levels[k]
-        self._above.descend(own.start)
         forces = Forces._make(part[own] for part in self._forces)
-        return self._verdict(k, level.name, forces, length(level.weights * self._rows.slack[own]))
+        return self._verdict(k, level.name, forces, own.start, length(level.weights * self._rows.slack[own]))
 
     def last(self, away: Array, tolerance: Array) -> LevelCertificate:
         """The implicit last level ``min ||away||``, given all others."""
         h, push = self._hierarchy, np.where(np.abs(away) > tolerance, away, 0.0)
-        self._above.descend(h.m)
         forces = Forces(np.eye(h.n), push, tolerance, np.full(h.n, EITHER_WAY))
-        return self._verdict(len(h.levels), "min ||x - x_ref||", forces, length(away))
+        return self._verdict(len(h.levels), "min ||x - x_ref||", forces, h.m, length(away))
 
-    def _verdict(self, k: int, name: str, forces: Forces, residual: float) -> LevelCertificate:
-        exact, scale, stationarity, multipliers = self._above.balance(forces)
+    def _verdict(self, k: int, name: str, forces: Forces, above: int, residual: float) -> LevelCertificate:
+        exact, scale, stationarity, multipliers = self._above.balance(forces, above)
         gap = shortfall = 0.0
         if scale > 0.0:
             signed = self._above.signed

@@ -79,7 +79,7 @@ def pull(slack: Array, norms: Array, cuts: Sequence[int] = (0,)) -> float:
         return 0.0
     longest = np.maximum.reduceat(norms, cuts)
     steps = np.maximum.reduceat(np.abs(slack) * norms, cuts)
-    counts = (longest > 0.0) & (np.diff(cuts, append=len(norms)) > 1)
+    counts = (longest > 0.0) & [end - begin > 1 for begin, end in pairwise([*cuts, len(norms)])]
     return float(np.divide(steps, longest * longest, out=np.zeros(len(steps)), where=counts).max())
 
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from .arrays import Array
+from .arrays import Array, length
 
 #: Rows whose singular values are all above this one are independent beyond doubt.
 CLEAR = 1e-6
 #: A pivot below this share of the rank tolerance is round-off beyond doubt.
 FAR_BELOW = 1e-2
-#: Each gains ``CLEAR^2 / eps``, four digits, or all of them where the rows are well conditioned.
-REFINEMENTS = 3
+#: Refinements of multipliers, each of which gains ``CLEAR^2 / eps``, four digits, or more; and where they end.
+REFINEMENTS, SETTLED = 3, 1e-14
 
 
 def split(rows: Array, norms: Array, tolerance: float) -> tuple[Array, Array]:
@@ -99,10 +99,13 @@ class RowSpace:
             return np.zeros(len(self.rows))
         if self._factor is None:
             return np.asarray(np.linalg.lstsq(self.rows.T, vector, rcond=self._tolerance)[0], dtype=np.float64)
-        found, left = np.zeros(len(self.rows)), vector
+        wanted = left = vector @ self.basis
+        found = np.zeros(len(self.rows))
         for _ in range(REFINEMENTS):
-            found += self.rows @ (self.basis @ dpotrs(self._factor, left @ self.basis)[0])
-            left = vector - found @ self.rows
+            found += self.rows @ (self.basis @ dpotrs(self._factor, left)[0])
+            left = wanted - (found @ self.rows) @ self.basis
+            if length(left) <= SETTLED * length(wanted):
+                break
         return found
 
     def _extend(self, units: Array) -> bool:
