@@ -23,7 +23,7 @@ FREE_RANK = 1e-12
 #: The same, of what the rows of a level can still move: what a solver may have taken for zero, with a margin.
 OWN_RANK = 4e-9
 #: Round-off of a sum of forces, relative to them.
-ROUND_OFF = 64 * np.finfo(np.float64).eps
+ROUND_OFF = 64 * float(np.finfo(np.float64).eps)
 #: Stationarity asked of a level, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``, where the slacks of
 #: its rows may shift within their tolerances.
 STATIONARITY = 1e-10
@@ -134,14 +134,19 @@ class Above:
 
     def _round_off(self, left: Array, forces: Forces, scale: float, normals: Array, mu: Array) -> bool:
         """Whether what is left of the forces is what a perfect x leaves."""
-        # Round-off is magnified where the normals that balance the level are nearly dependent.
-        pressing, kept, smallest = normals[mu > 0.0], np.zeros((len(left), 0)), self._span.smallest()
+        pressing, kept, smallest = normals[mu > 0.0], np.zeros((len(left), 0)), 1.0
         if len(pressing):
             sizes = lengths(pressing)
-            kept, _, least = row_space(pressing / sizes[:, None], FREE_RANK)
-            smallest = min(smallest, least, float(sizes.min()))
-        exact = float(np.clip(ROUND_OFF / smallest, STATIONARITY, BLURRED))
-        if length(left) <= exact:
+            kept, _, smallest = row_space(pressing / sizes[:, None], FREE_RANK)
+            smallest = min(smallest, float(sizes.min()))
+
+        def exact(rest: float) -> bool:
+            """Round-off, magnified where the normals that balance the level are nearly dependent."""
+            if STATIONARITY < rest <= BLURRED:
+                return rest * min(smallest, self._span.smallest()) <= ROUND_OFF
+            return rest <= STATIONARITY
+
+        if exact(length(left)):
             return True
         carriers = forces.sides != INSIDE
         own = self._span.project(forces.units[carriers])
@@ -149,9 +154,9 @@ class Above:
         # could go either way.
         moves, _, _ = row_space(own - (own @ kept) @ kept.T, OWN_RANK)
         left = moves @ (moves.T @ left)
-        if length(left) <= exact:
+        if exact(length(left)):
             return True
-        return _carried(left, normals, mu, own, forces.blur[carriers] / scale, forces.sides[carriers]) <= exact
+        return exact(_carried(left, normals, mu, own, forces.blur[carriers] / scale, forces.sides[carriers]))
 
 
 def _nonnegative(rows: Array, target: Array) -> Array:
