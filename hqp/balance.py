@@ -22,8 +22,8 @@ from .subspace import RowSpace, row_space
 FREE_RANK = 1e-12
 #: The same, of what the rows of a level can still move: what a solver may have taken for zero, with a margin.
 OWN_RANK = 4e-9
-#: Round-off of a sum of forces, relative to them.
-ROUND_OFF = 64 * float(np.finfo(np.float64).eps)
+#: Round-off of a sum of forces, relative to the forces.
+BALANCED = 64 * float(np.finfo(np.float64).eps)
 #: Stationarity asked of a level, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``, where the slacks of
 #: its rows may shift within their tolerances.
 STATIONARITY = 1e-10
@@ -117,7 +117,7 @@ class Above:
         gradient = (forces.push / scale) @ forces.units
         left = self._span.project(gradient)
         pressing, normals, mu = self.signed[:0], self._outward[:0], np.zeros(0)
-        if len(self.signed) and length(left) > ROUND_OFF:
+        if len(self.signed) and length(left) > BALANCED:
             normals = self._span.project(self._outward[: len(self.signed)])
             able = lengths(normals) > FREE_RANK  # the others depend on free ones: what is left of them is round-off
             pressing, normals = self.signed[able], normals[able]
@@ -143,7 +143,7 @@ class Above:
         def exact(rest: float) -> bool:
             """Round-off, magnified where the normals that balance the level are nearly dependent."""
             if STATIONARITY < rest <= BLURRED:
-                return rest * min(smallest, self._span.smallest()) <= ROUND_OFF
+                return rest * min(smallest, self._span.smallest()) <= BALANCED
             return rest <= STATIONARITY
 
         if exact(length(left)):

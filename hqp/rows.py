@@ -62,6 +62,9 @@ def allowance(
 
     .. math:: t_i = \tau (|a_i x| + |b_i| + 0.1 \|a_i\| \|x\|) + 256 \varepsilon \|a_i\| T.
 
+    A solver that is to be certified allows no more: the same with its own, smaller tolerance. Where that is a tenth of
+    the certificate's, :math:`\tau (|b_i| + \|a_i\| \|x\|) + 256 \varepsilon \|a_i\| T` will do.
+
     `size` is ``||x||``, and `way` the longest one that takes part in x, see :func:`travel`, or as much of it as is
     known: a size of x alone says nothing of its round-off where it is the small difference of large numbers.
     """
