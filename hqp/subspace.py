@@ -10,6 +10,8 @@ from .arrays import Array, length
 CLEAR = 1e-6
 #: A pivot below this share of the rank tolerance is round-off beyond doubt.
 FAR_BELOW = 1e-2
+#: Of so few unknowns the singular value decomposition is as fast, and numpy's: nothing heavier is imported for them.
+FEW = 8
 #: Refinements of multipliers, each of which gains ``CLEAR^2 / eps``, four digits, or more; and where they end.
 REFINEMENTS, SETTLED = 3, 1e-14
 
@@ -51,8 +53,8 @@ class RowSpace:
     """The span of the first rows of a matrix, as one takes up more and more of them.
 
     A block of rows adds the directions that are new in it, from a QR decomposition with column pivoting of what
-    projection leaves of them. The pivots tell the rank where it is beyond doubt. Where it is not, the singular values
-    of all rows so far tell it, as in :func:`row_space`.
+    projection leaves of them. The pivots tell the rank where it is beyond doubt. Where it is not, or where there are
+    few unknowns, the singular values of all rows so far tell it, as in :func:`row_space`.
 
     Attributes
     ----------
@@ -74,10 +76,12 @@ class RowSpace:
         if begin == count:
             return
         units = self._all[begin:count]
-        if not (self._extend(units) and self._factorise(units)):
+        few = units.shape[1] <= FEW
+        if few or not (self._extend(units) and self._factorise(units)):
             self.basis, _, _ = row_space(self.rows, self._tolerance)
-            self._gram = np.zeros((0, 0))
-            self._factorise(self.rows)
+            self._gram, self._factor = np.zeros((0, 0)), None
+            if not few:
+                self._factorise(self.rows)
 
     def project(self, vectors: Array) -> Array:
         """Each row less its part in the span."""
@@ -93,12 +97,12 @@ class RowSpace:
         With the coordinates :math:`C` of the rows in the basis it is :math:`C (C^T C)^{-1}` times those of the vector;
         refined, because :math:`C^T C` squares the condition number.
         """
-        from scipy.linalg.lapack import dpotrs
-
         if not self.basis.size:
             return np.zeros(len(self.rows))
         if self._factor is None:
             return np.asarray(np.linalg.lstsq(self.rows.T, vector, rcond=self._tolerance)[0], dtype=np.float64)
+        from scipy.linalg.lapack import dpotrs
+
         wanted = left = vector @ self.basis
         found = np.zeros(len(self.rows))
         for _ in range(REFINEMENTS):

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hqp.arrays import Array
-from hqp.subspace import RowSpace, row_space
+from hqp.subspace import FEW, RowSpace, row_space
 
 TOLERANCE = 1e-12
 
@@ -19,7 +19,7 @@ def unit(rows: Array) -> Array:
 
 def blocks(rng: np.random.Generator) -> list[Array]:
     """Of all kinds: new rows, rows again, combinations of earlier ones, and of those up to a little."""
-    n = int(rng.integers(1, 20))
+    n = int(rng.integers(1, 3 * FEW))
     found, above = [], np.zeros((0, n))
     for _ in range(int(rng.integers(1, 6))):
         block = rng.standard_normal((int(rng.integers(0, 8)), n))
@@ -56,7 +56,8 @@ def test_it_is_the_span_of_the_singular_value_decomposition(seed: int) -> None:
 @pytest.mark.parametrize("little", [1e-15, 1e-11, 1e-8, 1e-4])
 def test_where_the_pivots_leave_a_doubt_singular_values_decide(little: float) -> None:
     """Each of the last two rows adds a little to what is there, their difference the square of it."""
-    rows = unit(np.array([[1.0, 0.0, 0.0], [1.0, little, 0.0], [0.0, 1.0, little]]))
+    rows = np.zeros((3, FEW + 2))
+    rows[:, :3] = unit(np.array([[1.0, 0.0, 0.0], [1.0, little, 0.0], [0.0, 1.0, little]]))
     space = RowSpace(rows, TOLERANCE)
     for count in (1, 2, 3):
         space.grow(count)
