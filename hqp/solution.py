@@ -204,7 +204,7 @@ class Solution:
 
     @cached_property
     def _rows(self) -> RowStates:
-        return row_states(self.hierarchy, self.x, 10 * self.settings.tolerance)
+        return row_states(self.hierarchy, self.x, self.x_ref, 10 * self.settings.tolerance)
 
     def _ranks(self, rows: RowStates) -> list[tuple[int, float]]:
         """Of every level, rank and smallest singular value of what it fixes, its rows in units of their norms."""
@@ -248,7 +248,7 @@ class Solution:
         if self.status in (Status.INVALID, Status.UNSUPPORTED):
             return Explanation((), self.message)
         certificate = self.certify(unique=False, tolerance=tolerance)
-        rows = row_states(self.hierarchy, self.x, tolerance)
+        rows = row_states(self.hierarchy, self.x, self.x_ref, tolerance)
         ranks = [rank for rank, _ in self._ranks(rows)]
         with np.errstate(all="ignore"):  # as in the certificate: an x out of all bounds is judged, not warned about
             return Explanation(explain(self.hierarchy, certificate, rows, ranks), self.message)
