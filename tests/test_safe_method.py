@@ -122,7 +122,7 @@ def test_the_sides_it_leaves_are_where_the_rows_are() -> None:
     off = active = 0
     for h in [draw(seed)[0] for seed in range(100)] + degenerate(20):
         found = safely(h)
-        states = row_states(h, found.x, tolerance=1e-7)
+        states = row_states(h, found.x, np.zeros(h.n), tolerance=1e-7)
         for i in range(h.pointers[found.last]):
             side, violated = found.sides[i], states.violated[i]
             if states.norms[i] == 0.0:  # says nothing of x
