@@ -153,7 +153,7 @@ class RegularisedSolver:
                     yield stage
                     x = stage.x
             if rule.looks:
-                J, own = project(level.levels, x, self.settings)
+                J, own = project(level.levels, x, x_ref, self.settings)
             vectors, singular = left_singular(J) if rule.looks else (J, NOTHING)
             damping = rule.damping(singular)
             if rule.grows:
@@ -169,7 +169,7 @@ class RegularisedSolver:
             stage = self._damped[k].solve(level.joined, x_ref)
             yield stage
             x, decided = stage.x, k + 1
-            level.freeze(x, self.settings)
+            level.freeze(x, x_ref, self.settings)
         if decided < len(self._work.levels) or not decided:  # otherwise damping has left nothing to decide
             yield self._last.solve(self._work, x_ref)
 

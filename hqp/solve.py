@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import threading
+import time
 from typing import Any
 
 import numpy as np
@@ -22,12 +25,10 @@ DEFAULT_BACKEND = "native"
 
 
 OPTIMAL = Status.OPTIMAL
-#: What almost every tick of a control loop takes.
-ONE_SWEEP = Counts(sweeps=1)
 new = object.__new__
 
 
-def _nothing(hierarchy: Hierarchy, x_ref: Array | None) -> Array | None:
+def _nothing(hierarchy: Hierarchy, x_ref: Array | None) -> tuple[Array, Counts] | None:
     """The short way of a backend that has none."""
     return None
 
@@ -69,6 +70,8 @@ class Solver:
         self._zero = np.zeros(0)
         self._guard = Guard("the solver")
         self._take, self._give = self._guard.take, self._guard.give
+        # A time limit counts from the call on, whatever has to be made ready first.
+        self._began = getattr(self._backend, "began", None) if self.settings.time_limit < math.inf else None
 
     def __reduce__(self) -> tuple[type[Solver], tuple[str, Settings]]:
         """A copy is made from what defines it: memory that a kernel knows by its address cannot be copied."""
@@ -99,26 +102,31 @@ class Solver:
         finally:
             self._give(None)
 
-    def _solve(self, hierarchy: Hierarchy, x_ref: ArrayLike | None) -> Solution:
+    def _solve(self, hierarchy: Hierarchy, x_ref: ArrayLike | None, now: int | None = None) -> Solution:
+        if self._began is not None and now is None:
+            now = time.monotonic_ns()
         try:
             structure = hierarchy.structure
         except AttributeError:
             structure = None
         if structure is None or structure is not self._structure:
             self._adopt(hierarchy)
-        x = fault = None
+        if self._began is not None:
+            self._began(now)
+        proved = fault = None
         if x_ref is None:
             reference = self._zero
-            x = self._quick(hierarchy, None)
+            proved = self._quick(hierarchy, None)
         else:
             fault, reference = self._reference(x_ref)
             if fault is None:
-                x = self._quick(hierarchy, reference)
+                proved = self._quick(hierarchy, reference)
         solution = new(Solution)  # and its fields, at a third of the price of a frozen dataclass's __init__
         fields = solution.__dict__
         fields["_noted"] = hierarchy, hierarchy.numbers.copy(), reference, self._always
-        if x is not None:
-            fields["x"], fields["status"], fields["counts"] = x, OPTIMAL, ONE_SWEEP
+        if proved is not None:
+            fields["x"], fields["counts"] = proved
+            fields["status"] = OPTIMAL
         else:
             answer = self._answer(hierarchy, reference, fault)
             fields["x"], fields["status"], fields["counts"] = answer.x, answer.status, answer.counts
@@ -192,11 +200,44 @@ def solve(
     Unsupported
         If the backend does not take such a hierarchy; names one that does.
     """
+    settings = _DEFAULT if settings is None else of_type(settings, Settings, "settings")
+    now = None if settings.time_limit == math.inf else time.monotonic_ns()
     if x_ref is not None and isinstance(hierarchy, Hierarchy):
         x_ref = finite_vector(x_ref, hierarchy.n, "x_ref")
-    solution = Solver(backend, settings).solve(hierarchy, x_ref)
+    key, solver = _borrow(hierarchy, backend, settings)
+    solution = solver._solve(hierarchy, x_ref, now)
+    _return(key, solver)
     if solution.status is Status.INVALID:
         raise InvalidInput(solution.message)
     if solution.status is Status.UNSUPPORTED:
         raise Unsupported(solution.message)
     return solution
+
+
+#: What :func:`solve` keeps: so many solvers of the native backend a thread, one a structure, the last used last.
+KEPT = 8
+_kept = threading.local()
+_DEFAULT = Settings()
+
+
+def _borrow(hierarchy: Hierarchy, backend: str, settings: Settings) -> tuple[Any, Solver]:
+    """A cold solver, taken from those that are kept if there is one of this structure: it has its memory ready."""
+    if not (isinstance(backend, str) and backend == DEFAULT_BACKEND and isinstance(hierarchy, Hierarchy)):
+        return None, Solver(backend, settings)
+    key = hierarchy.structure, settings
+    try:
+        solver = _kept.solvers.pop(key, None)
+    except AttributeError:
+        solver, _kept.solvers = None, {}
+    if solver is None:
+        return key, Solver(backend, settings)
+    solver.forget()
+    return key, solver
+
+
+def _return(key: Any, solver: Solver) -> None:
+    """Keep the solver for the next call of this thread with such a hierarchy."""
+    if key is not None:
+        _kept.solvers[key] = solver
+        if len(_kept.solvers) > KEPT:
+            del _kept.solvers[next(iter(_kept.solvers))]

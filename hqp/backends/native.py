@@ -28,18 +28,16 @@ from .base import Answer
 
 STATUSES = {
     OPTIMAL: Status.OPTIMAL,
-    kernel.CLEAR: Status.OPTIMAL,
     SUBOPTIMAL: Status.SUBOPTIMAL,
     STALLED: Status.STALLED,
     kernel.UNEVEN: Status.STALLED,  # until the certificate says better
 }
-CLEAR = kernel.CLEAR
 #: Of the kernel: two addresses, an outcome.
 SIGNATURE = int64(int64, int64)
-#: Outcomes that mean OPTIMAL.
-PROVED = (OPTIMAL, CLEAR)
 
-Quick = Callable[[Hierarchy, Array | None], Array | None]
+Quick = Callable[[Hierarchy, Array | None], tuple[Array, Counts] | None]
+#: What almost every tick of a control loop takes, by its iterations: one sweep. Made anew they were a third of a tick.
+ONE_SWEEP = [Counts(1, iterations) for iterations in range(64)]
 
 
 class Native:
@@ -52,19 +50,24 @@ class Native:
     def prepare(self, structure: tuple[Any, ...]) -> Quick:
         """The short way for hierarchies of this structure.
 
-        It takes a hierarchy and x_ref, None for zero, and gives the optimum if the first sweep proves it, as it mostly
-        does in a control loop. If it does not, :meth:`solve` tells what came out.
+        It takes a hierarchy and x_ref, None for zero, and gives the optimum, and what it took, if a sweep proves it,
+        as in a control loop it mostly does. If none does, :meth:`solve` tells what came out.
         """
         memory = self._memory = Memory(structure, self._settings)
-        run, copy, reference, zero = memory.run, memory.x.copy, memory.x_ref, True
+        run, copy, reference, zero, told = memory.run, memory.x.copy, memory.x_ref, True, memory.head.item
 
-        def quick(hierarchy: Hierarchy, x_ref: Array | None) -> Array | None:
+        def quick(hierarchy: Hierarchy, x_ref: Array | None) -> tuple[Array, Counts] | None:
             nonlocal zero
             if x_ref is not None:
                 reference[:], zero = x_ref, False
             elif not zero:
                 reference[:], zero = 0.0, True
-            return copy() if run(hierarchy.address) == CLEAR else None
+            outcome = run(hierarchy.address)
+            if outcome == OPTIMAL:
+                sweeps, iterations = told(at.SWEEPS), told(at.ITERATIONS)
+                once = sweeps == 1 and iterations < 64
+                return copy(), ONE_SWEEP[iterations] if once else Counts(sweeps, iterations)
+            return None
 
         return quick
 
@@ -84,6 +87,11 @@ class Native:
         counts = Counts(sweeps=head[at.SWEEPS], iterations=head[at.ITERATIONS])
         return judged(hierarchy, memory.x.copy(), x_ref, outcome, head[at.LEVEL], counts)
 
+    def began(self, when: int) -> None:
+        """The time limit of the next run counts from `when`, by ``time.monotonic_ns``."""
+        if self._memory is not None:
+            self._memory.head[at.BEGAN] = when
+
     def reset(self) -> None:
         self._memory = None
 
@@ -94,9 +102,9 @@ class Native:
 
 
 def judged(hierarchy: Hierarchy, x: Array, x_ref: Array, outcome: int, level: int, counts: Counts) -> Answer:
-    """What is claimed of x. Where the kernel has no proof of its own, the certificate says up to where x is exact."""
+    """What is claimed of x. Where one tolerance does not say enough, the certificate has the word."""
     status = STATUSES[outcome]
-    if status is Status.STALLED:
+    if outcome == kernel.UNEVEN:
         failed = certify(hierarchy, x, x_ref).failed
         if failed is None:
             status = Status.OPTIMAL
@@ -124,7 +132,7 @@ class Memory:
     def __init__(self, structure: tuple[Any, ...], settings: Settings) -> None:
         directory, self._owned, (ints, floats) = _layout(structure)
         self._directory = directory.copy()
-        self._blocks = np.zeros(ints, dtype=np.int64), np.zeros(floats)
+        self._blocks = np.empty(ints, dtype=np.int64), np.empty(floats)  # nothing is read before it is written
         entries = self._directory[at.HEAD :].reshape(-1, 3)
         begins = {place: int(entries[place, 0]) for place in (at.X, at.X_REF, at.OPTION)}
         for block, places in zip(self._blocks, at.PLACES, strict=True):
@@ -132,7 +140,9 @@ class Memory:
         self.head = self._directory[: at.HEAD]
         n, memory = int(self.head[at.N]), self._blocks[1]
         self.x, self.x_ref = memory[begins[at.X] :][:n], memory[begins[at.X_REF] :][:n]
-        memory[begins[at.OPTION] :][:4] = (
+        self.x_ref[:] = 0.0
+        self._option = memory[begins[at.OPTION] :][:4]
+        self._option[:] = (
             settings.rank_tolerance,
             settings.tolerance,
             settings.iterations,

@@ -6,8 +6,8 @@ from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length, project
-from .sweep import DUAL, LOWER, UPPER
-from .working_set import HARD, WORKING, append, balance, remove, value_of
+from .sweep import DUAL, LOWER, UPPER, value_of
+from .working_set import HARD, WORKING, append, balance, remove
 
 
 @inner
@@ -38,8 +38,8 @@ def escape(here, forces, frozen, working, hard_end):
             d[j] = -g[j]
         for q in range(c):
             scratch[q] = 0.0
-        project(d, n, V, c, scratch)
-        project(d, n, V, c, scratch)
+        project(d, n, V, 0, c, scratch)
+        project(d, n, V, 0, c, scratch)
         steep = length(d, n)
         if steep <= DUAL * forces:
             for j in range(n):

@@ -17,10 +17,14 @@ N, LEVELS, ROWS, BOXED = 0, 1, 2, 3
 WARM, TRUSTED, LEVEL, SWEEPS, ITERATIONS, OUTCOME = 4, 5, 6, 7, 8, 15
 #: and for many hierarchies in one call their number (0: one), how many numbers each has, and the addresses of their
 #: x_ref (0: the same for all), x, sides and outcomes.
-COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES, HEAD = 9, 10, 11, 12, 13, 14, 16
+COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES = 9, 10, 11, 12, 13, 14
+#: When the call began, by the clock of :mod:`.memory` (0: when the kernel does). And what a solve notes for itself:
+#: when it must end, and whether the sides at the end of each level mean something.
+BEGAN, DEADLINE, HISTORY, HEAD = 16, 17, 18, 19
 
-#: Places in OPTION: relative tolerances on rank and on rows, most iterations, most seconds.
-TAU, TOL, BUDGET, LIMIT = 0, 1, 2, 3
+#: Places in OPTION: relative tolerances on rank and on rows, most iterations, most seconds; and, of each solve, what
+#: round-off in x0 adds to the length of x where a tolerance is relative to it.
+TAU, TOL, BUDGET, LIMIT, BLUR = 0, 1, 2, 3, 4
 
 # The structure. PTR: rows of level k are PTR[k] .. PTR[k + 1]. WHOLE: whether level k bounds every variable once.
 # COL: variable of a plain bound, or -1. ROW_OF: row of A, or -1.
@@ -35,8 +39,12 @@ TAU, TOL, BUDGET, LIMIT = 0, 1, 2, 3
 (Y, G, BALANCE, PINNED, FREE, QUEUE, D, MULTIPLIER, SHARE, SCRATCH, SAFE) = range(29, 40)
 # by level, by row,
 (CUT, FORCES, VALUE, SLOPE, LOW, HIGH, ALLOWED, KIND, HELD) = range(40, 49)
-# and of the weighted problem, see :mod:`.dual`.
-(MEMBERS, GRAM, CHOLESKY, ACROSS, DIAGONAL, Z, WANTED) = range(49, 56)
+# of the level that is being solved, see :mod:`.levels`: where it starts, the exact point of the levels above, the point
+# of the dual; the sides at the end of each level, (levels + 1, m); the rows less their part along V, P, and how many
+# rows of V that means; and their multipliers,
+(ANCHOR, EXACT, APPROACH, SAVED, P, DEPTH, LAMBDA) = range(49, 56)
+# and the members of the dual active set, in order, see :mod:`.members`.
+(MEMBERS, FACTOR, DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED) = range(56, 66)
 
 
 def shapes(n, levels, m, dense, widest):
@@ -45,11 +53,13 @@ def shapes(n, levels, m, dense, widest):
     ints = dict.fromkeys((SIDE, FOLLOW, DECIDED, KIND, HELD), (m, 1))
     ints |= dict.fromkeys((PINNED, FREE, PIVOT, QUEUE), (n, 1))
     ints |= dict.fromkeys((IDS, SLOTS), (deep, 1)) | {CUT: (levels + 1, 1), MEMBERS: (many, 1)}
+    ints |= {SAVED: ((levels + 1) * m, 1), DEPTH: (m, 1)}
     reals = dict.fromkeys((LO, HI, NORM, W, VALUE, SLOPE, LOW, HIGH, ALLOWED), (m, 1))
     reals |= dict.fromkeys((X_REF, X0, X, Y, G, BALANCE, D, MULTIPLIER, SHARE, SCRATCH, SAFE), (n, 1))
-    reals |= {B: (dense, n), V: (n, n), L: (m, n), R: (deep, n), H: (n, deep), FORCES: (levels, 1), OPTION: (4, 1)}
+    reals |= {B: (dense, n), V: (n, n), L: (m, n), R: (deep, n), H: (n, deep), FORCES: (levels, 1), OPTION: (5, 1)}
     reals |= dict.fromkeys((LENGTHS, RHS), (deep, 1))
-    reals |= dict.fromkeys((GRAM, CHOLESKY, ACROSS), (many, many)) | dict.fromkeys((DIAGONAL, Z, WANTED), (many, 1))
+    reals |= dict.fromkeys((ANCHOR, EXACT, APPROACH), (n, 1)) | {P: (m + n, n), LAMBDA: (m, 1), FACTOR: (many, many)}
+    reals |= dict.fromkeys((DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED), (many, 1))
     return ints, reals
 
 
@@ -78,7 +88,7 @@ def lay_out(structure):
     owned = {place: np.array(given, dtype=np.int64) for place, given in owned.items()}
 
     m, rows = len(columns), int(dense.sum())
-    directory = np.zeros(HEAD + 3 * (WANTED + 1), dtype=np.int64)
+    directory = np.zeros(HEAD + 3 * (SHED + 1), dtype=np.int64)
     directory[[N, LEVELS, ROWS, BOXED]] = n, len(levels), m, distinct[:1] == [True]
     entries = directory[HEAD:].reshape(-1, 3)
     for place, array in owned.items():

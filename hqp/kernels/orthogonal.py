@@ -21,9 +21,9 @@ CANCELLED = 0.1
 
 
 @inner
-def project(row, f, V, c, coefficients):
-    """Take from row[:f] its part along V[:c]; *add* the coefficients, shape (c,), to those given."""
-    q = 0
+def project(row, f, V, first, c, coefficients):
+    """Take from row[:f] its part along V[first:c]; *add* the coefficients to those given there, shape (c,)."""
+    q = first
     while q + 3 < c:  # four rows at a time: one pass over `row` serves them all
         v0, v1, v2, v3 = V[q], V[q + 1], V[q + 2], V[q + 3]
         d0 = d1 = d2 = d3 = 0.0
@@ -82,18 +82,30 @@ def factor(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
     -------
     rank : int
     """
+    separate(ids, count, slots, sizes, R, norm, V, L, 0, c, f, tau)
+    return pivots(ids, count, slots, sizes, R, norm, V, L, c, f, tau)
+
+
+@inner
+def separate(ids, count, slots, sizes, R, norm, V, L, first, c, f, tau):
+    """Split the rows R into their part along V[first:c], to L, and what is left, measured; see :func:`factor`."""
     for r in range(count):
         slots[r] = r
         row, coefficients = R[r], L[ids[r]]
-        for q in range(c):
+        for q in range(first, c):
             coefficients[q] = 0.0
-        if c > 0:
-            project(row, f, V, c, coefficients)
+        if c > first:
+            project(row, f, V, first, c, coefficients)
         sizes[r] = length(row, f)
         if not sizes[r] > tau * norm[ids[r]]:  # nothing left but round-off, which a large slack would magnify
             sizes[r] = 0.0
             for t in range(f):
                 row[t] = 0.0
+
+
+@inner
+def pivots(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
+    """The longest of the rows that are left becomes the next of V, until only dependent ones remain: the rank."""
     rank = integer(0)
     renewed = -1  # the row that was just projected again
     while rank < count and c + rank < f:
@@ -106,7 +118,7 @@ def factor(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
         i, slot = ids[best], slots[best]
         row, coefficients = R[slot], L[i]
         if most < CANCELLED * norm[i] and renewed != slot:
-            project(row, f, V, c + rank, coefficients)
+            project(row, f, V, 0, c + rank, coefficients)
             sizes[best] = length(row, f)
             renewed = slot
             continue
@@ -148,6 +160,36 @@ def reflect(vector, column, j, head, scale, rank, count):
 
 
 @inner
+def triangle(ids, count, rank, L, c, rhs, diagonal, H):
+    """Turn the trapezoid of :func:`level_least_squares` into a lower triangle by reflections, and rhs with it.
+
+    Its row j is ``H[0][j] .. H[j - 1][j], diagonal[c + j]``; H keeps the reflections, too.
+    """
+    for j in range(rank):
+        column = H[j]
+        for r in range(j):  # above the diagonal of the trapezoid
+            column[r] = 0.0
+        for r in range(j, count):
+            column[r] = L[ids[r]][c + j]
+    # From the last column to the first: the triangle that is there already costs next to nothing.
+    for j in range(rank - 1, -1, -1):
+        column = H[j]
+        total = column[j] * column[j]
+        for r in range(rank, count):
+            total += column[r] * column[r]
+        size = math.sqrt(total)
+        if column[j] > 0.0:
+            size = -size
+        head = column[j] - size  # u = (head, dependent rows): I - 2 u u^T / ||u||^2 turns the column into size * e_j
+        scale = -1.0 / (size * head)  # 2 / ||u||^2
+        for i in range(j):
+            reflect(H[i], column, j, head, scale, rank, count)
+        reflect(rhs, column, j, head, scale, rank, count)
+        column[j] = head
+        diagonal[c + j] = size
+
+
+@inner
 def level_least_squares(ids, count, rank, L, c, rhs, y, slack, H):
     r"""Minimise ``||L_k y - rhs||`` over y[c : c + rank].
 
@@ -173,28 +215,7 @@ def level_least_squares(ids, count, rank, L, c, rhs, y, slack, H):
             y[c + r] = total / row[c + r]
             slack[ids[r]] = 0.0
         return
-    for j in range(rank):
-        column = H[j]
-        for r in range(j):  # above the diagonal of the trapezoid
-            column[r] = 0.0
-        for r in range(j, count):
-            column[r] = L[ids[r]][c + j]
-    # From the last column to the first: the triangle that is there already costs next to nothing.
-    for j in range(rank - 1, -1, -1):
-        column = H[j]
-        total = column[j] * column[j]
-        for r in range(rank, count):
-            total += column[r] * column[r]
-        size = math.sqrt(total)
-        if column[j] > 0.0:
-            size = -size
-        head = column[j] - size  # u = (head, dependent rows): I - 2 u u^T / ||u||^2 turns the column into size * e_j
-        scale = -1.0 / (size * head)  # 2 / ||u||^2
-        for i in range(j):
-            reflect(H[i], column, j, head, scale, rank, count)
-        reflect(rhs, column, j, head, scale, rank, count)
-        column[j] = head
-        y[c + j] = size  # the diagonal, for the substitution below
+    triangle(ids, count, rank, L, c, rhs, y, H)
     for j in range(rank):  # what is left is lower triangular again
         total = rhs[j]
         for q in range(j):

@@ -1,10 +1,10 @@
-r"""The whole solver: guess, solve the equalities, verify, repair; and where repair fails, the safe method.
+"""The whole solver: one sweep where the active rows are known, level by level where they are not, and what is behind.
 
-From one tick of a control loop to the next the active rows hardly change, so that the last ones are the guess and
-one sweep is the answer, with its proof (:mod:`.sweep`). Where there is no last one, a weighted problem makes the guess
-(:mod:`.guess`). All rows that contradict a guess change sides at once. Where that makes no progress, or where many do
-although levels above others are out of reach, so that it would make none, a more careful guess is made, level by level.
-If that fails, too, the safe method decides (:mod:`.active_set`), and one more sweep gives its answer the same proof.
+From one tick of a control loop to the next the active rows hardly change, so that one sweep with the last ones is the
+answer, with its proof (:mod:`.sweep`); rows that contradict it change sides at once, as long as that makes progress.
+Where it does not, or there is no last tick, the levels are solved one after the other (:mod:`.levels`), which is a
+proof of its own. A few unknowns are guessed all at once first (:mod:`.guess`). If all that fails, the safe method
+decides (:mod:`.active_set`), from the last point that is known to be exact.
 """
 
 from __future__ import annotations
@@ -12,24 +12,35 @@ from __future__ import annotations
 import math
 
 from . import layout as at
-from .active_set import NEVER, OPTIMAL, STALLED, active_set
-from .compile import entry, inner, stamp
+from .active_set import OPTIMAL, STALLED, SUBOPTIMAL, active_set
+from .compile import entry, inner, integer, stamp, step
+from .dual import NEVER, late
 from .guess import guess
+from .levels import levels
+from .line_search import best_step
 from .memory import clock, floats, given, ints, marks, matrix, vector
-from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep
+from .orthogonal import length
+from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, far, sweep, value_of
+from .working_set import FROZEN
 
-#: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; proved at once;
-#: proved as far as one tolerance goes for rows of very different lengths.
-SUSPECT, CLEAR, UNEVEN = 3, 4, 5
+#: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; found as far as one
+#: tolerance goes, for rows of very different lengths, or for an x next to zero that comes from an x_0 far away.
+SUSPECT, UNEVEN = 3, 4
+
+#: Where a solve starts: from the sides that are known, by one sweep; level by level, from those at the end of each
+#: level or from none; by the safe method, from the last exact point.
+SIDES, WARM, COLD, SAFE = 0, 1, 2, 3
 
 #: As :data:`hqp.hierarchy.LARGEST`: a row that is longer has an entry to be looked at.
 LARGEST = 1e30
 
+#: Round-off of x, in units of the length of x_0, where it comes from.
+ROUND_OFF = 64 * 2.0**-52
 #: A row that is this much shorter than another of its level may disappear in the round-off of that one.
 EVEN = 1e-8
 
 #: How many rounds of repair in a row may fail to bring the number of contradictions down.
-PATIENCE = 2
+PATIENCE = 1
 #: So many contradictions are repaired even where levels above others are not met.
 FEW = 2
 #: Where a row that counts as dependent shows that it is not, less of it has to be left, down to round-off.
@@ -148,81 +159,115 @@ def contested(here, last):
 
 
 @inner
-def start(here):
-    """Where the safe method starts: at what the last level wants, within the bounds of level 0."""
-    head = ints(here, 0, at.HEAD)
-    n, boxed = head[at.N], head[at.BOXED] != 0
-    ptr, col = marks(here, at.PTR), marks(here, at.COL)
-    x, x0, lower, upper = vector(here, at.X), vector(here, at.X0), vector(here, at.LOWER), vector(here, at.UPPER)
-    for j in range(n):
-        x[j] = x0[j]
-    if boxed:
-        for i in range(ptr[0], ptr[1]):
-            j = col[i]
-            x[j] = min(max(x[j], lower[i]), upper[i])
-
-
-@inner
-def solve_one(here):
-    """Solve the hierarchy of the directory; see :func:`solve`."""
+def verify(here, last):
+    """Sweep, and let contradictions change sides as long as that makes progress: the number of those that are left."""
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
-    n, m = head[at.N], head[at.ROWS]
-    x, safe_x = vector(here, at.X), vector(here, at.SAFE)
-    warm = head[at.WARM] != 0
-    head[at.WARM] = 0
-    if not load(here, warm, head[at.TRUSTED] != 0):
-        return SUSPECT
-    last = levels_that_count(here)
-    deadline = NEVER if option[at.LIMIT] == math.inf else clock() + int(1e9 * option[at.LIMIT])
-
-    status, level, iterations, sweeps = OPTIMAL, last, 0, 0
-    wanted, guesses, safe = not warm, 1 if warm else 2, False
-    fewest, patience, tau = m + 1, PATIENCE, option[at.TAU]
+    fewest, left, tau = head[at.ROWS] + 1, PATIENCE, option[at.TAU]
     while True:
-        if wanted:
-            guess(here, last, guesses == 1)
-            wanted, guesses = False, guesses - 1
-            fewest, patience = m + 1, PATIENCE
         faults, blurred = sweep(here, last, tau)
-        sweeps += 1
+        head[at.SWEEPS] += 1
         if faults == 0 and blurred and tau > SHARPEST:
             tau *= SHARPER
             continue
-        if faults == 0:
-            break
-        patience = PATIENCE if faults < fewest else patience - 1
+        left = PATIENCE if faults < fewest else left - 1
         fewest = min(fewest, faults)
-        if safe and patience <= 0:
-            break
-        late = deadline != NEVER and clock() > deadline
-        hopeless = patience <= 0 or (faults > FEW and contested(here, last))
-        if guesses > 0 and hopeless and not (safe or late):
-            wanted = True
-        elif patience > 0 and (safe or not late):
-            repair(here, last)
-        else:
-            safe = True
-            start(here)
-            status, level, iterations = active_set(here, last, int(option[at.BUDGET]), deadline)
+        if faults == 0 or left <= 0 or late(here) or (faults > FEW and contested(here, last)):
+            return faults
+        repair(here, last)
+
+
+@inner
+def stop_early(here, k, last):
+    """At the limit: the point that is exact above level k, and one step from it that makes k better, and nothing worse.
+
+    The step ends at the first row of the levels above that is in the way, or where the level is best.
+    """
+    n, ptr = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR)
+    kind, norm = marks(here, at.KIND), vector(here, at.NORM)
+    lo, hi, v, slope = vector(here, at.LO), vector(here, at.HI), vector(here, at.LOW), vector(here, at.SLOPE)
+    x, exact, x0, d = vector(here, at.X), vector(here, at.EXACT), vector(here, at.X0), vector(here, at.D)
+    for j in range(n):
+        d[j] = x[j] - exact[j]
+    limit = 1.0
+    for i in range(ptr[min(k + 1, last)]):
+        v[i], slope[i] = value_of(i, exact, here), value_of(i, d, here)
+        if i < ptr[k] and norm[i] > 0.0 and kind[i] != FROZEN and slope[i] != 0.0:
+            limit = min(limit, max(0.0, ((hi[i] if slope[i] > 0.0 else lo[i]) - v[i]) / slope[i]))
+    if k < last:
+        reach = best_step(ptr[k], ptr[k + 1], v, slope, lo, hi)
+    else:
+        gain, steep = 0.0, 0.0
+        for j in range(n):
+            gain += d[j] * (x0[j] - exact[j])
+            steep += d[j] * d[j]
+        reach = max(0.0, gain / steep) if steep > 0.0 else 0.0
+    reach = min(reach, limit)
+    for j in range(n):
+        x[j] = exact[j] + reach * d[j]
+
+
+@inner
+def seed(here, last):
+    """Nothing is known of the end of each level: the sides of the last answer are taken for it."""
+    m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
+    side, saved = marks(here, at.SIDE), marks(here, at.SAVED)
+    for k in range(last + 1):
+        for i in range(ptr[min(k + 1, last)]):
+            saved[k * m + i] = side[i]
+
+
+@step
+def solve_one(here):
+    """Solve the hierarchy of the directory; see :func:`solve`."""
+    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
+    n, warm = head[at.N], head[at.WARM] != 0
+    x, exact, safe_x = vector(here, at.X), vector(here, at.EXACT), vector(here, at.SAFE)
+    head[at.WARM] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
+    head[at.DEADLINE] = NEVER
+    if option[at.LIMIT] < math.inf:
+        head[at.DEADLINE] = (head[at.BEGAN] if head[at.BEGAN] != 0 else clock()) + int(1e9 * option[at.LIMIT])
+    head[at.BEGAN] = 0
+    if not load(here, warm, head[at.TRUSTED] != 0):
+        return SUSPECT
+    last = levels_that_count(here)
+    option[at.BLUR] = ROUND_OFF / option[at.TOL] * length(vector(here, at.X0), n)
+    if warm and head[at.HISTORY] == 0:
+        seed(here, last)
+
+    status, faults, level, exact_above = OPTIMAL, integer(1), integer(last), integer(0)
+    start = SIDES if warm or guess(here, last) else COLD
+    while True:
+        level = integer(last + 1)
+        if start == SAFE:
+            for j in range(n):
+                x[j] = exact[j]
+            status, level = active_set(here, last)
             for j in range(n):
                 safe_x[j] = x[j]
-            if status != OPTIMAL:
-                break
-            fewest, patience = m + 1, PATIENCE
-    if safe and faults > 0:  # round-off decides what the sweep says: the safe method has the last word
+            faults = integer(1)
+        elif start != SIDES:
+            level = exact_above = levels(here, last, start == WARM)
+            faults = integer(level <= last + 1)
+            head[at.SWEEPS] += level == last + 2
+        if faults > 0 and level == last + 1:
+            faults = verify(here, last)
+        if start != SIDES:
+            head[at.HISTORY] = faults == 0
+        if faults == 0 or start == SAFE or (start != SIDES and late(here)):
+            break
+        start = COLD if start == SIDES and not warm else start + 1
+    if faults > 0 and start == SAFE:  # where round-off decides what the sweep says, it has the last word
         for j in range(n):
             x[j] = safe_x[j]
         if status == OPTIMAL:  # and no proof
             status, level = STALLED, first_contradiction(here, last)
-    head[at.LEVEL], head[at.SWEEPS], head[at.ITERATIONS], head[at.WARM] = (
-        level,
-        sweeps,
-        iterations,
-        1,
-    )
-    if status == OPTIMAL and not is_even(here):
+    elif faults > 0:
+        stop_early(here, exact_above, last)
+        status, level = SUBOPTIMAL, exact_above
+    head[at.LEVEL], head[at.WARM] = min(level, last), 1
+    if (status == OPTIMAL and not is_even(here)) or (status == STALLED and far(here)):
         return UNEVEN
-    return CLEAR if sweeps == 1 and not safe else status
+    return status
 
 
 @stamp
@@ -235,37 +280,35 @@ def solve(here, numbers):
     Returns
     -------
     outcome : int
-        A status of :mod:`.active_set`, or SUSPECT, CLEAR, UNEVEN; of many, that of the last.
+        A status of :mod:`.active_set`, or SUSPECT, UNEVEN; of many, that of the last.
     """
     head = ints(here, 0, at.HEAD)
     n, m, count, warm = head[at.N], head[at.ROWS], head[at.COUNT], head[at.WARM]
-    if count == 0:
-        given(here, numbers)
-        head[at.OUTCOME] = solve_one(here)
-        return head[at.OUTCOME]
     side = marks(here, at.SIDE)
     x, x_ref = vector(here, at.X), vector(here, at.X_REF)
-    outcome = OPTIMAL
-    for b in range(count):
+    for b in range(max(count, 1)):
         given(here, numbers + 8 * b * head[at.STRIDE])
         point, sides = floats(head[at.POINTS], b * n, n), ints(head[at.SIDES], b * m, m)
-        for i in range(m):
-            side[i] = sides[i]
-        if head[at.REFERENCES] != 0:
-            reference = floats(head[at.REFERENCES], b * n, n)
+        if count > 0:
+            for i in range(m):
+                side[i] = sides[i]
+            head[at.HISTORY] = 0  # of a neighbour
+            head[at.WARM] = warm
+            if head[at.REFERENCES] != 0:
+                reference = floats(head[at.REFERENCES], b * n, n)
+                for j in range(n):
+                    x_ref[j] = reference[j]
+        head[at.OUTCOME] = solve_one(here)
+        if count > 0:
             for j in range(n):
-                x_ref[j] = reference[j]
-        head[at.WARM] = warm
-        outcome = solve_one(here)
-        for j in range(n):
-            point[j] = x[j]
-        for i in range(m):
-            sides[i] = side[i]
-        said = ints(head[at.OUTCOMES], 4 * b, 4)
-        said[0], said[1], said[2], said[3] = (
-            outcome,
-            head[at.LEVEL],
-            head[at.SWEEPS],
-            head[at.ITERATIONS],
-        )
-    return outcome
+                point[j] = x[j]
+            for i in range(m):
+                sides[i] = side[i]
+            said = ints(head[at.OUTCOMES], 4 * b, 4)
+            said[0], said[1], said[2], said[3] = (
+                head[at.OUTCOME],
+                head[at.LEVEL],
+                head[at.SWEEPS],
+                head[at.ITERATIONS],
+            )
+    return head[at.OUTCOME]

@@ -12,25 +12,9 @@ from .compile import inner
 from .memory import ints, marks, matrix, vector
 from .orthogonal import CANCELLED, length, project
 
-#: What a row is to the level that is being solved: below it, satisfied above it, in the working set, decided.
-FUTURE, HARD, WORKING, FROZEN = 0, 1, 2, 3
-
-
-@inner
-def value_of(i, x, here):
-    """a_i x."""
-    head = ints(here, 0, at.HEAD)
-    n = head[at.N]
-    col, row_of = marks(here, at.COL), marks(here, at.ROW_OF)
-    norm = vector(here, at.NORM)
-    B = matrix(here, at.B)
-    if col[i] >= 0:
-        return norm[i] * x[col[i]]
-    row = B[row_of[i]]
-    total = 0.0
-    for j in range(n):
-        total += row[j] * x[j]
-    return total
+#: What a row is to the level that is being solved: below it, satisfied above it, in the working set, decided; satisfied
+#: above it as far as round-off lets one say.
+FUTURE, HARD, WORKING, FROZEN, IGNORED = 0, 1, 2, 3, 4
 
 
 @inner
@@ -67,7 +51,7 @@ def append(i, c, here, tau):
         coefficients[q] = 0.0
     size = norm[i]
     for _ in range(3):
-        project(row, n, V, c, coefficients)
+        project(row, n, V, 0, c, coefficients)
         before, size = size, length(row, n)
         if not size > tau * norm[i]:
             return False

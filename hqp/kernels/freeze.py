@@ -1,0 +1,94 @@
+"""What a level decides for those below it: rows that keep their value from here on."""
+
+from __future__ import annotations
+
+from . import layout as at
+from .compile import inner, integer
+from .memory import ints, marks, matrix, vector
+from .orthogonal import length, pivots
+from .sweep import EQUALITY, INACTIVE, LOWER, extent
+from .working_set import FROZEN, HARD
+
+#: Rows above whose multiplier is beyond this share of the forces keep their bound for good: implicit equalities.
+CLEAR = 1e-8
+
+
+@inner
+def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
+    """Freeze level k where :func:`.polish.polish` has left it; what is satisfied becomes hard.
+
+    Returns
+    -------
+    frozen : int
+        Rows of V then. x_E has moved to the point next to it that has the values of the frozen rows.
+    """
+    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
+    n, tol = head[at.N], option[at.TOL]
+    ptr, side, kind = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.KIND)
+    ids, pivot = marks(here, at.IDS), marks(here, at.PIVOT)
+    lo, hi, norm, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)
+    x, anchor, softness = vector(here, at.X), vector(here, at.ANCHOR), vector(here, at.VALUE)
+    multiplier, carried = vector(here, at.MULTIPLIER), vector(here, at.LAMBDA)
+    size, all_frozen = extent(x, here), rank == hard
+    for i in range(ptr[k], ptr[k + 1]):
+        kind[i], softness[i] = HARD, 0.0
+        if side[i] == INACTIVE:
+            w[i] = 0.0
+    if pull > 0.0:
+        for q in range(frozen, frozen + rank):
+            i = pivot[q]
+            if multiplier[q] * side[i] * norm[i] > CLEAR * pull:
+                kind[i] = FROZEN
+            else:
+                all_frozen = False
+        for i in range(ptr[k + 1]):
+            carried[i] = 0.0
+    else:
+        all_frozen = all_frozen and hard == 0
+    for r in range(hard, hard + own):
+        i = ids[r]
+        goal = lo[i] if side[i] == LOWER else hi[i]
+        if side[i] == EQUALITY or (pull > 0.0 and abs(w[i]) > tol * (abs(goal) + norm[i] * size)):
+            kind[i] = FROZEN
+        else:
+            all_frozen, w[i] = False, 0.0
+        if pull == 0.0:
+            w[i] = 0.0
+    if all_frozen:  # the basis is there already
+        for j in range(n):
+            anchor[j] = x[j]
+        return frozen + rank + own_rank
+    return frozen + refactor(here, frozen, hard, own)
+
+
+@inner
+def refactor(here, frozen, hard, own):
+    """V and x_E of the frozen rows alone, out of those that are listed: how many rows V gains."""
+    head = ints(here, 0, at.HEAD)
+    n = head[at.N]
+    kind, ids, slots, pivot = marks(here, at.KIND), marks(here, at.IDS), marks(here, at.SLOTS), marks(here, at.PIVOT)
+    norm, lengths, tau = vector(here, at.NORM), vector(here, at.LENGTHS), vector(here, at.OPTION)[at.TAU]
+    x, y, anchor = vector(here, at.X), vector(here, at.Y), vector(here, at.ANCHOR)
+    P, V, L, R = matrix(here, at.P), matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
+    count = integer(0)
+    for r in range(hard + own):
+        i = ids[r]
+        if kind[i] == FROZEN:
+            mine, row = P[i], R[count]
+            for j in range(n):
+                row[j] = mine[j]
+            ids[count], slots[count] = i, count
+            lengths[count] = length(row, n)
+            count += 1
+    gained = pivots(ids, count, slots, lengths, R, norm, V, L, frozen, n, tau)
+    for r in range(gained):
+        direction, step = V[frozen + r], 0.0
+        for j in range(n):
+            step += direction[j] * (x[j] - anchor[j])
+        y[frozen + r] = step
+        pivot[frozen + r] = ids[r]
+    for r in range(gained):
+        direction, step = V[frozen + r], y[frozen + r]
+        for j in range(n):
+            anchor[j] += step * direction[j]
+    return gained

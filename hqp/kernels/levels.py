@@ -1,0 +1,289 @@
+r"""Level by level: which rows are active, from the highest level to the lowest, each one exact before the next begins.
+
+Level k has in V what the levels above have decided, and x_E, the point next to x_0 that they allow; W are the rows at
+a bound, of this level and of those above. With W as equalities the level is solved exactly (:mod:`.polish`); mostly
+that is all. Where it contradicts itself, a dual active set finds W in what V leaves free (:mod:`.dual`), and where its
+softness still hides something, primal steps go the rest of the way (:mod:`.primal`). Then the level is frozen
+(:mod:`.freeze`). W at the end of every level is kept, and is where the next solve starts.
+
+So a solve is *anytime*: EXACT is optimal for all levels above the one that is being solved.
+"""
+
+from __future__ import annotations
+
+import math
+
+from . import layout as at
+from .compile import inner, integer, step
+from .dual import admit, late, settle
+from .freeze import freeze
+from .members import enter, prepare, start_of
+from .memory import ints, marks, matrix, vector
+from .orthogonal import length, pivots, triangle
+from .polish import holds, judge, polish
+from .primal import primal
+from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, extent, far, value_of
+from .working_set import FROZEN, FUTURE, HARD, IGNORED
+
+#: Softness of the level that is being solved, relative to the square of its longest row.
+SOFT = 1e-9
+#: A point satisfies the levels above if it does so up to this share.
+FEASIBLE = 1e-7
+
+
+@step
+def levels(here, last, warm):
+    """Find the sides of levels 0 .. last; with `warm`, from those at the end of each level of the last time.
+
+    Returns
+    -------
+    level : int
+        The one that could not be solved, with EXACT exact above it; `last` + 1 if all were, and `last` + 2 if x has
+        kept what all of them decided: a proof.
+    """
+    ptr, rounds = marks(here, at.PTR), 4 * len(marks(here, at.MEMBERS)) + 4
+    k, frozen = begin(here, last)
+    while k <= last and not late(here):
+        delta, end = take_up(here, k, last, warm), ptr[min(k + 1, last)]
+        for turn in range(2):
+            if turn > 0 or k == last:  # the last level is never met: its members are all there is to find
+                count = assemble(here, k, last, frozen, delta)
+                count = settle(here, end, frozen, count, delta, rounds, 0)
+                remember(here, k, last, count)
+            hard, rank, own, own_rank = polish(here, k, last, frozen)
+            faults, _, pull = judge(here, k, last, frozen, hard, rank, own)
+            if faults == 0:
+                break
+        for turn in range(2):
+            if k < last and faults > 0 and not late(here) and (turn > 0 or feasible(here, k)):
+                if turn > 0:
+                    start_again(here, k)
+                faults, hard, rank, own, own_rank, pull = primal(here, k, last, frozen)
+        if faults > 0 and k < last:
+            break
+        keep(here, k, last)
+        if k < last:
+            frozen = freeze(here, k, frozen, hard, rank, own, own_rank, pull)
+            advance(here)
+        elif faults == 0 and not far(here) and holds(here, last):
+            k += 1
+        k += 1
+    return k
+
+
+@inner
+def begin(here, last):
+    """Nothing is decided yet but level 0 where it is bounds on distinct variables, which all can be kept.
+
+    Returns
+    -------
+    k : int
+        The first level to be solved.
+    frozen : int
+        Variables that those bounds fix.
+    """
+    head = ints(here, 0, at.HEAD)
+    n, boxed = head[at.N], head[at.BOXED] != 0 and last > 0
+    ptr, col, depth = marks(here, at.PTR), marks(here, at.COL), marks(here, at.DEPTH)
+    kind, side, pivot = marks(here, at.KIND), marks(here, at.SIDE), marks(here, at.PIVOT)
+    lower, upper, norm = vector(here, at.LOWER), vector(here, at.UPPER), vector(here, at.NORM)
+    w, x0, anchor, exact = vector(here, at.W), vector(here, at.X0), vector(here, at.ANCHOR), vector(here, at.EXACT)
+    softness, carried, saved = vector(here, at.VALUE), vector(here, at.LAMBDA), marks(here, at.SAVED)
+    V, L = matrix(here, at.V), matrix(here, at.L)
+    for i in range(ptr[last]):
+        kind[i], side[i], depth[i] = FUTURE, INACTIVE, -1
+        softness[i] = carried[i] = w[i] = 0.0
+    for j in range(n):
+        anchor[j] = exact[j] = x0[j]
+    if not boxed:
+        return integer(0), integer(0)
+    frozen = integer(0)
+    for i in range(ptr[0], ptr[1]):
+        j, kind[i], saved[i] = col[i], HARD, INACTIVE
+        exact[j] = min(max(x0[j], lower[i]), upper[i])
+        if lower[i] == upper[i] and norm[i] > 0.0:
+            for q in range(n):
+                V[frozen][q] = 0.0
+            for q in range(frozen):
+                L[i][q] = 0.0
+            V[frozen][j], L[i][frozen], pivot[frozen] = 1.0, norm[i], i
+            anchor[j] = lower[i]
+            kind[i], side[i] = FROZEN, EQUALITY
+            frozen += 1
+    return integer(1), frozen
+
+
+@inner
+def take_up(here, k, last, warm):
+    """Level k begins: its equalities join W; with `warm`, W is as it was at the end of this level the last time.
+
+    Returns
+    -------
+    delta : float
+        Softness of its rows.
+    """
+    m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
+    side, kind, saved = marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.SAVED)
+    lo, hi, norm, softness = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.VALUE)
+    first, end, longest = ptr[k], ptr[min(k + 1, last)], 0.0
+    for i in range(first, end):
+        longest = max(longest, norm[i])
+    delta = SOFT * longest * longest
+    for i in range(end):
+        if kind[i] == FROZEN or norm[i] == 0.0:
+            continue
+        if kind[i] == IGNORED:
+            kind[i] = HARD
+        if warm:
+            was = saved[k * m + i]
+            fits = (was == LOWER and lo[i] != -math.inf) or (was == UPPER and hi[i] != math.inf)
+            side[i] = was if fits else INACTIVE
+        if i >= first:
+            softness[i] = delta
+            if lo[i] == hi[i]:
+                side[i] = EQUALITY
+    return delta
+
+
+@inner
+def condense(here, k, frozen, delta):
+    """List as many members as the equalities of level k have directions: the same least squares, turned by reflections.
+
+    They have numbers from m on.
+    """
+    head = ints(here, 0, at.HEAD)
+    n, m = head[at.N], head[at.ROWS]
+    ptr, side = marks(here, at.PTR), marks(here, at.SIDE)
+    ids, slots, members = marks(here, at.IDS), marks(here, at.SLOTS), marks(here, at.MEMBERS)
+    lo, norm, lengths, rhs = vector(here, at.LO), vector(here, at.NORM), vector(here, at.LENGTHS), vector(here, at.RHS)
+    y, right, soft, force = vector(here, at.Y), vector(here, at.RIGHT), vector(here, at.SOFT), vector(here, at.FORCE)
+    P, V, L, R, H = matrix(here, at.P), matrix(here, at.V), matrix(here, at.L), matrix(here, at.R), matrix(here, at.H)
+    tau = vector(here, at.OPTION)[at.TAU]
+    count = integer(0)
+    for i in range(ptr[k], ptr[k + 1]):
+        if side[i] == EQUALITY:
+            mine, row = P[i], R[count]
+            for j in range(n):
+                row[j] = mine[j]
+            ids[count], slots[count] = i, count
+            lengths[count] = length(row, n)
+            count += 1
+    rank = pivots(ids, count, slots, lengths, R, norm, V, L, frozen, n, tau)
+    for r in range(count):
+        rhs[r] = start_of(ids[r], lo[ids[r]], here)
+    triangle(ids, count, rank, L, frozen, rhs, y, H)
+    for c in range(rank):
+        row, direction = P[m + c], V[frozen + c]
+        for j in range(n):
+            row[j] = y[frozen + c] * direction[j]
+        for q in range(c):
+            direction, much = V[frozen + q], H[q][c]
+            for j in range(n):
+                row[j] += much * direction[j]
+        members[c], right[c], soft[c], force[c] = m + c, rhs[c], delta, 0.0
+        enter(c, here)
+    return rank
+
+
+@inner
+def assemble(here, k, last, frozen, delta):
+    """Factor W: the equalities of level k, then hard rows, then its own; those that depend on the others leave."""
+    n = ints(here, 0, at.HEAD)[at.N]
+    ptr, side, kind = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.KIND)
+    force, carried, norm = vector(here, at.FORCE), vector(here, at.LAMBDA), vector(here, at.NORM)
+    most = len(marks(here, at.MEMBERS))
+    first, end = ptr[k], ptr[min(k + 1, last)]
+    equalities = integer(0)
+    for i in range(first, end):
+        if side[i] == EQUALITY:
+            prepare(i, frozen, here)
+            equalities += 1
+    count = integer(0)
+    if equalities > n - frozen:
+        count = condense(here, k, frozen, delta)
+    elif equalities > 0:
+        for i in range(first, end):
+            if side[i] == EQUALITY and admit(i, frozen, count, delta, here):
+                count += 1
+    for i in range(end):
+        if side[i] == INACTIVE or side[i] == EQUALITY or kind[i] == FROZEN or norm[i] == 0.0:
+            continue
+        if count < most and admit(i, frozen, count, delta, here):
+            force[count] = carried[i] if carried[i] * side[i] > 0.0 else 0.0
+            count += 1
+        else:
+            side[i] = INACTIVE
+    return count
+
+
+@inner
+def remember(here, k, last, count):
+    """What the dual ended with: its point, and the multipliers of its members."""
+    head = ints(here, 0, at.HEAD)
+    n, m, ptr = head[at.N], head[at.ROWS], marks(here, at.PTR)
+    members, force = marks(here, at.MEMBERS), vector(here, at.FORCE)
+    x, point, carried = vector(here, at.X), vector(here, at.APPROACH), vector(here, at.LAMBDA)
+    for j in range(n):
+        point[j] = x[j]
+    for i in range(ptr[min(k + 1, last)]):
+        carried[i] = 0.0
+    for c in range(count):
+        if members[c] < m:
+            carried[members[c]] = force[c]
+
+
+@inner
+def feasible(here, k):
+    """Whether APPROACH satisfies the levels above k."""
+    ptr, kind, norm = marks(here, at.PTR), marks(here, at.KIND), vector(here, at.NORM)
+    lo, hi, point = vector(here, at.LO), vector(here, at.HI), vector(here, at.APPROACH)
+    size = extent(point, here)
+    for i in range(ptr[k]):
+        if kind[i] != FROZEN and norm[i] > 0.0:
+            value, near = value_of(i, point, here), FEASIBLE * norm[i] * size
+            if value > hi[i] + near + FEASIBLE * abs(hi[i]) or value < lo[i] - near - FEASIBLE * abs(lo[i]):
+                return False
+    return True
+
+
+@inner
+def start_again(here, k):
+    """From EXACT, with the W of the level above, and what of level k is violated there."""
+    head, tol = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.TOL]
+    n, m, ptr, saved = head[at.N], head[at.ROWS], marks(here, at.PTR), marks(here, at.SAVED)
+    side, kind, norm = marks(here, at.SIDE), marks(here, at.KIND), vector(here, at.NORM)
+    lo, hi = vector(here, at.LO), vector(here, at.HI)
+    point, exact = vector(here, at.APPROACH), vector(here, at.EXACT)
+    for j in range(n):
+        point[j] = exact[j]
+    size = extent(point, here)
+    for i in range(ptr[k + 1]):
+        if kind[i] == FROZEN or norm[i] == 0.0 or side[i] == EQUALITY:
+            continue
+        if i < ptr[k]:
+            side[i] = saved[(k - 1) * m + i] if kind[i] == HARD else INACTIVE
+            continue
+        value, near = value_of(i, point, here), tol * norm[i] * size
+        side[i] = INACTIVE
+        if value > hi[i] + near + tol * abs(hi[i]):
+            side[i] = UPPER
+        elif value < lo[i] - near - tol * abs(lo[i]):
+            side[i] = LOWER
+
+
+@inner
+def keep(here, k, last):
+    """W at the end of level k."""
+    m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
+    side, kind, saved = marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.SAVED)
+    for i in range(ptr[min(k + 1, last)]):
+        saved[k * m + i] = INACTIVE if kind[i] == FROZEN else side[i]
+
+
+@inner
+def advance(here):
+    """The point of this level is exact for those above the next one."""
+    n = ints(here, 0, at.HEAD)[at.N]
+    x, exact = vector(here, at.X), vector(here, at.EXACT)
+    for j in range(n):
+        exact[j] = x[j]

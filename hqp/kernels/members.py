@@ -1,0 +1,163 @@
+r"""The factor of the dual active set: members join and leave, and what they want follows.
+
+Member c is a row b with softness :math:`\delta`, at a bound g. With P its part that the frozen rows leave free
+(:func:`prepare`), the multipliers of all members solve
+
+.. math:: (P P^T + \operatorname{diag} \delta)\, \lambda = B x_E - g = r, \qquad P P^T + \operatorname{diag} \delta
+   = L D L^T, \qquad z = L^{-1} r .
+
+Joining appends a row to L; leaving is a rank-one update of the block behind it (Gill, Golub, Murray, Saunders 1974).
+"""
+
+from __future__ import annotations
+
+from . import layout as at
+from .compile import inner
+from .memory import ints, marks, matrix, vector
+from .orthogonal import CANCELLED, length, project
+from .sweep import EQUALITY
+
+
+@inner
+def prepare(i, frozen, here):
+    """Let P_i be row i less its part along V[:frozen]; what was taken off before stays so, for V only grows."""
+    head = ints(here, 0, at.HEAD)
+    n = head[at.N]
+    depth, col, row_of = marks(here, at.DEPTH), marks(here, at.COL), marks(here, at.ROW_OF)
+    norm, scratch = vector(here, at.NORM), vector(here, at.SCRATCH)
+    B, P, V = matrix(here, at.B), matrix(here, at.P), matrix(here, at.V)
+    row = P[i]
+    if depth[i] < 0:
+        depth[i] = 0
+        if col[i] >= 0:
+            for j in range(n):
+                row[j] = 0.0
+            row[col[i]] = norm[i]
+        else:
+            given = B[row_of[i]]
+            for j in range(n):
+                row[j] = given[j]
+    if depth[i] < frozen:
+        before = length(row, n)
+        project(row, n, V, depth[i], frozen, scratch)
+        if length(row, n) < CANCELLED * before:
+            project(row, n, V, 0, frozen, scratch)
+        depth[i] = frozen
+
+
+@inner
+def start_of(i, goal, here):
+    """r_i = b_i x_E - g."""
+    head = ints(here, 0, at.HEAD)
+    n = head[at.N]
+    col, row_of = marks(here, at.COL), marks(here, at.ROW_OF)
+    norm, anchor = vector(here, at.NORM), vector(here, at.ANCHOR)
+    B = matrix(here, at.B)
+    if col[i] >= 0:
+        return norm[i] * anchor[col[i]] - goal
+    given = B[row_of[i]]
+    total = 0.0
+    for j in range(n):
+        total += given[j] * anchor[j]
+    return total - goal
+
+
+@inner
+def enter(count, here):
+    """Append member number `count`, listed with its r and softness, to the factor.
+
+    Returns
+    -------
+    pivot, square : float
+        Its d, and what that was before the other members took their part: next to nothing left means dependent.
+    """
+    head = ints(here, 0, at.HEAD)
+    n, m = head[at.N], head[at.ROWS]
+    members, col, norm = marks(here, at.MEMBERS), marks(here, at.COL), vector(here, at.NORM)
+    D, z, right, soft = vector(here, at.DIAGONAL), vector(here, at.Z), vector(here, at.RIGHT), vector(here, at.SOFT)
+    P, F = matrix(here, at.P), matrix(here, at.FACTOR)
+    i = members[count]
+    mine, row = P[i], F[count]
+    square = 0.0
+    for j in range(n):
+        square += mine[j] * mine[j]
+    if i < m and col[i] >= 0:
+        for r in range(count):
+            row[r] = norm[i] * P[members[r]][col[i]]
+    else:
+        for r in range(count):
+            other = P[members[r]]
+            total = 0.0
+            for j in range(n):
+                total += mine[j] * other[j]
+            row[r] = total
+    pivot, rest = square + soft[count], right[count]
+    for r in range(count):
+        above = F[r]
+        total = row[r]
+        for q in range(r):
+            total -= above[q] * row[q]
+        row[r] = total
+    for r in range(count):
+        scaled = row[r] / D[r]
+        pivot -= scaled * row[r]
+        rest -= scaled * z[r]
+        row[r] = scaled
+    D[count], z[count] = pivot, rest
+    return pivot, square
+
+
+@inner
+def leave(place, count, here):
+    """Take the member at this place from the list and from the factor."""
+    members = marks(here, at.MEMBERS)
+    D, z, right, soft = vector(here, at.DIAGONAL), vector(here, at.Z), vector(here, at.RIGHT), vector(here, at.SOFT)
+    force, p, b = vector(here, at.FORCE), vector(here, at.CARRY), vector(here, at.SHED)
+    F = matrix(here, at.FACTOR)
+    a = D[place]
+    for c in range(place + 1, count):
+        row, shifted = F[c], F[c - 1]
+        for r in range(place):
+            shifted[r] = row[r]
+        carried = row[place]
+        for r in range(place + 1, c):
+            carried_on = carried - p[r] * row[r]
+            shifted[r - 1] = row[r] + b[r] * carried_on
+            carried = carried_on
+        p[c] = carried
+        grown = D[c] + a * carried * carried
+        b[c] = a * carried / grown
+        a *= D[c] / grown
+        D[c - 1] = grown
+        members[c - 1], right[c - 1], soft[c - 1], force[c - 1] = members[c], right[c], soft[c], force[c]
+    for c in range(place, count - 1):
+        row, total = F[c], right[c]
+        for r in range(c):
+            total -= row[r] * z[r]
+        z[c] = total
+
+
+@inner
+def wants(count, here):
+    """The multipliers that all members together want: L^T wanted = D^-1 z. Returns the objective, sum z^2 / D."""
+    D, z, wanted = vector(here, at.DIAGONAL), vector(here, at.Z), vector(here, at.WANTED)
+    F = matrix(here, at.FACTOR)
+    objective = 0.0
+    for c in range(count):
+        wanted[c] = z[c] / D[c]
+        objective += z[c] * wanted[c]
+    for c in range(count - 1, -1, -1):
+        row, own = F[c], wanted[c]
+        for r in range(c):
+            wanted[r] -= row[r] * own
+    return objective
+
+
+@inner
+def sign_of(c, here):
+    """The sign that the multiplier of this member must have: 1 at an upper bound, -1 at a lower one, 0 if free."""
+    m, i = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.MEMBERS)[c]
+    if i >= m:
+        return 0
+    side = marks(here, at.SIDE)[i]
+    return 0 if side == EQUALITY else side

@@ -1,0 +1,191 @@
+r"""One level exactly, with its members as equalities: least squares, and what contradicts them.
+
+Within the frozen rows V[:frozen], C are the members among the rows above, S the level's own,
+
+.. math:: \min_x \|S x - g_S\|^2 \quad \text{subject to} \quad C x = g_C, \qquad x = x_E + V^T y,
+
+solved by pivoted Gram-Schmidt and reflections (:mod:`.orthogonal`), on top of V. No softness is left in it. Where the
+level is not met, :math:`g = S^T w` must be balanced by C, and all must push the right way; no row outside may be
+violated. Nothing that contradicts that is the proof that the level is optimal, given those above.
+"""
+
+from __future__ import annotations
+
+from . import layout as at
+from .compile import inner, integer
+from .members import prepare, start_of
+from .memory import ints, marks, matrix, vector
+from .orthogonal import length, level_least_squares, pivots, separate
+from .sweep import DUAL, EQUALITY, INACTIVE, LOWER, extent, value_of
+from .working_set import FROZEN, balance
+
+
+@inner
+def list_members(here, first, end, frozen, begin, room):
+    """List the members among the rows first .. end, from place `begin` on, and copy their free parts to R."""
+    n = ints(here, 0, at.HEAD)[at.N]
+    side, kind, ids, slots = marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.IDS), marks(here, at.SLOTS)
+    norm, lengths, tau = vector(here, at.NORM), vector(here, at.LENGTHS), vector(here, at.OPTION)[at.TAU]
+    P, R = matrix(here, at.P), matrix(here, at.R)
+    count = integer(begin)
+    for i in range(first, end):
+        if side[i] == INACTIVE or kind[i] == FROZEN or norm[i] == 0.0:
+            continue
+        if count - begin == room:
+            side[i] = INACTIVE
+            continue
+        prepare(i, frozen, here)
+        mine, row = P[i], R[count]
+        for j in range(n):
+            row[j] = mine[j]
+        ids[count], slots[count] = i, count - begin
+        lengths[count] = length(row, n)
+        if not lengths[count] > tau * norm[i]:  # nothing but round-off
+            lengths[count] = 0.0
+            for j in range(n):
+                row[j] = 0.0
+        count += 1
+    return count - begin
+
+
+@inner
+def polish(here, k, last, frozen):
+    """Solve level k for its members: x, y and the slacks w; of the last level S is empty.
+
+    Returns
+    -------
+    hard, rank, own, own_rank : int
+        Rows of C and of S, and of how many of each V and the list of rows, C before S, have directions.
+    """
+    head = ints(here, 0, at.HEAD)
+    n = head[at.N]
+    ptr, side, pivot = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.PIVOT)
+    ids, slots = marks(here, at.IDS), marks(here, at.SLOTS)
+    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
+    x, w, y, anchor = vector(here, at.X), vector(here, at.W), vector(here, at.Y), vector(here, at.ANCHOR)
+    rhs, lengths, tau = vector(here, at.RHS), vector(here, at.LENGTHS), vector(here, at.OPTION)[at.TAU]
+    V, L, R, H = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R), matrix(here, at.H)
+    hard = list_members(here, 0, ptr[k], frozen, 0, n)
+    rank = pivots(ids, hard, slots, lengths, R, norm, V, L, frozen, n, tau)
+    for r in range(rank):
+        i = ids[r]
+        row, total = L[i], -start_of(i, lo[i] if side[i] == LOWER else hi[i], here)
+        for q in range(frozen, frozen + r):
+            total -= row[q] * y[q]
+        y[frozen + r] = total / row[frozen + r]
+        pivot[frozen + r] = i
+
+    c = frozen + rank
+    own = list_members(here, ptr[k], ptr[min(k + 1, last)], frozen, hard, head[at.ROWS])
+    mine, places, sizes, rows, right = ids[hard:], slots[hard:], lengths[hard:], R[hard:], rhs[hard:]
+    separate(mine, own, places, sizes, rows, norm, V, L, frozen, c, n, tau)
+    own_rank = pivots(mine, own, places, sizes, rows, norm, V, L, c, n, tau)
+    for r in range(own):
+        i = mine[r]
+        row, total = L[i], -start_of(i, lo[i] if side[i] == LOWER else hi[i], here)
+        for q in range(frozen, c):
+            total -= row[q] * y[q]
+        right[r] = total
+    level_least_squares(mine, own, own_rank, L, c, right, y, w, H)
+    for r in range(own_rank):
+        pivot[c + r] = mine[r]
+    for j in range(n):
+        x[j] = anchor[j]
+    for q in range(frozen, c + own_rank):
+        direction, step = V[q], y[q]
+        for j in range(n):
+            x[j] += step * direction[j]
+    return hard, rank, own, own_rank
+
+
+@inner
+def judge(here, k, last, frozen, hard, rank, own):
+    """What contradicts the members of level k, at the x of :func:`polish`.
+
+    Returns
+    -------
+    faults : int
+    worst : int
+        The member that pushes the wrong way most, or -1.
+    pull : float
+        The forces of the level; 0 if it is met.
+    """
+    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
+    n, tol, blur = head[at.N], option[at.TOL], option[at.TOL] * option[at.BLUR]
+    ptr, col, row_of, side = marks(here, at.PTR), marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.SIDE)
+    kind, ids, pivot = marks(here, at.KIND), marks(here, at.IDS), marks(here, at.PIVOT)
+    lo, hi, norm, B = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), matrix(here, at.B)
+    x, w, g, multiplier = vector(here, at.X), vector(here, at.W), vector(here, at.G), vector(here, at.MULTIPLIER)
+    x0 = vector(here, at.X0)
+    size, met, pull = extent(x, here), True, 0.0
+    if k == last:  # min ||x - x_0||, which is never met but where x_0 is
+        for j in range(n):
+            g[j] = x[j] - x0[j]
+            pull += abs(g[j])
+        met = pull <= blur
+    for r in range(hard, hard + own):
+        i = ids[r]
+        goal = lo[i] if side[i] == LOWER else hi[i]
+        met = met and abs(w[i]) <= tol * (abs(goal) + norm[i] * size)
+        pull += norm[i] * abs(w[i])
+    faults, worst = integer(0), integer(-1)
+    least = wrong = -DUAL * pull - (blur if k == last else 0.0)
+    if met:
+        pull = 0.0
+    else:
+        if k < last:
+            for j in range(n):
+                g[j] = 0.0
+        for r in range(hard, hard + own):
+            i = ids[r]
+            much = w[i]
+            if col[i] >= 0:
+                g[col[i]] += much * norm[i]
+            elif much != 0.0:
+                row = B[row_of[i]]
+                for j in range(n):
+                    g[j] += much * row[j]
+        balance(frozen, frozen + rank, n, here)
+        for q in range(frozen, frozen + rank):
+            i = pivot[q]
+            says = multiplier[q] * side[i] * norm[i]
+            faults += says < wrong
+            if says < least:
+                worst, least = i, says
+        for r in range(hard, hard + own):
+            i = ids[r]
+            if side[i] != EQUALITY:
+                says = w[i] * side[i] * norm[i]
+                faults += says < wrong
+                if says < least:
+                    worst, least = i, says
+    for i in range(ptr[k + 1] if k < last else 0):  # at the last level :func:`holds` looks at all rows
+        if side[i] == INACTIVE and kind[i] != FROZEN and norm[i] > 0.0:
+            value = value_of(i, x, here)
+            near = tol * norm[i] * size
+            faults += value > hi[i] + near + tol * abs(hi[i]) or value < lo[i] - near - tol * abs(lo[i])
+    for r in range(rank, hard):  # rows of C that depend on the others have to be met by them
+        i = ids[r]
+        goal = lo[i] if side[i] == LOWER else hi[i]
+        faults += abs(value_of(i, x, here) - goal) > tol * (abs(goal) + norm[i] * size)
+    return faults, worst, pull
+
+
+@inner
+def holds(here, last):
+    """Whether the x of the last level has kept what every level above has decided: slacks, and bounds."""
+    ptr, side, x = marks(here, at.PTR), marks(here, at.SIDE), vector(here, at.X)
+    tol = vector(here, at.OPTION)[at.TOL]
+    lo, hi, norm, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)
+    size = extent(x, here)
+    for i in range(ptr[last]):
+        if norm[i] == 0.0:
+            continue
+        value, near = value_of(i, x, here), tol * norm[i] * size
+        low, high = lo[i], hi[i]
+        if side[i] != INACTIVE:
+            low = high = lo[i] if side[i] == LOWER else hi[i]
+            low, high = low + w[i], high + w[i]
+        if value > high + near + tol * abs(high) or value < low - near - tol * abs(low):
+            return False
+    return True

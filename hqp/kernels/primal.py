@@ -1,0 +1,87 @@
+"""From a point that satisfies the levels above to the optimum of a level: exact steps, one event each."""
+
+from __future__ import annotations
+
+import math
+
+from . import layout as at
+from .compile import inner, integer
+from .dual import late
+from .memory import ints, marks, vector
+from .polish import judge, polish
+from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, extent, value_of
+from .working_set import FROZEN
+
+#: The most steps of one level.
+STEPS = 60
+#: A step changes a row if it does so by more than round-off, relative to the length of both.
+MOVES = 1e-12
+
+
+@inner
+def first_event(here, k):
+    """How far to go from APPROACH towards x: to the first row that reaches its bound, from inside or from outside.
+
+    Returns
+    -------
+    reach : float
+        At most 1.
+    row, side : int
+        Which row, -1 if none is in the way, and what it becomes.
+    """
+    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
+    n, tol = head[at.N], option[at.TOL]
+    ptr, side, kind = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.KIND)
+    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
+    x, start, d = vector(here, at.X), vector(here, at.APPROACH), vector(here, at.D)
+    steep = 0.0
+    for j in range(n):
+        d[j] = x[j] - start[j]
+        steep += d[j] * d[j]
+    steep, size = math.sqrt(steep), extent(start, here)
+    reach, row, becomes = 1.0, integer(-1), integer(INACTIVE)
+    for i in range(ptr[k + 1]):
+        if norm[i] == 0.0 or kind[i] == FROZEN or side[i] == EQUALITY:
+            continue
+        rate = value_of(i, d, here)
+        if abs(rate) <= MOVES * norm[i] * steep:
+            continue
+        value = value_of(i, start, here)
+        if side[i] == INACTIVE:
+            bound = hi[i] if rate > 0.0 else lo[i]
+            ratio = max(0.0, (bound - value) / rate)
+            if ratio < reach and abs(value + rate - bound) > tol * (abs(bound) + norm[i] * size):
+                reach, row, becomes = ratio, i, integer(UPPER if rate > 0.0 else LOWER)
+        elif i >= ptr[k]:  # violated so far, and soon no more
+            bound = lo[i] if side[i] == LOWER else hi[i]
+            slack = (value - bound) * side[i]
+            near = tol * (abs(bound) + norm[i] * size)
+            if slack > near and slack + rate * side[i] < -near:
+                ratio = -slack / (rate * side[i])
+                if ratio < reach:
+                    reach, row, becomes = ratio, i, integer(INACTIVE)
+    return reach, row, becomes
+
+
+@inner
+def primal(here, k, last, frozen):
+    """Take exact steps from APPROACH until level k is optimal; what :func:`.polish.polish` and its judge say then."""
+    head = ints(here, 0, at.HEAD)
+    n = head[at.N]
+    side, start, x = marks(here, at.SIDE), vector(here, at.APPROACH), vector(here, at.X)
+    for steps in range(STEPS + 1):
+        hard, rank, own, own_rank = polish(here, k, last, frozen)
+        faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
+        if faults == 0 or steps == STEPS or late(here):
+            break
+        head[at.ITERATIONS] += 1
+        reach, row, becomes = first_event(here, k)
+        for j in range(n):
+            start[j] += reach * (x[j] - start[j])
+        if row >= 0:
+            side[row] = becomes
+        elif worst >= 0:
+            side[worst] = INACTIVE
+        else:
+            break
+    return faults, hard, rank, own, own_rank, pull
