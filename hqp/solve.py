@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,11 +13,13 @@ from .arrays import Array, finite_vector, real_array
 from .backends.base import Answer
 from .backends.registry import make_backend
 from .checks import of_type
+from .damping import DampingRule
 from .errors import InvalidInput, Unsupported
 from .guard import Guard
 from .hierarchy import LARGEST, Hierarchy
 from .settings import Settings
 from .solution import Counts, Solution, Status
+from .staged import Staged, rules_of
 
 #: The backend used where none is named.
 DEFAULT_BACKEND = "native"
@@ -30,6 +34,10 @@ def _nothing(hierarchy: Hierarchy, x_ref: Array | None) -> tuple[Array, Counts] 
     return None
 
 
+def _solve_once(backend: str, settings: Settings, hierarchy: Hierarchy, x_ref: Array) -> Solution:
+    return Solver(backend, settings).solve(hierarchy, x_ref)
+
+
 class Solver:
     """Solves hierarchies of one structure again and again, each warm from the last.
 
@@ -38,13 +46,15 @@ class Solver:
     backend : str
         A name from ``hqp.available_backends()``.
     settings : Settings, optional
+    damping : mapping of int or str to DampingRule or float, optional
+        The levels to damp, by index or by name, each with its rule; a number is a :class:`FixedDamping`.
 
     Raises
     ------
     UnknownBackend
         If no backend of that name can run here.
     InvalidInput
-        If the settings are none.
+        If the settings are none, or a rule is none.
 
     Notes
     -----
@@ -55,10 +65,17 @@ class Solver:
     where a second one comes. A copy, also one that was pickled, is another solver with the same settings, and cold.
     """
 
-    def __init__(self, backend: str = DEFAULT_BACKEND, settings: Settings | None = None) -> None:
+    def __init__(
+        self,
+        backend: str = DEFAULT_BACKEND,
+        settings: Settings | None = None,
+        damping: Mapping[int | str, DampingRule | float] | None = None,
+    ) -> None:
         self.backend = backend
         self.settings = Settings() if settings is None else of_type(settings, Settings, "settings")
+        self.damping = {} if damping is None else rules_of(damping)
         self._backend = make_backend(backend, self.settings)
+        self._staged = self._new_staged() if self.damping else None
         # The native solver has a short way for what its first sweep proves, and looks at the numbers on it.
         self._prepare = getattr(self._backend, "prepare", None)
         self._quick = _nothing
@@ -68,9 +85,9 @@ class Solver:
         self._guard = Guard("the solver")
         self._take, self._give = self._guard.take, self._guard.give
 
-    def __reduce__(self) -> tuple[type[Solver], tuple[str, Settings]]:
+    def __reduce__(self) -> tuple[type[Solver], tuple[str, Settings, dict[int | str, DampingRule]]]:
         """A copy is made from what defines it: memory that a kernel knows by its address cannot be copied."""
-        return type(self), (self.backend, self.settings)
+        return type(self), (self.backend, self.settings, self.damping)
 
     def solve(self, hierarchy: Hierarchy, x_ref: ArrayLike | None = None) -> Solution:
         """Solve, warm if the last hierarchy had the same structure.
@@ -84,7 +101,8 @@ class Solver:
         Raises
         ------
         InvalidInput
-            If x_ref is no array of real numbers, or has the wrong shape.
+            If x_ref is no array of real numbers, or has the wrong shape; if a damped level is not in the hierarchy, or
+            numerical filtering meets an inequality row.
         InUse
             If another thread is solving with it.
         """
@@ -93,7 +111,7 @@ class Solver:
         except IndexError:
             self._guard.refuse()
         try:
-            return self._solve(hierarchy, x_ref)
+            return self._solve(hierarchy, x_ref) if self._staged is None else self._solve_damped(hierarchy, x_ref)
         finally:
             self._give(None)
 
@@ -127,6 +145,37 @@ class Solver:
     def forget(self) -> None:
         """Make the next call a cold one: what is kept of the last hierarchy is its structure alone."""
         getattr(self._backend, "forget", self._backend.reset)()
+        if self._staged is not None:
+            self._staged.forget()
+
+    def _new_staged(self) -> Staged:
+        """Solvers for one stage each; an answer that outlives this solver has one that is made when asked for."""
+        once = partial(_solve_once, self.backend, self.settings)
+        return Staged(self.damping, self.settings, lambda: Solver(self.backend, self.settings).solve, once)
+
+    def _solve_damped(self, hierarchy: Hierarchy, x_ref: ArrayLike | None) -> Solution:
+        """Stage by stage; the answer is the last one's."""
+        assert self._staged is not None
+        if getattr(hierarchy, "structure", None) is not self._structure or self._structure is None:
+            self._adopt(hierarchy)
+            self._staged.adopt(hierarchy)
+        reference = self._zero if x_ref is None else real_array(x_ref, "x_ref")
+        staged = self._staged.solve(hierarchy, reference)
+        last = staged.solutions[-1]
+        solved, levels = len(last.hierarchy.levels), len(hierarchy.levels)
+        where = f"in the stage of levels 0 to {solved - 1}: " if solved < levels else ""
+        return Solution(
+            last.x,
+            last.status,
+            self.backend,
+            hierarchy.copy(),
+            last.x_ref,
+            self.settings,
+            message=f"{where}{last.message}" if last.message else "",
+            level=last.level,
+            counts=Counts(*map(sum, zip(*(stage.counts for stage in staged.solutions), strict=True))),
+            staged=staged,
+        )
 
     def _answer(self, hierarchy: Hierarchy, reference: Array, fault: str | None) -> Answer:
         """What the backend says, or why it is not asked."""
@@ -165,6 +214,7 @@ def solve(
     backend: str = DEFAULT_BACKEND,
     x_ref: ArrayLike | None = None,
     settings: Settings | None = None,
+    damping: Mapping[int | str, DampingRule | float] | None = None,
 ) -> Solution:
     """Solve a hierarchy once.
 
@@ -174,18 +224,21 @@ def solve(
     backend : str
         A name from ``hqp.available_backends()``.
     x_ref : array, shape (n,), optional
-        Reference of the implicit last level ``min ||x - x_ref||`` (default: zero).
+        Reference of the implicit last level ``min ||x - x_ref||``, and of the damping (default: zero).
     settings : Settings, optional
+    damping : mapping of int or str to DampingRule or float, optional
+        The levels to damp, by index or by name, each with its rule; a number is a :class:`FixedDamping`.
 
     Returns
     -------
     Solution
-        ``.x``, ``.status``, ``.levels[k]``; ``.certify().ok`` is the proof.
+        ``.x``, ``.status``, ``.levels[k]``, ``.relaxed``; ``.certify().ok`` is the proof.
 
     Raises
     ------
     InvalidInput
-        If a number of the hierarchy or of x_ref cannot mean anything; names level and row.
+        If a number of the hierarchy or of x_ref cannot mean anything, names level and row; if a rule is none, or its
+        level not in the hierarchy.
     UnknownBackend
         If no backend of that name can run here; lists those that can.
     Unsupported
@@ -193,7 +246,7 @@ def solve(
     """
     if x_ref is not None and isinstance(hierarchy, Hierarchy):
         x_ref = finite_vector(x_ref, hierarchy.n, "x_ref")
-    solution = Solver(backend, settings).solve(hierarchy, x_ref)
+    solution = Solver(backend, settings, damping).solve(hierarchy, x_ref)
     if solution.status is Status.INVALID:
         raise InvalidInput(solution.message)
     if solution.status is Status.UNSUPPORTED:
