@@ -256,7 +256,7 @@ class BatchSolver:
             return self._solve(batch, x_ref)
 
     def _solve(self, batch: Batch, x_ref: ArrayLike | None) -> BatchSolution:
-        from .backends.native import PROVED, STATUSES, judged
+        from .backends.native import OPTIMAL, STATUSES, judged
 
         if self._pid != os.getpid():  # a forked child, which has none of the threads
             self._pid, self._pool, self._structure = os.getpid(), None, None
@@ -286,7 +286,7 @@ class BatchSolver:
         self._warm = True
 
         statuses, levels, messages = [Status.OPTIMAL] * count, np.full(count, -1, dtype=np.int64), {}
-        for b in np.flatnonzero(~np.isin(said[:, 0], PROVED)).tolist():
+        for b in np.flatnonzero(said[:, 0] != OPTIMAL).tolist():
             outcome, level, *counts = said[b].tolist()
             own = reference if reference.ndim == 1 else reference[b]
             alone: Answer | Solution

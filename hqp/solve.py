@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+import threading
+import time
 from collections.abc import Mapping
 from functools import partial
 from typing import Any
@@ -84,6 +87,8 @@ class Solver:
         self._zero = np.zeros(0)
         self._guard = Guard("the solver")
         self._take, self._give = self._guard.take, self._guard.give
+        # A time limit counts from the call on, whatever has to be made ready first.
+        self._began = getattr(self._backend, "began", None) if self.settings.time_limit < math.inf else None
 
     def __reduce__(self) -> tuple[type[Solver], tuple[str, Settings, dict[int | str, DampingRule]]]:
         """A copy is made from what defines it: memory that a kernel knows by its address cannot be copied."""
@@ -111,17 +116,23 @@ class Solver:
         except IndexError:
             self._guard.refuse()
         try:
-            return self._solve(hierarchy, x_ref) if self._staged is None else self._solve_damped(hierarchy, x_ref)
+            return self._solve(hierarchy, x_ref)
         finally:
             self._give(None)
 
-    def _solve(self, hierarchy: Hierarchy, x_ref: ArrayLike | None) -> Solution:
+    def _solve(self, hierarchy: Hierarchy, x_ref: ArrayLike | None, now: int | None = None) -> Solution:
+        if self._began is not None and now is None:
+            now = time.monotonic_ns()
+        if self._staged is not None:
+            return self._solve_damped(hierarchy, x_ref)
         try:
             structure = hierarchy.structure
         except AttributeError:
             structure = None
         if structure is None or structure is not self._structure:
             self._adopt(hierarchy)
+        if self._began is not None:
+            self._began(now)
         proved = fault = None
         if x_ref is None:
             reference = self._zero
@@ -244,11 +255,54 @@ def solve(
     Unsupported
         If the backend does not take such a hierarchy; names one that does.
     """
+    if settings is None or settings.time_limit == math.inf:
+        now = None
+    else:
+        now = time.monotonic_ns()
     if x_ref is not None and isinstance(hierarchy, Hierarchy):
         x_ref = finite_vector(x_ref, hierarchy.n, "x_ref")
-    solution = Solver(backend, settings, damping).solve(hierarchy, x_ref)
+    key, solver = _borrow(hierarchy, backend, settings, damping)
+    solution = solver._solve(hierarchy, x_ref, now)
+    _return(key, solver)
     if solution.status is Status.INVALID:
         raise InvalidInput(solution.message)
     if solution.status is Status.UNSUPPORTED:
         raise Unsupported(solution.message)
     return solution
+
+
+#: What :func:`solve` keeps: so many solvers of the native backend a thread, one a structure, the last used last.
+KEPT = 8
+_kept = threading.local()
+_DEFAULT = Settings()
+
+
+def _borrow(
+    hierarchy: Hierarchy,
+    backend: str,
+    settings: Settings | None,
+    damping: Mapping[int | str, DampingRule | float] | None,
+) -> tuple[Any, Solver]:
+    """A cold solver, taken from those that are kept if there is one of this structure: it has its memory ready."""
+    settings = _DEFAULT if settings is None else settings
+    if backend != DEFAULT_BACKEND or not isinstance(hierarchy, Hierarchy) or damping is not None:
+        return None, Solver(backend, settings, damping)
+    key = hierarchy.structure, settings
+    try:
+        solver = _kept.solvers.pop(key, None)
+    except AttributeError:
+        solver, _kept.solvers = None, {}
+    except TypeError:  # settings that are none
+        return None, Solver(backend, settings)
+    if solver is None:
+        return key, Solver(backend, settings)
+    solver.forget()
+    return key, solver
+
+
+def _return(key: Any, solver: Solver) -> None:
+    """Keep the solver for the next call of this thread with such a hierarchy."""
+    if key is not None:
+        _kept.solvers[key] = solver
+        if len(_kept.solvers) > KEPT:
+            del _kept.solvers[next(iter(_kept.solvers))]

@@ -18,9 +18,9 @@ from hqp import (
     Level,
     ManipulabilityDamping,
     NumericalFiltering,
-    Solver,
     Settings,
     SingularValueDamping,
+    Solver,
     Status,
     Unsupported,
 )

@@ -20,7 +20,7 @@ from .compile import inner, integer
 from .members import enter, leave, prepare, sign_of, start_of, wants
 from .memory import clock, ints, marks, matrix, vector
 from .sweep import INACTIVE, LOWER, UPPER
-from .working_set import FROZEN, HARD, IGNORED
+from .working_set import FROZEN, IGNORED
 
 #: A deadline that never comes.
 NEVER = -1
@@ -252,6 +252,8 @@ def settle(here, end, frozen, count, delta, rounds, met):
         if unmet(here, met, count, size):
             return integer(-1)
         worst = excesses(here, end, tolerance, size)
+        if worst == 0.0 and met > 0:  # a guess need not be finer
+            return count
         if worst == 0.0 and tolerance == ROUGH:
             tolerance = FINE
             refine(here, count)

@@ -6,7 +6,7 @@ from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length, pivots
-from .sweep import EQUALITY, INACTIVE, LOWER
+from .sweep import EQUALITY, LOWER
 from .working_set import FROZEN, HARD
 
 #: Rows above whose multiplier is beyond this share of the forces keep their bound for good: implicit equalities.

@@ -18,8 +18,9 @@ WARM, TRUSTED, LEVEL, SWEEPS, ITERATIONS, OUTCOME = 4, 5, 6, 7, 8, 15
 #: and for many hierarchies in one call their number (0: one), how many numbers each has, and the addresses of their
 #: x_ref (0: the same for all), x, sides and outcomes.
 COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES = 9, 10, 11, 12, 13, 14
-#: And what a solve notes for itself: when it must end, and whether the sides at the end of each level mean something.
-DEADLINE, HISTORY, HEAD = 16, 17, 18
+#: When the call began, by the clock of :mod:`.memory` (0: when the kernel does). And what a solve notes for itself: when
+#: it must end, and whether the sides at the end of each level mean something.
+BEGAN, DEADLINE, HISTORY, HEAD = 16, 17, 18, 19
 
 #: Places in OPTION: relative tolerances on rank and on rows, most iterations, most seconds.
 TAU, TOL, BUDGET, LIMIT = 0, 1, 2, 3

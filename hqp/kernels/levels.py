@@ -17,8 +17,8 @@ from . import layout as at
 from .compile import inner, integer
 from .dual import admit, late, settle
 from .freeze import freeze
-from .memory import ints, marks, matrix, vector
 from .members import enter, prepare, start_of
+from .memory import ints, marks, matrix, vector
 from .orthogonal import length, pivots, triangle
 from .polish import judge, polish
 from .primal import primal

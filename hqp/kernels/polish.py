@@ -13,11 +13,11 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
-from .memory import ints, marks, matrix, vector
 from .members import prepare, start_of
+from .memory import ints, marks, matrix, vector
 from .orthogonal import length, level_least_squares, pivots, separate
 from .sweep import DUAL, EQUALITY, INACTIVE, LOWER
-from .working_set import FROZEN, HARD, balance, value_of
+from .working_set import FROZEN, balance, value_of
 
 
 @inner

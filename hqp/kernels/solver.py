@@ -21,9 +21,9 @@ from .memory import clock, floats, given, ints, marks, matrix, vector
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep
 from .working_set import FROZEN, value_of
 
-#: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; proved at once;
-#: proved as far as one tolerance goes for rows of very different lengths.
-SUSPECT, CLEAR, UNEVEN = 3, 4, 5
+#: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; proved as far as one
+#: tolerance goes for rows of very different lengths.
+SUSPECT, UNEVEN = 3, 4
 
 #: As :data:`hqp.hierarchy.LARGEST`: a row that is longer has an entry to be looked at.
 LARGEST = 1e30
@@ -223,7 +223,10 @@ def solve_one(here):
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
     warm = head[at.WARM] != 0
     head[at.WARM] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
-    head[at.DEADLINE] = NEVER if option[at.LIMIT] == math.inf else clock() + int(1e9 * option[at.LIMIT])
+    head[at.DEADLINE] = NEVER
+    if option[at.LIMIT] < math.inf:
+        head[at.DEADLINE] = (head[at.BEGAN] if head[at.BEGAN] != 0 else clock()) + int(1e9 * option[at.LIMIT])
+    head[at.BEGAN] = 0
     if not load(here, warm, head[at.TRUSTED] != 0):
         return SUSPECT
     last = levels_that_count(here)
@@ -250,7 +253,7 @@ def solve_one(here):
         return status
     if not is_even(here):
         return UNEVEN
-    return CLEAR if head[at.SWEEPS] == 1 and head[at.ITERATIONS] == 0 else OPTIMAL
+    return OPTIMAL
 
 
 @inner
@@ -283,7 +286,7 @@ def solve(here, numbers):
     Returns
     -------
     outcome : int
-        A status of :mod:`.active_set`, or SUSPECT, CLEAR, UNEVEN; of many, that of the last.
+        A status of :mod:`.active_set`, or SUSPECT, UNEVEN; of many, that of the last.
     """
     head = ints(here, 0, at.HEAD)
     n, m, count, warm = head[at.N], head[at.ROWS], head[at.COUNT], head[at.WARM]
