@@ -96,7 +96,7 @@ __all__ = [
 ]
 
 #: What is no more, and what is there instead.
-_RENAMED = {
+_RENAMED: dict[str, Any] = {
     "RegularisedSolution": Solution,
     "RegularisedSolver": Solver,
     "StageCertificates": Certificate,
