@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..certificate import certify
+from ..damping import DampingRule, ErrorDamping, FixedDamping, ManipulabilityDamping, SingularValueDamping
 from ..hierarchy import Hierarchy
+from ..kernels import damped as kernel_damped
 from ..kernels import layout as at
 from ..kernels import solver as kernel
 from ..kernels.active_set import OPTIMAL, STALLED, SUBOPTIMAL
@@ -35,6 +37,7 @@ STATUSES = {
 #: Of the kernel: two addresses, an outcome.
 SIGNATURE = int64(int64, int64)
 
+Damped = Callable[[Hierarchy, Array], tuple[Array, Counts, Array] | None]
 Quick = Callable[[Hierarchy, Array | None], tuple[Array, Counts] | None]
 #: What almost every tick of a control loop takes, by its iterations: one sweep. Making these anew would be a third of it.
 ONE_SWEEP = [Counts(1, iterations) for iterations in range(64)]
@@ -67,6 +70,25 @@ class Native:
                 sweeps, iterations = told(at.SWEEPS), told(at.ITERATIONS)
                 once = sweeps == 1 and iterations < 64
                 return copy(), ONE_SWEEP[iterations] if once else Counts(sweeps, iterations)
+            return None
+
+        return quick
+
+    def prepare_damped(self, structure: tuple[Any, ...], rules: dict[int, DampingRule]) -> Damped | None:
+        """The same where levels are damped, with the points of all stages; None if a rule is none that it knows."""
+        numbers = [in_numbers(rule) for rule in rules.values()]
+        if None in numbers:
+            return None
+        make_ready(kernel_damped.solve_damped, "damped levels")
+        memory = self._memory = Memory(structure, self._settings, tuple(rules))
+        memory.rules[:, : len(numbers[0] or ())] = numbers
+        run, copy, reference, told = memory.run, memory.x.copy, memory.x_ref, memory.head.item
+        points = memory.passed.copy
+
+        def quick(hierarchy: Hierarchy, x_ref: Array) -> tuple[Array, Counts, Array] | None:
+            reference[:] = x_ref
+            if run(hierarchy.address) == OPTIMAL:
+                return copy(), Counts(told(at.SWEEPS), told(at.ITERATIONS)), points()
             return None
 
         return quick
@@ -129,12 +151,12 @@ class Memory:
         Views: the next run overwrites them.
     """
 
-    def __init__(self, structure: tuple[Any, ...], settings: Settings) -> None:
-        directory, self._owned, (ints, floats) = _layout(structure)
+    def __init__(self, structure: tuple[Any, ...], settings: Settings, damped: tuple[int, ...] = ()) -> None:
+        directory, self._owned, (ints, floats) = _layout(structure, damped)
         self._directory = directory.copy()
         self._blocks = np.empty(ints, dtype=np.int64), np.empty(floats)  # nothing is read before it is written
         entries = self._directory[at.HEAD :].reshape(-1, 3)
-        begins = {place: int(entries[place, 0]) for place in (at.X, at.X_REF, at.OPTION)}
+        begins = {place: int(entries[place, 0]) for place in (at.X, at.X_REF, at.OPTION, at.RULES, at.PASSED)}
         for block, places in zip(self._blocks, at.PLACES, strict=True):
             entries[places, 0] = block.ctypes.data + 8 * entries[places, 0]
         self.head = self._directory[: at.HEAD]
@@ -147,8 +169,17 @@ class Memory:
             settings.iterations,
             settings.time_limit,
         )
+        count = len(damped)
+        self.rules = memory[begins[at.RULES] :][: count * at.RULE].reshape(count, at.RULE)
+        self.passed = memory[begins[at.PASSED] :][: count * (2 + 2 * n)].reshape(count, 2 + 2 * n)
+        if damped:
+            self._bounds = np.empty((3, int(self.head[at.ROWS])))
+            for place, array in zip((at.LOWER, at.UPPER, at.WEIGHTS), self._bounds, strict=True):
+                entries[place, 0] = array.ctypes.data
+        self.head[at.WARM] = 0
         # The compiled function itself: there is one, and nothing to dispatch.
-        self.run = partial(kernel.solve.get_overload(SIGNATURE), int(self._directory.ctypes.data))
+        entry = kernel_damped.solve_damped if damped else kernel.solve
+        self.run = partial(entry.get_overload(SIGNATURE), int(self._directory.ctypes.data))
 
     def run_many(
         self,
@@ -171,6 +202,20 @@ class Memory:
 
 
 _layout = lru_cache(maxsize=64)(at.lay_out)
+
+
+def in_numbers(rule: DampingRule) -> tuple[float, ...] | None:
+    """Kind and parameters of a rule that the kernel knows; a rule of one's own it does not."""
+    match rule:
+        case FixedDamping() if type(rule) is FixedDamping:
+            return kernel_damped.FIXED, rule.factor, 0.0
+        case ManipulabilityDamping() if type(rule) is ManipulabilityDamping:
+            return kernel_damped.MANIPULABILITY, rule.largest, rule.threshold
+        case SingularValueDamping() if type(rule) is SingularValueDamping:
+            return kernel_damped.SINGULAR_VALUE, rule.largest, rule.threshold
+        case ErrorDamping() if type(rule) is ErrorDamping:
+            return kernel_damped.ERROR, rule.bound, rule.least
+    return None
 
 
 class _Announcement(event.Listener):

@@ -218,42 +218,55 @@ def seed(here, last):
 
 
 @inner
+def start_clock(here):
+    """The time limit counts from when the call began, if that is known."""
+    head, limit = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.LIMIT]
+    head[at.DEADLINE] = NEVER
+    if limit < math.inf:
+        head[at.DEADLINE] = (head[at.BEGAN] if head[at.BEGAN] != 0 else clock()) + int(1e9 * limit)
+    head[at.BEGAN] = 0
+
+
+@inner
 def solve_one(here):
     """Solve the hierarchy of the directory; see :func:`solve`."""
-    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
+    head = ints(here, 0, at.HEAD)
     warm = head[at.WARM] != 0
     head[at.WARM] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
-    head[at.DEADLINE] = NEVER
-    if option[at.LIMIT] < math.inf:
-        head[at.DEADLINE] = (head[at.BEGAN] if head[at.BEGAN] != 0 else clock()) + int(1e9 * option[at.LIMIT])
-    head[at.BEGAN] = 0
+    start_clock(here)
     if not load(here, warm, head[at.TRUSTED] != 0):
         return SUSPECT
     last = levels_that_count(here)
-    status, level, faults, begun = OPTIMAL, integer(last), integer(1), False
+    faults = integer(1)
     if warm and head[at.HISTORY] == 0:
         seed(here, last)
     if warm or guess(here, last):
         faults = verify(here, last)
-    if faults > 0 and warm:
-        level, faults = from_levels(here, last, True)
-        begun = True
-    if faults > 0 and not (begun and late(here)):
-        level, faults = from_levels(here, last, False)
-        begun = True
-    if begun:
-        head[at.HISTORY] = faults == 0
-    if faults > 0 and late(here):
-        stop_early(here, level, last)
-        status = SUBOPTIMAL
-    elif faults > 0:
-        status, level = safely(here, last)
+    status, level = (OPTIMAL, integer(last)) if faults == 0 else work_out(here, last, warm)
     head[at.LEVEL], head[at.WARM] = min(level, last), 1
     if status != OPTIMAL:
         return status
     if not is_even(here):
         return UNEVEN
     return OPTIMAL
+
+
+@inner
+def work_out(here, last, warm):
+    """Where repair has failed: level by level, the safe method, or as far as the limits let one go."""
+    head = ints(here, 0, at.HEAD)
+    level, faults = integer(last), integer(1)
+    if warm:
+        level, faults = from_levels(here, last, True)
+    if faults > 0 and not (warm and late(here)):
+        level, faults = from_levels(here, last, False)
+    head[at.HISTORY] = faults == 0
+    if faults == 0:
+        return OPTIMAL, integer(last)
+    if late(here):
+        stop_early(here, level, last)
+        return SUBOPTIMAL, level
+    return safely(here, last)
 
 
 @inner

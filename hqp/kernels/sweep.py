@@ -48,7 +48,7 @@ def sweep(here, last, tau):
     solve_equalities(here, last, tau)
     faults, undecided, blurred = judge_rows(here, last)
     if undecided > 0:
-        faults += judge_multipliers(here, last, undecided)
+        faults += judge_multipliers(here, last, undecided, last + 1)
     return faults, blurred
 
 
@@ -56,22 +56,29 @@ def sweep(here, last, tau):
 def solve_equalities(here, last, tau):
     """With the rows of the guess as equalities: x, the slacks w, and the basis with its pivot rows, level by level."""
     head = ints(here, 0, at.HEAD)
-    n, boxed = head[at.N], head[at.BOXED] != 0
-    col, row_of, ptr, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.PTR), marks(here, at.SIDE)
-    pinned, free, cut = marks(here, at.PINNED), marks(here, at.FREE), marks(here, at.CUT)
-    pivot, ids, dependent = marks(here, at.PIVOT), marks(here, at.IDS), marks(here, at.KIND)
-    slots = marks(here, at.SLOTS)
-    lo, hi, norm, x0 = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X0)
-    x, w, y, rhs = vector(here, at.X), vector(here, at.W), vector(here, at.Y), vector(here, at.RHS)
-    given_rhs, lengths = vector(here, at.VALUE), vector(here, at.LENGTHS)
-    B, V, L, R, H = matrix(here, at.B), matrix(here, at.V), matrix(here, at.L), matrix(here, at.R), matrix(here, at.H)
+    ids, y, w, rhs = marks(here, at.IDS), vector(here, at.Y), vector(here, at.W), vector(here, at.RHS)
+    L, H = matrix(here, at.L), matrix(here, at.H)
+    f, c = pin(here), integer(0)
+    for k in range(1 if head[at.BOXED] != 0 else 0, last):
+        count, rank = enter_level(here, k, c, f, tau)
+        level_least_squares(ids, count, rank, L, c, rhs, y, w, H)
+        note_level(here, c, count, rank)
+        c += rank
+    arrive(here, last, c, f)
 
-    # Fixed and free variables.
+
+@inner
+def pin(here):
+    """x is x0, but for the variables that active bounds of the highest level fix; the others are listed: how many."""
+    head = ints(here, 0, at.HEAD)
+    n, col, ptr, side = head[at.N], marks(here, at.COL), marks(here, at.PTR), marks(here, at.SIDE)
+    pinned, free = marks(here, at.PINNED), marks(here, at.FREE)
+    lo, hi, norm, x0 = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X0)
+    x, w = vector(here, at.X), vector(here, at.W)
     for j in range(n):
         pinned[j] = -1
         x[j] = x0[j]
-    first = 1 if boxed else 0
-    if boxed:
+    if head[at.BOXED] != 0:
         for i in range(ptr[0], ptr[1]):
             w[i] = 0.0
             if side[i] != INACTIVE:
@@ -82,53 +89,77 @@ def solve_equalities(here, last, tau):
         if pinned[j] < 0:
             free[f] = j
             f += 1
+    return f
 
-    # Equalities, level by level.
-    c = integer(0)
-    for k in range(first, last):
-        cut[k] = c
-        count = integer(0)
-        for i in range(ptr[k], ptr[k + 1]):
-            w[i] = 0.0
-            if side[i] == INACTIVE:
-                continue
-            row = R[count]
-            bound = target(side[i], lo[i], hi[i])
-            if col[i] >= 0:
-                for t in range(f):
-                    row[t] = 0.0
-                    if free[t] == col[i]:
-                        row[t] = norm[i]
-                rhs[count] = bound - norm[i] * x[col[i]]
-            else:
-                given = B[row_of[i]]
-                total = 0.0
-                for j in range(n):
-                    total += given[j] * x[j]
-                rhs[count] = bound - total
-                for t in range(f):
-                    row[t] = given[free[t]]
-            ids[count] = i
-            given_rhs[i] = rhs[count]  # by row number, while the rows are put in order
-            count += 1
-        rank = integer(0)
-        if count > 0:
-            rank = factor(ids, count, slots, lengths, R, norm, V, L, c, f, tau)
-            for r in range(count):
-                i = ids[r]
-                row = L[i]
-                total = given_rhs[i]
-                for q in range(c):
-                    total -= row[q] * y[q]
-                rhs[r] = total
-            level_least_squares(ids, count, rank, L, c, rhs, y, w, H)
-        for r in range(rank):
-            pivot[c + r] = ids[r]
-            dependent[ids[r]] = 0
-        for r in range(rank, count):
-            dependent[ids[r]] = 1
-        c += rank
-    cut[last] = c
+
+@inner
+def enter_level(here, k, c, f, tau):
+    """The rows of the guess in level k, listed and factored on top of V[:c], and what y[c:] has to make of them.
+
+    Returns
+    -------
+    count, rank : int
+    """
+    head = ints(here, 0, at.HEAD)
+    n = head[at.N]
+    col, row_of, ptr, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.PTR), marks(here, at.SIDE)
+    free, ids, slots = marks(here, at.FREE), marks(here, at.IDS), marks(here, at.SLOTS)
+    lo, hi, norm, given_rhs = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.VALUE)
+    x, w, y, rhs = vector(here, at.X), vector(here, at.W), vector(here, at.Y), vector(here, at.RHS)
+    B, V, L, R = matrix(here, at.B), matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
+    marks(here, at.CUT)[k] = c
+    count, rank = integer(0), integer(0)
+    for i in range(ptr[k], ptr[k + 1]):
+        w[i] = 0.0
+        if side[i] == INACTIVE:
+            continue
+        row = R[count]
+        bound = target(side[i], lo[i], hi[i])
+        if col[i] >= 0:
+            for t in range(f):
+                row[t] = 0.0
+                if free[t] == col[i]:
+                    row[t] = norm[i]
+            rhs[count] = bound - norm[i] * x[col[i]]
+        else:
+            given = B[row_of[i]]
+            total = 0.0
+            for j in range(n):
+                total += given[j] * x[j]
+            rhs[count] = bound - total
+            for t in range(f):
+                row[t] = given[free[t]]
+        ids[count] = i
+        given_rhs[i] = rhs[count]  # by row number, while the rows are put in order
+        count += 1
+    if count > 0:
+        rank = factor(ids, count, slots, vector(here, at.LENGTHS), R, norm, V, L, c, f, tau)
+        for r in range(count):
+            i = ids[r]
+            row = L[i]
+            total = given_rhs[i]
+            for q in range(c):
+                total -= row[q] * y[q]
+            rhs[r] = total
+    return count, rank
+
+
+@inner
+def note_level(here, c, count, rank):
+    """Note which of the rows that are listed the basis was made of, and which depend on them."""
+    pivot, ids, dependent = marks(here, at.PIVOT), marks(here, at.IDS), marks(here, at.KIND)
+    for r in range(rank):
+        pivot[c + r] = ids[r]
+        dependent[ids[r]] = 0
+    for r in range(rank, count):
+        dependent[ids[r]] = 1
+
+
+@inner
+def arrive(here, last, c, f):
+    """x, where y takes it from where :func:`pin` has left it."""
+    free, x, y, V = marks(here, at.FREE), vector(here, at.X), vector(here, at.Y), matrix(here, at.V)
+    marks(here, at.CUT)[last] = c
     for q in range(c):
         direction, step = V[q], y[q]
         for t in range(f):
@@ -205,8 +236,8 @@ def judge_rows(here, last):
 
 
 @inner
-def judge_multipliers(here, last, undecided):
-    """What holds each level back pushes the right way: the number of undecided rows that do not."""
+def judge_multipliers(here, last, undecided, end):
+    """What holds levels 0 .. `end` back pushes the right way: the number of undecided rows that do not."""
     head = ints(here, 0, at.HEAD)
     n, boxed = head[at.N], head[at.BOXED] != 0
     col, row_of, ptr, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.PTR), marks(here, at.SIDE)
@@ -216,7 +247,7 @@ def judge_multipliers(here, last, undecided):
     y, g, G, forces_of = vector(here, at.Y), vector(here, at.G), vector(here, at.BALANCE), vector(here, at.FORCES)
     B, L = matrix(here, at.B), matrix(here, at.L)
     faults = 0
-    for k in range(last + 1):
+    for k in range(end):
         if undecided == 0:
             break
         forces = 0.0

@@ -1,0 +1,443 @@
+r"""Damped levels: stage by stage (:mod:`hqp.staged`), each on the basis of the one before, in one pass where all is warm.
+
+A stage is a plain hierarchy: the levels down to a damped one, with a bound on every variable more in that one, the
+*rows of damping* :math:`\lambda (x - x_\text{ref}) = 0`. In the sweep they cost next to nothing. Where x starts at
+:math:`x_\text{ref}` and V is orthonormal, they are :math:`\lambda y = 0` in the directions that the level itself adds
+to V, so that its least squares has as many rows more as directions:
+
+.. math:: \min_y \|L_k y - r\|^2 + \lambda^2 \|y\|^2 .
+
+In the next stage the rows of the level keep the value that they have: the same directions, the same y. So where the
+guess of the next stage agrees on all rows down to there, the sweep goes on below, on top of the basis that there is.
+Every stage is verified like any hierarchy, with the force of the damping in the balance of its level; where that fails,
+its rows of damping are rows like any other, and it is solved as such (:mod:`.solver`), and verified by a plain sweep.
+"""
+
+from __future__ import annotations
+
+import math
+
+from . import layout as at
+from .active_set import OPTIMAL
+from .compile import entry, inner, integer, stamp
+from .dual import late
+from .memory import floats, ints, marks, matrix, vector
+from .orthogonal import length, level_least_squares
+from .singular import smallest, volume
+from .solver import (
+    FEW, PATIENCE, SHARPER, SHARPEST, SUSPECT, UNEVEN, contested, is_even, levels_that_count, load, repair, seed,
+    start_clock, work_out,
+)  # fmt: skip
+from .sweep import (
+    EQUALITY, INACTIVE, LOWER, UPPER, arrive, enter_level, judge_multipliers, judge_rows, note_level, pin,
+)  # fmt: skip
+from .working_set import value_of
+
+#: Kinds of rules, see :mod:`hqp.damping`; and a level that is not damped.
+FIXED, MANIPULABILITY, SINGULAR_VALUE, ERROR, NONE = 0, 1, 2, 3, -1
+
+#: Up to here a row of a damped level counts as dependent: next to round-off, for damping bounds what becomes of it.
+DEPENDENT = 1e-14
+#: What is solved to the tolerance on rows is judged by one that is so much larger.
+JUDGED = 10.0
+#: As :data:`hqp.hierarchy.LARGEST`.
+LARGEST = 1e30
+
+
+@inner
+def take_numbers(here, numbers):
+    """Rows where they are; bounds and weights to where there is room for rows of damping between them."""
+    head = ints(here, 0, at.HEAD)
+    levels, m, damped = head[at.LEVELS], head[at.ROWS], head[at.DAMPED]
+    n, ptr, which, own = head[at.N], marks(here, at.PTR), marks(here, at.WHICH), marks(here, at.OWN)
+    lower, upper, weights = vector(here, at.LOWER), vector(here, at.UPPER), vector(here, at.WEIGHTS)
+    ints(here, at.HEAD + 3 * at.A, 1)[0] = numbers
+    dense, given = ints(here, at.HEAD + 3 * at.A, 3)[1] * n, m - damped * n
+    low, high = floats(numbers, dense, given), floats(numbers, dense + given, given)
+    weight = floats(numbers, dense + 2 * given, given)
+    d, r = integer(0), integer(0)
+    for k in range(levels):
+        end = ptr[k + 1]
+        if d < damped and which[d] == k:
+            end = ptr[k] + own[d]
+            for i in range(end, ptr[k + 1]):
+                lower[i], upper[i], weights[i] = -math.inf, math.inf, 1.0
+            d += 1
+        for i in range(ptr[k], end):
+            lower[i], upper[i], weights[i] = low[r], high[r], weight[r]
+            r += 1
+
+
+@inner
+def release(here, first, end):
+    """Rows of damping first .. end are none."""
+    side, w, norm = marks(here, at.SIDE), vector(here, at.W), vector(here, at.NORM)
+    for i in range(first, end):
+        side[i], w[i], norm[i] = INACTIVE, 0.0, 0.0
+
+
+@inner
+def engage(here, first, end, damping):
+    """Rows of damping first .. end are rows like any other; their slack is that of x."""
+    side, col, dependent = marks(here, at.SIDE), marks(here, at.COL), marks(here, at.KIND)
+    lo, hi, norm, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)
+    x, x_ref = vector(here, at.X), vector(here, at.X_REF)
+    for i in range(first, end):
+        j = col[i]
+        side[i], dependent[i], norm[i], w[i] = EQUALITY, 0, damping, damping * (x[j] - x_ref[j])
+        lo[i] = hi[i] = damping * x_ref[j]
+
+
+@inner
+def balance_damping(here, first, c, f, damping):
+    """The coefficients along V[:c] of the rows of damping."""
+    free, L, V = marks(here, at.FREE), matrix(here, at.L), matrix(here, at.V)
+    n = ints(here, 0, at.HEAD)[at.N]
+    for j in range(n):
+        row = L[first + j]
+        for q in range(c):
+            row[q] = 0.0
+    for q in range(c):
+        direction = V[q]
+        for t in range(f):
+            L[first + free[t]][q] = damping * direction[t]
+
+
+@inner
+def solve_levels(here, k, end, c, f, tau):
+    """Levels k .. end of the guess, on top of V[:c]: how many rows V has then."""
+    ids, y, w, rhs = marks(here, at.IDS), vector(here, at.Y), vector(here, at.W), vector(here, at.RHS)
+    L, H = matrix(here, at.L), matrix(here, at.H)
+    while k < end:
+        count, rank = enter_level(here, k, c, f, tau)
+        level_least_squares(ids, count, rank, L, c, rhs, y, w, H)
+        note_level(here, c, count, rank)
+        c += rank
+        k += 1
+    return c
+
+
+@inner
+def solve_damped_level(here, k, first, c, f, damping):
+    """Level k of the guess with its damping, on top of V[:c]: how many directions it adds, and the weakest share.
+
+    That is how much of a row was left when it became one of them, relative to its length.
+    """
+    n = ints(here, 0, at.HEAD)[at.N]
+    ids, y, w, rhs = marks(here, at.IDS), vector(here, at.Y), vector(here, at.W), vector(here, at.RHS)
+    norm, L, H = vector(here, at.NORM), matrix(here, at.L), matrix(here, at.H)
+    count, rank = enter_level(here, k, c, f, DEPENDENT)
+    weakest = 1.0
+    for r in range(rank):
+        weakest = min(weakest, L[ids[r]][c + r] / norm[ids[r]])
+    for j in range(rank):
+        i = first + j
+        row = L[i]
+        for q in range(rank):
+            row[c + q] = 0.0
+        row[c + j] = damping
+        ids[count + j], rhs[count + j] = i, 0.0
+    level_least_squares(ids, count + rank, rank, L, c, rhs, y, w, H)
+    note_level(here, c, count, rank)
+    return rank, weakest
+
+
+@inner
+def sweep_stage(here, last, level, first, damping, through, c, tau):
+    """Solve and judge the guess for levels 0 .. last, of which those before `through` stand in V[:c] already.
+
+    Parameters
+    ----------
+    level, first : int
+        Which one is damped, and its first row of damping; NONE.
+
+    Returns
+    -------
+    faults : int
+    blurred : bool
+    through, c : int
+        What of the basis the next stage can go on with.
+    """
+    n, option = ints(here, 0, at.HEAD)[at.N], vector(here, at.OPTION)
+    if level != NONE:
+        release(here, first, first + n)
+    f = pin(here)
+    if level == NONE:
+        c = solve_levels(here, through, last, c, f, tau)
+        arrive(here, last, c, f)
+        through = last
+    else:
+        c = solve_levels(here, through, level, c, f, tau)
+        rank, weakest = solve_damped_level(here, level, first, c, f, damping)
+        arrive(here, last, c + rank, f)
+        engage(here, first, first + n, damping)
+        through = level
+    faults, undecided, blurred = judge_rows(here, last)
+    if undecided > 0:
+        if level != NONE:
+            balance_damping(here, first, c, f, damping)
+        # All of x is decided by a damped level: nothing is left of which to ask whether it is next to x_ref.
+        faults += judge_multipliers(here, last, undecided, last + 1 if level == NONE else last)
+    if level != NONE and weakest > tau:
+        through, c = level + 1, c + rank
+    if tau < option[at.TAU]:
+        through, c = integer(0), integer(0)
+    return faults, blurred, through, c
+
+
+@inner
+def expect(here, slot, last, warm, through):
+    """Set the sides to the guess for this stage; False if rows before level `through` are others than the basis has."""
+    m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
+    side, known = marks(here, at.SIDE), marks(here, at.STAGES)[slot * m :]
+    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
+    same, end = True, ptr[through]
+    for i in range(ptr[last]):
+        was = known[i] if warm else side[i]
+        if norm[i] == 0.0:
+            was = INACTIVE
+        elif lo[i] == hi[i]:
+            was = EQUALITY
+        elif was == EQUALITY or (was == LOWER and lo[i] == -math.inf) or (was == UPPER and hi[i] == math.inf):
+            was = INACTIVE
+        if i < end:
+            same = same and (was == side[i] or (was == EQUALITY and side[i] != INACTIVE))
+        side[i] = was
+    return same
+
+
+@inner
+def run_stage(here, slot, last, level, first, damping, warm, through, c):
+    """One stage: x, and its sides for the next time.
+
+    Returns
+    -------
+    status : int
+    through, c : int
+        Levels that stand in the basis, and its rows.
+    """
+    head, tau = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.TAU]
+    m, ptr, side = head[at.ROWS], marks(here, at.PTR), marks(here, at.SIDE)
+    known = marks(here, at.STAGES)[slot * m :]
+    begin = integer(1 if head[at.BOXED] != 0 else 0)
+    if not expect(here, slot, last, warm, through) or through < begin:
+        through, c = begin, integer(0)
+    fewest, left, status = m + 1, PATIENCE, OPTIMAL
+    while True:
+        faults, blurred, reached, rows = sweep_stage(here, last, level, first, damping, through, c, tau)
+        head[at.SWEEPS] += 1
+        if faults == 0 and blurred and tau > SHARPEST:
+            tau, through, c = tau * SHARPER, begin, integer(0)
+            continue
+        left = PATIENCE if faults < fewest else left - 1
+        fewest = min(fewest, faults)
+        if faults == 0 or left <= 0 or late(here) or (faults > FEW and contested(here, last)):
+            break
+        repair(here, last)
+        through, c = begin, integer(0)
+    through, c = reached, rows
+    if faults > 0:
+        if level != NONE:
+            engage(here, first, ptr[level + 1], damping)
+        seed(here, last)
+        status, _ = work_out(here, last, warm)
+        through, c = begin, integer(0)
+    for i in range(ptr[last]):
+        known[i] = side[i]
+    return status, through, c
+
+
+@inner
+def freeze_level(here, level, first):
+    """From now on the rows of a damped level that are equalities, or violated, keep their value."""
+    n, tol = ints(here, 0, at.HEAD)[at.N], JUDGED * vector(here, at.OPTION)[at.TOL]
+    ptr, side = marks(here, at.PTR), marks(here, at.SIDE)
+    lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
+    w, size = vector(here, at.W), length(x, n)
+    for i in range(ptr[level], first):
+        if norm[i] == 0.0:
+            continue
+        value = value_of(i, x, here)
+        near = tol * norm[i] * size
+        over, under = value - hi[i] > near + tol * abs(hi[i]), lo[i] - value > near + tol * abs(lo[i])
+        if lo[i] == hi[i] or over or under:
+            lo[i] = hi[i] = value
+            w[i], side[i] = 0.0, side[i] if side[i] != INACTIVE else EQUALITY
+    release(here, first, ptr[level + 1])
+
+
+@inner
+def satisfied(here, end, x):
+    """Whether x violates none of the rows before `end`."""
+    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
+    for i in range(end):
+        if norm[i] > 0.0:
+            value = value_of(i, x, here)
+            if value < lo[i] or value > hi[i]:
+                return False
+    return True
+
+
+@inner
+def unequal(here, end):
+    """Whether there are inequalities before row `end`."""
+    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
+    for i in range(end):
+        if norm[i] > 0.0 and lo[i] != hi[i] and (lo[i] != -math.inf or hi[i] != math.inf):
+            return True
+    return False
+
+
+@inner
+def lacking(here, level, first):
+    """``||D_k w_k||`` of the level at x, and the length of its shortest row."""
+    lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
+    total, shortest = 0.0, math.inf
+    for i in range(marks(here, at.PTR)[level], first):
+        value = value_of(i, x, here) if norm[i] > 0.0 else 0.0
+        away = max(value - hi[i], lo[i] - value, 0.0)
+        total += away * away
+        shortest = min(shortest, norm[i])
+    return math.sqrt(total), shortest
+
+
+@inner
+def activate(here, end, through):
+    """Let the sides of rows before `end` be where x is; False if rows before level `through` are not in the basis so."""
+    n, tol = ints(here, 0, at.HEAD)[at.N], JUDGED * vector(here, at.OPTION)[at.TOL]
+    ptr, side = marks(here, at.PTR), marks(here, at.SIDE)
+    lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
+    size, same, known = length(x, n), True, ptr[through]
+    for i in range(end):
+        now = integer(INACTIVE)
+        if norm[i] > 0.0:
+            if lo[i] == hi[i]:
+                now = integer(EQUALITY)
+            else:
+                value = value_of(i, x, here)
+                near = tol * (abs(value) + 0.1 * norm[i] * size)
+                if value >= hi[i] - near - tol * abs(hi[i]):
+                    now = integer(UPPER)
+                elif value <= lo[i] + near + tol * abs(lo[i]):
+                    now = integer(LOWER)
+        if i < known:
+            same = same and (now == side[i] or (now == EQUALITY and side[i] != INACTIVE))
+        side[i] = now
+    return same
+
+
+@inner
+def by_singular_values(here, d, level, first, through, c):
+    """The lambda of a rule that looks at the singular values of the level's active rows in what those above leave.
+
+    Returns
+    -------
+    damping : float
+    through, c : int
+    """
+    head, tau = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.TAU]
+    ids, L, H, rule = marks(here, at.IDS), matrix(here, at.L), matrix(here, at.H), matrix(here, at.RULES)[d]
+    begin = integer(1 if head[at.BOXED] != 0 else 0)
+    if not activate(here, first, through) or through < begin:
+        through, c = begin, integer(0)
+    f = pin(here)
+    c = solve_levels(here, through, level, c, f, tau)
+    count, rank = enter_level(here, level, c, f, DEPENDENT)
+    largest, threshold, share = rule[1], rule[2], 1.0
+    if count > 0:
+        if rule[0] == MANIPULABILITY:
+            share = volume(ids, rank, L, c) / threshold if rank == count else 0.0
+            return largest * max(1.0 - share, 0.0), level, c
+        share = min(smallest(ids, count, rank, L, c, H) / threshold, 1.0) if rank == count else 0.0
+    elif rule[0] == MANIPULABILITY:
+        return 0.0, level, c
+    return largest * math.sqrt(1.0 - share * share), level, c
+
+
+@inner
+def solve_stages(here):
+    """All stages; a status of :mod:`.active_set`, SUSPECT or UNEVEN."""
+    head = ints(here, 0, at.HEAD)
+    n, levels, damped, warm = head[at.N], head[at.LEVELS], head[at.DAMPED], head[at.WARM] != 0
+    head[at.WARM] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
+    start_clock(here)
+    if not load(here, False, head[at.TRUSTED] != 0):
+        return SUSPECT
+    ptr, which, own = marks(here, at.PTR), marks(here, at.WHICH), marks(here, at.OWN)
+    x, x_ref, x0 = vector(here, at.X), vector(here, at.X_REF), vector(here, at.X0)
+    tau, rules, passed = vector(here, at.OPTION)[at.TAU], matrix(here, at.RULES), matrix(here, at.PASSED)
+    for d in range(damped):
+        release(here, ptr[which[d]] + own[d], ptr[which[d] + 1])
+    if not is_even(here):
+        return UNEVEN
+    for j in range(n):
+        x[j] = x0[j] = x_ref[j]
+    decided, through, c, status = integer(0), integer(0), integer(0), OPTIMAL
+    for d in range(damped):
+        k, kind, note = which[d], rules[d][0], passed[d]
+        first = ptr[k] + own[d]
+        note[1] = 0.0
+        if decided != k and (kind == ERROR or (kind != FIXED and unequal(here, first))):
+            if satisfied(here, ptr[k], x_ref):
+                for j in range(n):
+                    x[j] = x_ref[j]
+            else:
+                status, through, c = run_stage(here, 2 * d, k, NONE, 0, 0.0, warm, through, c)
+                if status != OPTIMAL:
+                    return status
+                note[1] = 1.0
+                for j in range(n):
+                    note[2 + j] = x[j]
+        damping = rules[d][1]
+        if kind == ERROR:
+            away, shortest = lacking(here, k, first)
+            damping = min(math.hypot(rules[d][2], 0.5 / rules[d][1] * away), LARGEST)
+            if damping < 0.1 * tau * shortest:
+                damping = 0.0
+        elif kind != FIXED:
+            damping, through, c = by_singular_values(here, d, k, first, through, c)
+        note[0] = damping
+        if damping < 1.0 / LARGEST:
+            continue
+        status, through, c = run_stage(here, 2 * d + 1, k + 1, k, first, damping, warm, through, c)
+        if status != OPTIMAL:
+            return status
+        for j in range(n):
+            note[2 + n + j] = x[j]
+        freeze_level(here, k, first)
+        decided = k + 1
+    if decided < levels or decided == 0:
+        last = levels_that_count(here)
+        shift(here, c)
+        status, through, c = run_stage(here, 2 * damped, last, NONE, 0, 0.0, warm, through, c)
+    head[at.WARM] = 1
+    return status
+
+
+@inner
+def shift(here, c):
+    """x0 is no longer x_ref: what y is in V[:c], from the new one."""
+    head = ints(here, 0, at.HEAD)
+    n = head[at.N]
+    pinned, free = marks(here, at.PINNED), marks(here, at.FREE)
+    x0, x_ref, y, V = vector(here, at.X0), vector(here, at.X_REF), vector(here, at.Y), matrix(here, at.V)
+    f = integer(0)
+    for j in range(n):
+        if pinned[j] < 0:
+            free[f] = j
+            f += 1
+    for q in range(c):
+        direction, along = V[q], 0.0
+        for t in range(f):
+            along += direction[t] * (x_ref[free[t]] - x0[free[t]])
+        y[q] += along
+
+
+@stamp
+@entry
+def solve_damped(here, numbers):
+    """Solve the hierarchy at the address `numbers`, with the damped levels that the directory lists."""
+    head = ints(here, 0, at.HEAD)
+    take_numbers(here, numbers)
+    head[at.OUTCOME] = solve_stages(here)
+    return head[at.OUTCOME]
