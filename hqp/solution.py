@@ -191,10 +191,10 @@ class Solution:
         if noted is None or name not in ("hierarchy", "x_ref", "backend", "settings", "staged"):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         if name == "staged":
-            tell = self.__dict__.get("_stages")
-            self.__dict__["staged"] = None if tell is None else tell(self)
+            points, tell = self.__dict__.get("_points"), noted[3][2]
+            self.__dict__["staged"] = None if points is None else tell(self, points)
             return self.__dict__["staged"]
-        template, numbers, x_ref, (backend, settings) = noted
+        template, numbers, x_ref, (backend, settings, _) = noted
         self.__dict__.update(hierarchy=template.with_numbers(numbers), x_ref=x_ref, backend=backend, settings=settings)
         return self.__dict__[name]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
@@ -21,8 +21,8 @@ from .errors import InvalidInput, Unsupported
 from .guard import Guard
 from .hierarchy import LARGEST, Hierarchy
 from .settings import Settings
-from .solution import Counts, Solution, Status
-from .staged import Staged, rules_of
+from .solution import Counts, Solution, Stages, Status
+from .staged import Staged, by_index, rules_of, told
 
 #: The backend used where none is named.
 DEFAULT_BACKEND = "native"
@@ -79,10 +79,12 @@ class Solver:
         self.damping = {} if damping is None else rules_of(damping)
         self._backend = make_backend(backend, self.settings)
         self._staged = self._new_staged() if self.damping else None
+        self._by_number, self._rules = not any(isinstance(key, str) for key in self.damping), dict[int, DampingRule]()
+        self._all_stages: Callable[[Hierarchy, Array], tuple[Array, Counts, Array] | None] | None = None
         # The native solver has a short way for what its first sweep proves, and looks at the numbers on it.
         self._prepare = getattr(self._backend, "prepare", None)
         self._quick = _nothing
-        self._always = self.backend, self.settings
+        self._always = self.backend, self.settings, self._new_tell() if self.damping else None
         self._structure: tuple[Any, ...] | None = None
         self._zero = np.zeros(0)
         self._guard = Guard("the solver")
@@ -124,7 +126,7 @@ class Solver:
         if self._began is not None and now is None:
             now = time.monotonic_ns()
         if self._staged is not None:
-            return self._solve_damped(hierarchy, x_ref)
+            return self._solve_damped(hierarchy, x_ref, now)
         try:
             structure = hierarchy.structure
         except AttributeError:
@@ -164,13 +166,31 @@ class Solver:
         once = partial(_solve_once, self.backend, self.settings)
         return Staged(self.damping, self.settings, lambda: Solver(self.backend, self.settings).solve, once)
 
-    def _solve_damped(self, hierarchy: Hierarchy, x_ref: ArrayLike | None) -> Solution:
-        """Stage by stage; the answer is the last one's."""
-        assert self._staged is not None
+    def _new_tell(self) -> Callable[[Solution, Array], Stages]:
+        """Tells the stages of an answer from its points."""
+        return partial(told, self.damping, partial(_solve_once, self.backend, self.settings))
+
+    def _solve_damped(self, hierarchy: Hierarchy, x_ref: ArrayLike | None, now: int | None) -> Solution:
+        """All stages in the backend, where it can; else stage by stage."""
         if getattr(hierarchy, "structure", None) is not self._structure or self._structure is None:
-            self._adopt(hierarchy)
-            self._staged.adopt(hierarchy)
+            self._adopt_damped(hierarchy)
+        if self._began is not None:
+            self._began(now)
         reference = self._zero if x_ref is None else real_array(x_ref, "x_ref")
+        if self._all_stages is None or reference.shape != self._zero.shape:
+            return self._solve_in_stages(hierarchy, reference)
+        proved = self._all_stages(hierarchy, reference)
+        if proved is None:
+            return self._solve_in_stages(hierarchy, reference)
+        solution = new(Solution)
+        fields = solution.__dict__
+        fields["_noted"] = hierarchy, hierarchy.numbers.copy(), reference, self._always
+        fields["x"], fields["counts"], fields["_points"] = proved
+        fields["status"] = OPTIMAL
+        return solution
+
+    def _solve_in_stages(self, hierarchy: Hierarchy, reference: Array) -> Solution:
+        assert self._staged is not None
         staged = self._staged.solve(hierarchy, reference)
         last = staged.solutions[-1]
         solved, levels = len(last.hierarchy.levels), len(hierarchy.levels)
@@ -208,6 +228,19 @@ class Solver:
             self._zero = np.zeros(hierarchy.n)
             self._zero.flags.writeable = False
         self._structure = hierarchy.structure
+
+    def _adopt_damped(self, hierarchy: Hierarchy) -> None:
+        """The same where levels are damped; which ones their names mean may differ though the structure does not."""
+        known = self._structure
+        self._adopt(hierarchy)
+        if hierarchy.structure == known and self._by_number:
+            return
+        self._structure = None  # until the rules fit
+        rules = by_index(hierarchy, self.damping)
+        prepare = getattr(self._backend, "prepare_damped", None)
+        if prepare is not None and (hierarchy.structure != known or rules != self._rules):
+            self._all_stages = prepare(hierarchy.structure, rules)
+        self._structure, self._rules = hierarchy.structure, rules
 
     def _reference(self, x_ref: ArrayLike) -> tuple[str | None, Array]:
         """What is wrong with x_ref, if anything, and what to use."""

@@ -35,7 +35,7 @@ from .damping import DampingRule, as_rule
 from .errors import InvalidInput, brief
 from .hierarchy import LARGEST, Hierarchy
 from .settings import Settings
-from .solution import Solution, Stages
+from .solution import Solution, Stages, Status
 
 #: No singular values: of a rule that does not look at any.
 NOTHING = np.zeros(0)
@@ -74,7 +74,7 @@ class Staging:
         settings: Settings,
         solve: Callable[[Hierarchy, Array], Solution],
     ) -> None:
-        self.rules = dict(sorted(by_index(hierarchy, damping).items()))
+        self.rules = by_index(hierarchy, damping)
         self._settings, self._solve, self._work = settings, solve, hierarchy.copy()
         self._plan = [(k, rule, DampedLevel(self._work, k)) for k, rule in self.rules.items()]
 
@@ -150,21 +150,18 @@ class Staged:
         self._damping, self._settings, self._plain, self._solve = damping, settings, plain, solve
         self._stages: dict[tuple[int, bool], Callable[[Hierarchy, Array], Solution]] = {}
         self._structure: tuple[Any, ...] | None = None
-        self.staging: Staging
-
-    def adopt(self, hierarchy: Hierarchy) -> None:
-        """Lay out the stages for hierarchies of this structure; what solves them stays warm if it says the same."""
-        if hierarchy.structure is not self._structure:
-            self._structure = None
-            self.staging = Staging(hierarchy, self._damping, self._settings, self._solve)
-            self._structure = hierarchy.structure
+        self._staging: Staging
 
     def solve(self, hierarchy: Hierarchy, x_ref: Array) -> Stages:
         """Solve; numbers that mean nothing are those of the only stage, which says so."""
+        if hierarchy.structure is not self._structure:
+            self._structure = None  # what solves the stages stays warm if it says the same
+            self._staging = Staging(hierarchy, self._damping, self._settings, self._solve)
+            self._structure = hierarchy.structure
         if hierarchy.find_fault() or not (np.abs(x_ref) <= LARGEST).all():
             told = self._ask(len(hierarchy.levels), False, hierarchy, x_ref)
             return Stages((told,), {}, hierarchy.copy(), self._solve)
-        return self.staging.run(hierarchy, x_ref, self._ask)
+        return self._staging.run(hierarchy, x_ref, self._ask)
 
     def forget(self) -> None:
         """Make the next call a cold one."""
@@ -175,6 +172,31 @@ class Staged:
         if solve is None:
             solve = self._stages[k, above] = self._plain()
         return solve(hierarchy, x_ref)
+
+
+def told(
+    damping: dict[int | str, DampingRule],
+    solve: Callable[[Hierarchy, Array], Solution],
+    solution: Solution,
+    points: Array,
+) -> Stages:
+    """The stages of an answer for which all were solved at once.
+
+    Parameters
+    ----------
+    points : array, shape (damped, 2 + 2 n)
+        Of every damped level lambda, whether the levels above were solved alone, their x, and its own.
+    """
+    staging, n = Staging(solution.hierarchy, damping, solution.settings, solve), solution.hierarchy.n
+    known = dict(zip(staging.rules, points, strict=True))
+
+    def ask(k: int, above: bool, hierarchy: Hierarchy, x_ref: Array) -> Solution:
+        x = solution.x if k not in known else known[k][2 : 2 + n] if above else known[k][2 + n :]
+        return Solution(
+            x.copy(), Status.OPTIMAL, solution.backend, hierarchy.copy(), x_ref, solution.settings, staged=None
+        )
+
+    return staging.run(solution.hierarchy, solution.x_ref, ask)
 
 
 def rules_of(damping: object) -> dict[int | str, DampingRule]:
@@ -188,7 +210,7 @@ def rules_of(damping: object) -> dict[int | str, DampingRule]:
 
 
 def by_index(hierarchy: Hierarchy, damping: Mapping[int | str, DampingRule]) -> dict[int, DampingRule]:
-    """The rules by the index of their level."""
+    """The rules by the index of their level, in order."""
     labels = [hierarchy.label(k) for k in range(len(hierarchy.levels))]
     rules: dict[int, DampingRule] = {}
     for key, rule in damping.items():
@@ -199,4 +221,4 @@ def by_index(hierarchy: Hierarchy, damping: Mapping[int | str, DampingRule]) -> 
         if named[0] in rules:
             raise InvalidInput(f"damping: {labels[named[0]]} is given twice, by its index and by its name")
         rules[named[0]] = rule
-    return rules
+    return dict(sorted(rules.items()))

@@ -1,4 +1,4 @@
-r"""Damped levels: stage by stage (:mod:`hqp.staged`), each on the basis of the one before, in one pass where all is warm.
+r"""Damped levels: stage by stage (:mod:`hqp.staged`), in one pass over one basis where all is warm.
 
 A stage is a plain hierarchy: the levels down to a damped one, with a bound on every variable more in that one, the
 *rows of damping* :math:`\lambda (x - x_\text{ref}) = 0`. In the sweep they cost next to nothing. Where x starts at
@@ -25,11 +25,32 @@ from .memory import floats, ints, marks, matrix, vector
 from .orthogonal import length, level_least_squares
 from .singular import smallest, volume
 from .solver import (
-    FEW, PATIENCE, SHARPER, SHARPEST, SUSPECT, UNEVEN, contested, is_even, levels_that_count, load, repair, seed,
-    start_clock, work_out,
+    FEW,
+    PATIENCE,
+    SHARPER,
+    SHARPEST,
+    SUSPECT,
+    UNEVEN,
+    contested,
+    is_even,
+    levels_that_count,
+    load,
+    repair,
+    seed,
+    start_clock,
+    work_out,
 )  # fmt: skip
 from .sweep import (
-    EQUALITY, INACTIVE, LOWER, UPPER, arrive, enter_level, judge_multipliers, judge_rows, note_level, pin,
+    EQUALITY,
+    INACTIVE,
+    LOWER,
+    UPPER,
+    arrive,
+    enter_level,
+    judge_multipliers,
+    judge_rows,
+    note_level,
+    pin,
 )  # fmt: skip
 from .working_set import value_of
 
@@ -123,7 +144,6 @@ def solve_damped_level(here, k, first, c, f, damping):
 
     That is how much of a row was left when it became one of them, relative to its length.
     """
-    n = ints(here, 0, at.HEAD)[at.N]
     ids, y, w, rhs = marks(here, at.IDS), vector(here, at.Y), vector(here, at.W), vector(here, at.RHS)
     norm, L, H = vector(here, at.NORM), matrix(here, at.L), matrix(here, at.H)
     count, rank = enter_level(here, k, c, f, DEPENDENT)
@@ -282,10 +302,10 @@ def satisfied(here, end, x):
 def unequal(here, end):
     """Whether there are inequalities before row `end`."""
     lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
+    some = False
     for i in range(end):
-        if norm[i] > 0.0 and lo[i] != hi[i] and (lo[i] != -math.inf or hi[i] != math.inf):
-            return True
-    return False
+        some = some or (norm[i] > 0.0 and lo[i] != hi[i] and (lo[i] != -math.inf or hi[i] != math.inf))
+    return some
 
 
 @inner
@@ -303,7 +323,7 @@ def lacking(here, level, first):
 
 @inner
 def activate(here, end, through):
-    """Let the sides of rows before `end` be where x is; False if rows before level `through` are not in the basis so."""
+    """Let the sides of rows before `end` be where x is; False if those before level `through` do not fit the basis."""
     n, tol = ints(here, 0, at.HEAD)[at.N], JUDGED * vector(here, at.OPTION)[at.TOL]
     ptr, side = marks(here, at.PTR), marks(here, at.SIDE)
     lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
