@@ -32,9 +32,8 @@ OPTIMAL = Status.OPTIMAL
 new = object.__new__
 
 
-def _nothing(hierarchy: Hierarchy, x_ref: Array | None) -> tuple[Array, Counts] | None:
+def _nothing(hierarchy: Hierarchy, x_ref: Array | None) -> None:
     """The short way of a backend that has none."""
-    return None
 
 
 def _solve_once(backend: str, settings: Settings, hierarchy: Hierarchy, x_ref: Array) -> Solution:
@@ -80,10 +79,9 @@ class Solver:
         self._backend = make_backend(backend, self.settings)
         self._staged = self._new_staged() if self.damping else None
         self._by_number, self._rules = not any(isinstance(key, str) for key in self.damping), dict[int, DampingRule]()
-        self._all_stages: Callable[[Hierarchy, Array], tuple[Array, Counts, Array] | None] | None = None
         # The native solver has a short way for what its first sweep proves, and looks at the numbers on it.
         self._prepare = getattr(self._backend, "prepare", None)
-        self._quick = _nothing
+        self._quick: Callable[..., tuple[Any, ...] | None] = _nothing
         self._always = self.backend, self.settings, self._new_tell() if self.damping else None
         self._structure: tuple[Any, ...] | None = None
         self._zero = np.zeros(0)
@@ -125,14 +123,15 @@ class Solver:
     def _solve(self, hierarchy: Hierarchy, x_ref: ArrayLike | None, now: int | None = None) -> Solution:
         if self._began is not None and now is None:
             now = time.monotonic_ns()
-        if self._staged is not None:
-            return self._solve_damped(hierarchy, x_ref, now)
         try:
             structure = hierarchy.structure
         except AttributeError:
             structure = None
         if structure is None or structure is not self._structure:
-            self._adopt(hierarchy)
+            if self._staged is None:
+                self._adopt(hierarchy)
+            else:
+                self._adopt_damped(hierarchy)
         if self._began is not None:
             self._began(now)
         proved = fault = None
@@ -143,11 +142,16 @@ class Solver:
             fault, reference = self._reference(x_ref)
             if fault is None:
                 proved = self._quick(hierarchy, reference)
+        if proved is None and self._staged is not None:
+            return self._solve_in_stages(hierarchy, self._zero if x_ref is None else real_array(x_ref, "x_ref"))
         solution = new(Solution)  # and its fields, at a third of the price of a frozen dataclass's __init__
         fields = solution.__dict__
         fields["_noted"] = hierarchy, hierarchy.numbers.copy(), reference, self._always
         if proved is not None:
-            fields["x"], fields["counts"] = proved
+            if len(proved) == 2:
+                fields["x"], fields["counts"] = proved
+            else:
+                fields["x"], fields["counts"], fields["_points"] = proved
             fields["status"] = OPTIMAL
         else:
             answer = self._answer(hierarchy, reference, fault)
@@ -170,26 +174,8 @@ class Solver:
         """Tells the stages of an answer from its points."""
         return partial(told, self.damping, partial(_solve_once, self.backend, self.settings))
 
-    def _solve_damped(self, hierarchy: Hierarchy, x_ref: ArrayLike | None, now: int | None) -> Solution:
-        """All stages in the backend, where it can; else stage by stage."""
-        if getattr(hierarchy, "structure", None) is not self._structure or self._structure is None:
-            self._adopt_damped(hierarchy)
-        if self._began is not None:
-            self._began(now)
-        reference = self._zero if x_ref is None else real_array(x_ref, "x_ref")
-        if self._all_stages is None or reference.shape != self._zero.shape:
-            return self._solve_in_stages(hierarchy, reference)
-        proved = self._all_stages(hierarchy, reference)
-        if proved is None:
-            return self._solve_in_stages(hierarchy, reference)
-        solution = new(Solution)
-        fields = solution.__dict__
-        fields["_noted"] = hierarchy, hierarchy.numbers.copy(), reference, self._always
-        fields["x"], fields["counts"], fields["_points"] = proved
-        fields["status"] = OPTIMAL
-        return solution
-
     def _solve_in_stages(self, hierarchy: Hierarchy, reference: Array) -> Solution:
+        """Stage by stage, where the backend does not take all at once, or has failed."""
         assert self._staged is not None
         staged = self._staged.solve(hierarchy, reference)
         last = staged.solutions[-1]
@@ -223,7 +209,7 @@ class Solver:
             raise InvalidInput(f"solve takes a hqp.Hierarchy, not a {type(hierarchy).__name__}")
         if hierarchy.structure != self._structure:
             self._backend.reset()
-            if self._prepare is not None:
+            if self._prepare is not None and self._staged is None:
                 self._quick = self._prepare(hierarchy.structure)
             self._zero = np.zeros(hierarchy.n)
             self._zero.flags.writeable = False
@@ -239,7 +225,7 @@ class Solver:
         rules = by_index(hierarchy, self.damping)
         prepare = getattr(self._backend, "prepare_damped", None)
         if prepare is not None and (hierarchy.structure != known or rules != self._rules):
-            self._all_stages = prepare(hierarchy.structure, rules)
+            self._quick = prepare(hierarchy.structure, rules) or _nothing
         self._structure, self._rules = hierarchy.structure, rules
 
     def _reference(self, x_ref: ArrayLike) -> tuple[str | None, Array]:

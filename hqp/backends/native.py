@@ -37,10 +37,12 @@ STATUSES = {
 #: Of the kernel: two addresses, an outcome.
 SIGNATURE = int64(int64, int64)
 
-Damped = Callable[[Hierarchy, Array], tuple[Array, Counts, Array] | None]
+Damped = Callable[[Hierarchy, Array | None], tuple[Array, Counts, Array] | None]
 Quick = Callable[[Hierarchy, Array | None], tuple[Array, Counts] | None]
 #: What almost every tick of a control loop takes, by its iterations: one sweep. Making these anew would be a third of it.
 ONE_SWEEP = [Counts(1, iterations) for iterations in range(64)]
+#: And where levels are damped, by its sweeps: one a stage.
+SWEEPS_ALONE = [Counts(sweeps) for sweeps in range(64)]
 
 
 class Native:
@@ -82,14 +84,20 @@ class Native:
         make_ready(kernel_damped.solve_damped, "damped levels")
         memory = self._memory = Memory(structure, self._settings, tuple(rules))
         memory.rules[:, : len(numbers[0] or ())] = numbers
-        run, copy, reference, told = memory.run, memory.x.copy, memory.x_ref, memory.head.item
-        points = memory.passed.copy
+        run, copy, points, reference, zero = memory.run, memory.x.copy, memory.passed.copy, memory.x_ref, True
+        told = memory.head.item
 
-        def quick(hierarchy: Hierarchy, x_ref: Array) -> tuple[Array, Counts, Array] | None:
-            reference[:] = x_ref
-            if run(hierarchy.address) == OPTIMAL:
-                return copy(), Counts(told(at.SWEEPS), told(at.ITERATIONS)), points()
-            return None
+        def quick(hierarchy: Hierarchy, x_ref: Array | None) -> tuple[Array, Counts, Array] | None:
+            nonlocal zero
+            if x_ref is not None:
+                reference[:], zero = x_ref, False
+            elif not zero:
+                reference[:], zero = 0.0, True
+            if run(hierarchy.address) != OPTIMAL:
+                return None
+            sweeps, iterations = told(at.SWEEPS), told(at.ITERATIONS)
+            swept = iterations == 0 and sweeps < 64
+            return copy(), SWEEPS_ALONE[sweeps] if swept else Counts(sweeps, iterations), points()
 
         return quick
 
@@ -151,8 +159,10 @@ class Memory:
         Views: the next run overwrites them.
     """
 
-    def __init__(self, structure: tuple[Any, ...], settings: Settings, damped: tuple[int, ...] = ()) -> None:
-        directory, self._owned, (ints, floats) = _layout(structure, damped)
+    def __init__(
+        self, structure: tuple[Any, ...], settings: Settings, damped: tuple[int, ...] = (), rows: bool = False
+    ) -> None:
+        directory, self._owned, (ints, floats) = _layout(structure, damped, rows)
         self._directory = directory.copy()
         self._blocks = np.empty(ints, dtype=np.int64), np.empty(floats)  # nothing is read before it is written
         entries = self._directory[at.HEAD :].reshape(-1, 3)
@@ -172,14 +182,21 @@ class Memory:
         count = len(damped)
         self.rules = memory[begins[at.RULES] :][: count * at.RULE].reshape(count, at.RULE)
         self.passed = memory[begins[at.PASSED] :][: count * (2 + 2 * n)].reshape(count, 2 + 2 * n)
-        if damped:
-            self._bounds = np.empty((3, int(self.head[at.ROWS])))
-            for place, array in zip((at.LOWER, at.UPPER, at.WEIGHTS), self._bounds, strict=True):
-                entries[place, 0] = array.ctypes.data
+        if rows:  # of damping, which the caller has no bounds for
+            self._bounds = np.empty((2, int(self.head[at.ROWS])))
+            entries[[at.LOWER, at.UPPER], 0] = [array.ctypes.data for array in self._bounds]
+        elif damped:
+            self._twin = Memory(structure, settings, damped, rows=True)
+            self.head[at.TWIN] = self._twin.share(entries)
         self.head[at.WARM] = 0
         # The compiled function itself: there is one, and nothing to dispatch.
         entry = kernel_damped.solve_damped if damped else kernel.solve
         self.run = partial(entry.get_overload(SIGNATURE), int(self._directory.ctypes.data))
+
+    def share(self, entries: NDArray[np.int64]) -> int:
+        """Have the weighted rows where they are in another directory; the address of this one."""
+        self._directory[at.HEAD :].reshape(-1, 3)[at.B] = entries[at.B]
+        return int(self._directory.ctypes.data)
 
     def run_many(
         self,

@@ -21,7 +21,7 @@ from . import layout as at
 from .active_set import OPTIMAL
 from .compile import entry, inner, integer, stamp
 from .dual import late
-from .memory import floats, ints, marks, matrix, vector
+from .memory import given, ints, marks, matrix, vector
 from .orthogonal import length, level_least_squares
 from .singular import smallest, volume
 from .solver import (
@@ -44,6 +44,7 @@ from .sweep import (
     EQUALITY,
     INACTIVE,
     LOWER,
+    STRICT,
     UPPER,
     arrive,
     enter_level,
@@ -54,8 +55,8 @@ from .sweep import (
 )  # fmt: skip
 from .working_set import value_of
 
-#: Kinds of rules, see :mod:`hqp.damping`; and a level that is not damped.
-FIXED, MANIPULABILITY, SINGULAR_VALUE, ERROR, NONE = 0, 1, 2, 3, -1
+#: Kinds of rules, see :mod:`hqp.damping`.
+FIXED, MANIPULABILITY, SINGULAR_VALUE, ERROR = 0, 1, 2, 3
 
 #: Up to here a row of a damped level counts as dependent: next to round-off, for damping bounds what becomes of it.
 DEPENDENT = 1e-14
@@ -66,62 +67,55 @@ LARGEST = 1e30
 
 
 @inner
-def take_numbers(here, numbers):
-    """Rows where they are; bounds and weights to where there is room for rows of damping between them."""
+def with_rows(here, last, level, damping, warm):
+    """The stage of a damped level in the twin of this directory, where its damping is rows like any other.
+
+    Returns
+    -------
+    status : int
+    """
     head = ints(here, 0, at.HEAD)
-    levels, m, damped = head[at.LEVELS], head[at.ROWS], head[at.DAMPED]
-    n, ptr, which, own = head[at.N], marks(here, at.PTR), marks(here, at.WHICH), marks(here, at.OWN)
-    lower, upper, weights = vector(here, at.LOWER), vector(here, at.UPPER), vector(here, at.WEIGHTS)
-    ints(here, at.HEAD + 3 * at.A, 1)[0] = numbers
-    dense, given = ints(here, at.HEAD + 3 * at.A, 3)[1] * n, m - damped * n
-    low, high = floats(numbers, dense, given), floats(numbers, dense + given, given)
-    weight = floats(numbers, dense + 2 * given, given)
-    d, r = integer(0), integer(0)
-    for k in range(levels):
-        end = ptr[k + 1]
-        if d < damped and which[d] == k:
-            end = ptr[k] + own[d]
-            for i in range(end, ptr[k + 1]):
-                lower[i], upper[i], weights[i] = -math.inf, math.inf, 1.0
-            d += 1
-        for i in range(ptr[k], end):
-            lower[i], upper[i], weights[i] = low[r], high[r], weight[r]
-            r += 1
-
-
-@inner
-def release(here, first, end):
-    """Rows of damping first .. end are none."""
-    side, w, norm = marks(here, at.SIDE), vector(here, at.W), vector(here, at.NORM)
-    for i in range(first, end):
-        side[i], w[i], norm[i] = INACTIVE, 0.0, 0.0
-
-
-@inner
-def engage(here, first, end, damping):
-    """Rows of damping first .. end are rows like any other; their slack is that of x."""
-    side, col, dependent = marks(here, at.SIDE), marks(here, at.COL), marks(here, at.KIND)
-    lo, hi, norm, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)
-    x, x_ref = vector(here, at.X), vector(here, at.X_REF)
-    for i in range(first, end):
-        j = col[i]
-        side[i], dependent[i], norm[i], w[i] = EQUALITY, 0, damping, damping * (x[j] - x_ref[j])
-        lo[i] = hi[i] = damping * x_ref[j]
-
-
-@inner
-def balance_damping(here, first, c, f, damping):
-    """The coefficients along V[:c] of the rows of damping."""
-    free, L, V = marks(here, at.FREE), matrix(here, at.L), matrix(here, at.V)
-    n = ints(here, 0, at.HEAD)[at.N]
+    there, n, damped = head[at.TWIN], head[at.N], head[at.DAMPED]
+    twin, ptr, which = ints(there, 0, at.HEAD), marks(here, at.PTR), marks(here, at.WHICH)
+    x, x_ref, side = vector(here, at.X), vector(here, at.X_REF), marks(here, at.SIDE)
+    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
+    sides, points = marks(there, at.SIDE), vector(there, at.X)
+    low, high, norms = vector(there, at.LO), vector(there, at.HI), vector(there, at.NORM)
+    zero, reference = vector(there, at.X0), vector(there, at.X_REF)
+    lower, upper = vector(there, at.LOWER), vector(there, at.UPPER)
     for j in range(n):
-        row = L[first + j]
-        for q in range(c):
-            row[q] = 0.0
-    for q in range(c):
-        direction = V[q]
-        for t in range(f):
-            L[first + free[t]][q] = damping * direction[t]
+        points[j], zero[j], reference[j] = x[j], x_ref[j], x_ref[j]
+    r, d = integer(0), integer(0)
+    for k in range(last):
+        for i in range(ptr[k], ptr[k + 1]):
+            sides[r], low[r], high[r], norms[r] = side[i], lo[i], hi[i], norm[i]
+            lower[r] = lo[i] / norm[i] if norm[i] > 0.0 else lo[i]
+            upper[r] = hi[i] / norm[i] if norm[i] > 0.0 else hi[i]
+            r += 1
+        if d < damped and which[d] == k:
+            for j in range(n):
+                norms[r], sides[r] = (damping, EQUALITY) if k == level else (0.0, INACTIVE)
+                low[r] = high[r] = damping * x_ref[j]
+                lower[r] = upper[r] = x_ref[j]
+                r += 1
+            d += 1
+    for place in (at.DEADLINE, at.SWEEPS, at.ITERATIONS):
+        twin[place] = head[place]
+    seed(there, last)
+    status, _ = work_out(there, last, warm)
+    for place in (at.SWEEPS, at.ITERATIONS):
+        head[place] = twin[place]
+    for j in range(n):
+        x[j] = points[j]
+    r, d = integer(0), integer(0)
+    for k in range(last):
+        for i in range(ptr[k], ptr[k + 1]):
+            side[i] = sides[r]
+            r += 1
+        if d < damped and which[d] == k:
+            r += n
+            d += 1
+    return status
 
 
 @inner
@@ -139,11 +133,12 @@ def solve_levels(here, k, end, c, f, tau):
 
 
 @inner
-def solve_damped_level(here, k, first, c, f, damping):
+def solve_damped_level(here, k, c, f, damping):
     """Level k of the guess with its damping, on top of V[:c]: how many directions it adds, and the weakest share.
 
     That is how much of a row was left when it became one of them, relative to its length.
     """
+    m = ints(here, 0, at.HEAD)[at.ROWS]
     ids, y, w, rhs = marks(here, at.IDS), vector(here, at.Y), vector(here, at.W), vector(here, at.RHS)
     norm, L, H = vector(here, at.NORM), matrix(here, at.L), matrix(here, at.H)
     count, rank = enter_level(here, k, c, f, DEPENDENT)
@@ -151,25 +146,21 @@ def solve_damped_level(here, k, first, c, f, damping):
     for r in range(rank):
         weakest = min(weakest, L[ids[r]][c + r] / norm[ids[r]])
     for j in range(rank):
-        i = first + j
-        row = L[i]
+        row = L[m + j]
         for q in range(rank):
             row[c + q] = 0.0
         row[c + j] = damping
-        ids[count + j], rhs[count + j] = i, 0.0
+        ids[count + j], rhs[count + j] = m + j, 0.0
     level_least_squares(ids, count + rank, rank, L, c, rhs, y, w, H)
     note_level(here, c, count, rank)
     return rank, weakest
 
 
 @inner
-def sweep_stage(here, last, level, first, damping, through, c, tau):
+def sweep_stage(here, last, level, damping, through, c, tau):
     """Solve and judge the guess for levels 0 .. last, of which those before `through` stand in V[:c] already.
 
-    Parameters
-    ----------
-    level, first : int
-        Which one is damped, and its first row of damping; NONE.
+    `level` is the one that is damped, or STRICT.
 
     Returns
     -------
@@ -178,29 +169,22 @@ def sweep_stage(here, last, level, first, damping, through, c, tau):
     through, c : int
         What of the basis the next stage can go on with.
     """
-    n, option = ints(here, 0, at.HEAD)[at.N], vector(here, at.OPTION)
-    if level != NONE:
-        release(here, first, first + n)
     f = pin(here)
-    if level == NONE:
+    if level == STRICT:
         c = solve_levels(here, through, last, c, f, tau)
         arrive(here, last, c, f)
         through = last
     else:
         c = solve_levels(here, through, level, c, f, tau)
-        rank, weakest = solve_damped_level(here, level, first, c, f, damping)
+        rank, weakest = solve_damped_level(here, level, c, f, damping)
         arrive(here, last, c + rank, f)
-        engage(here, first, first + n, damping)
         through = level
-    faults, undecided, blurred = judge_rows(here, last)
+        if weakest > tau:
+            through, c = level + 1, c + rank
+    faults, undecided, blurred = judge_rows(here, last, level, damping)
     if undecided > 0:
-        if level != NONE:
-            balance_damping(here, first, c, f, damping)
-        # All of x is decided by a damped level: nothing is left of which to ask whether it is next to x_ref.
-        faults += judge_multipliers(here, last, undecided, last + 1 if level == NONE else last)
-    if level != NONE and weakest > tau:
-        through, c = level + 1, c + rank
-    if tau < option[at.TAU]:
+        faults += judge_multipliers(here, last, undecided, level, damping)
+    if tau < vector(here, at.OPTION)[at.TAU]:
         through, c = integer(0), integer(0)
     return faults, blurred, through, c
 
@@ -211,23 +195,21 @@ def expect(here, slot, last, warm, through):
     m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
     side, known = marks(here, at.SIDE), marks(here, at.STAGES)[slot * m :]
     lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
-    same, end = True, ptr[through]
+    others, end = integer(0), ptr[through]
     for i in range(ptr[last]):
         was = known[i] if warm else side[i]
-        if norm[i] == 0.0:
+        open_ended = (was == LOWER and lo[i] == -math.inf) or (was == UPPER and hi[i] == math.inf)
+        if norm[i] == 0.0 or was == EQUALITY or open_ended:
             was = INACTIVE
-        elif lo[i] == hi[i]:
+        if lo[i] == hi[i] and norm[i] > 0.0:
             was = EQUALITY
-        elif was == EQUALITY or (was == LOWER and lo[i] == -math.inf) or (was == UPPER and hi[i] == math.inf):
-            was = INACTIVE
-        if i < end:
-            same = same and (was == side[i] or (was == EQUALITY and side[i] != INACTIVE))
+        others += i < end and was != side[i] and (was != EQUALITY or side[i] == INACTIVE)
         side[i] = was
-    return same
+    return others == 0
 
 
 @inner
-def run_stage(here, slot, last, level, first, damping, warm, through, c):
+def run_stage(here, slot, last, level, damping, warm, through, c):
     """One stage: x, and its sides for the next time.
 
     Returns
@@ -244,7 +226,7 @@ def run_stage(here, slot, last, level, first, damping, warm, through, c):
         through, c = begin, integer(0)
     fewest, left, status = m + 1, PATIENCE, OPTIMAL
     while True:
-        faults, blurred, reached, rows = sweep_stage(here, last, level, first, damping, through, c, tau)
+        faults, blurred, reached, rows = sweep_stage(here, last, level, damping, through, c, tau)
         head[at.SWEEPS] += 1
         if faults == 0 and blurred and tau > SHARPEST:
             tau, through, c = tau * SHARPER, begin, integer(0)
@@ -257,10 +239,11 @@ def run_stage(here, slot, last, level, first, damping, warm, through, c):
         through, c = begin, integer(0)
     through, c = reached, rows
     if faults > 0:
-        if level != NONE:
-            engage(here, first, ptr[level + 1], damping)
-        seed(here, last)
-        status, _ = work_out(here, last, warm)
+        if level == STRICT:
+            seed(here, last)
+            status, _ = work_out(here, last, warm)
+        else:
+            status = with_rows(here, last, level, damping, warm)
         through, c = begin, integer(0)
     for i in range(ptr[last]):
         known[i] = side[i]
@@ -268,13 +251,13 @@ def run_stage(here, slot, last, level, first, damping, warm, through, c):
 
 
 @inner
-def freeze_level(here, level, first):
+def freeze_level(here, level):
     """From now on the rows of a damped level that are equalities, or violated, keep their value."""
     n, tol = ints(here, 0, at.HEAD)[at.N], JUDGED * vector(here, at.OPTION)[at.TOL]
-    ptr, side = marks(here, at.PTR), marks(here, at.SIDE)
+    ptr = marks(here, at.PTR)
     lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
     w, size = vector(here, at.W), length(x, n)
-    for i in range(ptr[level], first):
+    for i in range(ptr[level], ptr[level + 1]):
         if norm[i] == 0.0:
             continue
         value = value_of(i, x, here)
@@ -282,8 +265,7 @@ def freeze_level(here, level, first):
         over, under = value - hi[i] > near + tol * abs(hi[i]), lo[i] - value > near + tol * abs(lo[i])
         if lo[i] == hi[i] or over or under:
             lo[i] = hi[i] = value
-            w[i], side[i] = 0.0, side[i] if side[i] != INACTIVE else EQUALITY
-    release(here, first, ptr[level + 1])
+            w[i] = 0.0
 
 
 @inner
@@ -309,11 +291,11 @@ def unequal(here, end):
 
 
 @inner
-def lacking(here, level, first):
+def lacking(here, level):
     """``||D_k w_k||`` of the level at x, and the length of its shortest row."""
     lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
-    total, shortest = 0.0, math.inf
-    for i in range(marks(here, at.PTR)[level], first):
+    total, shortest, ptr = 0.0, math.inf, marks(here, at.PTR)
+    for i in range(ptr[level], ptr[level + 1]):
         value = value_of(i, x, here) if norm[i] > 0.0 else 0.0
         away = max(value - hi[i], lo[i] - value, 0.0)
         total += away * away
@@ -347,7 +329,7 @@ def activate(here, end, through):
 
 
 @inner
-def by_singular_values(here, d, level, first, through, c):
+def by_singular_values(here, d, level, through, c):
     """The lambda of a rule that looks at the singular values of the level's active rows in what those above leave.
 
     Returns
@@ -358,7 +340,7 @@ def by_singular_values(here, d, level, first, through, c):
     head, tau = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.TAU]
     ids, L, H, rule = marks(here, at.IDS), matrix(here, at.L), matrix(here, at.H), matrix(here, at.RULES)[d]
     begin = integer(1 if head[at.BOXED] != 0 else 0)
-    if not activate(here, first, through) or through < begin:
+    if not activate(here, marks(here, at.PTR)[level + 1], through) or through < begin:
         through, c = begin, integer(0)
     f = pin(here)
     c = solve_levels(here, through, level, c, f, tau)
@@ -383,26 +365,23 @@ def solve_stages(here):
     start_clock(here)
     if not load(here, False, head[at.TRUSTED] != 0):
         return SUSPECT
-    ptr, which, own = marks(here, at.PTR), marks(here, at.WHICH), marks(here, at.OWN)
-    x, x_ref, x0 = vector(here, at.X), vector(here, at.X_REF), vector(here, at.X0)
-    tau, rules, passed = vector(here, at.OPTION)[at.TAU], matrix(here, at.RULES), matrix(here, at.PASSED)
-    for d in range(damped):
-        release(here, ptr[which[d]] + own[d], ptr[which[d] + 1])
     if not is_even(here):
         return UNEVEN
+    ptr, which = marks(here, at.PTR), marks(here, at.WHICH)
+    x, x_ref, x0 = vector(here, at.X), vector(here, at.X_REF), vector(here, at.X0)
+    tau, rules, passed = vector(here, at.OPTION)[at.TAU], matrix(here, at.RULES), matrix(here, at.PASSED)
     for j in range(n):
         x[j] = x0[j] = x_ref[j]
     decided, through, c, status = integer(0), integer(0), integer(0), OPTIMAL
     for d in range(damped):
         k, kind, note = which[d], rules[d][0], passed[d]
-        first = ptr[k] + own[d]
         note[1] = 0.0
-        if decided != k and (kind == ERROR or (kind != FIXED and unequal(here, first))):
+        if decided != k and (kind == ERROR or (kind != FIXED and unequal(here, ptr[k + 1]))):
             if satisfied(here, ptr[k], x_ref):
                 for j in range(n):
                     x[j] = x_ref[j]
             else:
-                status, through, c = run_stage(here, 2 * d, k, NONE, 0, 0.0, warm, through, c)
+                status, through, c = run_stage(here, 2 * d, k, STRICT, 0.0, warm, through, c)
                 if status != OPTIMAL:
                     return status
                 note[1] = 1.0
@@ -410,26 +389,27 @@ def solve_stages(here):
                     note[2 + j] = x[j]
         damping = rules[d][1]
         if kind == ERROR:
-            away, shortest = lacking(here, k, first)
+            away, shortest = lacking(here, k)
             damping = min(math.hypot(rules[d][2], 0.5 / rules[d][1] * away), LARGEST)
             if damping < 0.1 * tau * shortest:
                 damping = 0.0
         elif kind != FIXED:
-            damping, through, c = by_singular_values(here, d, k, first, through, c)
+            damping, through, c = by_singular_values(here, d, k, through, c)
         note[0] = damping
         if damping < 1.0 / LARGEST:
             continue
-        status, through, c = run_stage(here, 2 * d + 1, k + 1, k, first, damping, warm, through, c)
+        status, through, c = run_stage(here, 2 * d + 1, k + 1, k, damping, warm, through, c)
         if status != OPTIMAL:
             return status
         for j in range(n):
             note[2 + n + j] = x[j]
-        freeze_level(here, k, first)
+        freeze_level(here, k)
         decided = k + 1
     if decided < levels or decided == 0:
         last = levels_that_count(here)
-        shift(here, c)
-        status, through, c = run_stage(here, 2 * damped, last, NONE, 0, 0.0, warm, through, c)
+        if last < levels:
+            shift(here, c)
+        status, through, c = run_stage(here, 2 * damped, last, STRICT, 0.0, warm, through, c)
     head[at.WARM] = 1
     return status
 
@@ -458,6 +438,6 @@ def shift(here, c):
 def solve_damped(here, numbers):
     """Solve the hierarchy at the address `numbers`, with the damped levels that the directory lists."""
     head = ints(here, 0, at.HEAD)
-    take_numbers(here, numbers)
+    given(here, numbers)
     head[at.OUTCOME] = solve_stages(here)
     return head[at.OUTCOME]

@@ -19,8 +19,9 @@ WARM, TRUSTED, LEVEL, SWEEPS, ITERATIONS, OUTCOME = 4, 5, 6, 7, 8, 15
 #: x_ref (0: the same for all), x, sides and outcomes.
 COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES = 9, 10, 11, 12, 13, 14
 #: When the call began, by the clock of :mod:`.memory` (0: when the kernel does). What a solve notes for itself: when it
-#: must end, and whether the sides at the end of each level mean something. And how many levels are damped.
-BEGAN, DEADLINE, HISTORY, DAMPED, HEAD = 16, 17, 18, 19, 20
+#: must end, and whether the sides at the end of each level mean something. And how many levels are damped, and the
+#: address of the directory with rows for that.
+BEGAN, DEADLINE, HISTORY, DAMPED, TWIN, HEAD = 16, 17, 18, 19, 20, 21
 
 #: Places in OPTION: relative tolerances on rank and on rows, most iterations, most seconds.
 TAU, TOL, BUDGET, LIMIT = 0, 1, 2, 3
@@ -46,22 +47,30 @@ RULE = 4
 (ANCHOR, EXACT, APPROACH, SAVED, P, DEPTH, LAMBDA) = range(49, 56)
 # and the members of the dual active set, in order, see :mod:`.members`.
 (MEMBERS, FACTOR, DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED) = range(56, 66)
-# And of damped levels, see :mod:`.damped`: which ones, and how many rows of their own each has; kind and numbers of its
-# rule; the sides at the end of each stage, (2 damped + 1, m); of each, lambda, whether x_a was asked for, x_a and x_k.
-(WHICH, OWN, RULES, STAGES, PASSED) = range(66, 71)
+# And of damped levels, see :mod:`.damped`: which ones; kind and numbers of the rule of each; the sides at the end of each
+# stage, (2 damped + 1, m); of each level lambda, whether x_a was asked for, x_a and x_k.
+(WHICH, RULES, STAGES, PASSED) = range(66, 70)
 
 
 def shapes(n, levels, m, dense, widest, damped):
     """Shape of every array that is not the caller's own, integers and numbers apart: two dicts by place."""
-    deep, many = widest + n, min(m, 2 * n + 8)
+    deep, many, spare = widest + n, min(m, 2 * n + 8), n if damped else 0
     ints = dict.fromkeys((SIDE, FOLLOW, DECIDED, KIND, HELD), (m, 1))
     ints |= dict.fromkeys((PINNED, FREE, PIVOT, QUEUE), (n, 1))
     ints |= dict.fromkeys((IDS, SLOTS), (deep, 1)) | {CUT: (levels + 1, 1), MEMBERS: (many, 1)}
     ints |= {SAVED: ((levels + 1) * m, 1), DEPTH: (m, 1)}
     ints |= {STAGES: ((2 * damped + 1) * m if damped else 0, 1)}
-    reals = dict.fromkeys((LO, HI, NORM, W, VALUE, SLOPE, LOW, HIGH, ALLOWED), (m, 1))
+    reals = dict.fromkeys((LO, HI, NORM, VALUE, SLOPE, LOW, HIGH, ALLOWED), (m, 1)) | {W: (m + spare, 1)}
     reals |= dict.fromkeys((X_REF, X0, X, Y, G, BALANCE, D, MULTIPLIER, SHARE, SCRATCH, SAFE), (n, 1))
-    reals |= {B: (dense, n), V: (n, n), L: (m, n), R: (deep, n), H: (n, deep), FORCES: (levels, 1), OPTION: (4, 1)}
+    reals |= {
+        B: (dense, n),
+        V: (n, n),
+        L: (m + spare, n),
+        R: (deep, n),
+        H: (n, deep),
+        FORCES: (levels, 1),
+        OPTION: (4, 1),
+    }
     reals |= dict.fromkeys((LENGTHS, RHS), (deep, 1))
     reals |= dict.fromkeys((ANCHOR, EXACT, APPROACH), (n, 1)) | {P: (m + n, n), LAMBDA: (m, 1), FACTOR: (many, many)}
     reals |= dict.fromkeys((DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED), (many, 1))
@@ -73,11 +82,10 @@ def shapes(n, levels, m, dense, widest, damped):
 PLACES = tuple(np.array(list(block)) for block in shapes(0, 0, 0, 0, 0, 0))
 
 
-def lay_out(structure, damped=()):
+def lay_out(structure, damped=(), rows_of_damping=False):
     """A directory for hierarchies of this structure, and the sizes of the memory for integers and numbers.
 
-    The levels that are `damped` have a bound on every variable more, their last rows; no array of bounds and weights is
-    the caller's own then.
+    With `rows_of_damping`, the levels that are `damped` have a bound on every variable more, their last rows.
 
     Returns
     -------
@@ -92,17 +100,16 @@ def lay_out(structure, damped=()):
     levels = [columns[a:b] for a, b in pairwise(cuts)]
     distinct = [not rows and len(np.unique(own)) == len(own) for rows, own in zip(has_rows, levels, strict=True)]
     whole = [alone and len(own) == n for alone, own in zip(distinct, levels, strict=True)]
-    if damped:
-        given = [len(levels[k]) for k in damped]
+    if rows_of_damping:
         levels = [np.append(own, np.arange(n)) if k in damped else own for k, own in enumerate(levels)]
+        columns, cuts = np.concatenate(levels), np.cumsum([0, *map(len, levels)])
+    if damped:  # whose stages have rows of damping, and end there
+        whole = [every and k > damped[-1] for k, every in enumerate(whole)]
         distinct = [alone and k not in damped for k, alone in enumerate(distinct)]
-        whole = [all_of_them and k > damped[-1] for k, all_of_them in enumerate(whole)]
-        columns = np.concatenate(levels)
-        cuts = np.cumsum([0, *map(len, levels)])
     dense = columns < 0
     owned = {PTR: cuts, WHOLE: whole, COL: columns, ROW_OF: np.where(dense, np.cumsum(dense) - 1, -1)}
-    owned |= {WHICH: damped, OWN: given if damped else ()}
-    owned = {place: np.array(numbers, dtype=np.int64) for place, numbers in owned.items()}
+    owned |= {WHICH: damped}
+    owned = {place: np.array(given, dtype=np.int64) for place, given in owned.items()}
 
     m, rows = len(columns), int(dense.sum())
     directory = np.zeros(HEAD + 3 * (PASSED + 1), dtype=np.int64)

@@ -22,6 +22,9 @@ from .orthogonal import factor, length, level_least_squares
 
 LOWER, INACTIVE, UPPER, EQUALITY = -1, 0, 1, 2
 
+#: No level: none of them is damped.
+STRICT = -1
+
 #: Multipliers below this share of the forces in their level are zero.
 DUAL = 1e-9
 
@@ -46,9 +49,9 @@ def sweep(here, last, tau):
         of it that was left out moves it by more than its tolerance.
     """
     solve_equalities(here, last, tau)
-    faults, undecided, blurred = judge_rows(here, last)
+    faults, undecided, blurred = judge_rows(here, last, STRICT, 0.0)
     if undecided > 0:
-        faults += judge_multipliers(here, last, undecided, last + 1)
+        faults += judge_multipliers(here, last, undecided, STRICT, 0.0)
     return faults, blurred
 
 
@@ -167,8 +170,23 @@ def arrive(here, last, c, f):
 
 
 @inner
-def judge_rows(here, last):
+def damping_pulls(here, damping, size):
+    r"""The forces of a damped level's :math:`\lambda (x - x_\text{ref})`, and whether that counts as zero."""
+    n, tol = ints(here, 0, at.HEAD)[at.N], vector(here, at.OPTION)[at.TOL]
+    x, x_ref = vector(here, at.X), vector(here, at.X_REF)
+    pull, met = 0.0, True
+    for j in range(n):
+        away = abs(x[j] - x_ref[j])
+        met = met and away <= tol * (abs(x_ref[j]) + size)
+        pull += damping * damping * away
+    return pull, met
+
+
+@inner
+def judge_rows(here, last, damped, damping):
     """Rows outside the guess stay inside their bounds, slacks are on the side of theirs.
+
+    Of the levels, `damped` is one that is, or STRICT: what its damping pulls with is one of its forces.
 
     Returns
     -------
@@ -189,6 +207,8 @@ def judge_rows(here, last):
     blurred = False
     for k in range(last):
         pull, met = 0.0, True
+        if k == damped:
+            pull, met = damping_pulls(here, damping, size)
         for i in range(ptr[k], ptr[k + 1]):
             follow[i] = side[i]
             decided[i] = 1
@@ -236,18 +256,22 @@ def judge_rows(here, last):
 
 
 @inner
-def judge_multipliers(here, last, undecided, end):
-    """What holds levels 0 .. `end` back pushes the right way: the number of undecided rows that do not."""
+def judge_multipliers(here, last, undecided, damped, damping):
+    """What holds each level back pushes the right way: the number of undecided rows that do not.
+
+    Below a damped level nothing is left of x to be next to x0.
+    """
     head = ints(here, 0, at.HEAD)
     n, boxed = head[at.N], head[at.BOXED] != 0
     col, row_of, ptr, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.PTR), marks(here, at.SIDE)
     follow, decided, cut = marks(here, at.FOLLOW), marks(here, at.DECIDED), marks(here, at.CUT)
     pivot = marks(here, at.PIVOT)
     norm, x0, x, w = vector(here, at.NORM), vector(here, at.X0), vector(here, at.X), vector(here, at.W)
+    x_ref = vector(here, at.X_REF)
     y, g, G, forces_of = vector(here, at.Y), vector(here, at.G), vector(here, at.BALANCE), vector(here, at.FORCES)
     B, L = matrix(here, at.B), matrix(here, at.L)
     faults = 0
-    for k in range(end):
+    for k in range(last + 1 if damped == STRICT else last):
         if undecided == 0:
             break
         forces = 0.0
@@ -263,6 +287,11 @@ def judge_multipliers(here, last, undecided, end):
             for i in range(ptr[k], ptr[k + 1]):
                 if w[i] != 0.0:
                     push(i, w[i], c, col, row_of, B, norm, L, g, G, n)
+            if k == damped:
+                for q in range(c):
+                    g[q] += damping * damping * y[q]
+                for j in range(n):
+                    G[j] += damping * damping * (x[j] - x_ref[j])
         else:
             c = cut[last]
             for q in range(c):
