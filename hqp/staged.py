@@ -35,7 +35,7 @@ from .damping import DampingRule, as_rule
 from .errors import InvalidInput, brief
 from .hierarchy import LARGEST, Hierarchy
 from .settings import Settings
-from .solution import Solution, Stages, Status
+from .solution import NO_COUNTS, Solution, Stages, Status
 
 #: No singular values: of a rule that does not look at any.
 NOTHING = np.zeros(0)
@@ -180,7 +180,7 @@ def told(
     solution: Solution,
     points: Array,
 ) -> Stages:
-    """The stages of an answer for which all were solved at once.
+    """The stages of an answer for which all were solved at once; the last one has the counts of all.
 
     Parameters
     ----------
@@ -188,13 +188,14 @@ def told(
         Of every damped level lambda, whether the levels above were solved alone, their x, and its own.
     """
     staging, n = Staging(solution.hierarchy, damping, solution.settings, solve), solution.hierarchy.n
-    known = dict(zip(staging.rules, points, strict=True))
+    known, end = dict(zip(staging.rules, points, strict=True)), len(solution.hierarchy.levels)
+    last = end - 1 if end - 1 in known and known[end - 1][0] >= 1.0 / LARGEST else end
 
     def ask(k: int, above: bool, hierarchy: Hierarchy, x_ref: Array) -> Solution:
         x = solution.x if k not in known else known[k][2 : 2 + n] if above else known[k][2 + n :]
-        return Solution(
-            x.copy(), Status.OPTIMAL, solution.backend, hierarchy.copy(), x_ref, solution.settings, staged=None
-        )
+        counts = solution.counts if k == last and not above else NO_COUNTS
+        kind, given = solution.backend, hierarchy.copy()
+        return Solution(x.copy(), Status.OPTIMAL, kind, given, x_ref, solution.settings, counts=counts, staged=None)
 
     return staging.run(solution.hierarchy, solution.x_ref, ask)
 
