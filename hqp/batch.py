@@ -256,7 +256,7 @@ class BatchSolver:
             return self._solve(batch, x_ref)
 
     def _solve(self, batch: Batch, x_ref: ArrayLike | None) -> BatchSolution:
-        from .backends.native import OPTIMAL, STATUSES, judged
+        from .backends.native import STATUSES, judged
 
         if self._pid != os.getpid():  # a forked child, which has none of the threads
             self._pid, self._pool, self._structure = os.getpid(), None, None

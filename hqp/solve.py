@@ -274,10 +274,7 @@ def solve(
     Unsupported
         If the backend does not take such a hierarchy; names one that does.
     """
-    if settings is None or settings.time_limit == math.inf:
-        now = None
-    else:
-        now = time.monotonic_ns()
+    now = None if settings is None or settings.time_limit == math.inf else time.monotonic_ns()
     if x_ref is not None and isinstance(hierarchy, Hierarchy):
         x_ref = finite_vector(x_ref, hierarchy.n, "x_ref")
     key, solver = _borrow(hierarchy, backend, settings, damping)

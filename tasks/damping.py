@@ -6,7 +6,11 @@ Beside a task :math:`J x = h` on the same level, rows :math:`\lambda x = 0` make
 
 the damped least squares of Wampler (1986) and of Nakamura and Hanafusa (1986), within what the levels
 above leave. Where the task goes out of reach the exact answer jumps, and limits on top make it
-bang-bang; the damped one stays smooth, and pays with a small error of its own task only.
+bang-bang; the damped one does not jump, and pays with a small error of its own task only.
+
+At acceleration order x are the accelerations: what is damped is their size, and a speed that is there stays. Joints may
+swing on, past the loss of reach. What brakes them is :class:`tasks.MinimumMotionTask` in its place, whose rows ask for
+:math:`\lambda (\ddot q + K \dot q) = 0`.
 """
 
 from __future__ import annotations

@@ -16,9 +16,10 @@ import pytest
 from interrupts import heard
 from PIL import Image
 
+import hqp
 from hqp import InvalidInput
 from tasks.motion.record import Stop
-from tasks.thesis import animation, figures, ideas, report, runs, scenarios, store, tables
+from tasks.thesis import animation, drawings, figures, ideas, pictures, report, runs, scenarios, store, studies, tables
 from tasks.thesis.findings import digits, measure, to_csv
 from tasks.thesis.runs import Job, jobs_of, run
 from tasks.thesis.scenarios import scenario
@@ -55,7 +56,7 @@ def test_the_table_as_csv(few):
 
 
 def test_the_tables_as_markdown(few):
-    text = tables.to_markdown(few, ["A remark."])
+    text = tables.to_markdown(few, remarks=["A remark."])
     claims, every, remarks = text.split("\n# ")
     for part, rows in (claims, 2), (every, len(few)):
         table = [line for line in part.splitlines() if line.startswith("|")]
@@ -76,10 +77,68 @@ def test_claims_stand_against_what_the_backend_found(few):
     with_priority, without = tables.against_claims(few)
     spoken = [found for found in few if found.figure == "4.7" and found.law == "Eq. 4.8"][-1]
     assert with_priority[:2] == ["4.7", "0°"]
-    assert with_priority[3] == f"{spoken.phi_share:.2f} ✗"
+    assert with_priority[3].startswith(f"{spoken.phi_share:.2f} ✗")
     assert with_priority[5:] == ["", ""]
     assert without[1] == ""
     assert without[3] == f"{digits(few[3].tip_error_mm)} mm {'✓' if few[3].tip_error_mm < 1 else '✗'}"
+
+
+def test_a_joint_that_still_turns_at_the_end_stands_beside_the_mark(few):
+    item = scenario("4.37")
+    rest, turning = (replace(few[0], phi_share=0.88, tip_error_mm=0.5, end_speed=speed) for speed in (0.9, 22.6))
+    assert tables.verdict(item, item.claims[0], rest) == "0.88 ✓"
+    assert tables.verdict(item, item.claims[0], turning) == "0.88 ✓ ↻23"
+    assert tables.verdict(item, item.claims[0], replace(turning, diverged_min=0.5)) == "diverges at 0.500 min ✗"
+
+
+def test_a_verdict_that_hangs_on_what_the_text_does_not_give_is_none(few):
+    item = scenario("4.27")
+    found = replace(few[0], figure="4.27", phi_share=0.68, tip_error_mm=0.4, end_speed=0.0)
+    rows = tables.against_claims([replace(found, law="strict, joint limits")])
+    assert [row[5] for row in rows] == ["0.68 ?", "0.4 mm ?"]
+    assert tables.verdict(replace(item, undecided=""), item.claims[0], found) == "0.68 ✓"
+
+
+def test_what_has_not_converged_has_a_table(few):
+    rows = [replace(few[1], tick_deg=value, figure=figure) for figure, value in (("4.7", 9.18), ("4.9", 0.3))]
+    assert tables.unconverged(rows) == [["4.7", "9.2", "", "", ""]]
+    assert "# Not converged in the tick" in tables.to_markdown(rows)
+    assert "# Not converged in the tick" not in tables.to_markdown(rows[1:])
+    twice = [replace(few[1], figure=figure, law="tip alone", tick_deg=3.9) for figure in ("4.26", "4.28", "4.30")]
+    assert [row[0] for row in tables.unconverged(twice)] == ["4.26"]  # one motion
+
+
+def test_the_study_of_lines(few):
+    """A mark for every end, although the figures themselves are left undecided; each end and tick is a run."""
+    study = studies.STUDIES["lines"]
+    runs = {run: replace(few[0], tip_error_mm=0.5, phi_share=0.6, end_speed=0.0) for run in study.runs()}
+    section = study.tabulate(runs)
+    assert all(cell.endswith(("✓", "✗")) for row in section.rows for cell in row[4:])
+    assert {row[0] for row in section.rows} == {"4.26", "4.27", "4.29", "4.31", "4.32", "4.33", "4.35", "4.37"}
+    assert len(section.rows) == 24
+    assert len(runs) == 66
+    ends = {item.path(60.0)[0].round(6).tolist()[0] for item, _ in runs}
+    assert ends == {0.5, 0.3, -0.4}
+    assert len({item.free_tick for item, law in runs if law.key == "tip" and len(item.lengths) == 3}) == 4
+    for job in study.jobs(hqp.DEFAULT_BACKEND):
+        start, end = (job.scenario.path(t)[0] for t in (0.0, 60.0))
+        np.testing.assert_allclose(start - end, start[0] - end[0], atol=1e-12)  # at 45 degrees
+
+
+def test_the_study_of_stacks_end_to_end(short_figures, tmp_path, capsys):
+    rows = report.report(["stacks"], None, tmp_path, processes=1)
+    assert rows == []
+    text = (tmp_path / "claims.md").read_text()
+    table = [line for line in text.splitlines() if line.startswith("| 4.")]
+    assert len(table) == 24
+    assert "Claims against findings" not in text
+    assert "strict, limits, braked" in text
+    assert "pictures drawn: 0" in capsys.readouterr().out
+
+
+def test_studies_are_left_out_where_the_backend_cannot_show_them(short_figures, tmp_path):
+    make(tmp_path, "4.6", "stacks")
+    assert "# Other stacks" not in (tmp_path / "claims.md").read_text()
 
 
 @pytest.mark.parametrize("figure", ["4.6", "4.7", "4.5", "4.25", "4.33"])
@@ -135,14 +194,14 @@ def test_a_run_that_several_figures_show_is_simulated_once(short_figures, tmp_pa
     simulated = []
     monkeypatch.setattr(report, "run", lambda job: simulated.append(job) or runs.run(job))
     rows = make(tmp_path, "4.6", "4.8")
-    assert len(simulated) == 1
+    assert len(simulated) == 2  # itself and at twice the tick
     assert [row.figure for row in rows] == ["4.6", "4.8"]
-    assert len(list((tmp_path / "runs").glob("*.npz"))) == 1
+    assert len(list((tmp_path / "runs").glob("*.npz"))) == 2
 
 
 def test_nothing_is_made_twice(short_figures, tmp_path, monkeypatch, capsys):
     make(tmp_path, "4.7")
-    assert "runs simulated: 3, pictures drawn: 1" in capsys.readouterr().out
+    assert "runs simulated: 5, pictures drawn: 1" in capsys.readouterr().out
     picture = tmp_path / "figure-4.7.png"
     before = picture.stat().st_mtime_ns
     make(tmp_path, "4.7")
@@ -152,7 +211,7 @@ def test_nothing_is_made_twice(short_figures, tmp_path, monkeypatch, capsys):
     picture.unlink()
     next((tmp_path / "runs").glob("strict-*.npz")).unlink()
     make(tmp_path, "4.7", "4.9")
-    assert "runs simulated: 4, pictures drawn: 2" in capsys.readouterr().out
+    assert "runs simulated: 6, pictures drawn: 2" in capsys.readouterr().out
 
 
 def test_what_made_a_run_is_part_of_its_name(tmp_path, monkeypatch):
@@ -183,14 +242,14 @@ def test_runs_of_other_versions_go_and_files_of_others_stay(short_figures, tmp_p
     make(tmp_path, "4.7")
     assert not stale.exists()
     assert all(path.exists() for path in other)
-    assert len(list(folder.glob("*.npz"))) == 2 + 1 + 3
+    assert len(list(folder.glob("*.npz"))) == 2 + 2 + 5
 
 
 def test_all_figures_come_with_the_ideas_unless_laws_are_chosen():
-    everything = report._subjects([], report.NAMES)
-    assert len(everything) == 36 + len(ideas.IDEAS)
-    assert len(report._subjects([], ["limits"])) == 36
-    assert [item.name for item in report._subjects(["argument", " argument "], ["limits"])] == ["argument"]
+    everything = pictures.subjects([], report.NAMES)
+    assert len(everything) == len(drawings.DRAWINGS) + 36 + len(ideas.IDEAS) + len(studies.STUDIES)
+    assert len(pictures.subjects([], ["limits"])) == 36
+    assert [item.name for item in pictures.subjects(["argument", " argument "], ["limits"])] == ["argument"]
 
 
 def test_a_picture_that_is_being_drawn_is_not_up_to_date(tmp_path):
@@ -222,7 +281,7 @@ def test_an_interruption_keeps_what_is_finished(short_figures, tmp_path, monkeyp
     assert len(list((tmp_path / "runs").glob("*.npz"))) == 4
     monkeypatch.setattr(report, "run", runs.run)
     make(tmp_path, "4.7", "4.9")
-    assert "runs simulated: 2, pictures drawn: 2" in capsys.readouterr().out
+    assert "runs simulated: 6, pictures drawn: 2" in capsys.readouterr().out
 
 
 def test_ctrl_c_in_the_middle_and_on_again(tmp_path):
@@ -246,9 +305,9 @@ def test_ctrl_c_in_the_middle_and_on_again(tmp_path):
     assert first.returncode == 130
     assert told.strip().endswith("hqp: interrupted; what was finished is kept")
     kept = len(list(tmp_path.glob("runs/*.npz")))
-    assert 2 <= kept < 12
+    assert 2 <= kept < 20
     second = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
-    assert f"runs simulated: {12 - kept}, pictures drawn: 2" in second.stdout
+    assert f"runs simulated: {20 - kept}, pictures drawn: 2" in second.stdout
 
 
 @pytest.mark.parametrize("form", ["pdf", "svg"])

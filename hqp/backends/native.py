@@ -39,7 +39,7 @@ SIGNATURE = int64(int64, int64)
 
 Damped = Callable[[Hierarchy, Array | None], tuple[Array, Counts, Array] | None]
 Quick = Callable[[Hierarchy, Array | None], tuple[Array, Counts] | None]
-#: What almost every tick of a control loop takes, by its iterations: one sweep. Making these anew would be a third of it.
+#: What almost every tick of a control loop takes, by its iterations: one sweep. Made anew, it would be a third of it.
 ONE_SWEEP = [Counts(1, iterations) for iterations in range(64)]
 #: And where levels are damped, by its sweeps: one a stage.
 SWEEPS_ALONE = [Counts(sweeps) for sweeps in range(64)]

@@ -26,8 +26,8 @@ from .escape import escape
 from .freeze import CLEAR
 from .memory import ints, marks, matrix, vector
 from .orthogonal import factor, length, level_least_squares, project
-from .sweep import DUAL, EQUALITY, INACTIVE, LOWER, UPPER
-from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance, copy_row, remove, value_of
+from .sweep import DUAL, EQUALITY, INACTIVE, LOWER, UPPER, extent, value_of
+from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance, copy_row, remove
 
 OPTIMAL, SUBOPTIMAL, STALLED = 0, 1, 2
 
@@ -138,7 +138,7 @@ def active_set(here, last):
         lowest, since = math.inf, 0
         forces = 0.0
         while True:
-            size = length(x, n)
+            size = extent(x, here)
             for i in range(ptr[min(k + 1, last)]):
                 if kind[i] != FROZEN:
                     v[i] = value_of(i, x, here)
@@ -332,7 +332,7 @@ def active_set(here, last):
                 kind[i] = FROZEN
                 ids[count] = i
                 count += 1
-        size = length(x, n)
+        size = extent(x, here)
         for i in range(first, end):
             w[i] = 0.0
             kind[i] = FROZEN

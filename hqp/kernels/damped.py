@@ -22,7 +22,7 @@ from .active_set import OPTIMAL
 from .compile import entry, inner, integer, stamp
 from .dual import late
 from .memory import given, ints, marks, matrix, vector
-from .orthogonal import length, level_least_squares
+from .orthogonal import level_least_squares
 from .singular import smallest, volume
 from .solver import (
     FEW,
@@ -35,11 +35,12 @@ from .solver import (
     is_even,
     levels_that_count,
     load,
+    note_blur,
     repair,
     seed,
     start_clock,
     work_out,
-)  # fmt: skip
+)
 from .sweep import (
     EQUALITY,
     INACTIVE,
@@ -48,12 +49,14 @@ from .sweep import (
     UPPER,
     arrive,
     enter_level,
+    extent,
+    fix_variables,
     judge_multipliers,
     judge_rows,
     note_level,
-    pin,
-)  # fmt: skip
-from .working_set import value_of
+    solve_levels,
+    value_of,
+)
 
 #: Kinds of rules, see :mod:`hqp.damping`.
 FIXED, MANIPULABILITY, SINGULAR_VALUE, ERROR = 0, 1, 2, 3
@@ -101,6 +104,7 @@ def with_rows(here, last, level, damping, warm):
             d += 1
     for place in (at.DEADLINE, at.SWEEPS, at.ITERATIONS):
         twin[place] = head[place]
+    vector(there, at.OPTION)[at.BLUR] = vector(here, at.OPTION)[at.BLUR]
     seed(there, last)
     status, _ = work_out(there, last, warm)
     for place in (at.SWEEPS, at.ITERATIONS):
@@ -116,20 +120,6 @@ def with_rows(here, last, level, damping, warm):
             r += n
             d += 1
     return status
-
-
-@inner
-def solve_levels(here, k, end, c, f, tau):
-    """Levels k .. end of the guess, on top of V[:c]: how many rows V has then."""
-    ids, y, w, rhs = marks(here, at.IDS), vector(here, at.Y), vector(here, at.W), vector(here, at.RHS)
-    L, H = matrix(here, at.L), matrix(here, at.H)
-    while k < end:
-        count, rank = enter_level(here, k, c, f, tau)
-        level_least_squares(ids, count, rank, L, c, rhs, y, w, H)
-        note_level(here, c, count, rank)
-        c += rank
-        k += 1
-    return c
 
 
 @inner
@@ -169,7 +159,7 @@ def sweep_stage(here, last, level, damping, through, c, tau):
     through, c : int
         What of the basis the next stage can go on with.
     """
-    f = pin(here)
+    f = fix_variables(here)
     if level == STRICT:
         c = solve_levels(here, through, last, c, f, tau)
         arrive(here, last, c, f)
@@ -253,10 +243,10 @@ def run_stage(here, slot, last, level, damping, warm, through, c):
 @inner
 def freeze_level(here, level):
     """From now on the rows of a damped level that are equalities, or violated, keep their value."""
-    n, tol = ints(here, 0, at.HEAD)[at.N], JUDGED * vector(here, at.OPTION)[at.TOL]
+    tol = JUDGED * vector(here, at.OPTION)[at.TOL]
     ptr = marks(here, at.PTR)
     lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
-    w, size = vector(here, at.W), length(x, n)
+    w, size = vector(here, at.W), extent(x, here)
     for i in range(ptr[level], ptr[level + 1]):
         if norm[i] == 0.0:
             continue
@@ -306,10 +296,10 @@ def lacking(here, level):
 @inner
 def activate(here, end, through):
     """Let the sides of rows before `end` be where x is; False if those before level `through` do not fit the basis."""
-    n, tol = ints(here, 0, at.HEAD)[at.N], JUDGED * vector(here, at.OPTION)[at.TOL]
+    tol = JUDGED * vector(here, at.OPTION)[at.TOL]
     ptr, side = marks(here, at.PTR), marks(here, at.SIDE)
     lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
-    size, same, known = length(x, n), True, ptr[through]
+    size, same, known = extent(x, here), True, ptr[through]
     for i in range(end):
         now = integer(INACTIVE)
         if norm[i] > 0.0:
@@ -342,7 +332,7 @@ def by_singular_values(here, d, level, through, c):
     begin = integer(1 if head[at.BOXED] != 0 else 0)
     if not activate(here, marks(here, at.PTR)[level + 1], through) or through < begin:
         through, c = begin, integer(0)
-    f = pin(here)
+    f = fix_variables(here)
     c = solve_levels(here, through, level, c, f, tau)
     count, rank = enter_level(here, level, c, f, DEPENDENT)
     largest, threshold, share = rule[1], rule[2], 1.0
@@ -372,6 +362,7 @@ def solve_stages(here):
     tau, rules, passed = vector(here, at.OPTION)[at.TAU], matrix(here, at.RULES), matrix(here, at.PASSED)
     for j in range(n):
         x[j] = x0[j] = x_ref[j]
+    note_blur(here)
     decided, through, c, status = integer(0), integer(0), integer(0), OPTIMAL
     for d in range(damped):
         k, kind, note = which[d], rules[d][0], passed[d]
@@ -409,6 +400,7 @@ def solve_stages(here):
         last = levels_that_count(here)
         if last < levels:
             shift(here, c)
+            note_blur(here)
         status, through, c = run_stage(here, 2 * damped, last, STRICT, 0.0, warm, through, c)
     head[at.WARM] = 1
     return status

@@ -154,7 +154,7 @@ def arrive(here, count):
     size = 0.0
     for j in range(n):
         size = max(size, abs(x[j]))
-    return size
+    return size + vector(here, at.OPTION)[at.BLUR]
 
 
 @inner

@@ -6,8 +6,8 @@ from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length, project
-from .sweep import DUAL, LOWER, UPPER
-from .working_set import HARD, WORKING, append, balance, remove, value_of
+from .sweep import DUAL, LOWER, UPPER, value_of
+from .working_set import HARD, WORKING, append, balance, remove
 
 
 @inner

@@ -6,7 +6,7 @@ from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length, pivots
-from .sweep import EQUALITY, LOWER
+from .sweep import EQUALITY, INACTIVE, LOWER, extent
 from .working_set import FROZEN, HARD
 
 #: Rows above whose multiplier is beyond this share of the forces keep their bound for good: implicit equalities.
@@ -29,9 +29,11 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
     lo, hi, norm, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)
     x, anchor, softness = vector(here, at.X), vector(here, at.ANCHOR), vector(here, at.VALUE)
     multiplier, carried = vector(here, at.MULTIPLIER), vector(here, at.LAMBDA)
-    size, all_frozen = length(x, n), rank == hard
+    size, all_frozen = extent(x, here), rank == hard
     for i in range(ptr[k], ptr[k + 1]):
         kind[i], softness[i] = HARD, 0.0
+        if side[i] == INACTIVE:
+            w[i] = 0.0
     if pull > 0.0:
         for q in range(frozen, frozen + rank):
             i = pivot[q]
@@ -49,7 +51,9 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
         if side[i] == EQUALITY or (pull > 0.0 and abs(w[i]) > tol * (abs(goal) + norm[i] * size)):
             kind[i] = FROZEN
         else:
-            all_frozen = False
+            all_frozen, w[i] = False, 0.0
+        if pull == 0.0:
+            w[i] = 0.0
     if all_frozen:  # the basis is there already
         for j in range(n):
             anchor[j] = x[j]
@@ -64,7 +68,7 @@ def refactor(here, frozen, hard, own):
     n = head[at.N]
     kind, ids, slots, pivot = marks(here, at.KIND), marks(here, at.IDS), marks(here, at.SLOTS), marks(here, at.PIVOT)
     norm, lengths, tau = vector(here, at.NORM), vector(here, at.LENGTHS), vector(here, at.OPTION)[at.TAU]
-    x, y, anchor, rhs = vector(here, at.X), vector(here, at.Y), vector(here, at.ANCHOR), vector(here, at.RHS)
+    x, y, anchor = vector(here, at.X), vector(here, at.Y), vector(here, at.ANCHOR)
     P, V, L, R = matrix(here, at.P), matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
     count = integer(0)
     for r in range(hard + own):

@@ -15,19 +15,21 @@ from .working_set import HARD
 
 #: Softness of the highest and of the lowest level, relative to the square of the longest row of the level.
 HARDEST, SOFTEST = 3e-15, 1e-5
-#: A guess that takes more rounds is not quick, and mostly wrong.
-ROUNDS = 16
+#: With more unknowns, or more rounds, it is not quick, and mostly wrong.
+UNKNOWNS, ROUNDS = 12, 16
 
 
 @inner
 def guess(here, last):
-    """Set ``side`` to the active rows of the weighted problem; False if they are not found within a few rounds."""
+    """Set ``side`` to the active rows of the weighted problem; False if they are many, or not found in a few rounds."""
     head = ints(here, 0, at.HEAD)
     n, first = head[at.N], 1 if head[at.BOXED] != 0 else 0
     ptr, side, kind, depth = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.DEPTH)
     lo, hi, norm, soft = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.VALUE)
     anchor, x0 = vector(here, at.ANCHOR), vector(here, at.X0)
     most = len(marks(here, at.MEMBERS))
+    if n > UNKNOWNS:
+        return False
     for j in range(n):
         anchor[j] = x0[j]
     count, softness = integer(0), HARDEST

@@ -18,15 +18,16 @@ WARM, TRUSTED, LEVEL, SWEEPS, ITERATIONS, OUTCOME = 4, 5, 6, 7, 8, 15
 #: and for many hierarchies in one call their number (0: one), how many numbers each has, and the addresses of their
 #: x_ref (0: the same for all), x, sides and outcomes.
 COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES = 9, 10, 11, 12, 13, 14
-#: When the call began, by the clock of :mod:`.memory` (0: when the kernel does). What a solve notes for itself: when it
-#: must end, and whether the sides at the end of each level mean something. And how many levels are damped, and the
-#: address of the directory with rows for that.
+#: When the call began, by the clock of :mod:`.memory` (0: when the kernel does). And what a solve notes for itself:
+#: when it must end, and whether the sides at the end of each level mean something. And how many levels are damped, and
+#: the address of the directory with rows for that.
 BEGAN, DEADLINE, HISTORY, DAMPED, TWIN, HEAD = 16, 17, 18, 19, 20, 21
 
-#: Places in OPTION: relative tolerances on rank and on rows, most iterations, most seconds.
-TAU, TOL, BUDGET, LIMIT = 0, 1, 2, 3
+#: Places in OPTION: relative tolerances on rank and on rows, most iterations, most seconds; and, of each solve, what
+#: round-off in x0 adds to the length of x where a tolerance is relative to it.
+TAU, TOL, BUDGET, LIMIT, BLUR = 0, 1, 2, 3, 4
 #: Numbers in a rule of damping: its kind, and what it is told.
-RULE = 4
+RULE = 3
 
 # The structure. PTR: rows of level k are PTR[k] .. PTR[k + 1]. WHOLE: whether level k bounds every variable once.
 # COL: variable of a plain bound, or -1. ROW_OF: row of A, or -1.
@@ -47,8 +48,8 @@ RULE = 4
 (ANCHOR, EXACT, APPROACH, SAVED, P, DEPTH, LAMBDA) = range(49, 56)
 # and the members of the dual active set, in order, see :mod:`.members`.
 (MEMBERS, FACTOR, DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED) = range(56, 66)
-# And of damped levels, see :mod:`.damped`: which ones; kind and numbers of the rule of each; the sides at the end of each
-# stage, (2 damped + 1, m); of each level lambda, whether x_a was asked for, x_a and x_k.
+# And of damped levels, see :mod:`.damped`: which ones; kind and numbers of the rule of each; the sides at the end of
+# each stage, (2 damped + 1, m); of each level lambda, whether x_a was asked for, x_a and x_k.
 (WHICH, RULES, STAGES, PASSED) = range(66, 70)
 
 
@@ -62,15 +63,8 @@ def shapes(n, levels, m, dense, widest, damped):
     ints |= {STAGES: ((2 * damped + 1) * m if damped else 0, 1)}
     reals = dict.fromkeys((LO, HI, NORM, VALUE, SLOPE, LOW, HIGH, ALLOWED), (m, 1)) | {W: (m + spare, 1)}
     reals |= dict.fromkeys((X_REF, X0, X, Y, G, BALANCE, D, MULTIPLIER, SHARE, SCRATCH, SAFE), (n, 1))
-    reals |= {
-        B: (dense, n),
-        V: (n, n),
-        L: (m + spare, n),
-        R: (deep, n),
-        H: (n, deep),
-        FORCES: (levels, 1),
-        OPTION: (4, 1),
-    }
+    reals |= {B: (dense, n), V: (n, n), L: (m + spare, n), R: (deep, n), H: (n, deep)}
+    reals |= {FORCES: (levels, 1), OPTION: (5, 1)}
     reals |= dict.fromkeys((LENGTHS, RHS), (deep, 1))
     reals |= dict.fromkeys((ANCHOR, EXACT, APPROACH), (n, 1)) | {P: (m + n, n), LAMBDA: (m, 1), FACTOR: (many, many)}
     reals |= dict.fromkeys((DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED), (many, 1))

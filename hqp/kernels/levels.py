@@ -20,10 +20,10 @@ from .freeze import freeze
 from .members import enter, prepare, start_of
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length, pivots, triangle
-from .polish import judge, polish
+from .polish import holds, judge, polish
 from .primal import primal
-from .sweep import EQUALITY, INACTIVE, LOWER, UPPER
-from .working_set import FROZEN, FUTURE, HARD, IGNORED, value_of
+from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, extent, far, value_of
+from .working_set import FROZEN, FUTURE, HARD, IGNORED
 
 #: Softness of the level that is being solved, relative to the square of its longest row.
 SOFT = 1e-9
@@ -38,25 +38,26 @@ def levels(here, last, warm):
     Returns
     -------
     level : int
-        The one that could not be solved, with EXACT exact above it; `last` + 1 if all were.
+        The one that could not be solved, with EXACT exact above it; `last` + 1 if all were, and `last` + 2 if x has
+        kept what all of them decided: a proof.
     """
     ptr, rounds = marks(here, at.PTR), 4 * len(marks(here, at.MEMBERS)) + 4
     k, frozen = begin(here, last)
     while k < last and not late(here):
         delta = take_up(here, k, last, warm)
-        hard, rank, own, own_rank = polish(here, k, frozen)
-        faults, _, pull = judge(here, k, frozen, hard, rank, own)
+        hard, rank, own, own_rank = polish(here, k, last, frozen)
+        faults, _, pull = judge(here, k, last, frozen, hard, rank, own)
         if faults > 0:
             count = assemble(here, k, last, frozen, delta)
             count = settle(here, ptr[k + 1], frozen, count, delta, rounds, 0)
             remember(here, k, last, count)
-            hard, rank, own, own_rank = polish(here, k, frozen)
-            faults, _, pull = judge(here, k, frozen, hard, rank, own)
+            hard, rank, own, own_rank = polish(here, k, last, frozen)
+            faults, _, pull = judge(here, k, last, frozen, hard, rank, own)
         if faults > 0 and feasible(here, k):
-            faults, hard, rank, own, own_rank, pull = primal(here, k, frozen)
+            faults, hard, rank, own, own_rank, pull = primal(here, k, last, frozen)
         if faults > 0 and not late(here):
             start_again(here, k)
-            faults, hard, rank, own, own_rank, pull = primal(here, k, frozen)
+            faults, hard, rank, own, own_rank, pull = primal(here, k, last, frozen)
         if faults > 0:
             return k
         keep(here, k, last)
@@ -68,8 +69,12 @@ def levels(here, last, warm):
     take_up(here, last, last, warm)
     count = assemble(here, last, last, frozen, 0.0)
     settle(here, ptr[last], frozen, count, 0.0, rounds, 0)
+    hard, rank, own, own_rank = polish(here, last, last, frozen)
+    faults, _, pull = judge(here, last, last, frozen, hard, rank, own)
     keep(here, last, last)
-    return last if late(here) else last + 1
+    if late(here):
+        return last
+    return last + 1 if faults > 0 or far(here) or not holds(here, last) else last + 2
 
 
 @inner
@@ -88,12 +93,12 @@ def begin(here, last):
     ptr, col, depth = marks(here, at.PTR), marks(here, at.COL), marks(here, at.DEPTH)
     kind, side, pivot = marks(here, at.KIND), marks(here, at.SIDE), marks(here, at.PIVOT)
     lower, upper, norm = vector(here, at.LOWER), vector(here, at.UPPER), vector(here, at.NORM)
-    x0, anchor, exact = vector(here, at.X0), vector(here, at.ANCHOR), vector(here, at.EXACT)
+    w, x0, anchor, exact = vector(here, at.W), vector(here, at.X0), vector(here, at.ANCHOR), vector(here, at.EXACT)
     softness, carried, saved = vector(here, at.VALUE), vector(here, at.LAMBDA), marks(here, at.SAVED)
     V, L = matrix(here, at.V), matrix(here, at.L)
     for i in range(ptr[last]):
         kind[i], side[i], depth[i] = FUTURE, INACTIVE, -1
-        softness[i] = carried[i] = 0.0
+        softness[i] = carried[i] = w[i] = 0.0
     for j in range(n):
         anchor[j] = exact[j] = x0[j]
     if not boxed:
@@ -236,10 +241,9 @@ def remember(here, k, last, count):
 @inner
 def feasible(here, k):
     """Whether APPROACH satisfies the levels above k."""
-    n, ptr = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR)
-    kind, norm = marks(here, at.KIND), vector(here, at.NORM)
+    ptr, kind, norm = marks(here, at.PTR), marks(here, at.KIND), vector(here, at.NORM)
     lo, hi, point = vector(here, at.LO), vector(here, at.HI), vector(here, at.APPROACH)
-    size = length(point, n)
+    size = extent(point, here)
     for i in range(ptr[k]):
         if kind[i] != FROZEN and norm[i] > 0.0:
             value, near = value_of(i, point, here), FEASIBLE * norm[i] * size
@@ -258,7 +262,7 @@ def start_again(here, k):
     point, exact = vector(here, at.APPROACH), vector(here, at.EXACT)
     for j in range(n):
         point[j] = exact[j]
-    size = length(point, n)
+    size = extent(point, here)
     for i in range(ptr[k + 1]):
         if kind[i] == FROZEN or norm[i] == 0.0 or side[i] == EQUALITY:
             continue

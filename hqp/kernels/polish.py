@@ -16,8 +16,8 @@ from .compile import inner, integer
 from .members import prepare, start_of
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length, level_least_squares, pivots, separate
-from .sweep import DUAL, EQUALITY, INACTIVE, LOWER
-from .working_set import FROZEN, balance, value_of
+from .sweep import DUAL, EQUALITY, INACTIVE, LOWER, extent, value_of
+from .working_set import FROZEN, balance
 
 
 @inner
@@ -49,8 +49,8 @@ def list_members(here, first, end, frozen, begin, room):
 
 
 @inner
-def polish(here, k, frozen):
-    """Solve level k for its members: x, y and the slacks w.
+def polish(here, k, last, frozen):
+    """Solve level k for its members: x, y and the slacks w; of the last level S is empty.
 
     Returns
     -------
@@ -76,7 +76,7 @@ def polish(here, k, frozen):
         pivot[frozen + r] = i
 
     c = frozen + rank
-    own = list_members(here, ptr[k], ptr[k + 1], frozen, hard, n + ptr[k + 1])
+    own = list_members(here, ptr[k], ptr[min(k + 1, last)], frozen, hard, head[at.ROWS])
     mine, places, sizes, rows, right = ids[hard:], slots[hard:], lengths[hard:], R[hard:], rhs[hard:]
     separate(mine, own, places, sizes, rows, norm, V, L, frozen, c, n, tau)
     own_rank = pivots(mine, own, places, sizes, rows, norm, V, L, c, n, tau)
@@ -99,7 +99,7 @@ def polish(here, k, frozen):
 
 
 @inner
-def judge(here, k, frozen, hard, rank, own):
+def judge(here, k, last, frozen, hard, rank, own):
     """What contradicts the members of level k, at the x of :func:`polish`.
 
     Returns
@@ -111,23 +111,31 @@ def judge(here, k, frozen, hard, rank, own):
         The forces of the level; 0 if it is met.
     """
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
-    n, tol = head[at.N], option[at.TOL]
+    n, tol, blur = head[at.N], option[at.TOL], option[at.TOL] * option[at.BLUR]
     ptr, col, row_of, side = marks(here, at.PTR), marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.SIDE)
     kind, ids, pivot = marks(here, at.KIND), marks(here, at.IDS), marks(here, at.PIVOT)
     lo, hi, norm, B = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), matrix(here, at.B)
     x, w, g, multiplier = vector(here, at.X), vector(here, at.W), vector(here, at.G), vector(here, at.MULTIPLIER)
-    size, met, pull = length(x, n), True, 0.0
+    x0 = vector(here, at.X0)
+    size, met, pull = extent(x, here), True, 0.0
+    if k == last:  # min ||x - x_0||, which is never met but where x_0 is
+        for j in range(n):
+            g[j] = x[j] - x0[j]
+            pull += abs(g[j])
+        met = pull <= blur
     for r in range(hard, hard + own):
         i = ids[r]
         goal = lo[i] if side[i] == LOWER else hi[i]
         met = met and abs(w[i]) <= tol * (abs(goal) + norm[i] * size)
         pull += norm[i] * abs(w[i])
-    faults, worst, least = integer(0), integer(-1), -DUAL * pull
+    faults, worst = integer(0), integer(-1)
+    least = wrong = -DUAL * pull - (blur if k == last else 0.0)
     if met:
         pull = 0.0
     else:
-        for j in range(n):
-            g[j] = 0.0
+        if k < last:
+            for j in range(n):
+                g[j] = 0.0
         for r in range(hard, hard + own):
             i = ids[r]
             much = w[i]
@@ -141,17 +149,17 @@ def judge(here, k, frozen, hard, rank, own):
         for q in range(frozen, frozen + rank):
             i = pivot[q]
             says = multiplier[q] * side[i] * norm[i]
-            faults += says < -DUAL * pull
+            faults += says < wrong
             if says < least:
                 worst, least = i, says
         for r in range(hard, hard + own):
             i = ids[r]
             if side[i] != EQUALITY:
                 says = w[i] * side[i] * norm[i]
-                faults += says < -DUAL * pull
+                faults += says < wrong
                 if says < least:
                     worst, least = i, says
-    for i in range(ptr[k + 1]):
+    for i in range(ptr[k + 1] if k < last else 0):  # at the last level :func:`holds` looks at all rows
         if side[i] == INACTIVE and kind[i] != FROZEN and norm[i] > 0.0:
             value = value_of(i, x, here)
             near = tol * norm[i] * size
@@ -161,3 +169,23 @@ def judge(here, k, frozen, hard, rank, own):
         goal = lo[i] if side[i] == LOWER else hi[i]
         faults += abs(value_of(i, x, here) - goal) > tol * (abs(goal) + norm[i] * size)
     return faults, worst, pull
+
+
+@inner
+def holds(here, last):
+    """Whether the x of the last level has kept what every level above has decided: slacks, and bounds."""
+    ptr, side, x = marks(here, at.PTR), marks(here, at.SIDE), vector(here, at.X)
+    tol = vector(here, at.OPTION)[at.TOL]
+    lo, hi, norm, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)
+    size = extent(x, here)
+    for i in range(ptr[last]):
+        if norm[i] == 0.0:
+            continue
+        value, near = value_of(i, x, here), tol * norm[i] * size
+        low, high = lo[i], hi[i]
+        if side[i] != INACTIVE:
+            low = high = lo[i] if side[i] == LOWER else hi[i]
+            low, high = low + w[i], high + w[i]
+        if value > high + near + tol * abs(high) or value < low - near - tol * abs(low):
+            return False
+    return True

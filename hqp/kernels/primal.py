@@ -9,8 +9,8 @@ from .compile import inner, integer
 from .dual import late
 from .memory import ints, marks, vector
 from .polish import judge, polish
-from .sweep import EQUALITY, INACTIVE, LOWER, UPPER
-from .working_set import FROZEN, value_of
+from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, extent, value_of
+from .working_set import FROZEN
 
 #: The most steps of one level.
 STEPS = 60
@@ -34,12 +34,11 @@ def first_event(here, k):
     ptr, side, kind = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.KIND)
     lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
     x, start, d = vector(here, at.X), vector(here, at.APPROACH), vector(here, at.D)
-    steep = size = 0.0
+    steep = 0.0
     for j in range(n):
         d[j] = x[j] - start[j]
         steep += d[j] * d[j]
-        size += start[j] * start[j]
-    steep, size = math.sqrt(steep), math.sqrt(size)
+    steep, size = math.sqrt(steep), extent(start, here)
     reach, row, becomes = 1.0, integer(-1), integer(INACTIVE)
     for i in range(ptr[k + 1]):
         if norm[i] == 0.0 or kind[i] == FROZEN or side[i] == EQUALITY:
@@ -65,13 +64,13 @@ def first_event(here, k):
 
 
 @inner
-def primal(here, k, frozen):
+def primal(here, k, last, frozen):
     """Take exact steps from APPROACH until level k is optimal; what :func:`.polish.polish` and its judge say then."""
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
     side, start, x = marks(here, at.SIDE), vector(here, at.APPROACH), vector(here, at.X)
-    hard, rank, own, own_rank = polish(here, k, frozen)
-    faults, worst, pull = judge(here, k, frozen, hard, rank, own)
+    hard, rank, own, own_rank = polish(here, k, last, frozen)
+    faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
     for _ in range(STEPS):
         if faults == 0 or late(here):
             break
@@ -85,6 +84,6 @@ def primal(here, k, frozen):
             side[worst] = INACTIVE
         else:
             break
-        hard, rank, own, own_rank = polish(here, k, frozen)
-        faults, worst, pull = judge(here, k, frozen, hard, rank, own)
+        hard, rank, own, own_rank = polish(here, k, last, frozen)
+        faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
     return faults, hard, rank, own, own_rank, pull

@@ -18,8 +18,9 @@ from .dual import NEVER, late
 from .guess import guess
 from .levels import levels
 from .memory import clock, floats, given, ints, marks, matrix, vector
-from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep
-from .working_set import FROZEN, value_of
+from .orthogonal import length
+from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep, value_of
+from .working_set import FROZEN
 
 #: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; proved as far as one
 #: tolerance goes for rows of very different lengths.
@@ -28,6 +29,8 @@ SUSPECT, UNEVEN = 3, 4
 #: As :data:`hqp.hierarchy.LARGEST`: a row that is longer has an entry to be looked at.
 LARGEST = 1e30
 
+#: Round-off of x, in units of the length of x_0, where it comes from.
+ROUND_OFF = 16 * 2.0**-52
 #: A row that is this much shorter than another of its level may disappear in the round-off of that one.
 EVEN = 1e-8
 
@@ -204,6 +207,9 @@ def from_levels(here, last, warm):
     level = levels(here, last, warm)
     if level <= last:
         return level, integer(1)
+    if level > last + 1:
+        ints(here, 0, at.HEAD)[at.SWEEPS] += 1
+        return level, integer(0)
     return level, verify(here, last)
 
 
@@ -228,6 +234,13 @@ def start_clock(here):
 
 
 @inner
+def note_blur(here):
+    """What round-off in x0 adds to the length of x where a tolerance is relative to it."""
+    option = vector(here, at.OPTION)
+    option[at.BLUR] = ROUND_OFF / option[at.TOL] * length(vector(here, at.X0), ints(here, 0, at.HEAD)[at.N])
+
+
+@inner
 def solve_one(here):
     """Solve the hierarchy of the directory; see :func:`solve`."""
     head = ints(here, 0, at.HEAD)
@@ -237,6 +250,7 @@ def solve_one(here):
     if not load(here, warm, head[at.TRUSTED] != 0):
         return SUSPECT
     last = levels_that_count(here)
+    note_blur(here)
     faults = integer(1)
     if warm and head[at.HISTORY] == 0:
         seed(here, last)

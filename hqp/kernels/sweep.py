@@ -30,6 +30,35 @@ DUAL = 1e-9
 
 
 @inner
+def extent(x, here):
+    """The length of x to which tolerances are relative, and what the round-off of x_0, where x comes from, adds."""
+    return length(x, ints(here, 0, at.HEAD)[at.N]) + vector(here, at.OPTION)[at.BLUR]
+
+
+@inner
+def far(here):
+    """Whether x is so much shorter than x_0, where it comes from, that the round-off of that shows."""
+    return vector(here, at.OPTION)[at.BLUR] > length(vector(here, at.X), ints(here, 0, at.HEAD)[at.N])
+
+
+@inner
+def value_of(i, x, here):
+    """a_i x."""
+    head = ints(here, 0, at.HEAD)
+    n = head[at.N]
+    col, row_of = marks(here, at.COL), marks(here, at.ROW_OF)
+    norm = vector(here, at.NORM)
+    B = matrix(here, at.B)
+    if col[i] >= 0:
+        return norm[i] * x[col[i]]
+    row = B[row_of[i]]
+    total = 0.0
+    for j in range(n):
+        total += row[j] * x[j]
+    return total
+
+
+@inner
 def target(side, low, high):
     """The bound that a row on this side is held to."""
     return low if side == LOWER else high
@@ -56,32 +85,18 @@ def sweep(here, last, tau):
 
 
 @inner
-def solve_equalities(here, last, tau):
-    """With the rows of the guess as equalities: x, the slacks w, and the basis with its pivot rows, level by level."""
+def fix_variables(here):
+    """x_0, with the variables of active bounds of level 0 at their bound; and how many are left free."""
     head = ints(here, 0, at.HEAD)
-    ids, y, w, rhs = marks(here, at.IDS), vector(here, at.Y), vector(here, at.W), vector(here, at.RHS)
-    L, H = matrix(here, at.L), matrix(here, at.H)
-    f, c = pin(here), integer(0)
-    for k in range(1 if head[at.BOXED] != 0 else 0, last):
-        count, rank = enter_level(here, k, c, f, tau)
-        level_least_squares(ids, count, rank, L, c, rhs, y, w, H)
-        note_level(here, c, count, rank)
-        c += rank
-    arrive(here, last, c, f)
-
-
-@inner
-def pin(here):
-    """x is x0, but for the variables that active bounds of the highest level fix; the others are listed: how many."""
-    head = ints(here, 0, at.HEAD)
-    n, col, ptr, side = head[at.N], marks(here, at.COL), marks(here, at.PTR), marks(here, at.SIDE)
+    n, boxed = head[at.N], head[at.BOXED] != 0
+    col, ptr, side = marks(here, at.COL), marks(here, at.PTR), marks(here, at.SIDE)
     pinned, free = marks(here, at.PINNED), marks(here, at.FREE)
-    lo, hi, norm, x0 = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X0)
-    x, w = vector(here, at.X), vector(here, at.W)
+    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
+    x, x0, w = vector(here, at.X), vector(here, at.X0), vector(here, at.W)
     for j in range(n):
         pinned[j] = -1
         x[j] = x0[j]
-    if head[at.BOXED] != 0:
+    if boxed:
         for i in range(ptr[0], ptr[1]):
             w[i] = 0.0
             if side[i] != INACTIVE:
@@ -96,22 +111,15 @@ def pin(here):
 
 
 @inner
-def enter_level(here, k, c, f, tau):
-    """The rows of the guess in level k, listed and factored on top of V[:c], and what y[c:] has to make of them.
-
-    Returns
-    -------
-    count, rank : int
-    """
-    head = ints(here, 0, at.HEAD)
-    n = head[at.N]
+def gather(here, k, f):
+    """The active rows of level k, of the f free variables alone, and what is left of their bounds: how many."""
+    n = ints(here, 0, at.HEAD)[at.N]
     col, row_of, ptr, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.PTR), marks(here, at.SIDE)
-    free, ids, slots = marks(here, at.FREE), marks(here, at.IDS), marks(here, at.SLOTS)
-    lo, hi, norm, given_rhs = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.VALUE)
-    x, w, y, rhs = vector(here, at.X), vector(here, at.W), vector(here, at.Y), vector(here, at.RHS)
-    B, V, L, R = matrix(here, at.B), matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
-    marks(here, at.CUT)[k] = c
-    count, rank = integer(0), integer(0)
+    free, ids = marks(here, at.FREE), marks(here, at.IDS)
+    lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
+    w, given_rhs = vector(here, at.W), vector(here, at.VALUE)
+    B, R = matrix(here, at.B), matrix(here, at.R)
+    count = integer(0)
     for i in range(ptr[k], ptr[k + 1]):
         w[i] = 0.0
         if side[i] == INACTIVE:
@@ -123,24 +131,32 @@ def enter_level(here, k, c, f, tau):
                 row[t] = 0.0
                 if free[t] == col[i]:
                     row[t] = norm[i]
-            rhs[count] = bound - norm[i] * x[col[i]]
+            given_rhs[i] = bound - norm[i] * x[col[i]]
         else:
             given = B[row_of[i]]
             total = 0.0
             for j in range(n):
                 total += given[j] * x[j]
-            rhs[count] = bound - total
+            given_rhs[i] = bound - total
             for t in range(f):
                 row[t] = given[free[t]]
         ids[count] = i
-        given_rhs[i] = rhs[count]  # by row number, while the rows are put in order
         count += 1
+    return count
+
+
+@inner
+def enter_level(here, k, c, f, tau):
+    """The active rows of level k, factored on top of V[:c], and what y[c:] has to make of them: how many, and rank."""
+    ids, slots, lengths = marks(here, at.IDS), marks(here, at.SLOTS), vector(here, at.LENGTHS)
+    norm, y, rhs, given_rhs = vector(here, at.NORM), vector(here, at.Y), vector(here, at.RHS), vector(here, at.VALUE)
+    V, L, R = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
+    marks(here, at.CUT)[k] = c
+    count, rank = gather(here, k, f), integer(0)
     if count > 0:
-        rank = factor(ids, count, slots, vector(here, at.LENGTHS), R, norm, V, L, c, f, tau)
+        rank = factor(ids, count, slots, lengths, R, norm, V, L, c, f, tau)
         for r in range(count):
-            i = ids[r]
-            row = L[i]
-            total = given_rhs[i]
+            row, total = L[ids[r]], given_rhs[ids[r]]
             for q in range(c):
                 total -= row[q] * y[q]
             rhs[r] = total
@@ -159,12 +175,57 @@ def note_level(here, c, count, rank):
 
 
 @inner
+def solve_levels(here, k, end, c, f, tau):
+    """The equalities of levels k .. end, level by level, on top of V[:c]: how many rows V has then."""
+    ids, y, w, rhs = marks(here, at.IDS), vector(here, at.Y), vector(here, at.W), vector(here, at.RHS)
+    L, H = matrix(here, at.L), matrix(here, at.H)
+    while k < end:
+        count, rank = enter_level(here, k, c, f, tau)
+        if count > 0:
+            level_least_squares(ids, count, rank, L, c, rhs, y, w, H)
+            note_level(here, c, count, rank)
+        c += rank
+        k += 1
+    return c
+
+
+@inner
 def arrive(here, last, c, f):
-    """x, where y takes it from where :func:`pin` has left it."""
+    """x, where y takes it from where :func:`fix_variables` has left it."""
     free, x, y, V = marks(here, at.FREE), vector(here, at.X), vector(here, at.Y), matrix(here, at.V)
     marks(here, at.CUT)[last] = c
     for q in range(c):
         direction, step = V[q], y[q]
+        for t in range(f):
+            x[free[t]] += step * direction[t]
+    if far(here):
+        refine(here, c, f)
+
+
+@inner
+def solve_equalities(here, last, tau):
+    """With the rows of the guess as equalities: x, the slacks w, and the basis with its pivot rows, level by level."""
+    f = fix_variables(here)
+    first = integer(1 if ints(here, 0, at.HEAD)[at.BOXED] != 0 else 0)
+    arrive(here, last, solve_levels(here, first, last, integer(0), f, tau), f)
+
+
+@inner
+def refine(here, c, f):
+    """Take from x what round-off of x_0 has left in it: one step of iterative refinement, by the c rows of V."""
+    pivot, side, free = marks(here, at.PIVOT), marks(here, at.SIDE), marks(here, at.FREE)
+    lo, hi, x, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.X), vector(here, at.W)
+    y, more = vector(here, at.Y), vector(here, at.G)
+    V, L = matrix(here, at.V), matrix(here, at.L)
+    for q in range(c):
+        i = pivot[q]
+        row, total = L[i], target(side[i], lo[i], hi[i]) + w[i] - value_of(i, x, here)
+        for r in range(q):
+            total -= row[r] * more[r]
+        more[q] = total / row[q]
+    for q in range(c):
+        direction, step = V[q], more[q]
+        y[q] += step
         for t in range(f):
             x[free[t]] += step * direction[t]
 
@@ -202,7 +263,7 @@ def judge_rows(here, last, damped, damping):
     lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
     w, forces_of = vector(here, at.W), vector(here, at.FORCES)
     B = matrix(here, at.B)
-    size = length(x, n)
+    size = extent(x, here)
     faults = undecided = 0
     blurred = False
     for k in range(last):
@@ -270,7 +331,7 @@ def judge_multipliers(here, last, undecided, damped, damping):
     x_ref = vector(here, at.X_REF)
     y, g, G, forces_of = vector(here, at.Y), vector(here, at.G), vector(here, at.BALANCE), vector(here, at.FORCES)
     B, L = matrix(here, at.B), matrix(here, at.L)
-    faults = 0
+    option, faults = vector(here, at.OPTION), 0
     for k in range(last + 1 if damped == STRICT else last):
         if undecided == 0:
             break
@@ -300,6 +361,8 @@ def judge_multipliers(here, last, undecided, damped, damping):
                 G[j] = x[j] - x0[j]
                 forces += abs(G[j])
         clear = DUAL * forces
+        if k == last:
+            clear += option[at.TOL] * option[at.BLUR]
         for q in range(c - 1, -1, -1):
             i = pivot[q]
             multiplier = -g[q] / L[i][q]

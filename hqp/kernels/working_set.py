@@ -18,23 +18,6 @@ FUTURE, HARD, WORKING, FROZEN, IGNORED = 0, 1, 2, 3, 4
 
 
 @inner
-def value_of(i, x, here):
-    """a_i x."""
-    head = ints(here, 0, at.HEAD)
-    n = head[at.N]
-    col, row_of = marks(here, at.COL), marks(here, at.ROW_OF)
-    norm = vector(here, at.NORM)
-    B = matrix(here, at.B)
-    if col[i] >= 0:
-        return norm[i] * x[col[i]]
-    row = B[row_of[i]]
-    total = 0.0
-    for j in range(n):
-        total += row[j] * x[j]
-    return total
-
-
-@inner
 def copy_row(i, out, here):
     """a_i as a dense vector."""
     head = ints(here, 0, at.HEAD)

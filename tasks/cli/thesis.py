@@ -1,4 +1,4 @@
-"""``hqp thesis``: the figures of chapter 4 and the table of its claims."""
+"""``hqp thesis``: the figures of the text and the table of its claims."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ def thesis(
         typer.Option(
             "--figure",
             "-f",
-            help="4.2 to 4.37, argument, priorities or workspace; may be given several times.",
+            help="2.1, 3.1 to 3.5, 4.1 to 4.37; argument, priorities, workspace; lines, stacks; may be given several"
+            " times.",
             metavar="N",
         ),
     ] = None,
@@ -32,14 +33,19 @@ def thesis(
     out: Annotated[
         Path, typer.Option("--out", "-o", help="Folder for figures and tables.", metavar="DIR", parser=path)
     ] = Path("out/thesis"),
-    form: Annotated[str, typer.Option("--format", help="Of the pictures: png, pdf or svg.", metavar="F")] = "png",
+    form: Annotated[
+        str,
+        typer.Option("--format", help="png, pdf or svg; for a paper there is a png and a pdf, or svg.", metavar="F"),
+    ] = "png",
     animate: Annotated[bool, typer.Option("--animate", help="Write each figure as a GIF, too.")] = False,
     jobs: Annotated[int, typer.Option("--jobs", "-j", help="Processes; -1 for one a core.")] = -1,
 ) -> None:
     """Simulate the figures of the thesis, draw them, and hold what its text says against what is found.
 
-    Without --figure: all of them. What is finished is kept: after an interruption the same command goes
-    on where it was.
+    Without --figure: all of them. Each figure of chapter 4 is drawn in full, all laws side by side, and
+    plain, as the text has it, for a paper: of the first law that is asked for. 2.1, 3.1 to 3.5 and 4.1
+    are drawings and simulate nothing; lines and stacks are studies, a table each, without a picture.
+    What is finished is kept: after an interruption the same command goes on where it was.
     """
     from ..thesis.laws import NAMES
     from ..thesis.report import report

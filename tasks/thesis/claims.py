@@ -26,19 +26,25 @@ class Claim:
         In short.
     holds : callable
         Finding -> bool: whether a run bears it out.
+    of_tip : bool
+        Whether it is a claim on the tip alone, decided by its error; otherwise by the share of phi, too.
     """
 
     says: str
     holds: Callable[[Finding], bool] = field(repr=False)
+    of_tip: bool = False
 
 
 def _follows(found: Finding) -> bool:
     return not found.stopped and found.tip_error_mm < FOLLOWED
 
 
-FOLLOWS = Claim("the tip follows the path, the orientation is left to itself", _follows)
-SINGULAR = Claim("unable to follow the path: singular, joint speeds extremely high", lambda found: not _follows(found))
-NO_LONGER_SINGULAR = Claim("a fourth joint avoids the singular configurations", _follows)
+FOLLOWS = Claim("the tip follows the path, the orientation is left to itself", _follows, of_tip=True)
+SINGULAR = Claim(
+    "unable to follow the path: singular, joint speeds extremely high", lambda found: not _follows(found), of_tip=True
+)
+OVERCOMES = Claim("task priority overcomes the singularity: the tip follows the path", _follows, of_tip=True)
+NO_LONGER_SINGULAR = Claim("a fourth joint avoids the singular configurations", _follows, of_tip=True)
 BOTH = Claim("both tasks met with maximum accuracy", lambda found: _follows(found) and found.phi_share >= KEPT)
 MOSTLY = Claim(
     "both tasks met for the major part, the orientation lost towards the end",

@@ -20,6 +20,10 @@ from .scenarios import MINUTE
 TIP_FROM, PHI_FROM = 0.7, 0.2
 #: Error of phi that counts as held [deg].
 HELD = 1.0
+#: Joint speed up to which a joint counts as at rest [rad/min], 1 degree a second.
+AT_REST = 1.0
+#: Difference of a joint angle to the run at twice the tick up to which a run counts as converged [deg].
+CONVERGED = 1.0
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,15 @@ class Finding:
         Largest error of phi from 0.2 of the motion on [deg].
     peak_speed : float
         Largest joint speed [rad/min].
+    end_speed : float
+        Largest joint speed where the run ends, which is where the path comes to rest [rad/min].
+    peak_acceleration : float
+        Largest joint acceleration from 0.2 of the motion on [rad/min^2].
+    reversals : int
+        How often the joint that does so most often turns back, over the whole motion. Speeds within 1 rad/min of
+        zero have no direction.
+    turned_deg : float
+        Between the extremes of the joint that turns furthest [deg].
     peak_torque : float
         Largest joint torque [N m] (Eq. 4.1).
     least_singular : float
@@ -53,6 +66,9 @@ class Finding:
         Share of the checked ticks whose answer is proved optimal.
     difference_rad : float
         Largest difference of a joint angle to the closed form's run, over the ticks of both [rad].
+    tick_deg : float
+        Largest difference of a joint angle to the same run at twice the tick [deg]. The command holds over a tick,
+        whose effect is of first order: what is left at this tick is as much again. NaN for a run that diverges.
     note : str
         Why a run ended early, if not by divergence.
     """
@@ -64,6 +80,10 @@ class Finding:
     phi_share: float
     phi_peak_deg: float
     peak_speed: float
+    end_speed: float
+    peak_acceleration: float
+    reversals: int
+    turned_deg: float
     peak_torque: float
     least_singular: float
     least_manipulability: float
@@ -73,6 +93,7 @@ class Finding:
     diverged_min: float
     certified: float
     difference_rad: float
+    tick_deg: float
     note: str = ""
 
     @property
@@ -80,9 +101,14 @@ class Finding:
         """Whether the run ended before its time."""
         return bool(self.note) or not isnan(self.diverged_min)
 
+    @property
+    def turning(self) -> bool:
+        """Whether a joint still turns where the path has come to rest."""
+        return not self.stopped and self.end_speed > AT_REST
 
-def measure(job: Job, record: Record, closed_form: Record | None = None) -> Finding:
-    """The numbers of one run; `closed_form` is the run of the same law by its formula."""
+
+def measure(job: Job, record: Record, closed_form: Record | None = None, coarser: Record | None = None) -> Finding:
+    """The numbers of one run; beside it those of the same law by its formula, and of the same run at twice the tick."""
     scenario = job.scenario
     elapsed = record.t / scenario.duration
     share = peak = nan
@@ -110,6 +136,10 @@ def measure(job: Job, record: Record, closed_form: Record | None = None) -> Find
         phi_share=share,
         phi_peak_deg=peak,
         peak_speed=MINUTE * _largest(np.abs(record.v)),
+        end_speed=MINUTE * _largest(np.abs(record.v[-1])),
+        peak_acceleration=MINUTE**2 * _largest(np.abs(record.a[elapsed[:-1] >= PHI_FROM])),
+        reversals=reversals(MINUTE * record.v),
+        turned_deg=float(np.degrees(np.ptp(record.q, axis=0).max())),
         peak_torque=_largest(np.abs(record.tau)),
         least_singular=float(np.linalg.svd(scenario.arm.jacobian(record.q)[:, :2], compute_uv=False)[:, 1].min()),
         least_manipulability=float(record.manipulability.min()),
@@ -119,6 +149,7 @@ def measure(job: Job, record: Record, closed_form: Record | None = None) -> Find
         diverged_min=nan if record.diverged_at is None else record.diverged_at / MINUTE,
         certified=record.certified_share,
         difference_rad=difference,
+        tick_deg=nan if coarser is None else _between_ticks(record, coarser),
         note=stopped.reason if stopped is not None and not stopped.diverged else "",
     )
 
@@ -138,6 +169,20 @@ def to_csv(findings: Sequence[Finding]) -> str:
         values = [getattr(found, name) for name in names]
         writer.writerow(["" if isinstance(value, float) and isnan(value) else value for value in values])
     return out.getvalue()
+
+
+def reversals(v: Array) -> int:
+    """Changes of direction of the joint that has most, v [rad/min], shape (N + 1, n); at rest it has none."""
+    turning = [np.sign(joint[np.abs(joint) > AT_REST]) for joint in v.T]
+    return max(int(np.count_nonzero(np.diff(direction))) for direction in turning)
+
+
+def _between_ticks(record: Record, coarser: Record) -> float:
+    """Largest difference of a joint angle [deg] at the times of both, if both went to their end."""
+    if record.stopped or coarser.stopped:
+        return nan
+    both = min(len(record.q[::2]), len(coarser.q))
+    return float(np.degrees(np.abs(record.q[::2][:both] - coarser.q[:both]).max()))
 
 
 def _largest(values: Array) -> float:

@@ -14,32 +14,28 @@ import hqp
 from .._checks import Array
 from ..motion.record import Record
 from ..robots.planar import PlanarArm
-from .figures import (
-    ACTUAL,
-    ARM,
-    DESIRED,
-    JOINTS,
-    MUTED,
-    common_view,
-    desired_path,
-    draw_arm,
-    draw_joints,
-    draw_phi,
-    draw_time,
-    grid,
-    speed_range,
-    summary,
-)
-from .findings import measure
+from .arms import desired_path, draw_arm, legend, proportion, show, view
+from .figures import ended, summary
+from .findings import digits, measure
 from .laws import DAMPED, LIMITS, STRICT, SWAPPED, THESIS, Law
+from .panels import draw_joints, draw_phi, draw_time, name_joints, speed_range
 from .runs import Job, tip_error
 from .scenarios import MINUTE, scenario
+from .sheet import COLUMN, Head, Row, same_range, sheet
+from .style import ACTUAL, ARM, DESIRED, JOINTS, LAST, MUTED
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 #: The figure of the text that all three start from: links 0.5 0.5 0.5, the straight line, phi = 0.
 FIGURE = "4.3"
+#: The rows below the arm.
+PANELS = {
+    "tip": Row("tip error [mm]", 1.15, above=0.56),
+    "phi": Row("φ error [deg]", 1.15),
+    "speed": Row("speed [rad/min]", 1.15),
+    "acceleration": Row("acc. [rad/min²]", 1.15, above=0.32),
+}
 
 
 @dataclass(frozen=True)
@@ -95,35 +91,26 @@ def draw_argument(runs: Mapping[Job, Record]) -> Figure:
         LIMITS.key: "QP stack: limits on top",
         DAMPED.key: "QP stack: limits, damped",
     }
-    heads = {job: titles[job.law.key] for job in runs}
-    figure = _columns(runs, heads)
-    figure.text(
-        0.5, 0.985, "Position before orientation: links 0.5 0.5 0.5 m, tip along the red line, φ = 0°",
-        ha="center", va="top", fontsize=14, fontweight="bold",
-    )  # fmt: skip
-    return figure
+    title = "Position before orientation: links 0.5 0.5 0.5 m, tip along the red line, φ = 0°"
+    return _columns(title, runs, {job: titles[job.law.key] for job in runs})
 
 
 def draw_priorities(runs: Mapping[Job, Record]) -> Figure:
     """Position before orientation, and the other way round: one ``>>`` exchanged (section 1.2)."""
     orders = {SWAPPED.key: "orientation >> position", DAMPED.key: "position >> orientation"}
-    heads = {job: orders[job.law.key] for job in runs}
-    figure = _columns(runs, heads)
-    figure.text(
-        0.5, 0.985, "One >> exchanged: what is lost where both cannot be met", ha="center", va="top",
-        fontsize=14, fontweight="bold",
-    )  # fmt: skip
-    return figure
+    title = "One >> exchanged: what is lost where both cannot be met"
+    return _columns(title, runs, {job: orders[job.law.key] for job in runs})
 
 
 def draw_workspace(runs: Mapping[Job, Record]) -> Figure:
     """The reachable workspace of position alone against those with phi fixed (section 3.6)."""
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
     from matplotlib.patches import Annulus
 
     item = scenario(FIGURE)
     arm = item.arm
-    figure = Figure(figsize=(8.2, 8.6), layout="constrained")
+    figure = Figure(figsize=(7.4, 8.25), layout=ConstrainedLayoutEngine(h_pad=0.12))
     axis = figure.subplots()
     inner, outer = reach(arm.lengths)
     regions = [(np.zeros(2), inner, outer, MUTED, "position alone, φ free")]
@@ -145,16 +132,18 @@ def draw_workspace(runs: Mapping[Job, Record]) -> Figure:
     )  # fmt: skip
     for q in item.q0, _stretched(arm, lost, 0.0):
         points = arm.points(q)
-        axis.plot(*points.T, "o-", color=ARM, lw=2.0, ms=4.0, mec="white")
-    axis.plot(0, 0, "s", color=ARM, ms=8)
+        axis.plot(*points[:-1].T, color=ARM, lw=2.2, solid_capstyle="round", zorder=4)
+        axis.plot(*points[-2:].T, color=LAST, lw=2.2, solid_capstyle="round", zorder=5)
+        axis.plot(*points[1:-1].T, "o", color=ARM, ms=4.5, mec="white", mew=0.6, zorder=6)
+    axis.plot(0, 0, "s", color=ARM, ms=8, zorder=6)
     axis.set_aspect("equal")
     axis.set_xlim(-outer - 0.1, outer + 0.1)
     axis.set_ylim(-outer - 0.1, outer + 0.1)
     axis.set_xlabel("x [m]")
     axis.set_ylabel("y [m]")
     axis.grid(alpha=0.15)
-    axis.legend(loc="lower left", fontsize=9, framealpha=0.95)
-    axis.set_title("What position alone can reach, links 0.5 0.5 0.5 m", fontsize=13, fontweight="bold")
+    figure.legend(loc="outside lower center", ncols=2, fontsize=9.5, frameon=False)
+    figure.suptitle("What position alone can reach, links 0.5 0.5 0.5 m", fontsize=14, fontweight="bold")
     return figure
 
 
@@ -164,37 +153,38 @@ def _stretched(arm: PlanarArm, tip: Array, phi: float) -> Sequence[float]:
     return float(np.arctan2(y, x)), 0.0, phi - float(np.arctan2(y, x))
 
 
-def _columns(runs: Mapping[Job, Record], heads: Mapping[Job, str]) -> Figure:
+def _columns(title: str, runs: Mapping[Job, Record], names: Mapping[Job, str]) -> Figure:
     """A column a run: the arm, the errors, the joint speeds and accelerations."""
     item = scenario(FIGURE)
-    figure, axes = grid([2.5, 0.9, 0.9, 0.9, 0.9], len(runs), column=3.6, height=10.4, top=0.88, bottom=0.055)
-    for column, (job, record) in zip(axes.T, runs.items(), strict=True):
-        arm, tip, phi, speed, acceleration = column
-        arm.set_title(f"{heads[job]}\n\n", fontsize=12, fontweight="bold")
+    piece = view(item, runs.values())
+    rows = {"arm": Row("y [m]", COLUMN * proportion(piece), above=0.0)} | PANELS
+    heads = []
+    for job, record in runs.items():
         found = measure(job, record)
-        lines = f"joints turn at up to {found.peak_speed:.0f} rad/min\n{summary(found)}"
-        arm.text(0.5, 1.015, lines, transform=arm.transAxes, ha="center", color=MUTED, fontsize=9)
-        draw_arm(arm, item, record)
-        tip.semilogy(record.t / MINUTE, np.maximum(1e3 * tip_error(record), 1e-3), color=ACTUAL)
-        draw_phi(phi, item, record)
-        draw_joints(speed, record.t, record.v * MINUTE)
-        draw_joints(acceleration, record.t[:-1], record.a * MINUTE**2)
-        if job.law.inequalities:
-            for side in -1, 1:
-                speed.axhline(side * item.velocity_limit * MINUTE, color=MUTED, ls="--", lw=1.0)
-                acceleration.axhline(side * item.acceleration_limit * MINUTE**2, color=MUTED, ls="--", lw=1.0)
-        for panel in column[1:]:
-            draw_time(panel, item, record, last=panel is acceleration)
-    common_view(axes[0], item, runs.values())
-    axes[3, 0].set_ylim(*speed_range(item, runs.values()))
-    top = 1.15 * item.acceleration_limit * MINUTE**2
-    axes[4, 0].set_ylim(-top, top)
-    labels = "y [m]", "tip error [mm]", "φ error [deg]", "speed [rad/min]", "acc. [rad/min²]"
-    for axis, label in zip(axes[:, 0], labels, strict=True):
-        axis.set_ylabel(label)
-    figure.align_ylabels(axes[:, 0])
-    axes[0, 0].legend(loc="upper left", fontsize=8, framealpha=0.9)
-    axes[3, 0].legend(loc="lower right", fontsize=7, ncols=3, framealpha=0.9)
+        speeds = f"joints turn at up to {found.peak_speed:.0f} rad/min"
+        if found.turning:
+            speeds += f", at the end at {digits(found.end_speed)}"
+        lines = [speeds, summary(found)]
+        heads.append(Head(names[job], lines, ended(record)))
+    figure, panels = sheet(title, rows, heads, legend(held=True))
+    top = item.acceleration_limit * MINUTE**2
+    for k, (job, record) in enumerate(runs.items()):
+        column = {name: row[k] for name, row in panels.items()}
+        draw_arm(column["arm"], item, record)
+        show(column["arm"], piece)
+        column["arm"].set_xlabel("x [m]")
+        column["tip"].semilogy(record.t / MINUTE, np.maximum(1e3 * tip_error(record), 1e-3), color=ACTUAL)
+        draw_phi(column["phi"], item, record)
+        limited = job.law.inequalities
+        draw_joints(column["speed"], record.t, record.v * MINUTE, item.velocity_limit * MINUTE if limited else 0.0)
+        draw_joints(column["acceleration"], record.t[:-1], record.a * MINUTE**2, top if limited else 0.0)
+        for name in PANELS:
+            draw_time(column[name], item, record, last=name == "acceleration")
+    same_range(panels["tip"])
+    same_range(panels["speed"], *speed_range(item, runs.values()))
+    same_range(panels["acceleration"], -1.15 * top, 1.15 * top)
+    limited = any(job.law.inequalities for job in runs)
+    name_joints(panels["acceleration"][0], top if limited else 0.0)
     return figure
 
 

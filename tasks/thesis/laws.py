@@ -11,12 +11,28 @@ r"""Four laws for position prior to orientation, each a stack.
     wherever exact is possible, bounded everywhere. No closed form: it needs inequalities. Past the
     loss of reach it is bang-bang.
 ``damped``
-    The same with damping on the level of the orientation, and smooth where the undamped one is not.
+    The same with damping on the level of the orientation, :math:`\lambda \ddot\theta = 0` beside the task. It keeps
+    the joints off their limits, but does not end their swinging: in 4.3 they turn back 14 times, with it and without.
 
 Without task priority (even figures) the second level is left out. Eq. 4.8 and the strict stack are
 then the same, :math:`\ddot\theta = J_1^\# h_1`. Under joint limits the freedom that is left goes to
 manipulability (section 2.2): an arm that leaves it alone can be led to a singularity, and limits that
 hold it there take the tip off its path (by 32 mm in 4.26).
+
+Beside these, four more, for comparisons (:mod:`tasks.thesis.studies`, :mod:`tasks.thesis.ideas`):
+
+``braked``
+    ``limits`` with :math:`\lambda (\ddot\theta + c_1 \dot\theta) = 0` beside the orientation in place of
+    :math:`\lambda \ddot\theta = 0`. Where :math:`J_2` projected has a singular value :math:`\sigma \ll \lambda`, the
+    damped level brakes a speed at the rate :math:`c_1 \sigma^2 / (\sigma^2 + \lambda^2)` only, hence the swinging;
+    the braked one at the full rate :math:`c_1`.
+``resting``
+    ``limits`` with least motion as a last level: with four links one direction is free, in which joints once set in
+    motion never stop.
+``tip-held``
+    Joint limits and the tip, without the manipulability below it.
+``swapped``
+    Orientation before position (section 1.2).
 """
 
 from __future__ import annotations
@@ -29,6 +45,7 @@ from hqp import BackendInfo, Solution
 from hqp.backends.pseudoinverse import joint_form
 
 from ..criteria.manipulability import ManipulabilityTask
+from ..criteria.motion import MinimumMotionTask
 from ..damping import Damping
 from ..joint_motion import JointMotion
 from ..limits.acceleration import JointAccelerationLimit
@@ -118,6 +135,17 @@ def damped(scenario: Scenario) -> Stack:
     return limits(scenario) >> position(scenario) >> orientation(scenario) + Damping(scenario.damping)
 
 
+def braked(scenario: Scenario) -> Stack:
+    """Joint limits >> position >> orientation beside braked joints: all of the level has the rate c1 = 2 K."""
+    brake = MinimumMotionTask(scenario.damping, gain=2 * scenario.orientation_gain)
+    return limits(scenario) >> position(scenario) >> orientation(scenario) + brake
+
+
+def resting(scenario: Scenario) -> Stack:
+    """Joint limits >> position >> orientation >> least motion."""
+    return limited(scenario) >> MinimumMotionTask(gain=scenario.orientation_gain)
+
+
 def agile(scenario: Scenario) -> Stack:
     """Joint limits >> position >> its manipulability."""
     tip = position(scenario)
@@ -150,6 +178,9 @@ DAMPED = Law("damped", "strict, limits, damped", damped, ("damped",), inequaliti
 TIP = Law("tip", "tip alone", strict, ("thesis", "strict"), closed_form="pseudoinverse")
 TIP_LIMITS = Law("tip-limits", "tip, limits, manipulability", agile, ("limits", "damped"), inequalities=True)
 
+BRAKED = Law("braked", "strict, limits, braked", braked, (), inequalities=True)
+RESTING = Law("resting", "strict, limits, least motion", resting, (), inequalities=True)
+TIP_HELD = Law("tip-held", "tip, limits", limited, (), inequalities=True)
 SWAPPED = Law("swapped", "orientation first", swapped, (), inequalities=True)
 
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import hqp
 from hqp.checks import whole_number
@@ -14,31 +13,18 @@ from hqp.checks import whole_number
 from .._checks import writable
 from .._terminal import console
 from ..motion.record import Record
-from .animation import animate
-from .figures import draw
 from .findings import Finding, measure, to_csv
-from .ideas import IDEAS, Idea
-from .laws import NAMES, Law, laws_of
-from .runs import Job, jobs_of, run
-from .scenarios import ASSUMPTIONS, SCENARIOS, Scenario, scenario
+from .laws import NAMES
+from .pictures import Picture, make, pictures, refusals, subjects
+from .runs import Job, run
+from .scenarios import ASSUMPTIONS
 from .store import Drawn, Store
-from .tables import to_markdown, to_terminal
+from .studies import Study
+from .style import FORMATS
+from .tables import Section, to_markdown, to_terminal
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
     from rich.progress import Progress
-
-FORMATS = ("png", "pdf", "svg")
-DPI = 110
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A figure of the text or the picture of an idea, the runs it shows, and the files to make of it."""
-
-    subject: Scenario | Idea
-    jobs: tuple[Job, ...]
-    files: tuple[str, ...]
 
 
 def report(
@@ -56,16 +42,17 @@ def report(
     Parameters
     ----------
     figures : sequence of str
-        Such as ``"4.7"``, or the name of an idea, such as ``"argument"``; empty for all.
+        Such as ``"4.7"``, the number of a drawing, such as ``"4.1"``, or the name of an idea or a study, such as
+        ``"argument"`` or ``"lines"``; empty for all.
     backend : str, optional
         Beside the closed forms (default: ``hqp.DEFAULT_BACKEND``).
     out : Path
-        Receives ``figure-4.7.png``, ..., ``claims.md`` and ``claims.csv`` of the figures asked for,
-        and ``runs/``: what is finished there is not made again.
+        Receives ``figure-4.7.png``, ``figure-4.7-plain.png``, ``figure-4.7-plain.pdf``, ..., ``claims.md``
+        and ``claims.csv`` of the figures asked for, and ``runs/``: what is finished there is not made again.
     laws : collection of str
         Of :data:`tasks.thesis.laws.NAMES`.
     form : {"png", "pdf", "svg"}
-        Of the pictures.
+        Of the pictures; what may go into a paper comes as PNG and as PDF, or as SVG if that is asked for.
     animated : bool
         Whether each figure is written as a GIF, too.
     processes : int
@@ -82,64 +69,32 @@ def report(
         Before anything is simulated, if a figure, a law, the format or the backend is unknown, or the
         folder or a file in it cannot be written to.
     """
-    from joblib import Parallel, delayed
+    from joblib import Parallel
 
-    if form not in FORMATS:
-        raise hqp.InvalidInput(f"format {form!r} is unknown; available: {', '.join(FORMATS)}")
-    if whole_number(abs(processes) if isinstance(processes, int) else processes, "processes") == 0:
-        raise hqp.InvalidInput("processes = 0; give a number of processes, or -1 for one a core")
-    unknown = [law for law in laws if law not in NAMES]
-    if unknown or not laws:
-        raise hqp.InvalidInput(f"law {unknown[0] if unknown else ''!r} is unknown; available: {', '.join(NAMES)}")
+    _check(laws, form, processes)
     chosen = hqp.DEFAULT_BACKEND if backend is None else backend
-    info = hqp.backend_info(chosen)
-    subjects = _subjects(figures, laws)
-    left_out = dict.fromkeys(
-        why for item in subjects for law in _laws(item, laws) if (why := law.refusal(info)) is not None
-    )
-    pictures = [_picture(subject, chosen, laws, form, animated) for subject in subjects]
-    pictures = [picture for picture in pictures if picture.jobs or not _laws(picture.subject, laws)]
-    if not pictures:
-        raise hqp.InvalidInput(f"there is nothing to show: {'; '.join(left_out)}")
-    writable(out, [*(file for picture in pictures for file in picture.files), "claims.md", "claims.csv"])
+    wanted = subjects(figures, laws)
+    left_out = refusals(wanted, hqp.backend_info(chosen), laws)
+    shown = pictures(wanted, chosen, laws, form, animated)
+    writable(out, [*(file for picture in shown for file in picture.files), "claims.md", "claims.csv"])
     writable(out / "runs", ["drawn.json"])
     store, drawn = Store(out / "runs"), Drawn(out, out / "runs" / "drawn.json")
 
-    missing = [job for job in dict.fromkeys(job for picture in pictures for job in picture.jobs) if job not in store]
-    missing.sort(key=lambda job: job.ticks, reverse=True)  # the longest first
+    missing = [job for job in dict.fromkeys(job for picture in shown for job in picture.needed) if job not in store]
     if missing:
         hqp.Solver(chosen)  # what has to be compiled is compiled once, not by every process
     parallel = Parallel(n_jobs=processes, return_as="generator")
-    findings: list[Finding] = []
-    made = 0
     with _progress() as progress:
-        bar = progress.add_task("simulating", total=len(missing), visible=bool(missing))
-        for _ in parallel(delayed(_simulate)(job, store.path(job)) for job in missing):
-            progress.advance(bar)
+        _simulate_all(missing, store, parallel, progress)
+        found, made = _draw_all(shown, store, drawn, parallel, progress)
+    findings, studies = _told(shown, found)
 
-        keys = [drawn.key([store.key(job) for job in picture.jobs]) for picture in pictures]
-        due = [
-            [file for file in picture.files if not drawn.has(file, key)]
-            for picture, key in zip(pictures, keys, strict=True)
-        ]
-        drawn.forget(file for files in due for file in files)
-        bar = progress.add_task("drawing", total=len(pictures))
-        shown = parallel(
-            delayed(_show)(picture, [store.path(job) for job in picture.jobs], [out / file for file in files])
-            for picture, files in zip(pictures, due, strict=True)
-        )
-        for files, key, found in zip(due, keys, shown, strict=True):
-            for file in files:
-                drawn.add(file, key)
-            made += len(files)
-            findings += found
-            progress.advance(bar)
-
-    if findings:
-        (out / "claims.md").write_text(to_markdown(findings, [*left_out, *ASSUMPTIONS]), encoding="utf-8")
-        (out / "claims.csv").write_text(to_csv(findings), encoding="utf-8")
     store.forget_other_versions()
     printer = console(140)  # give every row its line
+    if findings or studies:
+        told = to_markdown(findings, studies, [*left_out, *ASSUMPTIONS])
+        (out / "claims.md").write_text(told, encoding="utf-8")
+        (out / "claims.csv").write_text(to_csv(findings), encoding="utf-8")
     if findings:
         printer.print(to_terminal(findings))
     for why in left_out:
@@ -148,27 +103,63 @@ def report(
     return findings
 
 
-def _subjects(figures: Sequence[str], laws: Collection[str]) -> list[Scenario | Idea]:
-    """What the names mean, each once. If there are none: all figures, and the ideas, which take all laws."""
-    if not figures:
-        return [*SCENARIOS.values(), *(IDEAS.values() if set(laws) >= set(NAMES) else ())]
-    names = dict.fromkeys(map(str.strip, figures))
-    for name in names:
-        if name not in IDEAS and name not in SCENARIOS:
-            raise hqp.InvalidInput(f"figure {name!r} is unknown; available: {', '.join([*SCENARIOS, *IDEAS])}")
-    return [IDEAS[name] if name in IDEAS else scenario(name) for name in names]
+def _check(laws: Collection[str], form: str, processes: int) -> None:
+    if form not in FORMATS:
+        raise hqp.InvalidInput(f"format {form!r} is unknown; available: {', '.join(FORMATS)}")
+    if whole_number(abs(processes) if isinstance(processes, int) else processes, "processes") == 0:
+        raise hqp.InvalidInput("processes = 0; give a number of processes, or -1 for one a core")
+    unknown = [law for law in laws if law not in NAMES]
+    if unknown or not laws:
+        raise hqp.InvalidInput(f"law {unknown[0] if unknown else ''!r} is unknown; available: {', '.join(NAMES)}")
 
 
-def _laws(subject: Scenario | Idea, laws: Collection[str]) -> Sequence[Law]:
-    return laws_of(subject, laws) if isinstance(subject, Scenario) else subject.laws
+def _simulate_all(missing: Sequence[Job], store: Store, parallel: Any, progress: Progress) -> None:
+    """The runs that are not kept yet, the longest first."""
+    from joblib import delayed
+
+    bar = progress.add_task("simulating", total=len(missing), visible=bool(missing))
+    ordered = sorted(missing, key=lambda job: job.ticks, reverse=True)
+    for _ in parallel(delayed(_simulate)(job, store.path(job)) for job in ordered):
+        progress.advance(bar)
 
 
-def _picture(subject: Scenario | Idea, backend: str, laws: Collection[str], form: str, animated: bool) -> Picture:
-    if isinstance(subject, Idea):
-        return Picture(subject, tuple(subject.jobs(backend)), (f"{subject.name}.{form}",))
-    name = f"figure-{subject.figure}"
-    files = (f"{name}.{form}", f"{name}.gif") if animated else (f"{name}.{form}",)
-    return Picture(subject, tuple(jobs_of(subject, backend, laws)), files)
+def _draw_all(
+    shown: Sequence[Picture], store: Store, drawn: Drawn, parallel: Any, progress: Progress
+) -> tuple[list[list[Finding]], int]:
+    """The files that are not up to date; what the runs of each show, and how many were drawn, whole or in part."""
+    from joblib import delayed
+
+    keys = [drawn.key([store.key(job) for job in picture.jobs]) for picture in shown]
+    due = [
+        [file for file in picture.files if not drawn.has(file, key)] for picture, key in zip(shown, keys, strict=True)
+    ]
+    drawn.forget(file for files in due for file in files)
+    bar = progress.add_task("drawing", total=len(shown))
+    rows = parallel(
+        delayed(_show)(
+            picture, {job: store.path(job) for job in picture.needed}, [drawn.folder / file for file in files]
+        )
+        for picture, files in zip(shown, due, strict=True)
+    )
+    found: list[list[Finding]] = []
+    for files, key, of_picture in zip(due, keys, rows, strict=True):
+        for file in files:
+            drawn.add(file, key)
+        found.append(of_picture)
+        progress.advance(bar)
+    return found, sum(map(bool, due))
+
+
+def _told(shown: Sequence[Picture], found: Sequence[list[Finding]]) -> tuple[list[Finding], list[Section]]:
+    """What figures show, a row a run, and what studies show, a table each."""
+    findings: list[Finding] = []
+    studies: list[Section] = []
+    for picture, rows in zip(shown, found, strict=True):
+        if isinstance(picture.subject, Study):
+            studies.append(picture.subject.section(picture.jobs, rows))
+        else:
+            findings += rows
+    return findings, studies
 
 
 def _simulate(job: Job, path: Path) -> None:
@@ -176,24 +167,17 @@ def _simulate(job: Job, path: Path) -> None:
     run(job).save(path)
 
 
-def _show(picture: Picture, runs: Sequence[Path], due: Sequence[Path]) -> list[Finding]:
+def _show(picture: Picture, runs: Mapping[Job, Path], due: Sequence[Path]) -> list[Finding]:
     """In a process of its own: what is due of one picture, and what its runs show in numbers."""
-    records = {job: _loaded(job, path) for job, path in zip(picture.jobs, runs, strict=True)}
-    item = picture.subject
-    if isinstance(item, Idea):
-        for file in due:
-            _save(item.draw(records), file)
+    if not due and not picture.measured:
         return []
-    # One run a law: the backend's, which comes after the formula's.
-    shown = {job: records[job] for job in {job.law.key: job for job in picture.jobs}.values()}
-    for file in due:
-        if file.suffix == ".gif":
-            animate(item, shown, _part(file))
-            _part(file).replace(file)
-        else:
-            _save(draw(item, shown), file)
+    records = {job: _loaded(job, path) for job, path in runs.items()}
+    make(picture, records, due)
+    if not picture.measured:
+        return []
     closed = {job.law.key: records[job] for job in picture.jobs if job.closed_form}
-    return [measure(job, records[job], closed.get(job.law.key)) for job in picture.jobs]
+    coarser = {job: records[other] for job, other in picture.coarser.items()}
+    return [measure(job, records[job], closed.get(job.law.key), coarser.get(job)) for job in picture.jobs]
 
 
 def _loaded(job: Job, path: Path) -> Record:
@@ -203,17 +187,6 @@ def _loaded(job: Job, path: Path) -> Record:
     except hqp.InvalidInput:
         _simulate(job, path)
         return Record.load(path)
-
-
-def _save(figure: Figure, file: Path) -> None:
-    """The file appears whole or not at all."""
-    figure.savefig(_part(file), dpi=DPI)
-    _part(file).replace(file)
-
-
-def _part(file: Path) -> Path:
-    """What a file is called while it is written; the suffix stays, for it tells the format."""
-    return file.with_stem(f".{file.stem}-part")
 
 
 @contextmanager

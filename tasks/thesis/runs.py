@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -50,6 +50,12 @@ class Job:
     def ticks(self) -> int:
         """Number of solves, if the run goes to its end."""
         return round(self.scenario.duration / self.tick)
+
+    @property
+    def coarser(self) -> Job:
+        """The same at twice the tick, by which this one is checked."""
+        item = self.scenario
+        return replace(self, scenario=replace(item, tick=2 * item.tick, free_tick=2 * item.free_tick))
 
 
 def jobs_of(scenario: Scenario, backend: str, laws: Collection[str] = NAMES) -> list[Job]:

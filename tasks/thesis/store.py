@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Collection, Iterable
+from dataclasses import fields
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
@@ -40,7 +41,7 @@ class Store:
     def key(self, job: Job) -> str:
         """The digest of everything that makes the record."""
         item = job.scenario
-        compared = {name: getattr(item, name) for name in item.__dataclass_fields__ if name not in ("figure", "claim")}
+        compared = {field.name: getattr(item, field.name) for field in fields(item) if field.compare}
         made_by = (compared, job.law.key, job.backend, job.closed_form, CERTIFY, SPEED_CAP, sources(drawing=False))
         return _digest(*map(str, made_by))
 

@@ -1,14 +1,16 @@
-"""Claims against findings: a row a figure, to read in a terminal and in claims.md; and every number of every run."""
+"""Claims against findings: a row a claim, to read in a terminal and in claims.md; and every number of every run."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import isnan
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .findings import Finding, digits
+from .claims import Claim
+from .findings import AT_REST, CONVERGED, Finding, digits
 from .laws import DAMPED, LIMITS, STRICT, THESIS, TIP, TIP_LIMITS, Law
 from .scenarios import SCENARIOS, Scenario
 
@@ -23,9 +25,17 @@ COLUMNS: dict[str, tuple[Law, ...]] = {
     "strict, limits, damped": (DAMPED,),
 }
 
+#: Of cells: whether the claim holds of the run, does not, or is not decided; and a joint that has not come to rest.
+HOLDS, FAILS, UNDECIDED, TURNS = "✓", "✗", "?", "↻"
 LEGEND = (
-    "With priority: share of the minute with φ within 1 degree. Without: largest tip error after 0.7 min."
-    " ✓: the text's claim holds of this run, ✗: it does not."
+    "Of claims on both tasks: share of the minute with φ within 1 degree. Of claims on the tip: its largest error after"
+    f" 0.7 min. {HOLDS}: the text's claim holds of this run, {FAILS}: it does not, {UNDECIDED}: undecided, for the text"
+    f" does not give the line ('hqp thesis --figure lines' tries others). {TURNS}: at the end, where the path rests, a"
+    f" joint still turns faster than {AT_REST:g} rad/min, at so many rad/min."
+)
+CONVERGENCE = (
+    f"Runs whose joint angles differ by more than {CONVERGED:g} degree from the same run at twice the tick, by so many"
+    " degrees: at the tick shown as much is still open. All others that do not diverge differ by less."
 )
 
 HEADINGS = {
@@ -36,6 +46,10 @@ HEADINGS = {
     "phi_share": "share of time with φ within 1°",
     "phi_peak_deg": "largest φ error after 0.2 min [deg]",
     "peak_speed": "peak joint speed [rad/min]",
+    "end_speed": "joint speed at the end [rad/min]",
+    "peak_acceleration": "peak joint acceleration after 0.2 min [rad/min²]",
+    "reversals": "reversals of a joint",
+    "turned_deg": "a joint turns through [deg]",
     "peak_torque": "peak torque [N m]",
     "least_singular": "least singular value of J1 [m/rad]",
     "least_manipulability": "least manipulability [m²]",
@@ -45,6 +59,7 @@ HEADINGS = {
     "diverged_min": "diverged at [min]",
     "certified": "certified",
     "difference_rad": "largest difference to the closed form [rad]",
+    "tick_deg": "largest difference to twice the tick [deg]",
     "note": "note",
 }
 TEXT = {"figure", "law", "backend", "note"}
@@ -53,6 +68,10 @@ FORMATS = {
     "phi_share": ".2f",
     "phi_peak_deg": ".3g",
     "peak_speed": ".1f",
+    "end_speed": ".2f",
+    "peak_acceleration": ".0f",
+    "reversals": "d",
+    "turned_deg": ".0f",
     "peak_torque": ".3g",
     "least_singular": ".3f",
     "least_manipulability": ".3f",
@@ -62,18 +81,66 @@ FORMATS = {
     "diverged_min": ".3f",
     "certified": ".1%",
     "difference_rad": ".1e",
+    "tick_deg": ".1f",
 }
 
 
+@dataclass(frozen=True)
+class Section:
+    """A table under a heading, and what is to be known to read it.
+
+    Attributes
+    ----------
+    title : str
+    headings : tuple of str
+    rows : list of lists of str
+    legend : str
+    left : int
+        How many columns are words, set to the left.
+    """
+
+    title: str
+    headings: tuple[str, ...]
+    rows: list[list[str]]
+    legend: str = ""
+    left: int = 3
+
+    def to_markdown(self) -> str:
+        """Heading, table, legend."""
+        rule = "|".join(["---"] * self.left + ["---:"] * (len(self.headings) - self.left))
+        lines = [f"# {self.title}\n", f"| {' | '.join(self.headings)} |", f"|{rule}|"]
+        lines += [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |" for row in self.rows]
+        return "\n".join([*lines, *([f"\n{self.legend}"] if self.legend else []), ""])
+
+
 def against_claims(findings: Sequence[Finding]) -> list[list[str]]:
-    """A row a figure: number, phi, what the text says, and a cell a law: its number and whether the claim holds."""
+    """A row a claim: figure, phi, what the text says, and a cell a law: its number and whether the claim holds."""
     rows = []
     for figure in dict.fromkeys(found.figure for found in findings):
         item = SCENARIOS[figure]
-        phi = "" if item.phi is None else f"{np.degrees(item.phi):.0f}°"
-        cells = [_cell(item, _shown(laws, figure, findings)) for laws in COLUMNS.values()]
-        rows.append([figure, phi, item.claim.says, *cells])
+        for claim in item.claims:
+            runs = [_shown(laws, figure, findings) for laws in COLUMNS.values()]
+            rows.append([figure, angle(item), claim.says, *(verdict(item, claim, found) for found in runs)])
     return rows
+
+
+def unconverged(findings: Sequence[Finding]) -> list[list[str]]:
+    """A row a motion of which a run hangs on the tick: figure, and a cell a law, empty where it does not."""
+    motions: dict[Scenario, str] = {}
+    for found in findings:
+        motions.setdefault(SCENARIOS[found.figure], found.figure)
+    rows = []
+    for figure in motions.values():
+        runs = [_shown(laws, figure, findings) for laws in COLUMNS.values()]
+        cells = [digits(found.tick_deg) if found and found.tick_deg > CONVERGED else "" for found in runs]
+        if any(cells):
+            rows.append([figure, *cells])
+    return rows
+
+
+def angle(item: Scenario) -> str:
+    """The desired orientation, or nothing."""
+    return "" if item.phi is None else f"{np.degrees(item.phi):.0f}°"
 
 
 def _shown(laws: Sequence[Law], figure: str, findings: Sequence[Finding]) -> Finding | None:
@@ -82,7 +149,8 @@ def _shown(laws: Sequence[Law], figure: str, findings: Sequence[Finding]) -> Fin
     return next((found for found in reversed(findings) if found.figure == figure and found.law in titles), None)
 
 
-def _cell(item: Scenario, found: Finding | None) -> str:
+def verdict(item: Scenario, claim: Claim, found: Finding | None) -> str:
+    """The number which decides, whether the claim holds, and, if joints still turn at the end, how fast."""
     if found is None:
         return ""
     if not isnan(found.diverged_min):
@@ -90,25 +158,30 @@ def _cell(item: Scenario, found: Finding | None) -> str:
     elif found.note:
         number = found.note
     else:
-        number = f"{digits(found.tip_error_mm)} mm" if item.phi is None else f"{found.phi_share:.2f}"
-    return f"{number} {'✓' if item.claim.holds(found) else '✗'}"
+        number = f"{digits(found.tip_error_mm)} mm" if claim.of_tip else f"{found.phi_share:.2f}"
+    mark = UNDECIDED if item.undecided else HOLDS if claim.holds(found) else FAILS
+    return f"{number} {mark} {TURNS}{digits(found.end_speed)}" if found.turning else f"{number} {mark}"
 
 
-def to_markdown(findings: Sequence[Finding], remarks: Sequence[str] = ()) -> str:
-    """Both tables to read: claims against findings, then every run; and remarks."""
-    names = _columns(findings)
-    runs = [[_text(found, name) for name in names] for found in findings]
-    return "\n".join(
-        [
-            "# Claims against findings\n",
-            *_pipes(["figure", "φ", "the text", *COLUMNS], against_claims(findings), left=3),
-            f"\n{LEGEND}\n",
-            "# Every run\n",
-            *_pipes([HEADINGS[name] for name in names], runs, left=3),
-            *(["\n# Remarks\n", *(f"* {remark}" for remark in remarks)] if remarks else []),
-            "",
-        ]
-    )
+def to_markdown(findings: Sequence[Finding], studies: Sequence[Section] = (), remarks: Sequence[str] = ()) -> str:
+    """All tables to read: claims against findings, studies, what has not converged, every run; and remarks."""
+    sections = [
+        Section("Claims against findings", ("figure", "φ", "the text", *COLUMNS), against_claims(findings), LEGEND),
+        *studies,
+        Section("Not converged in the tick", ("figure", *COLUMNS), unconverged(findings), CONVERGENCE, left=1),
+        every_run("Every run", findings),
+    ]
+    texts = [section.to_markdown() for section in sections if section.rows]
+    if remarks:
+        texts.append("\n".join(["# Remarks\n", *(f"* {remark}" for remark in remarks), ""]))
+    return "\n".join(texts)
+
+
+def every_run(title: str, findings: Sequence[Finding], names: Sequence[str] = (), legend: str = "") -> Section:
+    """A row a run: these numbers of it, or all."""
+    names = names or [name for name in HEADINGS if name != "note" or any(found.note for found in findings)]
+    rows = [[_text(found, name) for name in names] for found in findings]
+    return Section(title, tuple(HEADINGS[name] for name in names), rows, legend, sum(name in TEXT for name in names))
 
 
 def to_terminal(findings: Sequence[Finding]) -> Table:
@@ -121,23 +194,8 @@ def to_terminal(findings: Sequence[Finding]) -> Table:
     for name in ("fig.", "φ", "the text", *COLUMNS):
         table.add_column(name, justify="right" if name in COLUMNS else "left")
     for row in against_claims(findings):
-        table.add_row(*(Text(cell, style="red" if cell.endswith("✗") else "") for cell in row))
+        table.add_row(*row[:3], *(Text(cell, style="red" if FAILS in cell else "") for cell in row[3:]))
     return table
-
-
-def _pipes(headings: Sequence[str], rows: Sequence[Sequence[str]], *, left: int) -> list[str]:
-    """A table of Markdown, its first columns set to the left, the others to the right."""
-    rule = "|".join(["---"] * left + ["---:"] * (len(headings) - left))
-    return [f"| {' | '.join(headings)} |", f"|{rule}|", *(f"| {' | '.join(row)} |" for row in _escaped(rows))]
-
-
-def _escaped(rows: Sequence[Sequence[str]]) -> list[list[str]]:
-    return [[cell.replace("|", "\\|") for cell in row] for row in rows]
-
-
-def _columns(findings: Sequence[Finding]) -> list[str]:
-    """All columns, without the notes if there are none."""
-    return [name for name in HEADINGS if name != "note" or any(found.note for found in findings)]
 
 
 def _text(found: Finding, name: str) -> str:

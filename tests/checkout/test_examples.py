@@ -28,6 +28,10 @@ SAYS = {
     "10_liegeois": "a joint at 100 % of its half range",
     "11_obstacle": "limit above the tip  nearest   38.23 mm",
     "12_torque_limited_panda": "slow: hand at most 0.68 mm off",
+    "14_welding": "tip off by at most  0.35 mm, torch by 20.8",
+    "15_spraying": "square first gun off by at most 74.2",
+    "16_snake_arm": "body clear nearest  10.5",
+    "17_inspection": "pipes known   nearest  34.1",
 }
 
 #: What each draws into the folder that it is given, also kept in the documentation.
@@ -40,6 +44,10 @@ DRAWS = {
     "11_obstacle": ["obstacle.png"],
     "12_torque_limited_panda": ["torque_panda.gif", "torque_panda.png"],
     "13_priority_swap": ["priority_swap.png"],
+    "14_welding": ["welding.png"],
+    "15_spraying": ["spraying.png"],
+    "16_snake_arm": ["snake_arm.png"],
+    "17_inspection": ["inspection.png"],
 }
 
 #: What some take after the folder, to be short: seconds.

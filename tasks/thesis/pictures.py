@@ -1,0 +1,153 @@
+"""What there is to show: the simulated figures, each full and plain, drawings, ideas and studies beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import hqp
+from hqp import BackendInfo
+
+from ..motion.record import Record
+from .animation import animate
+from .drawings import DRAWINGS, Drawing
+from .figures import draw
+from .ideas import IDEAS, Idea
+from .laws import NAMES, Law, laws_of
+from .plain import draw_plain
+from .runs import Job, jobs_of
+from .scenarios import SCENARIOS, Scenario, scenario
+from .studies import STUDIES, Study
+from .style import PRINT, part, save
+
+Subject = Scenario | Idea | Study | Drawing
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What is shown, the runs it shows, and the files to make of it; of a study none, it is a table."""
+
+    subject: Subject
+    jobs: tuple[Job, ...]
+    files: tuple[str, ...]
+
+    @property
+    def shown(self) -> tuple[Job, ...]:
+        """One run a law of a figure: the backend's, which comes after the formula's. Of others, all."""
+        return tuple({job.law.key: job for job in self.jobs}.values()) if self.of_figure else self.jobs
+
+    @property
+    def coarser(self) -> dict[Job, Job]:
+        """Of the runs that are compared with the same at twice the tick, that one."""
+        compared = self.of_figure or (isinstance(self.subject, Study) and self.subject.against_ticks)
+        return {job: job.coarser for job in self.shown} if compared else {}
+
+    @property
+    def needed(self) -> tuple[Job, ...]:
+        """All that has to be simulated."""
+        return *self.jobs, *self.coarser.values()
+
+    @property
+    def of_figure(self) -> bool:
+        """Whether it is a simulated figure of the text."""
+        return isinstance(self.subject, Scenario)
+
+    @property
+    def measured(self) -> bool:
+        """Whether its runs stand in a table, in numbers."""
+        return self.of_figure or isinstance(self.subject, Study)
+
+
+def subjects(names: Sequence[str], laws: Collection[str]) -> list[Subject]:
+    """What the names mean, each once. If there are none: all there is, in the order of the text.
+
+    Drawings, ideas and studies are left out where only some laws are asked for: no law concerns the first,
+    and the others take all.
+
+    Raises
+    ------
+    InvalidInput
+        If a name is unknown; lists those that there are.
+    """
+    known = [*DRAWINGS, *SCENARIOS, *IDEAS, *STUDIES]
+    if not names:
+        return [_subject(name) for name in (known if set(laws) >= set(NAMES) else SCENARIOS)]
+    wanted = dict.fromkeys(map(str.strip, names))
+    for name in wanted:
+        if name not in known:
+            raise hqp.InvalidInput(f"figure {name!r} is unknown; available: {', '.join(known)}")
+    return [_subject(name) for name in wanted]
+
+
+def pictures(
+    chosen: Sequence[Subject], backend: str, laws: Collection[str], form: str, animated: bool
+) -> list[Picture]:
+    """What can be shown with this backend.
+
+    Raises
+    ------
+    InvalidInput
+        If that is nothing; tells why.
+    """
+    found = [_picture(subject, backend, laws, form, animated) for subject in chosen]
+    found = [picture for picture in found if picture.jobs or not _laws(picture.subject, laws)]
+    if not found:
+        reasons = refusals(chosen, hqp.backend_info(backend), laws)
+        raise hqp.InvalidInput(f"there is nothing to show: {'; '.join(reasons)}")
+    return found
+
+
+def refusals(chosen: Sequence[Subject], backend: BackendInfo, laws: Collection[str]) -> list[str]:
+    """Which laws are left out because this backend cannot show them, and why, each once."""
+    told = (law.refusal(backend) for subject in chosen for law in _laws(subject, laws))
+    return list(dict.fromkeys(why for why in told if why is not None))
+
+
+def make(picture: Picture, records: Mapping[Job, Record], files: Sequence[Path]) -> None:
+    """Make files of one picture."""
+    subject = picture.subject
+    shown = {job: records[job] for job in picture.shown}
+    for file in files:
+        if isinstance(subject, Drawing):
+            save(subject.draw(), file, PRINT)
+        elif isinstance(subject, Idea):
+            save(subject.draw(shown), file)
+        elif isinstance(subject, Scenario):
+            _make_of_figure(subject, shown, file)
+
+
+def _make_of_figure(item: Scenario, shown: Mapping[Job, Record], file: Path) -> None:
+    if file.suffix == ".gif":
+        animate(item, shown, part(file))
+        part(file).replace(file)
+    elif file.stem.endswith("-plain"):
+        save(draw_plain(*next(iter(shown.items()))), file, PRINT)
+    else:
+        save(draw(item, shown), file)
+
+
+def _subject(name: str) -> Subject:
+    return DRAWINGS.get(name) or IDEAS.get(name) or STUDIES.get(name) or scenario(name)
+
+
+def _laws(subject: Subject, laws: Collection[str]) -> Sequence[Law]:
+    if isinstance(subject, Scenario):
+        return laws_of(subject, laws)
+    return () if isinstance(subject, Drawing) else subject.laws
+
+
+def _picture(subject: Subject, backend: str, laws: Collection[str], form: str, animated: bool) -> Picture:
+    """Of what may go into a paper there is a picture in pixels and one in lines."""
+    paper = ("png", "svg" if form == "svg" else "pdf")
+    if isinstance(subject, Study):
+        return Picture(subject, tuple(subject.jobs(backend)), ())
+    if isinstance(subject, Idea):
+        return Picture(subject, tuple(subject.jobs(backend)), (f"{subject.name}.{form}",))
+    name = f"figure-{subject.figure}"
+    if isinstance(subject, Drawing):
+        return Picture(subject, (), tuple(f"{name}.{suffix}" for suffix in paper))
+    files = [f"{name}.{form}", *(f"{name}-plain.{suffix}" for suffix in paper)]
+    if animated:
+        files.append(f"{name}.gif")
+    return Picture(subject, tuple(jobs_of(subject, backend, laws)), tuple(files))
