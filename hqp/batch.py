@@ -257,6 +257,7 @@ class BatchSolver:
 
     def _solve(self, batch: Batch, x_ref: ArrayLike | None) -> BatchSolution:
         from .backends.native import STATUSES, judged
+        from .kernels.active_set import OPTIMAL
 
         if self._pid != os.getpid():  # a forked child, which has none of the threads
             self._pid, self._pool, self._structure = os.getpid(), None, None

@@ -274,7 +274,8 @@ def solve(
     Unsupported
         If the backend does not take such a hierarchy; names one that does.
     """
-    now = None if settings is None or settings.time_limit == math.inf else time.monotonic_ns()
+    settings = _DEFAULT if settings is None else of_type(settings, Settings, "settings")
+    now = None if settings.time_limit == math.inf else time.monotonic_ns()
     if x_ref is not None and isinstance(hierarchy, Hierarchy):
         x_ref = finite_vector(x_ref, hierarchy.n, "x_ref")
     key, solver = _borrow(hierarchy, backend, settings, damping)
@@ -294,22 +295,17 @@ _DEFAULT = Settings()
 
 
 def _borrow(
-    hierarchy: Hierarchy,
-    backend: str,
-    settings: Settings | None,
-    damping: Mapping[int | str, DampingRule | float] | None,
+    hierarchy: Hierarchy, backend: str, settings: Settings, damping: Mapping[int | str, DampingRule | float] | None
 ) -> tuple[Any, Solver]:
     """A cold solver, taken from those that are kept if there is one of this structure: it has its memory ready."""
-    settings = _DEFAULT if settings is None else settings
-    if backend != DEFAULT_BACKEND or not isinstance(hierarchy, Hierarchy) or damping is not None:
+    plain = damping is None and isinstance(hierarchy, Hierarchy)
+    if not (plain and isinstance(backend, str) and backend == DEFAULT_BACKEND):
         return None, Solver(backend, settings, damping)
     key = hierarchy.structure, settings
     try:
         solver = _kept.solvers.pop(key, None)
     except AttributeError:
         solver, _kept.solvers = None, {}
-    except TypeError:  # settings that are none
-        return None, Solver(backend, settings)
     if solver is None:
         return key, Solver(backend, settings)
     solver.forget()

@@ -39,7 +39,7 @@ SIGNATURE = int64(int64, int64)
 
 Damped = Callable[[Hierarchy, Array | None], tuple[Array, Counts, Array] | None]
 Quick = Callable[[Hierarchy, Array | None], tuple[Array, Counts] | None]
-#: What almost every tick of a control loop takes, by its iterations: one sweep. Made anew, it would be a third of it.
+#: What almost every tick of a control loop takes, by its iterations: one sweep. Made anew they were a third of a tick.
 ONE_SWEEP = [Counts(1, iterations) for iterations in range(64)]
 #: And where levels are damped, by its sweeps: one a stage.
 SWEEPS_ALONE = [Counts(sweeps) for sweeps in range(64)]
@@ -85,7 +85,7 @@ class Native:
         memory = self._memory = Memory(structure, self._settings, tuple(rules))
         memory.rules[:, : len(numbers[0] or ())] = numbers
         run, copy, points, reference, zero = memory.run, memory.x.copy, memory.passed.copy, memory.x_ref, True
-        told = memory.head.item
+        told, of_sweeps, of_iterations = memory.head.item, at.SWEEPS, at.ITERATIONS
 
         def quick(hierarchy: Hierarchy, x_ref: Array | None) -> tuple[Array, Counts, Array] | None:
             nonlocal zero
@@ -95,7 +95,7 @@ class Native:
                 reference[:], zero = 0.0, True
             if run(hierarchy.address) != OPTIMAL:
                 return None
-            sweeps, iterations = told(at.SWEEPS), told(at.ITERATIONS)
+            sweeps, iterations = told(of_sweeps), told(of_iterations)
             swept = iterations == 0 and sweeps < 64
             return copy(), SWEEPS_ALONE[sweeps] if swept else Counts(sweeps, iterations), points()
 
@@ -132,9 +132,9 @@ class Native:
 
 
 def judged(hierarchy: Hierarchy, x: Array, x_ref: Array, outcome: int, level: int, counts: Counts) -> Answer:
-    """What is claimed of x. Where the kernel has no proof of its own, the certificate says up to where x is exact."""
+    """What is claimed of x. Where the proof holds only as far as one tolerance goes, the certificate has the word."""
     status = STATUSES[outcome]
-    if status is Status.STALLED:
+    if outcome == kernel.UNEVEN:
         failed = certify(hierarchy, x, x_ref).failed
         if failed is None:
             status = Status.OPTIMAL

@@ -63,6 +63,8 @@ FIXED, MANIPULABILITY, SINGULAR_VALUE, ERROR = 0, 1, 2, 3
 
 #: Up to here a row of a damped level counts as dependent: next to round-off, for damping bounds what becomes of it.
 DEPENDENT = 1e-14
+#: How many rows, where they have not been entered.
+UNKNOWN = -1
 #: What is solved to the tolerance on rows is judged by one that is so much larger.
 JUDGED = 10.0
 #: As :data:`hqp.hierarchy.LARGEST`.
@@ -123,15 +125,17 @@ def with_rows(here, last, level, damping, warm):
 
 
 @inner
-def solve_damped_level(here, k, c, f, damping):
+def solve_damped_level(here, k, c, f, damping, count, rank):
     """Level k of the guess with its damping, on top of V[:c]: how many directions it adds, and the weakest share.
 
-    That is how much of a row was left when it became one of them, relative to its length.
+    That is how much of a row was left when it became one of them, relative to its length. `count` is how many rows
+    have been entered already, or UNKNOWN.
     """
     m = ints(here, 0, at.HEAD)[at.ROWS]
     ids, y, w, rhs = marks(here, at.IDS), vector(here, at.Y), vector(here, at.W), vector(here, at.RHS)
     norm, L, H = vector(here, at.NORM), matrix(here, at.L), matrix(here, at.H)
-    count, rank = enter_level(here, k, c, f, DEPENDENT)
+    if count == UNKNOWN:
+        count, rank = enter_level(here, k, c, f, DEPENDENT)
     weakest = 1.0
     for r in range(rank):
         weakest = min(weakest, L[ids[r]][c + r] / norm[ids[r]])
@@ -147,10 +151,10 @@ def solve_damped_level(here, k, c, f, damping):
 
 
 @inner
-def sweep_stage(here, last, level, damping, through, c, tau):
+def sweep_stage(here, last, level, damping, through, c, count, rank, tau):
     """Solve and judge the guess for levels 0 .. last, of which those before `through` stand in V[:c] already.
 
-    `level` is the one that is damped, or STRICT.
+    `level` is the one that is damped, or STRICT; `count` and `rank` are of its rows, if they are next in the basis.
 
     Returns
     -------
@@ -166,7 +170,7 @@ def sweep_stage(here, last, level, damping, through, c, tau):
         through = last
     else:
         c = solve_levels(here, through, level, c, f, tau)
-        rank, weakest = solve_damped_level(here, level, c, f, damping)
+        rank, weakest = solve_damped_level(here, level, c, f, damping, count, rank)
         arrive(here, last, c + rank, f)
         through = level
         if weakest > tau:
@@ -199,7 +203,7 @@ def expect(here, slot, last, warm, through):
 
 
 @inner
-def run_stage(here, slot, last, level, damping, warm, through, c):
+def run_stage(here, slot, last, level, damping, warm, through, c, count, rank):
     """One stage: x, and its sides for the next time.
 
     Returns
@@ -212,21 +216,22 @@ def run_stage(here, slot, last, level, damping, warm, through, c):
     m, ptr, side = head[at.ROWS], marks(here, at.PTR), marks(here, at.SIDE)
     known = marks(here, at.STAGES)[slot * m :]
     begin = integer(1 if head[at.BOXED] != 0 else 0)
-    if not expect(here, slot, last, warm, through) or through < begin:
-        through, c = begin, integer(0)
+    known_levels = through if count == UNKNOWN else through + 1
+    if not expect(here, slot, last, warm, known_levels) or through < begin:
+        through, c, count = begin, integer(0), integer(UNKNOWN)
     fewest, left, status = m + 1, PATIENCE, OPTIMAL
     while True:
-        faults, blurred, reached, rows = sweep_stage(here, last, level, damping, through, c, tau)
+        faults, blurred, reached, rows = sweep_stage(here, last, level, damping, through, c, count, rank, tau)
         head[at.SWEEPS] += 1
         if faults == 0 and blurred and tau > SHARPEST:
-            tau, through, c = tau * SHARPER, begin, integer(0)
+            tau, through, c, count = tau * SHARPER, begin, integer(0), integer(UNKNOWN)
             continue
         left = PATIENCE if faults < fewest else left - 1
         fewest = min(fewest, faults)
         if faults == 0 or left <= 0 or late(here) or (faults > FEW and contested(here, last)):
             break
         repair(here, last)
-        through, c = begin, integer(0)
+        through, c, count = begin, integer(0), integer(UNKNOWN)
     through, c = reached, rows
     if faults > 0:
         if level == STRICT:
@@ -326,6 +331,9 @@ def by_singular_values(here, d, level, through, c):
     -------
     damping : float
     through, c : int
+        What stands in the basis.
+    count, rank : int
+        Of the rows of the level, which have been entered on top of that.
     """
     head, tau = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.TAU]
     ids, L, H, rule = marks(here, at.IDS), matrix(here, at.L), matrix(here, at.H), matrix(here, at.RULES)[d]
@@ -339,11 +347,11 @@ def by_singular_values(here, d, level, through, c):
     if count > 0:
         if rule[0] == MANIPULABILITY:
             share = volume(ids, rank, L, c) / threshold if rank == count else 0.0
-            return largest * max(1.0 - share, 0.0), level, c
+            return largest * max(1.0 - share, 0.0), level, c, count, rank
         share = min(smallest(ids, count, rank, L, c, H) / threshold, 1.0) if rank == count else 0.0
     elif rule[0] == MANIPULABILITY:
-        return 0.0, level, c
-    return largest * math.sqrt(1.0 - share * share), level, c
+        return 0.0, level, c, count, rank
+    return largest * math.sqrt(1.0 - share * share), level, c, count, rank
 
 
 @inner
@@ -363,7 +371,7 @@ def solve_stages(here):
     for j in range(n):
         x[j] = x0[j] = x_ref[j]
     note_blur(here)
-    decided, through, c, status = integer(0), integer(0), integer(0), OPTIMAL
+    decided, through, c, status, none = integer(0), integer(0), integer(0), OPTIMAL, integer(UNKNOWN)
     for d in range(damped):
         k, kind, note = which[d], rules[d][0], passed[d]
         note[1] = 0.0
@@ -372,24 +380,24 @@ def solve_stages(here):
                 for j in range(n):
                     x[j] = x_ref[j]
             else:
-                status, through, c = run_stage(here, 2 * d, k, STRICT, 0.0, warm, through, c)
+                status, through, c = run_stage(here, 2 * d, k, STRICT, 0.0, warm, through, c, none, none)
                 if status != OPTIMAL:
                     return status
                 note[1] = 1.0
                 for j in range(n):
                     note[2 + j] = x[j]
-        damping = rules[d][1]
+        damping, count, rank = rules[d][1], none, none
         if kind == ERROR:
             away, shortest = lacking(here, k)
             damping = min(math.hypot(rules[d][2], 0.5 / rules[d][1] * away), LARGEST)
             if damping < 0.1 * tau * shortest:
                 damping = 0.0
         elif kind != FIXED:
-            damping, through, c = by_singular_values(here, d, k, through, c)
+            damping, through, c, count, rank = by_singular_values(here, d, k, through, c)
         note[0] = damping
         if damping < 1.0 / LARGEST:
             continue
-        status, through, c = run_stage(here, 2 * d + 1, k + 1, k, damping, warm, through, c)
+        status, through, c = run_stage(here, 2 * d + 1, k + 1, k, damping, warm, through, c, count, rank)
         if status != OPTIMAL:
             return status
         for j in range(n):
@@ -401,7 +409,7 @@ def solve_stages(here):
         if last < levels:
             shift(here, c)
             note_blur(here)
-        status, through, c = run_stage(here, 2 * damped, last, STRICT, 0.0, warm, through, c)
+        status, through, c = run_stage(here, 2 * damped, last, STRICT, 0.0, warm, through, c, none, none)
     head[at.WARM] = 1
     return status
 
