@@ -23,7 +23,7 @@ from .compile import entry, inner, integer, stamp
 from .dual import late
 from .memory import given, ints, marks, matrix, vector
 from .orthogonal import level_least_squares
-from .singular import smallest, volume
+from .singular import clearly_above, smallest, volume
 from .solver import (
     FEW,
     PATIENCE,
@@ -348,7 +348,10 @@ def by_singular_values(here, d, level, through, c):
         if rule[0] == MANIPULABILITY:
             share = volume(ids, rank, L, c) / threshold if rank == count else 0.0
             return largest * max(1.0 - share, 0.0), level, c, count, rank
-        share = min(smallest(ids, count, rank, L, c, H) / threshold, 1.0) if rank == count else 0.0
+        if rank < count:
+            share = 0.0
+        elif not clearly_above(ids, rank, L, c, H, threshold):
+            share = min(smallest(ids, count, rank, L, c, H) / threshold, 1.0)
     elif rule[0] == MANIPULABILITY:
         return 0.0, level, c, count, rank
     return largest * math.sqrt(1.0 - share * share), level, c, count, rank

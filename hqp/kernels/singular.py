@@ -8,6 +8,8 @@ from .compile import inner
 
 #: Columns count as orthogonal up to this share of their lengths; and the most rounds that are spent on it.
 ORTHOGONAL, ROUNDS = 1e-15, 30
+#: Round-off of a bound, with a margin.
+MARGIN = 1e-9
 
 
 @inner
@@ -17,6 +19,25 @@ def volume(ids, rank, L, c):
     for r in range(rank):
         total *= L[ids[r]][c + r]
     return total
+
+
+@inner
+def clearly_above(ids, rank, L, c, H, threshold):
+    r"""Whether a lower bound of the smallest singular value of as many rows as directions is above the threshold.
+
+    It is :math:`1 / \|T^{-1}\|_F`, T the triangle, and far from singularities spares all that :func:`smallest` does.
+    """
+    total = 0.0
+    for j in range(rank):
+        column = H[j]
+        for r in range(j, rank):
+            row = L[ids[r]]
+            value = 1.0 if r == j else 0.0
+            for q in range(j, r):
+                value -= row[c + q] * column[q]
+            column[r] = value / row[c + r]
+            total += column[r] * column[r]
+    return total * threshold * threshold < 1.0 - MARGIN
 
 
 @inner
