@@ -201,3 +201,17 @@ def test_old_names_say_what_is_there_now(old, now):
         assert getattr(hqp, old) is now
     with warnings.catch_warnings(), pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = hqp.nothing
+
+
+def test_a_stage_that_is_needed_for_the_first_time_in_a_warm_loop():
+    """Rest is forbidden from the third tick on: only then what the limits leave is asked for by itself."""
+    rng = np.random.default_rng(1)
+    for _ in range(20):  # whatever is in memory that others have left
+        rules = {k: ErrorDamping(1.0) for k in (1, 2)}
+        solver, own = Solver(damping=rules), {k: Error(1.0) for k in (1, 2)}
+        tasks = [Level.equality(rng.standard_normal((2, 5)), rng.standard_normal(2)) for _ in range(2)]
+        template = None
+        for least in -1.0, -1.0, 0.1, 0.2, -1.0, 0.1:
+            h = Hierarchy([Level.bounds(np.full(5, least), np.full(5, 1.0)), *tasks])
+            template = h if template is None else template.with_numbers(h.numbers)
+            agree(solver.solve(template), hqp.solve(h, damping=own))

@@ -81,7 +81,7 @@ class Native:
         numbers = [in_numbers(rule) for rule in rules.values()]
         if None in numbers:
             return None
-        make_ready(kernel_damped.solve_damped, "damped levels")
+        warm_up_damped()
         memory = self._memory = Memory(structure, self._settings, tuple(rules))
         memory.rules[:, : len(numbers[0] or ())] = numbers
         run, copy, points, reference, zero = memory.run, memory.x.copy, memory.passed.copy, memory.x_ref, True
@@ -166,6 +166,8 @@ class Memory:
         self._directory = directory.copy()
         self._blocks = np.empty(ints, dtype=np.int64), np.empty(floats)  # nothing is read before it is written
         entries = self._directory[at.HEAD :].reshape(-1, 3)
+        first, count, _ = entries[at.STAGES]
+        self._blocks[0][first : first + count] = 0  # but the sides of a stage that no solve has come to
         begins = {place: int(entries[place, 0]) for place in (at.X, at.X_REF, at.OPTION, at.RULES, at.PASSED)}
         for block, places in zip(self._blocks, at.PLACES, strict=True):
             entries[places, 0] = block.ctypes.data + 8 * entries[places, 0]
@@ -255,6 +257,11 @@ class _Announcement(event.Listener):
 def warm_up() -> bool:
     """Have the solver ready: from disk, or compiled now. True if it had to be compiled."""
     return make_ready(kernel.solve, "the native solver")
+
+
+def warm_up_damped() -> bool:
+    """The same for damped levels, which those that have none need not wait for."""
+    return make_ready(kernel_damped.solve_damped, "damped levels")
 
 
 def make_ready(function: Any, what: str) -> bool:
