@@ -215,3 +215,25 @@ def test_a_stage_that_is_needed_for_the_first_time_in_a_warm_loop():
             h = Hierarchy([Level.bounds(np.full(5, least), np.full(5, 1.0)), *tasks])
             template = h if template is None else template.with_numbers(h.numbers)
             agree(solver.solve(template), hqp.solve(h, damping=own))
+
+
+def test_nothing_is_read_before_it_is_written(monkeypatch):
+    """Memory comes as others have left it."""
+    empty = np.empty
+
+    def soiled(shape, dtype=np.float64):
+        array = empty(shape, dtype)
+        array.fill(np.nan if array.dtype.kind == "f" else 7)
+        return array
+
+    monkeypatch.setattr("hqp.backends.native.np.empty", soiled)
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        h = random_hierarchy(rng)
+        known, own = pair(rng, len(h.levels))
+        solver = Solver(damping=known)
+        for shift in 0.0, 0.2, 0.0:
+            given = h.with_numbers(h.numbers.copy())
+            given.lower[:] += shift
+            given.upper[:] += shift
+            agree(solver.solve(given), hqp.solve(given, damping=own))

@@ -23,7 +23,7 @@ from .compile import entry, inner, integer, stamp
 from .dual import late
 from .memory import given, ints, marks, matrix, vector
 from .orthogonal import level_least_squares
-from .singular import clearly_above, smallest, volume
+from .singular import share_of_smallest, volume
 from .solver import (
     FEW,
     PATIENCE,
@@ -336,7 +336,8 @@ def by_singular_values(here, d, level, through, c):
         Of the rows of the level, which have been entered on top of that.
     """
     head, tau = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.TAU]
-    ids, L, H, rule = marks(here, at.IDS), matrix(here, at.L), matrix(here, at.H), matrix(here, at.RULES)[d]
+    ids, rule = marks(here, at.IDS), matrix(here, at.RULES)[d]
+    L, H, R = matrix(here, at.L), matrix(here, at.H), matrix(here, at.R)
     begin = integer(1 if head[at.BOXED] != 0 else 0)
     if not activate(here, marks(here, at.PTR)[level + 1], through) or through < begin:
         through, c = begin, integer(0)
@@ -348,10 +349,7 @@ def by_singular_values(here, d, level, through, c):
         if rule[0] == MANIPULABILITY:
             share = volume(ids, rank, L, c) / threshold if rank == count else 0.0
             return largest * max(1.0 - share, 0.0), level, c, count, rank
-        if rank < count:
-            share = 0.0
-        elif not clearly_above(ids, rank, L, c, H, threshold):
-            share = min(smallest(ids, count, rank, L, c, H) / threshold, 1.0)
+        share = share_of_smallest(ids, rank, L, c, H, R, threshold) if rank == count else 0.0
     elif rule[0] == MANIPULABILITY:
         return 0.0, level, c, count, rank
     return largest * math.sqrt(1.0 - share * share), level, c, count, rank
