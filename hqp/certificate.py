@@ -23,27 +23,17 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from .arrays import Array, finite_vector, length, lengths
+from .arrays import Array, finite_vector, length
+from .balance import EITHER_WAY, Above, Forces
 from .checks import of_type, positive_number, truth
 from .errors import InvalidInput
 from .hierarchy import Hierarchy
 from .rows import ROUND_OFF, RowStates, row_states
-from .side import Side
-from .subspace import row_space
 
-#: Rank decision among free normals: the weak choice, so that either answer to a near-singular one passes.
-FREE_RANK = 1e-12
-#: The same, of what the rows of a level can still move: what a solver may have taken for zero, with a margin.
-OWN_RANK = 4e-9
 #: Beyond this x, squares of residuals overflow.
 FURTHEST = 1e60
-#: Stationarity asked of a level, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``, where the slacks of
-#: its rows may shift within their tolerances.
-STATIONARITY = 1e-10
-#: What is asked at the least, however badly conditioned the rows are that hold the level back.
-BLURRED = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,136 +175,52 @@ def certify(
         raise InvalidInput(fault)
 
     with np.errstate(all="ignore"):  # of what over- or underflows, the comparisons below make a refusal
-        rows = row_states(hierarchy, point, tolerance)
-        units = _unit_normals(hierarchy, rows.norms)
-        reach = np.divide(np.abs(rows.slack), rows.norms, out=np.zeros(hierarchy.m), where=rows.norms > 0)
-        radius = float(np.linalg.norm(point) + np.linalg.norm(reference) + reach.max(initial=0.0))
-        levels = []
-        for k, level in enumerate(hierarchy.levels):
-            own = slice(hierarchy.pointers[k], hierarchy.pointers[k + 1])
-            pull = _Pull(
-                k, level.name, units[own], rows.norms[own] * level.weights**2, rows.slack[own],
-                rows.tolerance[own], rows.sides[own], float(np.linalg.norm(level.weights * rows.slack[own])),
-            )  # fmt: skip
-            levels.append(_judge(pull, units[: own.start], rows, radius))
+        rows = row_states(hierarchy, point, reference, tolerance)
+        judge = _Judge(hierarchy, rows, length(point) + length(reference))
+        levels = [judge.level(k) for k in range(len(hierarchy.levels))]
         if unique:
-            away, n = point - reference, hierarchy.n
-            allowed = tolerance * (np.abs(point) + np.abs(reference)) + ROUND_OFF * radius
-            pull = _Pull(
-                len(hierarchy.levels), "min ||x - x_ref||", np.eye(n), np.ones(n), away,
-                allowed, np.full(n, Side.EQUALITY, dtype=np.int8), float(np.linalg.norm(away)),
-            )  # fmt: skip
-            levels.append(_judge(pull, units, rows, radius))
-    return Certificate(point, tuple(levels), unique, radius)
+            allowed = tolerance * (np.abs(point) + np.abs(reference)) + ROUND_OFF * rows.way
+            levels.append(judge.last(point - reference, allowed))
+    return Certificate(point, tuple(levels), unique, judge.radius)
 
 
-@dataclass(frozen=True, eq=False)
-class _Pull:
-    """One level as forces on x: row i pulls with ``force_i * slack_i`` along its unit normal."""
+class _Judge:
+    """What is judged, from the highest level down."""
 
-    level: int
-    name: str
-    units: Array
-    force: Array
-    slack: Array
-    tolerance: Array
-    sides: NDArray[np.int8]
-    residual: float
+    def __init__(self, hierarchy: Hierarchy, rows: RowStates, size: float) -> None:
+        norms, force = rows.norms, rows.norms * hierarchy.weights**2
+        reach = np.divide(np.abs(rows.slack), norms, out=np.zeros(hierarchy.m), where=norms > 0)
+        self.radius = size + float(reach.max(initial=0.0))
+        self._hierarchy, self._rows, self._distance = hierarchy, rows, np.abs(rows.slack) + rows.tolerance
+        self._forces = Forces(
+            units=hierarchy.dense() / np.where(norms > 0, norms, 1.0)[:, None],
+            push=np.where(rows.violated, force * rows.slack, 0.0),
+            blur=force * rows.tolerance,
+            sides=np.where(rows.violated, EITHER_WAY, rows.sides),
+        )
+        self._above = Above(self._forces.units, rows)
 
+    def level(self, k: int) -> LevelCertificate:
+        """Level k, given those above it."""
+        own, level = slice(*self._hierarchy.pointers[k : k + 2]), self._hierarchy.levels[k]
+        forces = Forces._make(part[own] for part in self._forces)
+        return self._verdict(k, level.name, forces, own.start, length(level.weights * self._rows.slack[own]))
 
-def _judge(pull: _Pull, units: Array, rows: RowStates, radius: float) -> LevelCertificate:
-    """Balance the forces of one level by the rows above it, whose unit normals are `units`."""
-    above = len(units)
-    multipliers = np.zeros(above)
-    violated = np.abs(pull.slack) > pull.tolerance
-    push = np.where(violated, pull.force * pull.slack, 0.0)
-    scale = float(np.abs(push).sum())
-    if scale == 0.0:  # met: nothing to improve, no multipliers
-        return LevelCertificate(pull.level, pull.name, True, pull.residual, 0.0, 0.0, 0.0, multipliers)
+    def last(self, away: Array, tolerance: Array) -> LevelCertificate:
+        """The implicit last level ``min ||away||``, given all others."""
+        h, push = self._hierarchy, np.where(np.abs(away) > tolerance, away, 0.0)
+        forces = Forces(np.eye(h.n), push, tolerance, np.full(h.n, EITHER_WAY))
+        return self._verdict(len(h.levels), "min ||x - x_ref||", forces, h.m, length(away))
 
-    sides, exceeded, movable = rows.sides[:above], rows.violated[:above], rows.norms[:above] > 0
-    free = np.flatnonzero(movable & ((sides == Side.EQUALITY) | exceeded))
-    signed = np.flatnonzero(movable & ((sides == Side.UPPER) | (sides == Side.LOWER)) & ~exceeded)
-    basis, _, smallest = row_space(units[free], FREE_RANK)
-
-    def project(vectors: Array) -> Array:
-        """Each row less its part in the span of the free normals."""
-        return vectors - (vectors @ basis) @ basis.T
-
-    gradient = pull.units.T @ (push / scale)
-    outward = units[signed] * sides[signed, None]
-    held, normals = project(gradient[None])[0], project(outward)
-    mu = _nonnegative(normals, -held)
-    left = held + normals.T @ mu
-    stationarity = float(np.linalg.norm(left))
-    # What a perfect x leaves: round-off, magnified where the normals that balance the level are nearly dependent.
-    pressing, kept = normals[mu > 0.0], np.zeros((len(held), 0))
-    if len(pressing):
-        sizes = lengths(pressing)
-        kept, _, least = row_space(pressing / sizes[:, None], FREE_RANK)
-        smallest = min(smallest, least, float(sizes.min()))
-    exact = float(np.clip(16 * ROUND_OFF / smallest, STATIONARITY, BLURRED))
-    ok = stationarity <= exact
-    if not ok:
-        carriers = np.flatnonzero(violated | (pull.sides != Side.INACTIVE))
-        own = project(pull.units[carriers])
-        # A direction in which the level hardly moves while those rows press may count as none: a rank decision that
-        # could go either way.
-        moves, _, _ = row_space(own - (own @ kept) @ kept.T, OWN_RANK)
-        left = moves @ (moves.T @ left)
-        capacity = (pull.force * pull.tolerance / scale)[carriers]
-        side = np.where(violated, Side.EQUALITY, pull.sides)[carriers]
-        ok = length(left) <= exact or _carried(left, normals, mu, own, capacity, side) <= exact
-
-    force = gradient + outward.T @ mu
-    multipliers[signed] = scale * mu * sides[signed] / rows.norms[signed]
-    multipliers[free] = scale * np.linalg.lstsq(units[free].T, -force, rcond=FREE_RANK)[0] / rows.norms[free]
-    distance = np.abs(rows.slack[:above]) + rows.tolerance[:above]
-    gap = scale * stationarity * radius + float(np.abs(multipliers[signed]) @ distance[signed])
-    gap = min(gap, pull.residual**2 / 2)
-    shortfall = pull.residual - float(np.sqrt(max(pull.residual**2 - 2 * gap, 0.0)))
-    return LevelCertificate(
-        pull.level, pull.name, bool(ok), pull.residual, stationarity, gap, shortfall, multipliers
-    )  # fmt: skip
-
-
-def _nonnegative(rows: Array, target: Array) -> Array:
-    """The mu >= 0 that minimises ``||rows^T mu - target||``."""
-    if not len(rows):
-        return np.zeros(0)
-    from scipy.optimize import lsq_linear, nnls
-
-    try:
-        solution: Array = nnls(rows.T, target)[0]
-    except RuntimeError:  # iteration limit: rows that are all but parallel
-        solution = lsq_linear(rows.T, target, bounds=(0.0, np.inf), method="bvls", tol=1e-14).x
-    return solution
-
-
-def _carried(left: Array, normals: Array, mu: Array, own: Array, capacity: Array, sides: NDArray[np.int8]) -> float:
-    """What remains of `left` when every row of the level may shift its slack within its tolerance.
-
-    A backward error: is the point exact for slacks that round-off cannot tell from its own? A shift moves the balance
-    along the row of `own`, by up to its `capacity` either way, at a bound one way; the multipliers may follow.
-    """
-    from scipy.optimize import lsq_linear
-
-    unit = float(np.linalg.norm(left)) or 1.0
-    sizes = np.maximum(lengths(own), 1e-300)  # directions of length one, whatever the rows are worth
-    matrix = np.concatenate([own / sizes[:, None], normals]).T
-    reach = np.minimum(capacity * sizes / unit, 1e6)
-    low = np.concatenate([np.where(sides == Side.UPPER, 0.0, -reach), -mu / unit])
-    high = np.concatenate([np.where(sides == Side.LOWER, 0.0, reach), np.full(len(mu), np.inf)])
-    try:
-        found = lsq_linear(matrix, -left / unit, bounds=(low, np.maximum(high, low + 1e-300)), method="bvls", tol=1e-13)
-    except (np.linalg.LinAlgError, ValueError):
-        return unit
-    return unit * float(np.linalg.norm(matrix @ found.x + left / unit))
-
-
-def _unit_normals(hierarchy: Hierarchy, norms: Array) -> Array:
-    """Every row divided by its norm, dense, shape (m, n)."""
-    return hierarchy.dense() / np.where(norms > 0, norms, 1.0)[:, None]
+    def _verdict(self, k: int, name: str, forces: Forces, above: int, residual: float) -> LevelCertificate:
+        exact, scale, stationarity, multipliers = self._above.balance(forces, above)
+        gap = shortfall = 0.0
+        if scale > 0.0:
+            signed = self._above.signed
+            gap = scale * stationarity * self.radius + float(np.abs(multipliers[signed]) @ self._distance[signed])
+            gap = min(gap, residual**2 / 2)
+            shortfall = residual - float(np.sqrt(max(residual**2 - 2 * gap, 0.0)))
+        return LevelCertificate(k, name, exact, residual, stationarity, gap, shortfall, multipliers)
 
 
 def _title(level: LevelCertificate) -> str:

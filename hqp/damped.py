@@ -90,7 +90,7 @@ class DampedLevel:
         b = combined @ np.where(own, level.lower, 0.0)
         self._write(combined @ self._dense(), b, b, np.ones(len(b)), damping, x_ref)
 
-    def freeze(self, x: Array, settings: Settings) -> None:
+    def freeze(self, x: Array, x_ref: Array, settings: Settings) -> None:
         """Hold the equality and violated rows of the level where they are at x, in the whole hierarchy itself."""
         level = self.level
         reached = self._dense() @ x
@@ -98,7 +98,7 @@ class DampedLevel:
             level.lower[:] = level.upper[:] = reached
             return
         self._copy(self.levels)
-        states, first = row_states(self.levels, x, tolerance(settings)), self.levels.pointers[-2]
+        states, first = row_states(self.levels, x, x_ref, tolerance(settings)), self.levels.pointers[-2]
         held = (states.sides[first:] == Side.EQUALITY) | states.violated[first:]
         level.lower[:], level.upper[:] = np.where(held, (reached, reached), (level.lower, level.upper))
 
@@ -120,7 +120,7 @@ class DampedLevel:
         part.lower[:m], part.upper[:m] = whole.lower[:m], whole.upper[:m]
 
 
-def project(levels: Hierarchy, x: Array, settings: Settings) -> tuple[Array, NDArray[np.bool_]]:
+def project(levels: Hierarchy, x: Array, x_ref: Array, settings: Settings) -> tuple[Array, NDArray[np.bool_]]:
     """The rows of the last level that are active at x, weighted, in the null space of those above.
 
     Returns
@@ -129,7 +129,7 @@ def project(levels: Hierarchy, x: Array, settings: Settings) -> tuple[Array, NDA
     own : array of bool, shape (m_k,)
         Which rows of the level these are.
     """
-    states, first = row_states(levels, x, tolerance(settings)), levels.pointers[-2]
+    states, first = row_states(levels, x, x_ref, tolerance(settings)), levels.pointers[-2]
     rows, active = levels.dense(), (states.sides != Side.INACTIVE) & (states.norms > 0)
     above, own = active[:first], active[first:]
     _, null_space = split(rows[:first][above], states.norms[:first][above], settings.rank_tolerance)

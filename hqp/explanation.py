@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .arrays import Array, length
-from .certificate import STATIONARITY, Certificate
+from .balance import STATIONARITY
+from .certificate import Certificate
 from .hierarchy import Hierarchy
 from .label import Label, in_words, side_in_words
 from .rows import RowStates

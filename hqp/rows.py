@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -12,8 +13,8 @@ from .arrays import Array, length
 from .hierarchy import Hierarchy
 from .side import Side
 
-#: Round-off of A x, in units of the largest length that takes part in it.
-ROUND_OFF = 4 * np.finfo(np.float64).eps
+#: Round-off of A x, in units of the length of the rows and of the way that took part in it, see :func:`travel`.
+ROUND_OFF = 256 * np.finfo(np.float64).eps
 
 #: What a long x may add to the tolerance of a row that it hardly moves.
 LENGTH = 1e-1
@@ -35,6 +36,8 @@ class RowStates:
         ``|slack| > tolerance``.
     norms
         Euclidean norms of the rows.
+    way
+        The longest way that takes part in x, see :func:`travel`.
     """
 
     slack: Array
@@ -42,6 +45,7 @@ class RowStates:
     sides: NDArray[np.int8]
     violated: NDArray[np.bool_]
     norms: Array
+    way: float
 
 
 def excess(value: Array, lower: Array, upper: Array) -> Array:
@@ -50,37 +54,66 @@ def excess(value: Array, lower: Array, upper: Array) -> Array:
 
 
 def allowance(
-    value: Array, slack: Array | float, norms: Array | float, size: float, reach: float, tolerance: float
+    value: Array, slack: Array | float, norms: Array | float, size: float, way: float, tolerance: float
 ) -> Array:
-    """How far each row may be from its bound and still count as on it.
+    r"""How far each row may be from its bound and still count as on it.
 
-    `size` is ``||x||``, and `reach` how far the slacks pull, see :func:`pull`: where x is itself the small
-    difference of large targets, ||x|| says nothing of the round-off in it.
+    With the bound :math:`b_i` next to :math:`a_i x`, the tolerance :math:`\tau`, and the way :math:`T`,
+
+    .. math:: t_i = \tau (|a_i x| + |b_i| + 0.1 \|a_i\| \|x\|) + 256 \varepsilon \|a_i\| T.
+
+    A solver that is to be certified allows no more: the same with its own, smaller tolerance. Where that is a tenth of
+    the certificate's, :math:`\tau (|b_i| + \|a_i\| \|x\|) + 256 \varepsilon \|a_i\| T` will do.
+
+    `size` is ``||x||``, and `way` the longest one that takes part in x, see :func:`travel`, or as much of it as is
+    known: a size of x alone says nothing of its round-off where it is the small difference of large numbers.
     """
-    flat = tolerance * LENGTH * size + ROUND_OFF * max(size, reach)
+    flat = tolerance * LENGTH * size + ROUND_OFF * max(size, way)
     return tolerance * (np.abs(value) + np.abs(value - slack)) + flat * norms
 
 
-def pull(slack: Array, norms: Array) -> float:
-    """How far the slacks of one level, weighted like its norms, would take x, row by row: the largest step.
+def pull(slack: Array, norms: Array, cuts: Sequence[int] = (0,)) -> float:
+    """How far the slacks of a level, weighted like its norms, would take x, row by row: the largest step of any level.
 
-    A row that is short beside others of its level has little say in x, however far its own bound is away.
+    A row that is short beside others of its level has little say in x, however far its own bound is away. A row alone
+    gets what it asks for, or has no say at all. `cuts` are the first rows of the levels that have any.
     """
-    longest = float(norms.max(initial=0.0))
-    return float((np.abs(slack) * norms).max(initial=0.0)) / (longest * longest) if longest > 0.0 else 0.0
+    if not len(norms):
+        return 0.0
+    longest = np.maximum.reduceat(norms, cuts)
+    steps = np.maximum.reduceat(np.abs(slack) * norms, cuts)
+    counts = (longest > 0.0) & [end - begin > 1 for begin, end in pairwise([*cuts, len(norms)])]
+    return float(np.divide(steps, longest * longest, out=np.zeros(len(steps)), where=counts).max())
 
 
-def row_states(hierarchy: Hierarchy, x: Array, tolerance: float) -> RowStates:
+def travel(hierarchy: Hierarchy, x: Array, x_ref: Array, slack: Array, norms: Array) -> float:
+    r"""The longest way that takes part in x: what round-off in it is relative to.
+
+    A solver comes from zero or from x_ref, and goes where its levels ask. Round-off of the way stays in x where x
+    itself is next to nothing: at rest above a posture, or where the rows lead from a far x_ref to zero. So
+
+    .. math:: T = \max\Bigl(\|x\|, \; \|x - x_\text{ref}\|, \;
+        \max_{k,\, i \in k} \frac{d_i^2 |w_i| \|a_i\|}{\max_{j \in k} d_j^2 \|a_j\|^2}\Bigr).
+
+    What a level asks for and does not get is its slack, hence the last term: a posture that cannot be taken counts
+    like an x_ref. What it does get is in x. Two kinds of rows do not count there, because slack means nothing for x:
+    those alone in their level, and those shorter than round-off of the longest row of all, which are round-off
+    themselves, as of a task in a direction in which nothing moves.
+    """
+    cuts = [a for a, b in pairwise(hierarchy.pointers) if a < b]
+    asking = np.where(norms > ROUND_OFF * norms.max(initial=0.0), hierarchy.weights * slack, 0.0)
+    asked = pull(asking, hierarchy.weights * norms, cuts)
+    return max(length(x), length(x - x_ref), asked)
+
+
+def row_states(hierarchy: Hierarchy, x: Array, x_ref: Array, tolerance: float) -> RowStates:
     """Classify every row at x; `tolerance` is relative, see :class:`hqp.Settings`."""
     lower, upper = hierarchy.lower, hierarchy.upper
     with np.errstate(all="ignore"):  # an x out of all bounds is judged, not warned about
         value = hierarchy.product(x)
-    slack = excess(value, lower, upper)
-    norms = hierarchy.row_norms()
-    weights, cuts = hierarchy.weights, hierarchy.pointers
-    levels = [slice(*ends) for ends in pairwise(cuts)]
-    reach = max((pull(weights[own] * slack[own], weights[own] * norms[own]) for own in levels), default=0.0)
-    allowed = allowance(value, slack, norms, length(x), reach, tolerance)
+        slack, norms = excess(value, lower, upper), hierarchy.row_norms()
+        way = travel(hierarchy, x, x_ref, slack, norms)
+        allowed = allowance(value, slack, norms, length(x), way, tolerance)
 
     at_upper = value >= upper - allowed
     at_lower = value <= lower + allowed
@@ -88,4 +121,4 @@ def row_states(hierarchy: Hierarchy, x: Array, tolerance: float) -> RowStates:
     sides[at_upper] = Side.UPPER
     sides[at_lower] = Side.LOWER
     sides[(at_upper & at_lower) | (lower == upper)] = Side.EQUALITY
-    return RowStates(slack, allowed, sides, np.abs(slack) > allowed, norms)
+    return RowStates(slack, allowed, sides, np.abs(slack) > allowed, norms, way)

@@ -22,11 +22,11 @@ class Settings:
         A row direction counts as dependent on the levels above when what is left of it, after
         projection, is at most ``rank_tolerance`` times the norm of the *original* row.
     iterations
-        The most iterations of the native solver's safe method. When they are spent, the levels
-        that are finished stay exact, and the status is SUBOPTIMAL.
+        The most iterations of the native solver: steps of its active sets. When they are spent, the levels
+        that are finished are exact, and the status is SUBOPTIMAL.
     time_limit
-        The longest [s] that the native solver may take before it ends in the same way; looked at between
-        iterations. Infinite by default; kept where the system has POSIX clocks.
+        The longest [s] that the native solver may take, from the call on, before it ends in the same way; read in
+        every loop. Infinite by default; kept where the system has POSIX clocks.
     proximal_weight
         The rho of the cascade: each level minimises ``1/2 ||A x - b||^2 + rho/2 ||y - y_prev||^2``,
         with the rows of the level scaled so that the largest has norm one.

@@ -56,9 +56,10 @@ class Counts(NamedTuple):
     Attributes
     ----------
     sweeps
-        Guesses of the active rows that the native solver solved and verified.
+        Times that the native solver went through all levels: guesses of the active rows that it solved and verified,
+        or level by level.
     iterations
-        Of its safe method, where repairing the guess did not end.
+        Steps of its active sets, where the rows that were active the last time are no longer the right ones.
     qp_solves
         QPs handed to the named solver, proximal steps included.
     proximal_steps
@@ -238,7 +239,7 @@ class Solution:
 
     @cached_property
     def _rows(self) -> RowStates:
-        return row_states(self.hierarchy, self.x, 10 * self.settings.tolerance)
+        return row_states(self.hierarchy, self.x, self.x_ref, 10 * self.settings.tolerance)
 
     def _ranks(self, rows: RowStates) -> list[tuple[int, float]]:
         """Of every level, rank and smallest singular value of what it fixes, its rows in units of their norms."""
@@ -314,7 +315,7 @@ class Solution:
         if self.staged is not None:
             return self._explain_stages(tolerance)
         certificate = self.certify(unique=False, tolerance=tolerance)
-        rows = row_states(self.hierarchy, self.x, tolerance)
+        rows = row_states(self.hierarchy, self.x, self.x_ref, tolerance)
         ranks = [rank for rank, _ in self._ranks(rows)]
         with np.errstate(all="ignore"):  # as in the certificate: an x out of all bounds is judged, not warned about
             return Explanation(explain(self.hierarchy, certificate, rows, ranks), self.message)

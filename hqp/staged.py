@@ -105,7 +105,7 @@ class Staging:
                     yield stage
                     x = stage.x
             if rule.looks:
-                J, own = project(level.levels, x, self._settings)
+                J, own = project(level.levels, x, x_ref, self._settings)
             vectors, singular = left_singular(J) if rule.looks else (J, NOTHING)
             damping = rule.damping(singular)
             if rule.grows:
@@ -121,7 +121,7 @@ class Staging:
             stage = ask(k, False, level.joined, x_ref)
             yield stage
             x, decided = stage.x, k + 1
-            level.freeze(x, self._settings)
+            level.freeze(x, x_ref, self._settings)
         levels = len(self._work.levels)
         if decided < levels or not decided:  # otherwise damping has left nothing to decide
             yield ask(levels, False, self._work, x_ref)

@@ -207,3 +207,17 @@ def test_a_short_row_out_of_reach_hides_nothing(short):
     assert not certify(Hierarchy([limits, level]), [0.0, 0.0]).ok
     assert not certify(Hierarchy([limits, level]), [-1.0, 0.2 + 1e-6]).ok
     assert certify(Hierarchy([limits, level]), [-1.0, 0.2]).ok
+
+
+def test_rows_that_depend_on_free_ones_push_nowhere() -> None:
+    """Once more as inequalities, equalities hold nothing back: what projection leaves of them is round-off."""
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        n = int(rng.integers(2, 6))
+        A = rng.standard_normal((n - 1, n))
+        again = rng.standard_normal((3, n - 1)) @ A
+        h = Hierarchy(
+            [Level.equality(A, np.zeros(n - 1)), Level(again, -np.inf, 0.0), Level.equality(np.eye(n)[:1], [1.0])]
+        )
+        assert not certify(h, np.zeros(n), unique=False).ok  # x[0] is free to go to 1
+        assert certify(h, solve(h).x).ok

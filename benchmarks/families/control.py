@@ -1,8 +1,9 @@
-"""What a controller solves each tick, as five problem families: limits above tasks above a posture.
+"""What a controller solves each tick, as seven problem families: limits above tasks above a posture.
 
 From three unknowns (P1) and the size of an arm (P2) to that of a humanoid (P4). Every variable lies in -1 .. 1, but
 for P1; the rows of the tasks have random directions and norm one; the last level asks for a posture, so that x is
-unique. P3h is P3 with a level that cannot be met.
+unique. P3h is P3 with a level that cannot be met; W48 has forty two-sided rows above most of its tasks,
+and WB, a :mod:`.whole_body`, dozens of them active.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from hqp import Hierarchy, Level
 from hqp.arrays import Array
 
 from .family import Family, drawn
+from .whole_body import WHOLE_BODY
 
 #: Half of what the bounds of a two-sided row leave between them, and the standard deviation of their centre.
 HALF_WIDTH, CENTRE = 0.8, 0.4
@@ -86,6 +88,8 @@ FAMILIES = (
     Shape(30, 0.35, _THIRTY).family("P3"),
     Shape(30, 0.35, _THIRTY, conflict=True).family("P3h"),
     Shape(60, 0.35, _SIXTY).family("P4"),
+    Shape(48, 0.35, ((18, "="), (40, "<>"), (6, "="), (6, "="), (3, "="))).family("W48"),
+    WHOLE_BODY,
 )
 
 #: By name.

@@ -140,7 +140,7 @@ class _Court:
     def active(self, best: Array) -> float:
         if not np.isfinite(best).all():
             return float("nan")
-        sides = row_states(self.problem, best, NONE).sides
+        sides = row_states(self.problem, best, np.zeros(self.problem.n), NONE).sides
         inequalities = (self.problem.lower < self.problem.upper) & (
             np.isfinite(self.problem.lower) | np.isfinite(self.problem.upper)
         )

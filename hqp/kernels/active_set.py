@@ -12,7 +12,8 @@ degenerate vertex, where steps have length zero, a non-negative least squares ov
 direction that none of them blocks, or proves that there is none: no cycles.
 
 So the method is *anytime*: stopped at level k, all levels above are exactly optimal, and x is feasible for them.
-W is kept by :mod:`.working_set`, and left by :mod:`.escape` where it blocks itself.
+Which rows pull is told by :mod:`.pull`, how far to go by :mod:`.line_search`, and what is frozen at the end of a level
+by :mod:`.decide`. W is kept by :mod:`.working_set`, and left by :mod:`.escape` where it blocks itself.
 """
 
 from __future__ import annotations
@@ -21,82 +22,25 @@ import math
 
 from . import layout as at
 from .compile import inner, integer
+from .decide import decide
 from .dual import late
 from .escape import escape
-from .freeze import CLEAR
+from .line_search import line_search
 from .memory import ints, marks, matrix, vector
 from .orthogonal import factor, length, level_least_squares, project
-from .sweep import DUAL, EQUALITY, INACTIVE, LOWER, UPPER, extent, value_of
+from .pull import hold, pull, release
+from .sweep import DUAL, INACTIVE, LOWER, UPPER, extent, value_of
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance, copy_row, remove
 
 OPTIMAL, SUBOPTIMAL, STALLED = 0, 1, 2
 
-#: In a level that is not met, what a row misses carries a multiplier if it is more than this share of its tolerance.
-CARRIES = 1e-4
-#: A gain below this share of all targets is round-off.
-ROUND_OFF = 1e-15
-#: A step changes a row if it does so by more than round-off.
-MOVES = 1e-12
-
-
-@inner
-def best_step(first, end, v, slope, lo, hi):
-    r"""The a >= 0 that minimises :math:`\sum_i \operatorname{dist}(v_i + a\,s_i, [l_i, u_i])^2` over rows first .. end.
-
-    The derivative is piecewise linear and increasing: from kink to kink, until it changes sign.
-    """
-    start = initial = 0.0
-    for turn in range(2 * (end - first) + 2):
-        value, rate, kink = (
-            0.0,
-            0.0,
-            math.inf,
-        )  # derivative at `start`, its slope beyond, and the next kink
-        for i in range(first, end):
-            s = slope[i]
-            if s == 0.0:
-                continue
-            at_low, at_high = (lo[i] - v[i]) / s, (hi[i] - v[i]) / s
-            if start < at_low < kink:
-                kink = at_low
-            if start < at_high < kink:
-                kink = at_high
-            if (start >= at_high) if s > 0.0 else (start < at_high):
-                value += s * (v[i] + start * s - hi[i])
-                rate += s * s
-            elif (start < at_low) if s > 0.0 else (start >= at_low):
-                value += s * (v[i] + start * s - lo[i])
-                rate += s * s
-        if turn == 0:
-            initial = value
-        if value >= -MOVES * abs(initial):
-            return start
-        if rate > 0.0:
-            stop = start - value / rate
-            if stop <= kink:
-                return 1.0 if abs(stop - 1.0) < 1e-9 else stop
-        if kink == math.inf:
-            return start
-        start = kink
-    return start
-
-
-@inner
-def release(count, forces, here):
-    """Let go of the row of this level that is held at its bound from within and pulls most; False if there is none."""
-    ids, held = marks(here, at.IDS), marks(here, at.HELD)
-    lo, hi, v, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.VALUE), vector(here, at.NORM)
-    worst, leaves = DUAL * forces, integer(-1)
-    for r in range(count):
-        i = ids[r]
-        if lo[i] != hi[i]:
-            bound = hi[i] if held[i] > 0 else lo[i]
-            inward = (bound - v[i]) * held[i] * norm[i]
-            if inward > worst:
-                worst, leaves = inward, i
-    if leaves >= 0:
-        held[leaves] = 0
-    return leaves >= 0
+#: Nothing is left to gain if the step changes the rows that pull by no more than this share of what they miss,
+#: or of the numbers that this is computed from.
+GAINS, ROUND_OFF = 1e-11, 1e-15
+#: Relative changes below this are none: of x, of the objective, and of a row that depends on others.
+NOTHING = 1e-14
+#: So many steps of length zero, beside one for each row of the working set, before :func:`.escape.escape`.
+PATIENCE = 3
 
 
 @inner
@@ -110,265 +54,177 @@ def active_set(here, last):
     status, level : int
         The level is that of the first status which is not OPTIMAL.
     """
-    head = ints(here, 0, at.HEAD)
-    n = head[at.N]
-    option = vector(here, at.OPTION)
-    tol, tau = option[at.TOL], option[at.TAU]
-    kind, side, held, ptr = marks(here, at.KIND), marks(here, at.SIDE), marks(here, at.HELD), marks(here, at.PTR)
-    col, pivot, ids, row_of = marks(here, at.COL), marks(here, at.PIVOT), marks(here, at.IDS), marks(here, at.ROW_OF)
-    slots, queue = marks(here, at.SLOTS), marks(here, at.QUEUE)
-    low, high, allowed = vector(here, at.LOW), vector(here, at.HIGH), vector(here, at.ALLOWED)
-    slope, lo, hi, norm = vector(here, at.SLOPE), vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
-    x0, x, w, v = vector(here, at.X0), vector(here, at.X), vector(here, at.W), vector(here, at.VALUE)
-    g, d, y, rhs = vector(here, at.G), vector(here, at.D), vector(here, at.Y), vector(here, at.RHS)
-    multiplier, scratch, lengths = vector(here, at.MULTIPLIER), vector(here, at.SCRATCH), vector(here, at.LENGTHS)
-    V, L, B, R, H = matrix(here, at.V), matrix(here, at.L), matrix(here, at.B), matrix(here, at.R), matrix(here, at.H)
+    status, level = integer(OPTIMAL), integer(last + 1)
     frozen = working = integer(0)
-    status, where = OPTIMAL, last + 1
-    for i in range(ptr[last]):
-        kind[i] = FUTURE
-        held[i] = 0
-        side[i] = INACTIVE
+    forget(here, last)
     for k in range(last + 1):
-        first = ptr[k] if k < last else 0
-        end = ptr[k + 1] if k < last else 0
-        hard_end = ptr[k]
-        still = 0  # zero-length steps in a row
-        full = False
-        lowest, since = math.inf, 0
-        forces = 0.0
-        while True:
-            size = extent(x, here)
-            for i in range(ptr[min(k + 1, last)]):
-                if kind[i] != FROZEN:
-                    v[i] = value_of(i, x, here)
-            if late(here):
-                if where > k:
-                    status, where = SUBOPTIMAL, k
-                forces = 0.0
-                break
-            head[at.ITERATIONS] += 1
+        said, forces, working = minimise(here, k, last, frozen, working)
+        if status == OPTIMAL and said != OPTIMAL:
+            status, level = said, integer(k)
+        if k < last:
+            frozen, working = decide(here, k, forces, frozen, working)
+    leave_inactive(here, last)
+    return status, level
 
-            # Which rows pull, and how much.
-            count, met = integer(0), True
-            forces = wanted = pull = 0.0
-            for j in range(n):
-                g[j] = 0.0
-            if k == last:
-                for j in range(n):
-                    d[j] = x0[j] - x[j]
-                    g[j] = -d[j]
-                    pull += d[j] * d[j]
-                    wanted += abs(x0[j]) + size
-                    if abs(d[j]) > tol * (abs(x0[j]) + size):
-                        forces += abs(d[j])
-                for q in range(frozen + working):
-                    scratch[q] = 0.0
-                project(d, n, V, 0, frozen + working, scratch)
-                project(d, n, V, 0, frozen + working, scratch)
-                gain = length(d, n)
-            else:
-                for i in range(first, end):
-                    if norm[i] == 0.0:
-                        continue
-                    near = tol * norm[i] * size
-                    t_low, t_high = tol * abs(lo[i]) + near, tol * abs(hi[i]) + near
-                    if lo[i] == hi[i]:
-                        bound = lo[i]
-                    elif v[i] > hi[i] + CARRIES * t_high or (held[i] > 0 and v[i] >= hi[i] - t_high):
-                        bound = hi[i]
-                        held[i] = 1
-                    elif v[i] < lo[i] - CARRIES * t_low or (held[i] < 0 and v[i] <= lo[i] + t_low):
-                        bound = lo[i]
-                        held[i] = -1
-                    else:
-                        continue
-                    r = bound - v[i]
-                    ids[count] = i
-                    rhs[count] = r
-                    slope[i] = r
-                    count += 1
-                    pull += r * r
-                    wanted += abs(bound) + norm[i] * size
-                    met = met and abs(r) <= tol * abs(bound) + near
-                    if abs(r) > CARRIES * (tol * abs(bound) + near):
-                        forces += norm[i] * abs(r)
-                        if col[i] >= 0:
-                            g[col[i]] -= norm[i] * r
-                        else:
-                            given = B[row_of[i]]
-                            for j in range(n):
-                                g[j] -= given[j] * r
-                if met:
-                    forces = 0.0
-                gain = 0.0
-                if not full and forces > 0.0:
-                    c = frozen + working
-                    for r in range(count):
-                        copy_row(ids[r], R[r], here)
-                    rank = factor(ids, count, slots, lengths, R, norm, V, L, c, n, tau)
-                    for r in range(count):
-                        rhs[r] = slope[ids[r]]
-                    level_least_squares(ids, count, rank, L, c, rhs, y, w, H)
-                    for j in range(n):
-                        d[j] = 0.0
-                    for q in range(c, c + rank):
-                        direction, step = V[q], y[q]
-                        for j in range(n):
-                            d[j] += step * direction[j]
-                    for r in range(count):
-                        change = slope[ids[r]] + w[ids[r]]
-                        gain += change * change
-                    gain = math.sqrt(gain)
 
-            if forces == 0.0:
-                break
-            if pull < lowest * (1.0 - 1e-14):
-                lowest, since = pull, 0
-            else:
-                since += 1
-                if since > 2 * (n + hard_end) + 20:
-                    if where > k:
-                        status, where = STALLED, k
-                    forces = 0.0
-                    break
-            if full or gain <= 1e-11 * math.sqrt(pull) or gain <= ROUND_OFF * wanted:
-                full = False
-                if release(count, forces, here):
-                    continue
-                if working == 0:
-                    break
+@inner
+def minimise(here, k, last, frozen, working):
+    """Solve level k from x, which the levels above allow, within the frozen rows.
+
+    Returns
+    -------
+    status : int
+    forces : float
+        Those of the level that the multipliers of the working set balance; 0 if it is met, or not optimal.
+    working : int
+    """
+    head = ints(here, 0, at.HEAD)
+    n, ptr, x, d = head[at.N], marks(here, at.PTR), vector(here, at.X), vector(here, at.D)
+    full = False  # whether the last step was a whole Newton step, of rows that are still those that pull
+    lowest, since, still = math.inf, integer(0), integer(0)  # iterations without progress; steps of length zero
+    while True:
+        size = measure(here, k, last)
+        if late(here):
+            return integer(SUBOPTIMAL), 0.0, working
+        head[at.ITERATIONS] += 1
+        count, forces, square, scale = pull(here, k, last, size)
+        if forces == 0.0:
+            return integer(OPTIMAL), 0.0, working
+        if square < lowest * (1.0 - NOTHING):
+            lowest, since = square, integer(0)
+        else:
+            since += 1
+        if since > 2 * (n + ptr[k]) + 20:
+            return integer(STALLED), 0.0, working
+
+        gain = 0.0 if full else newton(here, k, last, frozen + working, count)
+        # Nothing left to gain inside W: a row is let go, of this level or of W; where none pulls away, x is optimal.
+        if full or gain <= GAINS * math.sqrt(square) or gain <= ROUND_OFF * scale:
+            full = False
+            if release(here, count, forces):
+                continue
+            leaves = most_wrong(here, forces, frozen, working)
+            if leaves < 0:
+                return integer(OPTIMAL), forces, working
+            if still <= PATIENCE + working:
+                drop(here, leaves, frozen + working)
+                working -= 1
+                continue
+            still = integer(0)
+            working = escape(here, forces, frozen, working, ptr[k])
+            if length(d, n) == 0.0:
                 balance(frozen, frozen + working, n, here)
-                worst, leaves = -DUAL * forces, integer(-1)
-                for q in range(frozen, frozen + working):
-                    i = pivot[q]
-                    says = multiplier[q] * side[i] * norm[i]
-                    if says < worst:
-                        worst, leaves = says, q
-                if leaves < 0:
-                    break
-                if still <= 3 + working:
-                    kind[pivot[leaves]] = HARD
-                    remove(leaves, frozen + working, here)
-                    working -= 1
-                    continue
-                still = 0
-                working = escape(here, forces, frozen, working, hard_end)
-                if length(d, n) == 0.0:
-                    balance(frozen, frozen + working, n, here)
-                    break
+                return integer(OPTIMAL), forces, working
 
-            # How far: to the minimum, or to the first hard row in the way (two passes: Harris).
-            steep = length(d, n)
-            for i in range(ptr[min(k + 1, last)]):
-                slope[i] = 0.0
-                if norm[i] > 0.0 and (kind[i] == HARD or (i >= first and kind[i] == FUTURE)):
-                    s = value_of(i, d, here)
-                    if abs(s) > MOVES * norm[i] * steep:
-                        slope[i] = s
-            nearest = math.inf
-            for i in range(hard_end):
-                if kind[i] == HARD and slope[i] != 0.0:
-                    room = (high[i] if slope[i] > 0.0 else low[i]) - v[i]
-                    nearest = min(
-                        nearest,
-                        (room + math.copysign(0.1 * allowed[i], slope[i])) / slope[i],
-                    )
-            limit, blocks, steepest = math.inf, integer(-1), -1.0
-            for i in range(hard_end):
-                if kind[i] == HARD and slope[i] != 0.0:
-                    ratio = ((high[i] if slope[i] > 0.0 else low[i]) - v[i]) / slope[i]
-                    if ratio <= nearest and abs(slope[i]) / norm[i] > steepest:
-                        limit, blocks, steepest = (
-                            max(ratio, 0.0),
-                            i,
-                            abs(slope[i]) / norm[i],
-                        )
-            if k == last:
-                reach = 0.0  # the minimum along d
-                for j in range(n):
-                    reach += d[j] * (x0[j] - x[j])
-                reach /= steep * steep
-                if abs(reach - 1.0) < 1e-9:
-                    reach = 1.0
-            else:
-                reach = best_step(first, end, v, slope, lo, hi)
-            blocked = blocks >= 0 and limit < reach
-            step = limit if blocked else reach
-            for j in range(n):
-                x[j] += step * d[j]
-            still = still + 1 if step * steep <= 1e-14 * (size + step * steep) else 0
-            if blocked and append(blocks, frozen + working, here, 1e-14):
-                kind[blocks] = WORKING
-                side[blocks] = UPPER if slope[blocks] > 0.0 else LOWER
-                working += 1
-            full = not blocked and reach == 1.0
-            for i in range(first, end):
-                if norm[i] == 0.0 or lo[i] == hi[i]:
-                    continue
-                now = value_of(i, x, here)
-                near = tol * norm[i] * size
-                t_low, t_high = tol * abs(lo[i]) + near, tol * abs(hi[i]) + near
-                was = held[i]
-                pulled = v[i] > hi[i] + CARRIES * t_high or v[i] < lo[i] - CARRIES * t_low or was != 0
-                held[i] = 0
-                if abs(now - hi[i]) <= t_high and (slope[i] > 0.0 or was > 0):
-                    held[i] = 1
-                elif abs(now - lo[i]) <= t_low and (slope[i] < 0.0 or was < 0):
-                    held[i] = -1
-                outside = now > hi[i] + CARRIES * t_high or now < lo[i] - CARRIES * t_low
-                if outside != pulled and not (pulled and held[i] != 0):
-                    full = False
-        if k == last:
-            break
+        step, blocks = line_search(here, k, last)
+        for j in range(n):
+            x[j] += step * d[j]
+        moved = step * length(d, n)
+        still = still + 1 if moved <= NOTHING * (size + moved) else integer(0)
+        if blocks >= 0 and join(here, blocks, frozen + working):
+            working += 1
+        same = hold(here, k, last, size)
+        full = same and blocks < 0 and step == 1.0
 
-        # Freeze the level: what is violated or an equality keeps its value, the rest becomes hard.
-        c, candidates, count = frozen, working, integer(0)
-        for q in range(c, c + candidates):
-            i = pivot[q]
-            queue[q - c] = i
-            kind[i] = HARD
-            if forces > 0.0 and multiplier[q] * side[i] * norm[i] > CLEAR * forces:  # an implicit equality
-                kind[i] = FROZEN
-                ids[count] = i
-                count += 1
-        size = extent(x, here)
-        for i in range(first, end):
-            w[i] = 0.0
-            kind[i] = FROZEN
-            if norm[i] == 0.0:
-                continue
-            near = tol * norm[i] * size
-            over, under = v[i] - hi[i], v[i] - lo[i]
-            if lo[i] == hi[i]:
-                side[i] = EQUALITY
-                if abs(over) > near + tol * abs(hi[i]):
-                    w[i] = over
-            elif over > near + tol * abs(hi[i]):
-                side[i] = UPPER
-                w[i] = over
-            elif under < -near - tol * abs(lo[i]):
-                side[i] = LOWER
-                w[i] = under
-            else:
-                kind[i] = HARD
-                high[i], low[i] = max(hi[i], v[i]), min(lo[i], v[i])
-                allowed[i] = near + tol * abs(v[i])
-                continue
-            ids[count] = i
-            count += 1
-        for r in range(count):
-            copy_row(ids[r], R[r], here)
-        frozen += factor(ids, count, slots, lengths, R, norm, V, L, c, n, tau)
-        for r in range(frozen - c):
-            pivot[c + r] = ids[r]
-        working = integer(0)
-        for q in range(candidates):
-            i = queue[q]
-            if kind[i] == HARD and append(i, frozen + working, here, tau):
-                kind[i] = WORKING
-                working += 1
+
+@inner
+def forget(here, last):
+    """No row is decided or at a bound yet."""
+    ptr, kind, held, side = marks(here, at.PTR), marks(here, at.KIND), marks(here, at.HELD), marks(here, at.SIDE)
+    for i in range(ptr[last]):
+        kind[i], held[i], side[i] = FUTURE, INACTIVE, INACTIVE
+
+
+@inner
+def leave_inactive(here, last):
+    """Hard rows that are not in the working set are inactive."""
+    ptr, kind, side = marks(here, at.PTR), marks(here, at.KIND), marks(here, at.SIDE)
     for i in range(ptr[last]):
         if kind[i] == HARD:
             side[i] = INACTIVE
-    return status, where
+
+
+@inner
+def measure(here, k, last):
+    """The size of x, and the values there of all rows down to level k that are not frozen."""
+    ptr, kind, v, x = marks(here, at.PTR), marks(here, at.KIND), vector(here, at.VALUE), vector(here, at.X)
+    for i in range(ptr[min(k + 1, last)]):
+        if kind[i] != FROZEN:
+            v[i] = value_of(i, x, here)
+    return extent(x, here)
+
+
+@inner
+def newton(here, k, last, c, count):
+    """The step d to the least squares of the rows that pull, in what V[:c] leaves free; by how much it changes them."""
+    if k == last:
+        return newton_of_reference(here, c)
+    n, tau = ints(here, 0, at.HEAD)[at.N], vector(here, at.OPTION)[at.TAU]
+    ids, slots, lengths = marks(here, at.IDS), marks(here, at.SLOTS), vector(here, at.LENGTHS)
+    norm, w, missing = vector(here, at.NORM), vector(here, at.W), vector(here, at.SLOPE)
+    d, y, rhs = vector(here, at.D), vector(here, at.Y), vector(here, at.RHS)
+    V, L, R, H = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R), matrix(here, at.H)
+    for r in range(count):
+        copy_row(ids[r], R[r], here)
+    rank = factor(ids, count, slots, lengths, R, norm, V, L, c, n, tau)
+    for r in range(count):
+        rhs[r] = missing[ids[r]]
+    level_least_squares(ids, count, rank, L, c, rhs, y, w, H)
+    for j in range(n):
+        d[j] = 0.0
+    for q in range(c, c + rank):
+        direction, step = V[q], y[q]
+        for j in range(n):
+            d[j] += step * direction[j]
+    gain = 0.0
+    for r in range(count):
+        change = missing[ids[r]] + w[ids[r]]
+        gain += change * change
+    return math.sqrt(gain)
+
+
+@inner
+def newton_of_reference(here, c):
+    """The same of the last level: the way to x_0, less its part along V[:c], and its length."""
+    n, V = ints(here, 0, at.HEAD)[at.N], matrix(here, at.V)
+    g, d, scratch = vector(here, at.G), vector(here, at.D), vector(here, at.SCRATCH)
+    for j in range(n):
+        d[j] = -g[j]
+    for q in range(c):
+        scratch[q] = 0.0
+    project(d, n, V, 0, c, scratch)
+    project(d, n, V, 0, c, scratch)
+    return length(d, n)
+
+
+@inner
+def most_wrong(here, forces, frozen, working):
+    """The place in the basis of the row of the working set whose multiplier is most wrong; -1 if all are right."""
+    n, pivot, side = ints(here, 0, at.HEAD)[at.N], marks(here, at.PIVOT), marks(here, at.SIDE)
+    norm, multiplier = vector(here, at.NORM), vector(here, at.MULTIPLIER)
+    balance(frozen, frozen + working, n, here)
+    worst, leaves = -DUAL * forces, integer(-1)
+    for q in range(frozen, frozen + working):
+        i = pivot[q]
+        says = multiplier[q] * side[i] * norm[i]
+        if says < worst:
+            worst, leaves = says, q
+    return leaves
+
+
+@inner
+def drop(here, place, c):
+    """Take the row at this place of the basis of c rows out of the working set."""
+    kind, pivot = marks(here, at.KIND), marks(here, at.PIVOT)
+    kind[pivot[place]] = HARD
+    remove(place, c, here)
+
+
+@inner
+def join(here, i, c):
+    """Add hard row i, which blocks, to the working set, on top of V[:c]; False if it depends on what is there."""
+    kind, side, slope = marks(here, at.KIND), marks(here, at.SIDE), vector(here, at.SLOPE)
+    if not append(i, c, here, NOTHING):
+        return False
+    kind[i], side[i] = WORKING, UPPER if slope[i] > 0.0 else LOWER
+    return True

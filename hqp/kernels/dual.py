@@ -64,43 +64,55 @@ def admit(i, frozen, count, delta, here):
 
 
 @inner
+def gives_way(i, count, here):
+    """The member that gives way first when row i, which depends on the members, comes to press, or -1; and how far.
+
+    L^T p = -l: the row, and p times the members, are no change of x at all. Of members that give way together the one
+    that takes most part leaves, so that the row depends on the others no more.
+    """
+    members, side, norm = marks(here, at.MEMBERS), marks(here, at.SIDE), vector(here, at.NORM)
+    p, force, F = vector(here, at.WANTED), vector(here, at.FORCE), matrix(here, at.FACTOR)
+    s, row = side[i], F[count]
+    for c in range(count):
+        p[c] = -row[c]
+    for c in range(count - 1, -1, -1):
+        above, own = F[c], p[c]
+        for r in range(c):
+            p[r] -= above[r] * own
+    reach, blocks, most = math.inf, integer(-1), 0.0
+    for c in range(count):
+        sign, part = sign_of(c, here), abs(p[c]) * norm[members[c]] if members[c] < len(norm) else 0.0
+        if sign != 0 and p[c] * s * sign < 0.0 and part > PARTAKES * norm[i]:
+            ratio = -force[c] / (p[c] * s)
+            if ratio < reach or (ratio == reach and part > most):
+                reach, blocks, most = ratio, c, part
+    return blocks, reach
+
+
+@inner
 def exchange(i, frozen, count, delta, size, here):
     """Let row i, which was just refused, take the place of the member that gives way first, if it is needed at all."""
     members, side, kind = marks(here, at.MEMBERS), marks(here, at.SIDE), marks(here, at.KIND)
     lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
     z, p, force = vector(here, at.Z), vector(here, at.WANTED), vector(here, at.FORCE)
-    F = matrix(here, at.FACTOR)
-    s = side[i]
+    s, pressed = side[i], 0.0
     goal = lo[i] if s == LOWER else hi[i]
-    if z[count] * s <= ROUGH * (abs(goal) + norm[i] * size):  # satisfied by what the members want
-        side[i] = INACTIVE
-        return count
-    row = F[count]
-    for c in range(count):
-        p[c] = -row[c]
-    for c in range(count - 1, -1, -1):  # L^T p = -l: members less p, and the row, are no change at all
-        above, own = F[c], p[c]
-        for r in range(c):
-            p[r] -= above[r] * own
-    reach, blocks = math.inf, integer(-1)
-    for c in range(count):
-        sign = sign_of(c, here)
-        if sign != 0 and p[c] * s * sign < 0.0 and abs(p[c]) * norm[members[c]] > PARTAKES * norm[i]:
-            ratio = -force[c] / (p[c] * s)
-            if ratio < reach:
-                reach, blocks = ratio, c
-    if blocks < 0:  # round-off, for the point of the level above satisfies it
-        side[i], kind[i] = INACTIVE, IGNORED
-        return count
-    for c in range(count):
-        force[c] += reach * p[c] * s
-    side[members[blocks]] = INACTIVE
-    leave(blocks, count, here)
-    if admit(i, frozen, count - 1, delta, here):
-        force[count - 1] = reach * s
-        return count
-    side[i], kind[i] = INACTIVE, IGNORED
-    return count - 1
+    while pressed > 0.0 or z[count] * s > ROUGH * (abs(goal) + norm[i] * size):  # else what the members want meets it
+        blocks, reach = gives_way(i, count, here)
+        if blocks < 0:  # round-off, for the point of the level above satisfies it
+            kind[i] = IGNORED
+            break
+        for c in range(count):
+            force[c] += reach * p[c] * s
+        pressed += reach
+        side[members[blocks]] = INACTIVE
+        leave(blocks, count, here)
+        count -= 1
+        if admit(i, frozen, count, delta, here):
+            force[count] = pressed * s
+            return count + 1
+    side[i] = INACTIVE
+    return count
 
 
 @inner

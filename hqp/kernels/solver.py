@@ -1,10 +1,10 @@
-r"""The whole solver: guess, solve the equalities, verify, repair; and where repair fails, the safe method.
+"""The whole solver: one sweep where the active rows are known, level by level where they are not, and what is behind.
 
-From one tick of a control loop to the next the active rows hardly change, so that the last ones are the guess and
-one sweep is the answer, with its proof (:mod:`.sweep`). Where there is no last one, a weighted problem makes the guess
-(:mod:`.guess`). All rows that contradict a guess change sides at once. Where that makes no progress, or where many do
-although levels above others are out of reach, so that it would make none, a more careful guess is made, level by level.
-If that fails, too, the safe method decides (:mod:`.active_set`), and one more sweep gives its answer the same proof.
+From one tick of a control loop to the next the active rows hardly change, so that one sweep with the last ones is the
+answer, with its proof (:mod:`.sweep`); rows that contradict it change sides at once, as long as that makes progress.
+Where it does not, or there is no last tick, the levels are solved one after the other (:mod:`.levels`), which is a
+proof of its own. A few unknowns are guessed all at once first (:mod:`.guess`). If all that fails, the safe method
+decides (:mod:`.active_set`), from the last point that is known to be exact.
 """
 
 from __future__ import annotations
@@ -12,11 +12,12 @@ from __future__ import annotations
 import math
 
 from . import layout as at
-from .active_set import OPTIMAL, STALLED, SUBOPTIMAL, active_set, best_step
+from .active_set import OPTIMAL, STALLED, SUBOPTIMAL, active_set
 from .compile import entry, inner, integer, stamp
 from .dual import NEVER, late
 from .guess import guess
 from .levels import levels
+from .line_search import best_step
 from .memory import clock, floats, given, ints, marks, matrix, vector
 from .orthogonal import length
 from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep, value_of
@@ -35,7 +36,7 @@ ROUND_OFF = 16 * 2.0**-52
 EVEN = 1e-8
 
 #: How many rounds of repair in a row may fail to bring the number of contradictions down.
-PATIENCE = 2
+PATIENCE = 1
 #: So many contradictions are repaired even where levels above others are not met.
 FEW = 2
 #: Where a row that counts as dependent shows that it is not, less of it has to be left, down to round-off.
@@ -329,6 +330,7 @@ def solve(here, numbers):
         point, sides = floats(head[at.POINTS], b * n, n), ints(head[at.SIDES], b * m, m)
         for i in range(m):
             side[i] = sides[i]
+        head[at.HISTORY] = 0  # of a neighbour
         if head[at.REFERENCES] != 0:
             reference = floats(head[at.REFERENCES], b * n, n)
             for j in range(n):

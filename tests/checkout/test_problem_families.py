@@ -95,7 +95,18 @@ SHAPES = {
     "P3": (30, (30, 12, 3, 6, 10, 30)),
     "P3h": (30, (30, 12, 3, 6, 11, 30)),
     "P4": (60, (60, 12, 6, 6, 12, 6, 10, 60)),
+    "W48": (48, (48, 18, 40, 6, 6, 3, 48)),
 }
+
+
+def test_a_whole_body_is_saturated_and_solved() -> None:
+    for h in CONTROL["WB"].problems(4, 0):
+        assert (h.n, tuple(len(level) for level in h.levels)) == (59, (18, 61, 3, 6, 53))
+        solution = solve(h)
+        assert solution.certify().ok
+        assert solution.levels[0].residual_norm <= 1e-9
+        assert all(level.residual_norm > 1.0 for level in solution.levels[2:])
+        assert np.count_nonzero(solution.levels[1].active) >= 20
 
 
 @pytest.mark.parametrize("name", SHAPES)
