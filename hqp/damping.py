@@ -46,11 +46,11 @@ class DampingRule(ABC):
     Attributes
     ----------
     looks : bool
-        Whether it wants to see the singular values; they cost one more solve where inequalities are in play.
+        Whether it wants to see the singular values; they cost one more stage where inequalities are in play.
     mixes : bool
         Whether it weighs a combination of rows (see `filtering`), which only equality rows permit.
     grows : bool
-        Whether its lambda grows with what the level lacks (see `growth`); to know that costs one more solve where
+        Whether its lambda grows with what the level lacks (see `growth`); to know that costs one more stage where
         levels are above it whose last answer is not known already.
 
     Raises

@@ -40,9 +40,9 @@ class Damped(Stack):
 
     Notes
     -----
-    A controller solves a damped level with one solve more; one more still where the rule looks at singular values or
-    grows with the error, if the levels above ask for more than to stay within bounds that rest keeps. A lowest level
-    costs none. What its damping costs the level is told by ``step.relaxed``. ``solve_ik``,
+    A damped level is one stage more, which the native solver takes in the same call; one more still where the rule
+    looks at singular values or grows with the error, if the levels above ask for more than to stay within bounds that
+    rest keeps. A lowest level is none. What its damping costs the level is told by ``step.relaxed``. ``solve_ik``,
     whose steps are bounded in a way of their own, takes the level and leaves its damping out.
     """
 
