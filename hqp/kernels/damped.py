@@ -266,22 +266,20 @@ def freeze_level(here, level):
 @inner
 def satisfied(here, end, x):
     """Whether x violates none of the rows before `end`."""
-    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
+    lo, hi = vector(here, at.LO), vector(here, at.HI)
     for i in range(end):
-        if norm[i] > 0.0:
-            value = value_of(i, x, here)
-            if value < lo[i] or value > hi[i]:
-                return False
+        value = value_of(i, x, here)
+        if value < lo[i] or value > hi[i]:
+            return False
     return True
 
 
 @inner
 def unequal(here, end):
     """Whether there are inequalities before row `end`."""
-    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
-    some = False
+    lo, hi, some = vector(here, at.LO), vector(here, at.HI), False
     for i in range(end):
-        some = some or (norm[i] > 0.0 and lo[i] != hi[i] and (lo[i] != -math.inf or hi[i] != math.inf))
+        some = some or (lo[i] != hi[i] and (lo[i] != -math.inf or hi[i] != math.inf))
     return some
 
 
