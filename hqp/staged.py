@@ -25,7 +25,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from numbers import Integral
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -39,6 +39,15 @@ from .solution import NO_COUNTS, Solution, Stages, Status
 
 #: No singular values: of a rule that does not look at any.
 NOTHING = np.zeros(0)
+#: A lambda below is none.
+NONE = 1.0 / LARGEST
+
+
+class Known(NamedTuple):
+    """Of a damped level, lambda, and whether the levels above it were solved alone."""
+
+    damping: float
+    alone: bool
 
 
 class Ask(Protocol):
@@ -78,11 +87,12 @@ class Staging:
         self._settings, self._solve, self._work = settings, solve, hierarchy.copy()
         self._plan = [(k, rule, DampedLevel(self._work, k)) for k, rule in self.rules.items()]
 
-    def run(self, hierarchy: Hierarchy, x_ref: Array, ask: Ask) -> Stages:
-        """Every stage in its turn, up to the first that has no optimum."""
+    def run(self, hierarchy: Hierarchy, x_ref: Array, ask: Ask, known: Mapping[int, Known] | None = None) -> Stages:
+        """Every stage in its turn, up to the first that has no optimum; lambda by the rules, unless it is `known`."""
         self._work.numbers[:] = hierarchy.numbers
         dampings, solutions = dict[int, float](), list[Solution]()
-        for solution in self._stages(x_ref, dampings, ask):
+        stages = self._stages(x_ref, dampings, ask) if known is None else self._known(x_ref, dampings, ask, known)
+        for solution in stages:
             solutions.append(solution)
             if not solution.ok:
                 break
@@ -112,7 +122,7 @@ class Staging:
                 damping = math.hypot(damping, rule.growth(singular) * level.lacking(x))
                 damping = 0.0 if damping < level.least_damping(self._settings) else min(damping, LARGEST)
             dampings[k] = damping
-            if damping < 1.0 / LARGEST:
+            if damping < NONE:
                 continue  # strict, as the level stands
             if rule.mixes and own is not None and own.any():
                 level.filter(own, vectors[:, -1], damping, rule.filtering(singular), x_ref)
@@ -122,6 +132,27 @@ class Staging:
             yield stage
             x, decided = stage.x, k + 1
             level.freeze(x, x_ref, self._settings)
+        yield from self._last(x_ref, decided, ask)
+
+    def _known(
+        self, x_ref: Array, dampings: dict[int, float], ask: Ask, known: Mapping[int, Known]
+    ) -> Iterator[Solution]:
+        """The same of what a solver has been through."""
+        decided = 0
+        for k, _, level in self._plan:
+            dampings[k], alone = known[k]
+            if alone:
+                level.refill()
+                yield ask(k, True, level.above, x_ref)
+            if dampings[k] >= NONE:
+                level.damp(dampings[k], x_ref)
+                stage = ask(k, False, level.joined, x_ref)
+                yield stage
+                decided = k + 1
+                level.freeze(stage.x, x_ref, self._settings)
+        yield from self._last(x_ref, decided, ask)
+
+    def _last(self, x_ref: Array, decided: int, ask: Ask) -> Iterator[Solution]:
         levels = len(self._work.levels)
         if decided < levels or not decided:  # otherwise damping has left nothing to decide
             yield ask(levels, False, self._work, x_ref)
@@ -188,16 +219,17 @@ def told(
         Of every damped level lambda, whether the levels above were solved alone, their x, and its own.
     """
     staging, n = Staging(solution.hierarchy, damping, solution.settings, solve), solution.hierarchy.n
-    known, end = dict(zip(staging.rules, points, strict=True)), len(solution.hierarchy.levels)
-    last = end - 1 if end - 1 in known and known[end - 1][0] >= 1.0 / LARGEST else end
+    of, end = dict(zip(staging.rules, points, strict=True)), len(solution.hierarchy.levels)
+    last = end - 1 if end - 1 in of and of[end - 1][0] >= NONE else end
 
     def ask(k: int, above: bool, hierarchy: Hierarchy, x_ref: Array) -> Solution:
-        x = solution.x if k not in known else known[k][2 : 2 + n] if above else known[k][2 + n :]
+        x = solution.x if k not in of else of[k][2 : 2 + n] if above else of[k][2 + n :]
         counts = solution.counts if k == last and not above else NO_COUNTS
         kind, given = solution.backend, hierarchy.copy()
         return Solution(x.copy(), Status.OPTIMAL, kind, given, x_ref, solution.settings, counts=counts, staged=None)
 
-    return staging.run(solution.hierarchy, solution.x_ref, ask)
+    known = {k: Known(float(point[0]), bool(point[1])) for k, point in of.items()}
+    return staging.run(solution.hierarchy, solution.x_ref, ask, known)
 
 
 def rules_of(damping: object) -> dict[int | str, DampingRule]:

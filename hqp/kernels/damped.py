@@ -22,7 +22,7 @@ from .active_set import OPTIMAL
 from .compile import entry, inner, integer, stamp
 from .dual import late
 from .memory import given, ints, marks, matrix, vector
-from .orthogonal import level_least_squares
+from .orthogonal import length, level_least_squares
 from .singular import share_of_smallest, volume
 from .solver import (
     FEW,
@@ -49,7 +49,6 @@ from .sweep import (
     UPPER,
     arrive,
     enter_level,
-    extent,
     fix_variables,
     judge_multipliers,
     judge_rows,
@@ -67,6 +66,8 @@ DEPENDENT = 1e-14
 UNKNOWN = -1
 #: What is solved to the tolerance on rows is judged by one that is so much larger.
 JUDGED = 10.0
+#: Round-off of a row, relative to the way that x has come: as :data:`hqp.rows.ROUND_OFF`.
+ROUND_OFF = 256 * 2.0**-52
 #: As :data:`hqp.hierarchy.LARGEST`.
 LARGEST = 1e30
 
@@ -246,18 +247,36 @@ def run_stage(here, slot, last, level, damping, warm, through, c, count, rank):
 
 
 @inner
+def forgiven(here, i, value, bound, size, way):
+    """How far row i may be from this bound and still count as on it: as :func:`hqp.rows.allowance` says."""
+    tol, norm = JUDGED * vector(here, at.OPTION)[at.TOL], vector(here, at.NORM)[i]
+    known = abs(bound) if abs(bound) < math.inf else 0.0
+    return tol * (abs(value) + known + 0.1 * norm * size) + ROUND_OFF * norm * way
+
+
+@inner
+def lengths(here):
+    """Of x, and of the longest way that it has come."""
+    n = ints(here, 0, at.HEAD)[at.N]
+    x, x_ref, away = vector(here, at.X), vector(here, at.X_REF), 0.0
+    for j in range(n):
+        away += (x[j] - x_ref[j]) * (x[j] - x_ref[j])
+    size = length(x, n)
+    return size, max(size, math.sqrt(away))
+
+
+@inner
 def freeze_level(here, level):
     """From now on the rows of a damped level that are equalities, or violated, keep their value."""
-    tol = JUDGED * vector(here, at.OPTION)[at.TOL]
-    ptr = marks(here, at.PTR)
+    ptr, w = marks(here, at.PTR), vector(here, at.W)
     lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
-    w, size = vector(here, at.W), extent(x, here)
+    size, way = lengths(here)
     for i in range(ptr[level], ptr[level + 1]):
         if norm[i] == 0.0:
             continue
         value = value_of(i, x, here)
-        near = tol * norm[i] * size
-        over, under = value - hi[i] > near + tol * abs(hi[i]), lo[i] - value > near + tol * abs(lo[i])
+        over = value - hi[i] > forgiven(here, i, value, hi[i], size, way)
+        under = lo[i] - value > forgiven(here, i, value, lo[i], size, way)
         if lo[i] == hi[i] or over or under:
             lo[i] = hi[i] = value
             w[i] = 0.0
@@ -299,10 +318,10 @@ def lacking(here, level):
 @inner
 def activate(here, end, through):
     """Let the sides of rows before `end` be where x is; False if those before level `through` do not fit the basis."""
-    tol = JUDGED * vector(here, at.OPTION)[at.TOL]
     ptr, side = marks(here, at.PTR), marks(here, at.SIDE)
     lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
-    size, same, known = extent(x, here), True, ptr[through]
+    same, known = True, ptr[through]
+    size, way = lengths(here)
     for i in range(end):
         now = integer(INACTIVE)
         if norm[i] > 0.0:
@@ -310,10 +329,9 @@ def activate(here, end, through):
                 now = integer(EQUALITY)
             else:
                 value = value_of(i, x, here)
-                near = tol * (abs(value) + 0.1 * norm[i] * size)
-                if value >= hi[i] - near - tol * abs(hi[i]):
+                if value >= hi[i] - forgiven(here, i, value, hi[i], size, way):
                     now = integer(UPPER)
-                elif value <= lo[i] + near + tol * abs(lo[i]):
+                elif value <= lo[i] + forgiven(here, i, value, lo[i], size, way):
                     now = integer(LOWER)
         if i < known:
             same = same and (now == side[i] or (now == EQUALITY and side[i] != INACTIVE))
