@@ -25,6 +25,9 @@ integer = int64
 #: For what other kernels call: no wrapper to call it from Python.
 inner = njit(fastmath=FAST, error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
 
+#: For what is called in one place alone: a part of its caller, and compiled with it, once.
+step = njit(inline="always", fastmath=FAST, error_model="numpy", nogil=True, _nrt=False)
+
 
 def entry(function):
     """For what Python calls: kept on disk, if anywhere, and run without the interpreter's lock."""

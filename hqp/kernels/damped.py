@@ -25,12 +25,14 @@ from .memory import given, ints, marks, matrix, vector
 from .orthogonal import length, level_least_squares
 from .singular import share_of_smallest, volume
 from .solver import (
+    COLD,
     FEW,
     PATIENCE,
     SHARPER,
     SHARPEST,
     SUSPECT,
     UNEVEN,
+    WARM,
     contested,
     is_even,
     levels_that_count,
@@ -109,7 +111,7 @@ def with_rows(here, last, level, damping, warm):
         twin[place] = head[place]
     vector(there, at.OPTION)[at.BLUR] = vector(here, at.OPTION)[at.BLUR]
     seed(there, last)
-    status, _ = work_out(there, last, warm)
+    status, _ = work_out(there, last, integer(WARM if warm else COLD), warm)
     for place in (at.SWEEPS, at.ITERATIONS):
         head[place] = twin[place]
     for j in range(n):
@@ -237,7 +239,7 @@ def run_stage(here, slot, last, level, damping, warm, through, c, count, rank):
     if faults > 0:
         if level == STRICT:
             seed(here, last)
-            status, _ = work_out(here, last, warm)
+            status, _ = work_out(here, last, integer(WARM if warm else COLD), warm)
         else:
             status = with_rows(here, last, level, damping, warm)
         through, c = begin, integer(0)

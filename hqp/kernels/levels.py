@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 
 from . import layout as at
-from .compile import inner, integer
+from .compile import inner, integer, step
 from .dual import admit, late, settle
 from .freeze import freeze
 from .members import enter, prepare, start_of
@@ -31,7 +31,7 @@ SOFT = 1e-9
 FEASIBLE = 1e-7
 
 
-@inner
+@step
 def levels(here, last, warm):
     """Find the sides of levels 0 .. last; with `warm`, from those at the end of each level of the last time.
 
@@ -43,38 +43,32 @@ def levels(here, last, warm):
     """
     ptr, rounds = marks(here, at.PTR), 4 * len(marks(here, at.MEMBERS)) + 4
     k, frozen = begin(here, last)
-    while k < last and not late(here):
-        delta = take_up(here, k, last, warm)
-        hard, rank, own, own_rank = polish(here, k, last, frozen)
-        faults, _, pull = judge(here, k, last, frozen, hard, rank, own)
-        if faults > 0:
-            count = assemble(here, k, last, frozen, delta)
-            count = settle(here, ptr[k + 1], frozen, count, delta, rounds, 0)
-            remember(here, k, last, count)
+    while k <= last and not late(here):
+        delta, end = take_up(here, k, last, warm), ptr[min(k + 1, last)]
+        for turn in range(2):
+            if turn > 0 or k == last:  # the last level is never met: its members are all there is to find
+                count = assemble(here, k, last, frozen, delta)
+                count = settle(here, end, frozen, count, delta, rounds, 0)
+                remember(here, k, last, count)
             hard, rank, own, own_rank = polish(here, k, last, frozen)
             faults, _, pull = judge(here, k, last, frozen, hard, rank, own)
-        if faults > 0 and feasible(here, k):
-            faults, hard, rank, own, own_rank, pull = primal(here, k, last, frozen)
-        if faults > 0 and not late(here):
-            start_again(here, k)
-            faults, hard, rank, own, own_rank, pull = primal(here, k, last, frozen)
-        if faults > 0:
-            return k
+            if faults == 0:
+                break
+        for turn in range(2):
+            if k < last and faults > 0 and not late(here) and (turn > 0 or feasible(here, k)):
+                if turn > 0:
+                    start_again(here, k)
+                faults, hard, rank, own, own_rank, pull = primal(here, k, last, frozen)
+        if faults > 0 and k < last:
+            break
         keep(here, k, last)
-        frozen = freeze(here, k, frozen, hard, rank, own, own_rank, pull)
-        advance(here)
+        if k < last:
+            frozen = freeze(here, k, frozen, hard, rank, own, own_rank, pull)
+            advance(here)
+        elif faults == 0 and not far(here) and holds(here, last):
+            k += 1
         k += 1
-    if late(here):
-        return k
-    take_up(here, last, last, warm)
-    count = assemble(here, last, last, frozen, 0.0)
-    settle(here, ptr[last], frozen, count, 0.0, rounds, 0)
-    hard, rank, own, own_rank = polish(here, last, last, frozen)
-    faults, _, pull = judge(here, last, last, frozen, hard, rank, own)
-    keep(here, last, last)
-    if late(here):
-        return last
-    return last + 1 if faults > 0 or far(here) or not holds(here, last) else last + 2
+    return k
 
 
 @inner

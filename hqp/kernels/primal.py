@@ -69,10 +69,10 @@ def primal(here, k, last, frozen):
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
     side, start, x = marks(here, at.SIDE), vector(here, at.APPROACH), vector(here, at.X)
-    hard, rank, own, own_rank = polish(here, k, last, frozen)
-    faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
-    for _ in range(STEPS):
-        if faults == 0 or late(here):
+    for steps in range(STEPS + 1):
+        hard, rank, own, own_rank = polish(here, k, last, frozen)
+        faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
+        if faults == 0 or steps == STEPS or late(here):
             break
         head[at.ITERATIONS] += 1
         reach, row, becomes = first_event(here, k)
@@ -84,6 +84,4 @@ def primal(here, k, last, frozen):
             side[worst] = INACTIVE
         else:
             break
-        hard, rank, own, own_rank = polish(here, k, last, frozen)
-        faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
     return faults, hard, rank, own, own_rank, pull

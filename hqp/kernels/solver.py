@@ -13,7 +13,7 @@ import math
 
 from . import layout as at
 from .active_set import OPTIMAL, STALLED, SUBOPTIMAL, active_set
-from .compile import entry, inner, integer, stamp
+from .compile import entry, inner, integer, stamp, step
 from .dual import NEVER, late
 from .guess import guess
 from .levels import levels
@@ -26,6 +26,10 @@ from .working_set import FROZEN
 #: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; proved as far as one
 #: tolerance goes for rows of very different lengths.
 SUSPECT, UNEVEN = 3, 4
+
+#: Where a solve starts: from the sides that are known, by one sweep; level by level, from those at the end of each
+#: level or from none; by the safe method, from the last exact point.
+SIDES, WARM, COLD, SAFE = 0, 1, 2, 3
 
 #: As :data:`hqp.hierarchy.LARGEST`: a row that is longer has an entry to be looked at.
 LARGEST = 1e30
@@ -203,18 +207,6 @@ def stop_early(here, k, last):
 
 
 @inner
-def from_levels(here, last, warm):
-    """Level by level, and the proof: the level that stopped it, `last` + 1 if none did, and contradictions left."""
-    level = levels(here, last, warm)
-    if level <= last:
-        return level, integer(1)
-    if level > last + 1:
-        ints(here, 0, at.HEAD)[at.SWEEPS] += 1
-        return level, integer(0)
-    return level, verify(here, last)
-
-
-@inner
 def seed(here, last):
     """Nothing is known of the end of each level: the sides of the last answer are taken for it."""
     m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
@@ -242,6 +234,43 @@ def note_blur(here):
 
 
 @inner
+def work_out(here, last, start, warm):
+    """Solve for levels 0 .. last from this start on: a status of :mod:`.active_set`, and the level of it."""
+    head = ints(here, 0, at.HEAD)
+    n, x, exact, safe_x = head[at.N], vector(here, at.X), vector(here, at.EXACT), vector(here, at.SAFE)
+    status, faults, level, exact_above = OPTIMAL, integer(1), integer(last), integer(0)
+    while True:
+        level = integer(last + 1)
+        if start == SAFE:
+            for j in range(n):
+                x[j] = exact[j]
+            status, level = active_set(here, last)
+            for j in range(n):
+                safe_x[j] = x[j]
+            faults = integer(1)
+        elif start != SIDES:
+            level = exact_above = levels(here, last, start == WARM)
+            faults = integer(level <= last + 1)
+            head[at.SWEEPS] += level == last + 2
+        if faults > 0 and level == last + 1:
+            faults = verify(here, last)
+        if start != SIDES:
+            head[at.HISTORY] = faults == 0
+        if faults == 0 or start == SAFE or (start != SIDES and late(here)):
+            break
+        start = integer(COLD) if start == SIDES and not warm else start + 1
+    if faults > 0 and start == SAFE:  # where round-off decides what the sweep says, it has the last word
+        for j in range(n):
+            x[j] = safe_x[j]
+        if status == OPTIMAL:  # and no proof
+            status, level = STALLED, first_contradiction(here, last)
+    elif faults > 0:
+        stop_early(here, exact_above, last)
+        status, level = SUBOPTIMAL, exact_above
+    return status, level
+
+
+@step
 def solve_one(here):
     """Solve the hierarchy of the directory; see :func:`solve`."""
     head = ints(here, 0, at.HEAD)
@@ -252,56 +281,14 @@ def solve_one(here):
         return SUSPECT
     last = levels_that_count(here)
     note_blur(here)
-    faults = integer(1)
     if warm and head[at.HISTORY] == 0:
         seed(here, last)
-    if warm or guess(here, last):
-        faults = verify(here, last)
-    status, level = (OPTIMAL, integer(last)) if faults == 0 else work_out(here, last, warm)
+    start = integer(SIDES if warm or guess(here, last) else COLD)
+    status, level = work_out(here, last, start, warm)
     head[at.LEVEL], head[at.WARM] = min(level, last), 1
-    if status != OPTIMAL:
-        return status
-    if not is_even(here):
+    if status == OPTIMAL and not is_even(here):
         return UNEVEN
-    return OPTIMAL
-
-
-@inner
-def work_out(here, last, warm):
-    """Where repair has failed: level by level, the safe method, or as far as the limits let one go."""
-    head = ints(here, 0, at.HEAD)
-    level, faults = integer(last), integer(1)
-    if warm:
-        level, faults = from_levels(here, last, True)
-    if faults > 0 and not (warm and late(here)):
-        level, faults = from_levels(here, last, False)
-    head[at.HISTORY] = faults == 0
-    if faults == 0:
-        return OPTIMAL, integer(last)
-    if late(here):
-        stop_early(here, level, last)
-        return SUBOPTIMAL, level
-    return safely(here, last)
-
-
-@inner
-def safely(here, last):
-    """The safe method from EXACT; where round-off decides what the sweep says, it has the last word."""
-    head = ints(here, 0, at.HEAD)
-    n = head[at.N]
-    x, exact, safe_x = vector(here, at.X), vector(here, at.EXACT), vector(here, at.SAFE)
-    for j in range(n):
-        x[j] = exact[j]
-    status, level = active_set(here, last)
-    for j in range(n):
-        safe_x[j] = x[j]
-    if status == OPTIMAL and verify(here, last) == 0:
-        return status, level
-    for j in range(n):
-        x[j] = safe_x[j]
-    if status == OPTIMAL:  # and no proof
-        status, level = STALLED, first_contradiction(here, last)
-    return status, level
+    return status
 
 
 @stamp
@@ -318,34 +305,31 @@ def solve(here, numbers):
     """
     head = ints(here, 0, at.HEAD)
     n, m, count, warm = head[at.N], head[at.ROWS], head[at.COUNT], head[at.WARM]
-    if count == 0:
-        given(here, numbers)
-        head[at.OUTCOME] = solve_one(here)
-        return head[at.OUTCOME]
     side = marks(here, at.SIDE)
     x, x_ref = vector(here, at.X), vector(here, at.X_REF)
-    outcome = OPTIMAL
-    for b in range(count):
+    for b in range(max(count, 1)):
         given(here, numbers + 8 * b * head[at.STRIDE])
         point, sides = floats(head[at.POINTS], b * n, n), ints(head[at.SIDES], b * m, m)
-        for i in range(m):
-            side[i] = sides[i]
-        head[at.HISTORY] = 0  # of a neighbour
-        if head[at.REFERENCES] != 0:
-            reference = floats(head[at.REFERENCES], b * n, n)
+        if count > 0:
+            for i in range(m):
+                side[i] = sides[i]
+            head[at.HISTORY] = 0  # of a neighbour
+            head[at.WARM] = warm
+            if head[at.REFERENCES] != 0:
+                reference = floats(head[at.REFERENCES], b * n, n)
+                for j in range(n):
+                    x_ref[j] = reference[j]
+        head[at.OUTCOME] = solve_one(here)
+        if count > 0:
             for j in range(n):
-                x_ref[j] = reference[j]
-        head[at.WARM] = warm
-        outcome = solve_one(here)
-        for j in range(n):
-            point[j] = x[j]
-        for i in range(m):
-            sides[i] = side[i]
-        said = ints(head[at.OUTCOMES], 4 * b, 4)
-        said[0], said[1], said[2], said[3] = (
-            outcome,
-            head[at.LEVEL],
-            head[at.SWEEPS],
-            head[at.ITERATIONS],
-        )
-    return outcome
+                point[j] = x[j]
+            for i in range(m):
+                sides[i] = side[i]
+            said = ints(head[at.OUTCOMES], 4 * b, 4)
+            said[0], said[1], said[2], said[3] = (
+                head[at.OUTCOME],
+                head[at.LEVEL],
+                head[at.SWEEPS],
+                head[at.ITERATIONS],
+            )
+    return head[at.OUTCOME]
