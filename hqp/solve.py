@@ -142,8 +142,6 @@ class Solver:
             fault, reference = self._reference(x_ref)
             if fault is None:
                 proved = self._quick(hierarchy, reference)
-        if proved is None and self._staged is not None:
-            return self._solve_in_stages(hierarchy, self._zero if x_ref is None else real_array(x_ref, "x_ref"))
         solution = new(Solution)  # and its fields, at a third of the price of a frozen dataclass's __init__
         fields = solution.__dict__
         fields["_noted"] = hierarchy, hierarchy.numbers.copy(), reference, self._always
@@ -153,6 +151,8 @@ class Solver:
             else:
                 fields["x"], fields["counts"], fields["_points"] = proved
             fields["status"] = OPTIMAL
+        elif self._staged is not None:
+            return self._solve_in_stages(hierarchy, self._zero if x_ref is None else real_array(x_ref, "x_ref"))
         else:
             answer = self._answer(hierarchy, reference, fault)
             fields["x"], fields["status"], fields["counts"] = answer.x, answer.status, answer.counts
