@@ -132,7 +132,7 @@ class Native:
 
 
 def judged(hierarchy: Hierarchy, x: Array, x_ref: Array, outcome: int, level: int, counts: Counts) -> Answer:
-    """What is claimed of x. Where the proof holds only as far as one tolerance goes, the certificate has the word."""
+    """What is claimed of x. Where one tolerance does not say enough, the certificate has the word."""
     status = STATUSES[outcome]
     if outcome == kernel.UNEVEN:
         failed = certify(hierarchy, x, x_ref).failed
@@ -175,7 +175,8 @@ class Memory:
         n, memory = int(self.head[at.N]), self._blocks[1]
         self.x, self.x_ref = memory[begins[at.X] :][:n], memory[begins[at.X_REF] :][:n]
         self.x_ref[:] = 0.0
-        memory[begins[at.OPTION] :][:4] = (
+        self._option = memory[begins[at.OPTION] :][:4]
+        self._option[:] = (
             settings.rank_tolerance,
             settings.tolerance,
             settings.iterations,

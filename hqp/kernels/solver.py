@@ -20,11 +20,11 @@ from .levels import levels
 from .line_search import best_step
 from .memory import clock, floats, given, ints, marks, matrix, vector
 from .orthogonal import length
-from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, sweep, value_of
+from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, far, sweep, value_of
 from .working_set import FROZEN
 
-#: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; proved as far as one
-#: tolerance goes for rows of very different lengths.
+#: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; found as far as one
+#: tolerance goes, for rows of very different lengths, or for an x next to zero that comes from an x_0 far away.
 SUSPECT, UNEVEN = 3, 4
 
 #: Where a solve starts: from the sides that are known, by one sweep; level by level, from those at the end of each
@@ -35,7 +35,7 @@ SIDES, WARM, COLD, SAFE = 0, 1, 2, 3
 LARGEST = 1e30
 
 #: Round-off of x, in units of the length of x_0, where it comes from.
-ROUND_OFF = 16 * 2.0**-52
+ROUND_OFF = 64 * 2.0**-52
 #: A row that is this much shorter than another of its level may disappear in the round-off of that one.
 EVEN = 1e-8
 
@@ -286,7 +286,7 @@ def solve_one(here):
     start = integer(SIDES if warm or guess(here, last) else COLD)
     status, level = work_out(here, last, start, warm)
     head[at.LEVEL], head[at.WARM] = min(level, last), 1
-    if status == OPTIMAL and not is_even(here):
+    if (status == OPTIMAL and not is_even(here)) or (status == STALLED and far(here)):
         return UNEVEN
     return status
 

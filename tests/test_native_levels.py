@@ -1,0 +1,224 @@
+"""The native solver level by level: what is saturated, stopped, taken up again, far away, or asked once."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import hqp
+from hqp import Hierarchy, Level, Settings, Solution, Solver, Status
+from hqp import solve as module_solve
+from hqp.problems import random_hierarchy
+
+HARD = Path(__file__).parent / "data" / "hard"
+BACKEND = "native"
+
+
+def case(name: str) -> tuple[Hierarchy, np.ndarray]:
+    """A hierarchy on which solvers did badly, and its x_ref."""
+    h, x_ref = hqp.load(HARD / f"{name}.npz")
+    return h, np.zeros(h.n) if x_ref is None else x_ref
+
+
+def proved(solution: Solution) -> bool:
+    return solution.ok and solution.certify().ok
+
+
+def saturated(rng: np.random.Generator, n: int = 16) -> Hierarchy:
+    """Equations, then cones with their apex at zero and two-sided rows, then tasks that ask for far too much."""
+    half = n // 2
+    M, J = rng.standard_normal((half, half)), rng.standard_normal((half, half))
+    face = np.array([[1.0, 0.0, -0.7], [-1.0, 0.0, -0.7], [0.0, 1.0, -0.7], [0.0, -1.0, -0.7]])
+    points = half // 3
+    cones = np.hstack([np.zeros((4 * points, n - 3 * points)), np.kron(np.eye(points), face)])
+    torques = np.hstack([M, -J])
+    return Hierarchy(
+        [
+            Level.equality(np.hstack([M, -J])[:3], 0.3 * rng.standard_normal(3), name="motion"),
+            Level(
+                np.vstack([cones, torques[3:]]),
+                np.r_[np.full(len(cones), -np.inf), np.full(half - 3, -1.0)],
+                np.r_[np.zeros(len(cones)), np.full(half - 3, 1.0)],
+                name="limits",
+            ),
+            Level.equality(rng.standard_normal((3, n)), 20.0 * rng.standard_normal(3), name="hand"),
+            Level.equality(rng.standard_normal((n, n)), rng.standard_normal(n), name="rest"),
+        ]
+    )
+
+
+def draws(count: int) -> Iterator[Hierarchy]:
+    return (saturated(np.random.default_rng(seed)) for seed in range(count))
+
+
+# What is saturated.
+
+
+@pytest.mark.parametrize("name", sorted(file.stem for file in HARD.glob("*.npz")))
+def test_what_was_hard_is_optimal_and_certified(name: str) -> None:
+    h, x_ref = case(name)
+    solver = Solver(BACKEND)
+    for _ in range(3):  # cold, warm, and cold again
+        assert proved(solver.solve(h, x_ref))
+    solver.forget()
+    assert proved(solver.solve(h, x_ref))
+
+
+def test_dozens_of_active_inequalities_are_certified_cold_and_warm() -> None:
+    solver, active = Solver(BACKEND), []
+    for h in draws(150):
+        solution = solver.solve(h)
+        assert proved(solution)
+        active.append(int(np.count_nonzero(solution.levels[1].active)))
+        h.lower[-16:] = h.upper[-16:] = h.lower[-16:] + 0.3
+        assert proved(solver.solve(h))
+    assert np.median(active) >= 4
+
+
+# What was solved before.
+
+
+@pytest.mark.parametrize("name", ["sequence-1", "sequence-2"])
+def test_the_answer_is_that_of_the_data_and_not_of_what_was_solved_before(name: str) -> None:
+    (before, first_ref), (h, x_ref) = case(f"{name}-before"), case(name)
+    solver = Solver(BACKEND)
+    solver.solve(before, first_ref)
+    for _ in range(3):
+        solution = solver.solve(h, x_ref)
+        assert proved(solution)
+        alone = Solver(BACKEND).solve(h, x_ref).x
+        np.testing.assert_allclose(solution.x, alone, rtol=0, atol=1e-9 * (1.0 + np.linalg.norm(alone)))
+
+
+def test_a_solver_that_goes_from_one_problem_to_any_other_answers_as_a_fresh_one() -> None:
+    made = list(draws(40))
+    rng, solver = np.random.default_rng(5), Solver(BACKEND)
+    for k in rng.integers(0, len(made), 200):
+        x, alone = solver.solve(made[k]).x, Solver(BACKEND).solve(made[k]).x
+        np.testing.assert_allclose(x, alone, rtol=0, atol=1e-8 * np.linalg.norm(alone))
+
+
+def test_no_number_is_read_before_it_is_written() -> None:
+    """Memory is not zeroed: whatever lies there, the answer is the same to the last bit."""
+    made = [*draws(20), *(random_hierarchy(np.random.default_rng(seed)) for seed in range(200))]
+    for h in made:
+        answers = []
+        for junk, mark in ((0.0, 0), (np.nan, -7), (1e300, 1 << 40)):
+            solver = Solver(BACKEND)
+            solver._adopt(h)
+            memory = solver._backend._memory  # type: ignore[attr-defined]
+            ints, floats = memory._blocks
+            kept = memory._option.copy()
+            ints[:], floats[:] = mark, junk
+            memory._option[:], memory.x_ref[:] = kept, 0.0
+            answers.append(solver.solve(h).x)
+        assert np.array_equal(answers[0], answers[1])
+        assert np.array_equal(answers[0], answers[2])
+
+
+# What is stopped.
+
+
+@pytest.mark.parametrize("iterations", [1, 3, 7, 12])
+def test_stopped_anywhere_the_levels_above_are_exact_and_what_stopped_it_is_named(iterations: int) -> None:
+    stopped = []
+    for h in draws(60):
+        solution = Solver(BACKEND, Settings(iterations=iterations)).solve(h)
+        assert solution.counts.iterations <= iterations
+        if solution.ok:
+            assert proved(solution)
+            continue
+        assert solution.status is Status.SUBOPTIMAL
+        assert solution.level is not None
+        certificate = solution.certify()
+        assert all(level.ok for level in certificate.levels[: solution.level]), str(certificate)
+        stopped.append(solution.level)
+    assert stopped
+
+
+def test_the_level_where_it_stopped_is_no_worse_than_where_it_began() -> None:
+    """One step from the point that is exact above: what is known of the level by then makes it better, or nothing."""
+    for h in draws(60):
+        solution = Solver(BACKEND, Settings(iterations=12)).solve(h)
+        if solution.level is None or solution.level >= len(h.levels):
+            continue
+        k = solution.level
+        above = Solver(BACKEND).solve(Hierarchy(h.levels[:k], n=h.n)).x
+        begin = hqp.certify(h, above).levels[k].residual_norm
+        assert solution.certify().levels[k].residual_norm <= begin * (1.0 + 1e-9) + 1e-9
+
+
+@pytest.mark.parametrize("solve", [lambda h, s: Solver(BACKEND, s).solve(h), lambda h, s: hqp.solve(h, settings=s)])
+def test_a_time_limit_is_kept_in_every_loop(solve: Callable[[Hierarchy, Settings], Solution]) -> None:
+    h = saturated(np.random.default_rng(1), n=90)
+    solve(h, Settings())
+    for limit in (1e-9, 1e-5, 1e-4):
+        solution = solve(h, Settings(time_limit=limit))
+        certificate = solution.certify()
+        assert solution.ok or all(level.ok for level in certificate.levels[: solution.level])
+    assert solve(h, Settings(time_limit=1e-9)).status is Status.SUBOPTIMAL
+    assert solve(h, Settings(time_limit=60.0)).ok
+
+
+def test_a_time_limit_counts_from_the_call(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What has to be made ready first is part of it."""
+    h = saturated(np.random.default_rng(2))
+    late = time.monotonic_ns() - 10_000_000_000
+    monkeypatch.setattr(time, "monotonic_ns", lambda: late)
+    assert Solver(BACKEND, Settings(time_limit=1.0)).solve(h).status is Status.SUBOPTIMAL
+    assert hqp.solve(h, settings=Settings(time_limit=1.0)).status is Status.SUBOPTIMAL
+    assert hqp.solve(h, settings=Settings(time_limit=60.0)).ok
+
+
+# What is far away.
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3, 1e7])
+def test_what_must_not_move_is_certified_however_far_its_reference_is(size: float) -> None:
+    """Safety filters, and robots that stand still: x next to zero."""
+    rng = np.random.default_rng(3)
+    for _ in range(60):
+        n = int(rng.integers(2, 9))
+        zero, some = np.zeros(int(rng.integers(1, 2 * n + 3))), int(rng.integers(1, n + 2))
+        below = Level(rng.standard_normal((len(zero), n)), -np.inf, zero)
+        x_ref = size * rng.standard_normal(n)
+        assert proved(Solver(BACKEND).solve(Hierarchy([below]), x_ref))
+        still = Level.equality(rng.standard_normal((some, n)), 1e-17 * rng.standard_normal(some))
+        assert proved(Solver(BACKEND).solve(Hierarchy([still, below]), x_ref))
+        limits, posture = Level.bounds(-np.ones(n), np.ones(n)), Level.bounds(x_ref, x_ref)
+        assert proved(Solver(BACKEND).solve(Hierarchy([limits, still, posture])))
+
+
+# What is asked once.
+
+
+def test_one_shot_answers_as_a_solver_that_was_just_made() -> None:
+    for turn in range(2):
+        for seed in range(40):  # more structures than are kept
+            h = random_hierarchy(np.random.default_rng(seed))
+            assert np.array_equal(hqp.solve(h).x, Solver(BACKEND).solve(h).x), (turn, seed)
+
+
+def test_only_a_few_solvers_are_kept_and_every_thread_has_its_own() -> None:
+    from hqp.solve import KEPT, _kept
+
+    for n in range(1, 3 * KEPT):
+        hqp.solve(Hierarchy([Level.bounds(np.zeros(n), np.ones(n))]))
+    mine = dict(_kept.solvers)
+    assert len(mine) == KEPT
+    found: list[object] = []
+
+    def other() -> None:
+        module_solve(Hierarchy([Level.bounds(np.zeros(2), np.ones(2))]))
+        found.extend(_kept.solvers.values())
+
+    thread = threading.Thread(target=other)
+    thread.start()
+    thread.join()
+    assert len(found) == 1
+    assert found[0] not in mine.values()
