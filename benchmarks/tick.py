@@ -60,9 +60,11 @@ def tick(
             if out is not None:
                 save(out, rows)
     if not scene:
+        from .ticks.damping import ratios
         from .ticks.redundancy import costs
 
         show(printer, terminal("what else the joints are used for: a Panda, this library alone", costs(ticks)))
+        show(printer, terminal("damped levels of that Panda, native, one warm solve from Python", ratios(ticks)))
     printer.print(
         f"us: whole ticks, targets set, {rounds} x {ticks}; to: ratio of medians, to the fastest of that library\n"
         "kinematics, rows, solve: medians of the parts in us, timed alone; off: distance of the answer from the first\n"

@@ -12,6 +12,9 @@
 
 from __future__ import annotations
 
+import warnings
+from typing import Any
+
 from .backends.registry import ACCURACY, BACKENDS, BackendInfo, available_backends, backend_info
 from .batch import Batch, BatchSolution, BatchSolver, solve_batch
 from .certificate import Certificate, LevelCertificate, certify
@@ -32,8 +35,7 @@ from .label import Label
 from .level import Level
 from .lexls import LexLSProblem, read_lexls, write_lexls
 from .nearest import nearest
-from .regularisation import RegularisedSolver, solve_regularised
-from .relaxation import RegularisedSolution, Relaxation, StageCertificates
+from .relaxation import Relaxation
 from .settings import Settings
 from .side import Side
 from .solution import Counts, LevelSolution, Solution, Status
@@ -72,15 +74,12 @@ __all__ = [
     "MissingPackage",
     "NumericalFiltering",
     "PartExplanation",
-    "RegularisedSolution",
-    "RegularisedSolver",
     "Relaxation",
     "Settings",
     "Side",
     "SingularValueDamping",
     "Solution",
     "Solver",
-    "StageCertificates",
     "Status",
     "UnknownBackend",
     "Unsupported",
@@ -93,6 +92,21 @@ __all__ = [
     "save",
     "solve",
     "solve_batch",
-    "solve_regularised",
     "write_lexls",
 ]
+
+#: What is no more, and what is there instead.
+_RENAMED: dict[str, Any] = {
+    "RegularisedSolution": Solution,
+    "RegularisedSolver": Solver,
+    "StageCertificates": Certificate,
+    "solve_regularised": solve,
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _RENAMED:
+        now = _RENAMED[name]
+        warnings.warn(f"hqp.{name} is hqp.{now.__name__} now", DeprecationWarning, stacklevel=2)
+        return now
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

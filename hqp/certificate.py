@@ -20,7 +20,7 @@ vanish when the slacks of the level shift within the tolerances of their rows. N
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -80,27 +80,38 @@ class Certificate:
         Whether the implicit last level ``min ||x - x_ref||`` was judged too.
     radius
         The distance within which `gap` holds.
+    earlier : tuple of Certificate
+        Where levels are damped, the proofs of the stages before the last one, of which this is.
     """
 
     x: Array
     levels: tuple[LevelCertificate, ...]
     unique: bool
     radius: float
+    earlier: tuple[Certificate, ...] = ()
+
+    @property
+    def stages(self) -> tuple[Certificate, ...]:
+        """The proof of every stage by itself, in order."""
+        return (*self.earlier, replace(self, earlier=()))
 
     @property
     def ok(self) -> bool:
-        """Whether every level is optimal."""
-        return all(level.ok for level in self.levels)
+        """Whether every level is optimal, in every stage."""
+        return self.failed is None
 
     @property
     def failed(self) -> LevelCertificate | None:
-        """The highest level that falls short, or None."""
-        return next((level for level in self.levels if not level.ok), None)
+        """The highest level that falls short, in the first stage that has one, or None."""
+        judged = (level for stage in (*self.earlier, self) for level in stage.levels)
+        return next((level for level in judged if not level.ok), None)
 
     def __bool__(self) -> bool:
         return self.ok
 
     def __str__(self) -> str:
+        if self.earlier:
+            return "\n".join(f"stage {i}: {stage}" for i, stage in enumerate(self.stages))
         failed = self.failed
         if failed is None:
             head = f"certified: lexicographically optimal at all {len(self.levels)} levels"

@@ -5,7 +5,7 @@ A damped level minimises, within what the levels above it leave,
 
 .. math:: \|D_k w_k\|^2 + \lambda^2 \|x - x_\text{ref}\|^2,
 
-see :mod:`hqp.regularisation`. The :math:`\sigma_i` are the singular values of its *projected rows*
+see :mod:`hqp.staged`. The :math:`\sigma_i` are the singular values of its *projected rows*
 :math:`\hat J = D_k A_k Z`: its equality and active rows, weighted, in the null space Z of the equality
 and active rows above. Active are the rows that are at a bound, or beyond it, where the levels above
 leave off.
@@ -46,11 +46,11 @@ class DampingRule(ABC):
     Attributes
     ----------
     looks : bool
-        Whether it wants to see the singular values; they cost one more solve where inequalities are in play.
+        Whether it wants to see the singular values; they cost one more stage where inequalities are in play.
     mixes : bool
         Whether it weighs a combination of rows (see `filtering`), which only equality rows permit.
     grows : bool
-        Whether its lambda grows with what the level lacks (see `growth`); to know that costs one more solve where
+        Whether its lambda grows with what the level lacks (see `growth`); to know that costs one more stage where
         levels are above it whose last answer is not known already.
 
     Raises

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from enum import Enum
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .arrays import Array
+from .arrays import Array, length
 from .certificate import Certificate, certify
 from .explanation import Explanation, explain
 from .hierarchy import Hierarchy
-from .rows import RowStates, row_states
+from .relaxation import Relaxation
+from .rows import RowStates, excess, row_states
 from .settings import Settings
 from .side import Side
 from .subspace import row_space
@@ -126,6 +128,29 @@ class LevelSolution:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class Stages:
+    """What a solve with damped levels went through, see :mod:`hqp.staged`.
+
+    Attributes
+    ----------
+    solutions : tuple of Solution
+        The plain hierarchies that were solved, in order; the last one gave x. Where its status is not
+        OPTIMAL, those that should have come after it are missing.
+    dampings : dict of int to float
+        The lambda of every damped level that was reached; 0 where it was left strict.
+    frozen : Hierarchy
+        The hierarchy with every damped level frozen at what it reached.
+    solve : callable
+        Solves a plain hierarchy, given x_ref.
+    """
+
+    solutions: tuple[Solution, ...]
+    dampings: dict[int, float]
+    frozen: Hierarchy
+    solve: Callable[[Hierarchy, Array], Solution]
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution:
     """The answer of one backend to one hierarchy. Nothing but x is computed until it is asked for.
@@ -146,6 +171,8 @@ class Solution:
     x_ref : array, shape (n,)
     settings : Settings
         By whose tolerances `levels` tells sides and ranks.
+    staged : Stages, or None
+        What led to x where levels are damped.
     """
 
     x: Array
@@ -157,13 +184,18 @@ class Solution:
     message: str = ""
     level: int | None = None
     counts: Counts = NO_COUNTS
+    staged: Stages | None = field(default_factory=lambda: None)
 
     def __getattr__(self, name: str) -> Any:
         # A control loop takes x and goes on; what else was noted down is looked up when it is asked for.
         noted = self.__dict__.get("_noted")
-        if noted is None or name not in ("hierarchy", "x_ref", "backend", "settings"):
+        if noted is None or name not in ("hierarchy", "x_ref", "backend", "settings", "staged"):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        template, numbers, x_ref, (backend, settings) = noted
+        if name == "staged":
+            points, tell = self.__dict__.get("_points"), noted[3][2]
+            self.__dict__["staged"] = None if points is None else tell(self, points)
+            return self.__dict__["staged"]
+        template, numbers, x_ref, (backend, settings, _) = noted
         self.__dict__.update(hierarchy=template.with_numbers(numbers), x_ref=x_ref, backend=backend, settings=settings)
         return self.__dict__[name]
 
@@ -180,6 +212,8 @@ class Solution:
         """
         if self.level is None or self.status is Status.INVALID:
             return 0.0
+        if self.staged is not None:
+            return self.stages[-1].gap
         return self.certify().levels[self.level].shortfall
 
     @cached_property
@@ -187,7 +221,8 @@ class Solution:
         """Slack, residual, rank, active rows and multipliers of every level."""
         if self.status is Status.INVALID:
             return ()
-        h, rows, judged = self.hierarchy, self._rows, self.certify(unique=False).levels
+        h, rows = self.hierarchy, self._rows
+        judged = certify(h, self.x, self.x_ref, unique=False).levels
         ranks = self._ranks(rows)
         return tuple(
             LevelSolution(
@@ -218,12 +253,42 @@ class Solution:
             Z = Z @ null
         return ranks
 
+    @property
+    def stages(self) -> tuple[Solution, ...]:
+        """The plain hierarchies that led to x: this one, or, where levels are damped, stage by stage."""
+        return (self,) if self.staged is None else self.staged.solutions
+
+    @property
+    def dampings(self) -> dict[int, float]:
+        """The lambda of every damped level that was reached, 0 where it was left strict."""
+        return {} if self.staged is None else self.staged.dampings
+
+    @cached_property
+    def relaxed(self) -> tuple[Relaxation, ...]:
+        """Where strictness was relaxed, and by how much: one entry for each damped level, highest first."""
+        names = [level.name for level in self.hierarchy.levels]
+        return tuple(
+            Relaxation(k, names[k], damping, _residual_norm(self.hierarchy, k, self.x), partial(self._strict_norm, k))
+            for k, damping in self.dampings.items()
+        )
+
+    def _strict_norm(self, k: int) -> float:
+        """The residual norm of level k without its damping, below what the levels above it reached."""
+        assert self.staged is not None
+        strict = Hierarchy([*self.staged.frozen.levels[:k], self.hierarchy.levels[k]], n=self.hierarchy.n)
+        return _residual_norm(strict, k, self.staged.solve(strict, self.x_ref).x)
+
     def certify(self, *, unique: bool = True, tolerance: float = 1e-9) -> Certificate:
-        """The proof of this answer, or by how much it falls short; see :func:`hqp.certify`."""
+        """The proof of this answer, of every stage, or by how much it falls short; see :func:`hqp.certify`."""
+        if self.staged is not None:
+            *earlier, last = (stage.certify(unique=unique, tolerance=tolerance) for stage in self.stages)
+            return replace(last, earlier=tuple(earlier))
         return certify(self.hierarchy, self.x, self.x_ref, unique=unique, tolerance=tolerance)
 
     def explain(self, *, tolerance: float = 1e-9) -> Explanation:
         """Which row stopped which level, in the words of its labels.
+
+        A damped level is explained in its own stage, where its damping is one of its parts.
 
         Parameters
         ----------
@@ -247,13 +312,32 @@ class Solution:
         """
         if self.status in (Status.INVALID, Status.UNSUPPORTED):
             return Explanation((), self.message)
+        if self.staged is not None:
+            return self._explain_stages(tolerance)
         certificate = self.certify(unique=False, tolerance=tolerance)
         rows = row_states(self.hierarchy, self.x, self.x_ref, tolerance)
         ranks = [rank for rank, _ in self._ranks(rows)]
         with np.errstate(all="ignore"):  # as in the certificate: an x out of all bounds is judged, not warned about
             return Explanation(explain(self.hierarchy, certificate, rows, ranks), self.message)
 
+    def _explain_stages(self, tolerance: float) -> Explanation:
+        levels = list(self.stages[-1].explain(tolerance=tolerance).levels)
+        for stage in self.stages[:-1]:
+            k = len(stage.hierarchy.levels) - 1
+            if k in self.dampings and stage.hierarchy.m > self.hierarchy.pointers[k + 1] and k < len(levels):
+                levels[k] = stage.explain(tolerance=tolerance).levels[k]
+        return Explanation(tuple(levels), self.message)
+
     def __repr__(self) -> str:
-        head = f"Solution({self.status} by {self.backend}, x = {np.array2string(self.x, precision=6, threshold=8)})"
-        lines = [head] + ([f"  {self.message}"] if self.message else [])
-        return "\n".join(lines + [f"  {k}: {level!r}" for k, level in enumerate(self.levels)])
+        stages = "" if self.staged is None else f"{len(self.stages)} stages, "
+        head = f"Solution({self.status} by {self.backend}, {stages}x = "
+        lines = [head + np.array2string(self.x, precision=6, threshold=8) + ")"]
+        lines += [f"  {self.message}"] if self.message else []
+        lines += [f"  {k}: {level!r}" for k, level in enumerate(self.levels)]
+        return "\n".join(lines + [f"  {relaxation!r}" for relaxation in self.relaxed])
+
+
+def _residual_norm(hierarchy: Hierarchy, k: int, x: Array) -> float:
+    """``||D_k w_k||`` at x."""
+    level = hierarchy.levels[k]
+    return length(level.weights * excess(hierarchy.matrix(k) @ x, level.lower, level.upper))

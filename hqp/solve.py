@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import threading
 import time
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,11 +16,13 @@ from .arrays import Array, finite_vector, real_array
 from .backends.base import Answer
 from .backends.registry import make_backend
 from .checks import of_type
+from .damping import DampingRule
 from .errors import InvalidInput, Unsupported
 from .guard import Guard
 from .hierarchy import LARGEST, Hierarchy
 from .settings import Settings
-from .solution import Counts, Solution, Status
+from .solution import Counts, Solution, Stages, Status
+from .staged import Staged, by_index, rules_of, told
 
 #: The backend used where none is named.
 DEFAULT_BACKEND = "native"
@@ -28,9 +32,12 @@ OPTIMAL = Status.OPTIMAL
 new = object.__new__
 
 
-def _nothing(hierarchy: Hierarchy, x_ref: Array | None) -> tuple[Array, Counts] | None:
+def _nothing(hierarchy: Hierarchy, x_ref: Array | None) -> None:
     """The short way of a backend that has none."""
-    return None
+
+
+def _solve_once(backend: str, settings: Settings, hierarchy: Hierarchy, x_ref: Array) -> Solution:
+    return Solver(backend, settings).solve(hierarchy, x_ref)
 
 
 class Solver:
@@ -41,13 +48,15 @@ class Solver:
     backend : str
         A name from ``hqp.available_backends()``.
     settings : Settings, optional
+    damping : mapping of int or str to DampingRule or float, optional
+        The levels to damp, by index or by name, each with its rule; a number is a :class:`FixedDamping`.
 
     Raises
     ------
     UnknownBackend
         If no backend of that name can run here.
     InvalidInput
-        If the settings are none.
+        If the settings are none, or a rule is none.
 
     Notes
     -----
@@ -58,14 +67,22 @@ class Solver:
     where a second one comes. A copy, also one that was pickled, is another solver with the same settings, and cold.
     """
 
-    def __init__(self, backend: str = DEFAULT_BACKEND, settings: Settings | None = None) -> None:
+    def __init__(
+        self,
+        backend: str = DEFAULT_BACKEND,
+        settings: Settings | None = None,
+        damping: Mapping[int | str, DampingRule | float] | None = None,
+    ) -> None:
         self.backend = backend
         self.settings = Settings() if settings is None else of_type(settings, Settings, "settings")
+        self.damping = {} if damping is None else rules_of(damping)
         self._backend = make_backend(backend, self.settings)
+        self._staged = self._new_staged() if self.damping else None
+        self._by_number, self._rules = not any(isinstance(key, str) for key in self.damping), dict[int, DampingRule]()
         # The native solver has a short way for what its first sweep proves, and looks at the numbers on it.
         self._prepare = getattr(self._backend, "prepare", None)
-        self._quick = _nothing
-        self._always = self.backend, self.settings
+        self._quick: Callable[..., tuple[Any, ...] | None] = _nothing
+        self._always = self.backend, self.settings, self._new_tell() if self.damping else None
         self._structure: tuple[Any, ...] | None = None
         self._zero = np.zeros(0)
         self._guard = Guard("the solver")
@@ -73,9 +90,9 @@ class Solver:
         # A time limit counts from the call on, whatever has to be made ready first.
         self._began = getattr(self._backend, "began", None) if self.settings.time_limit < math.inf else None
 
-    def __reduce__(self) -> tuple[type[Solver], tuple[str, Settings]]:
+    def __reduce__(self) -> tuple[type[Solver], tuple[str, Settings, dict[int | str, DampingRule]]]:
         """A copy is made from what defines it: memory that a kernel knows by its address cannot be copied."""
-        return type(self), (self.backend, self.settings)
+        return type(self), (self.backend, self.settings, self.damping)
 
     def solve(self, hierarchy: Hierarchy, x_ref: ArrayLike | None = None) -> Solution:
         """Solve, warm if the last hierarchy had the same structure.
@@ -89,7 +106,8 @@ class Solver:
         Raises
         ------
         InvalidInput
-            If x_ref is no array of real numbers, or has the wrong shape.
+            If x_ref is no array of real numbers, or has the wrong shape; if a damped level is not in the hierarchy, or
+            numerical filtering meets an inequality row.
         InUse
             If another thread is solving with it.
         """
@@ -110,7 +128,10 @@ class Solver:
         except AttributeError:
             structure = None
         if structure is None or structure is not self._structure:
-            self._adopt(hierarchy)
+            if self._staged is None:
+                self._adopt(hierarchy)
+            else:
+                self._adopt_damped(hierarchy)
         if self._began is not None:
             self._began(now)
         proved = fault = None
@@ -125,8 +146,13 @@ class Solver:
         fields = solution.__dict__
         fields["_noted"] = hierarchy, hierarchy.numbers.copy(), reference, self._always
         if proved is not None:
-            fields["x"], fields["counts"] = proved
+            if len(proved) == 2:
+                fields["x"], fields["counts"] = proved
+            else:
+                fields["x"], fields["counts"], fields["_points"] = proved
             fields["status"] = OPTIMAL
+        elif self._staged is not None:
+            return self._solve_in_stages(hierarchy, self._zero if x_ref is None else real_array(x_ref, "x_ref"))
         else:
             answer = self._answer(hierarchy, reference, fault)
             fields["x"], fields["status"], fields["counts"] = answer.x, answer.status, answer.counts
@@ -136,6 +162,37 @@ class Solver:
     def forget(self) -> None:
         """Make the next call a cold one: what is kept of the last hierarchy is its structure alone."""
         getattr(self._backend, "forget", self._backend.reset)()
+        if self._staged is not None:
+            self._staged.forget()
+
+    def _new_staged(self) -> Staged:
+        """Solvers for one stage each; an answer that outlives this solver has one that is made when asked for."""
+        once = partial(_solve_once, self.backend, self.settings)
+        return Staged(self.damping, self.settings, lambda: Solver(self.backend, self.settings).solve, once)
+
+    def _new_tell(self) -> Callable[[Solution, Array], Stages]:
+        """Tells the stages of an answer from its points."""
+        return partial(told, self.damping, partial(_solve_once, self.backend, self.settings))
+
+    def _solve_in_stages(self, hierarchy: Hierarchy, reference: Array) -> Solution:
+        """Stage by stage, where the backend does not take all at once, or has failed."""
+        assert self._staged is not None
+        staged = self._staged.solve(hierarchy, reference)
+        last = staged.solutions[-1]
+        solved, levels = len(last.hierarchy.levels), len(hierarchy.levels)
+        where = f"in the stage of levels 0 to {solved - 1}: " if solved < levels else ""
+        return Solution(
+            last.x,
+            last.status,
+            self.backend,
+            hierarchy.copy(),
+            last.x_ref,
+            self.settings,
+            message=f"{where}{last.message}" if last.message else "",
+            level=last.level,
+            counts=Counts(*map(sum, zip(*(stage.counts for stage in staged.solutions), strict=True))),
+            staged=staged,
+        )
 
     def _answer(self, hierarchy: Hierarchy, reference: Array, fault: str | None) -> Answer:
         """What the backend says, or why it is not asked."""
@@ -152,11 +209,24 @@ class Solver:
             raise InvalidInput(f"solve takes a hqp.Hierarchy, not a {type(hierarchy).__name__}")
         if hierarchy.structure != self._structure:
             self._backend.reset()
-            if self._prepare is not None:
+            if self._prepare is not None and self._staged is None:
                 self._quick = self._prepare(hierarchy.structure)
             self._zero = np.zeros(hierarchy.n)
             self._zero.flags.writeable = False
         self._structure = hierarchy.structure
+
+    def _adopt_damped(self, hierarchy: Hierarchy) -> None:
+        """The same where levels are damped; which ones their names mean may differ though the structure does not."""
+        known = self._structure
+        self._adopt(hierarchy)
+        if hierarchy.structure == known and self._by_number:
+            return
+        self._structure = None  # until the rules fit
+        rules = by_index(hierarchy, self.damping)
+        prepare = getattr(self._backend, "prepare_damped", None)
+        if prepare is not None and (hierarchy.structure != known or rules != self._rules):
+            self._quick = prepare(hierarchy.structure, rules) or _nothing
+        self._structure, self._rules = hierarchy.structure, rules
 
     def _reference(self, x_ref: ArrayLike) -> tuple[str | None, Array]:
         """What is wrong with x_ref, if anything, and what to use."""
@@ -174,6 +244,7 @@ def solve(
     backend: str = DEFAULT_BACKEND,
     x_ref: ArrayLike | None = None,
     settings: Settings | None = None,
+    damping: Mapping[int | str, DampingRule | float] | None = None,
 ) -> Solution:
     """Solve a hierarchy once.
 
@@ -183,18 +254,21 @@ def solve(
     backend : str
         A name from ``hqp.available_backends()``.
     x_ref : array, shape (n,), optional
-        Reference of the implicit last level ``min ||x - x_ref||`` (default: zero).
+        Reference of the implicit last level ``min ||x - x_ref||``, and of the damping (default: zero).
     settings : Settings, optional
+    damping : mapping of int or str to DampingRule or float, optional
+        The levels to damp, by index or by name, each with its rule; a number is a :class:`FixedDamping`.
 
     Returns
     -------
     Solution
-        ``.x``, ``.status``, ``.levels[k]``; ``.certify().ok`` is the proof.
+        ``.x``, ``.status``, ``.levels[k]``, ``.relaxed``; ``.certify().ok`` is the proof.
 
     Raises
     ------
     InvalidInput
-        If a number of the hierarchy or of x_ref cannot mean anything; names level and row.
+        If a number of the hierarchy or of x_ref cannot mean anything, names level and row; if a rule is none, or its
+        level not in the hierarchy.
     UnknownBackend
         If no backend of that name can run here; lists those that can.
     Unsupported
@@ -204,7 +278,7 @@ def solve(
     now = None if settings.time_limit == math.inf else time.monotonic_ns()
     if x_ref is not None and isinstance(hierarchy, Hierarchy):
         x_ref = finite_vector(x_ref, hierarchy.n, "x_ref")
-    key, solver = _borrow(hierarchy, backend, settings)
+    key, solver = _borrow(hierarchy, backend, settings, damping)
     solution = solver._solve(hierarchy, x_ref, now)
     _return(key, solver)
     if solution.status is Status.INVALID:
@@ -220,10 +294,13 @@ _kept = threading.local()
 _DEFAULT = Settings()
 
 
-def _borrow(hierarchy: Hierarchy, backend: str, settings: Settings) -> tuple[Any, Solver]:
+def _borrow(
+    hierarchy: Hierarchy, backend: str, settings: Settings, damping: Mapping[int | str, DampingRule | float] | None
+) -> tuple[Any, Solver]:
     """A cold solver, taken from those that are kept if there is one of this structure: it has its memory ready."""
-    if not (isinstance(backend, str) and backend == DEFAULT_BACKEND and isinstance(hierarchy, Hierarchy)):
-        return None, Solver(backend, settings)
+    plain = damping is None and isinstance(hierarchy, Hierarchy)
+    if not (plain and isinstance(backend, str) and backend == DEFAULT_BACKEND):
+        return None, Solver(backend, settings, damping)
     key = hierarchy.structure, settings
     try:
         solver = _kept.solvers.pop(key, None)

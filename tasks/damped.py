@@ -5,7 +5,7 @@ A damped level minimises, within what the levels above it leave,
 .. math:: \|D_k w_k\|^2 + \lambda^2 \|x\|^2,
 
 is then frozen at what it reached, and the levels below have all of the null space of its rows: see
-:mod:`hqp.regularisation`. At velocity order x are the joint velocities, and what the level adds to them is at most its
+:mod:`hqp.staged`. At velocity order x are the joint velocities, and what the level adds to them is at most its
 missing part over :math:`2 \lambda`, for any posture: see :mod:`hqp.damping`.
 
 The rows of :class:`~tasks.damping.Damping` beside a task ask for the same, and use up all freedom: for a last level
@@ -40,9 +40,9 @@ class Damped(Stack):
 
     Notes
     -----
-    A controller solves a damped level with one solve more; one more still where the rule looks at singular values or
-    grows with the error, if the levels above ask for more than to stay within bounds that rest keeps. A lowest level
-    costs none. What its damping costs the level is told by ``step.relaxed``. ``solve_ik``,
+    A damped level is one stage more, which the native solver takes in the same call; one more still where the rule
+    looks at singular values or grows with the error, if the levels above ask for more than to stay within bounds that
+    rest keeps. A lowest level is none. What its damping costs the level is told by ``step.relaxed``. ``solve_ik``,
     whose steps are bounded in a way of their own, takes the level and leaves its damping out.
     """
 

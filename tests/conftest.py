@@ -24,6 +24,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     """Before pytest-xdist starts its workers, compile what all of them then load from disk."""
     if not hasattr(session.config, "workerinput"):
         native.warm_up()
+        native.warm_up_damped()
         compiled.warm_up()
 
 

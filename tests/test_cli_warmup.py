@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from hqp.kernels import solver
+from hqp.kernels import damped, solver
 from tasks.cli import run
 from tasks.kernels import rows
 
@@ -19,7 +19,7 @@ from tasks.kernels import rows
 def test_what_is_compiled_is_found_and_its_place_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["warmup"]) == 0
     told = capsys.readouterr()
-    kernels = {"native": solver.solve, "rows": rows.write_rows}
+    kernels = {"native": solver.solve, "damped": damped.solve_damped, "rows": rows.write_rows}
     for (name, kernel), line in zip(kernels.items(), told.out.splitlines(), strict=True):
         folder = re.escape(str(kernel.stats.cache_path))
         assert re.fullmatch(rf"{name}: already compiled, ready in \d+\.\d s; kept in {folder}", line)
@@ -50,10 +50,11 @@ def test_an_empty_folder_is_filled_once(tmp_path: Path) -> None:
         for _ in range(2)
     ]
     for one, said in zip(done, ("compiled", "already compiled, ready"), strict=True):
-        for name, line in zip(("native", "rows"), one.stdout.splitlines(), strict=True):
+        for name, line in zip(("native", "damped", "rows"), one.stdout.splitlines(), strict=True):
             assert re.fullmatch(rf"{name}: {said} in \d+\.\d s; kept in {re.escape(str(tmp_path))}.*", line)
     announced = done[0].stderr.splitlines()
     assert announced[0].startswith("hqp: compiling the native solver, once ")
-    assert announced[1].startswith("hqp: compiling the rows of spatial robots, once ")
+    assert announced[1].startswith("hqp: compiling damped levels, once ")
+    assert announced[2].startswith("hqp: compiling the rows of spatial robots, once ")
     assert done[1].stderr == ""
     assert list(tmp_path.rglob("*.nbc"))

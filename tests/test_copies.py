@@ -25,7 +25,6 @@ from hqp import (
     Hierarchy,
     InUse,
     Level,
-    RegularisedSolver,
     Settings,
     Solver,
     available_backends,
@@ -111,10 +110,10 @@ def _only(h, equalities):
 
 @pytest.mark.parametrize("how", COPIES)
 def test_a_copied_solver_of_damped_levels_answers_as_a_fresh_one(how):
-    solver = RegularisedSolver({1: 0.1})
+    solver = Solver(damping={1: 0.1})
     for h in problems(1, 20):
         solver.solve(h)
-    twin, fresh = COPIES[how](solver), RegularisedSolver({1: 0.1})
+    twin, fresh = COPIES[how](solver), Solver(damping={1: 0.1})
     for mine, theirs in zip(problems(1), problems(2), strict=True):
         solver.solve(mine)
         np.testing.assert_allclose(twin.solve(theirs).x, fresh.solve(theirs).x, atol=1e-9)
@@ -381,7 +380,7 @@ def test_two_threads_on_one_robot_get_right_answers_or_none(shared):
 def test_a_second_thread_inside_is_told():
     """Whatever the timing: while one is inside, the next one is refused, and after it let in again."""
     solver, batch = Solver(), BatchSolver(threads=1)
-    damped_solver, controller = RegularisedSolver({1: 0.1}), controller_of("panda")
+    damped_solver, controller = Solver(damping={1: 0.1}), controller_of("panda")
     h = next(problems(9, 1))
     calls = {
         solver._guard: lambda: solver.solve(h),

@@ -20,7 +20,6 @@ from hqp import (
     SingularValueDamping,
     Status,
     solve,
-    solve_regularised,
 )
 from tasks import (
     Controller,
@@ -108,7 +107,7 @@ def test_the_controller_solves_what_is_declared(rule, order, top):
     controller = Controller(ARM, stack, order=order, dt=5e-3)
     for q in STRETCHED, STRETCHED + 0.4, STRETCHED:
         step = controller(q, STILL)
-        expected = solve_regularised(controller.hierarchy, {int(top): rule})
+        expected = hqp.solve(controller.hierarchy, damping={int(top): rule})
         np.testing.assert_allclose(step.solution.x, expected.x, atol=1e-8)
         assert step.ok
         assert step.solution.certify().ok
@@ -129,7 +128,7 @@ def test_spatial_robots_have_their_rows_written_as_always(name):
     controller = Controller(robot, stack, dt=5e-3)
     assert controller._rows.compiled
     step = controller(robot.home, np.zeros(robot.nv))
-    np.testing.assert_allclose(step.v, solve_regularised(controller.hierarchy, {2: 0.1}).x, atol=1e-9)
+    np.testing.assert_allclose(step.v, hqp.solve(controller.hierarchy, damping={2: 0.1}).x, atol=1e-9)
     record = simulate(controller, robot.home, duration=0.5, certify=25)
     assert record.certified == record.checked == 4
     assert record.ranks[0].tolist() == [0, 3, 3, robot.nv - 6]  # the posture has what is left
@@ -198,7 +197,7 @@ def test_the_largest_gain_of_a_fixed_damping_is_reached():
 def test_the_bound_of_damping_by_the_error_is_reached_and_never_passed():
     for lacking in 1e-3, 1.0, 1e3:
         weakest = Hierarchy([Level.equality([[lacking / 4.0, 0.0]], [lacking])])  # sigma = lambda
-        assert solve_regularised(weakest, {0: ErrorDamping(2.0)}).x == pytest.approx([2.0, 0.0])
+        assert hqp.solve(weakest, damping={0: ErrorDamping(2.0)}).x == pytest.approx([2.0, 0.0])
         assert ErrorDamping(2.0).largest_change(1, 1.0, lacking) == pytest.approx(2.0)
         assert ErrorDamping(2.0, 0.1).largest_change(1, 1.0, lacking) < min(2.0, lacking / 0.2)
 
@@ -212,7 +211,7 @@ def test_what_a_damped_level_adds_is_bounded(rule, seed, spread):
     weak = np.linalg.qr(rng.standard_normal((2, 2)))[0] * [1.0, 10.0**spread] @ rng.standard_normal((2, 6))
     level = Level.equality(weak, rng.standard_normal(2))
     x_above = solve(Hierarchy([above])).x
-    x = solve_regularised(Hierarchy([above, level]), {1: rule}).x
+    x = hqp.solve(Hierarchy([above, level]), damping={1: rule}).x
     most = rule.largest_change(2, np.linalg.norm(weak, 2), np.linalg.norm(weak @ x_above - level.lower))
     assert np.linalg.norm(x - x_above) <= most * (1 + 1e-9) + 1e-12
 
@@ -230,7 +229,7 @@ def test_a_damping_that_does_not_look_bounds_among_inequalities_too(seed, spread
     weak = np.linalg.qr(rng.standard_normal((3, 3)))[0] * [1.0, 1.0, 10.0**spread] @ rng.standard_normal((3, 5))
     level = Level(weak, *np.sort(rng.standard_normal((2, 3)), axis=0))
     x_above = solve(Hierarchy([bounds, above])).x
-    x = solve_regularised(Hierarchy([bounds, above, level]), {2: rule}).x
+    x = hqp.solve(Hierarchy([bounds, above, level]), damping={2: rule}).x
     lacking = np.linalg.norm(weak @ x_above - np.clip(weak @ x_above, level.lower, level.upper))
     assert np.linalg.norm(x - x_above) <= rule.largest_change(3, np.inf, lacking) * (1 + 1e-9) + 1e-9
 

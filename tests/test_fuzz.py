@@ -25,7 +25,7 @@ from junk import JUNK
 
 import hqp
 import tasks
-from hqp import Batch, BatchSolver, Hierarchy, HqpError, Label, Level, RegularisedSolver, Settings, Solver
+from hqp import Batch, BatchSolver, Hierarchy, HqpError, Label, Level, Settings, Solver
 from tasks import (
     Chain,
     Change,
@@ -114,7 +114,7 @@ def results() -> Iterator[Any]:
     """One of each type that only comes out."""
     h = hierarchy()
     solution, step = hqp.solve(h), controller()([0.4, 0.3, 0.2], [0.0] * 3, 0.0)
-    damped = hqp.solve_regularised(h, {1: 0.1})
+    damped = hqp.solve(h, damping={1: 0.1})
     explanation = hqp.solve(Hierarchy([h.levels[0], Level.equality([[1.0, 1.0, 0.0]], [4.0], name="far")])).explain()
     yield from (hqp.backend_info("native"), hqp.solve_batch([h]), solution.certify(), solution.counts, explanation)
     yield from (hqp.FAMILIES["vertex"], solution.certify().levels[0], explanation.levels[0], solution.levels[0])
@@ -170,12 +170,11 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "ManipulabilityDamping": made(hqp.ManipulabilityDamping, 0.1, 0.2),
         "NumericalFiltering": made(hqp.NumericalFiltering, 0.1, 0.2, threshold=0.1),
         "SingularValueDamping": made(hqp.SingularValueDamping, 0.1, 0.2),
-        "RegularisedSolver": made(RegularisedSolver, {1: 0.1}, backend="native", settings=new(Settings)),
         "Settings": made(
             Settings, tolerance=1e-10, rank_tolerance=1e-9, iterations=10, time_limit=1.0, proximal_weight=1e-7,
             proximal_steps=5, polish=True, qp_tolerance=1e-9, qp_iterations=40,
         ),
-        "Solver": made(Solver, backend="native", settings=new(Settings)),
+        "Solver": made(Solver, backend="native", settings=new(Settings), damping={1: 0.1}),
         "available_backends": made(hqp.available_backends),
         "backend_info": made(hqp.backend_info, "native"),
         "certify": made(hqp.certify, h, [0.1] * 3, x_ref=v, unique=True, tolerance=1e-9),
@@ -183,9 +182,8 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "nearest": made(hqp.nearest, v, np.eye(3), name="own"),
         "read_lexls": made(hqp.read_lexls, folder / "h.dat"),
         "save": made(hqp.save, folder / "out.npz", h, x_ref=v),
-        "solve": made(hqp.solve, h, backend="native", x_ref=v, settings=new(Settings)),
+        "solve": made(hqp.solve, h, backend="native", x_ref=v, settings=new(Settings), damping={1: 0.1}),
         "solve_batch": made(hqp.solve_batch, new(lambda: [hierarchy()] * 2), x_ref=v, settings=None, threads=1),
-        "solve_regularised": made(hqp.solve_regularised, h, {1: 0.1}, backend="native", x_ref=v, settings=None),
         "write_lexls": made(
             hqp.write_lexls, folder / "out.dat", h, x_ref=v, guess=[0] * 7, solution_guess=v, solution=v
         ),
@@ -290,7 +288,7 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "BatchSolver.solve": made(
             lambda b, x_ref: BatchSolver(threads=1).solve(b, x_ref), new(lambda: Batch(hierarchy(), 2)), x_ref=v
         ),
-        "RegularisedSolver.solve": made(lambda h, x_ref: RegularisedSolver({1: 0.1}).solve(h, x_ref), h, x_ref=v),
+        "Solver.solve damped": made(lambda h, x_ref: Solver(damping={1: 0.1}).solve(h, x_ref), h, x_ref=v),
         "Solution.certify": made(lambda **o: hqp.solve(hierarchy()).certify(**o), unique=True, tolerance=1e-9),
         "Solution.explain": made(lambda **o: hqp.solve(hierarchy()).explain(**o), tolerance=1e-9),
         "families": made(hqp.families.hierarchies, "vertex", 2, seed=0),
@@ -365,7 +363,7 @@ def goes_on(value: Any, folder: Path) -> None:
         if value.n <= 10:
             repr(Solver(settings=Settings(iterations=50)).solve(value))
     elif isinstance(value, hqp.DampingRule):
-        repr(RegularisedSolver({1: value}).solve(hierarchy()))
+        repr(Solver(damping={1: value}).solve(hierarchy()))
     elif isinstance(value, PlanarArm):
         if value.nv <= 10:
             Controller(value, position())([0.1] * value.nv, [0.0] * value.nv, 0.0)

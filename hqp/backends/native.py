@@ -18,7 +18,9 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..certificate import certify
+from ..damping import DampingRule, ErrorDamping, FixedDamping, ManipulabilityDamping, SingularValueDamping
 from ..hierarchy import Hierarchy
+from ..kernels import damped as kernel_damped
 from ..kernels import layout as at
 from ..kernels import solver as kernel
 from ..kernels.active_set import OPTIMAL, STALLED, SUBOPTIMAL
@@ -35,9 +37,12 @@ STATUSES = {
 #: Of the kernel: two addresses, an outcome.
 SIGNATURE = int64(int64, int64)
 
+Damped = Callable[[Hierarchy, Array | None], tuple[Array, Counts, Array] | None]
 Quick = Callable[[Hierarchy, Array | None], tuple[Array, Counts] | None]
 #: What almost every tick of a control loop takes, by its iterations: one sweep. Made anew they were a third of a tick.
 ONE_SWEEP = [Counts(1, iterations) for iterations in range(64)]
+#: And where levels are damped, by its sweeps: one a stage.
+SWEEPS_ALONE = [Counts(sweeps) for sweeps in range(64)]
 
 
 class Native:
@@ -68,6 +73,31 @@ class Native:
                 once = sweeps == 1 and iterations < 64
                 return copy(), ONE_SWEEP[iterations] if once else Counts(sweeps, iterations)
             return None
+
+        return quick
+
+    def prepare_damped(self, structure: tuple[Any, ...], rules: dict[int, DampingRule]) -> Damped | None:
+        """The same where levels are damped, with the points of all stages; None if a rule is none that it knows."""
+        numbers = [in_numbers(rule) for rule in rules.values()]
+        if None in numbers:
+            return None
+        warm_up_damped()
+        memory = self._memory = Memory(structure, self._settings, tuple(rules))
+        memory.rules[:, : len(numbers[0] or ())] = numbers
+        run, copy, points, reference, zero = memory.run, memory.x.copy, memory.passed.copy, memory.x_ref, True
+        told, of_sweeps, of_iterations = memory.head.item, at.SWEEPS, at.ITERATIONS
+
+        def quick(hierarchy: Hierarchy, x_ref: Array | None) -> tuple[Array, Counts, Array] | None:
+            nonlocal zero
+            if x_ref is not None:
+                reference[:], zero = x_ref, False
+            elif not zero:
+                reference[:], zero = 0.0, True
+            if run(hierarchy.address) != OPTIMAL:
+                return None
+            sweeps, iterations = told(of_sweeps), told(of_iterations)
+            swept = iterations == 0 and sweeps < 64
+            return copy(), SWEEPS_ALONE[sweeps] if swept else Counts(sweeps, iterations), points()
 
         return quick
 
@@ -129,12 +159,16 @@ class Memory:
         Views: the next run overwrites them.
     """
 
-    def __init__(self, structure: tuple[Any, ...], settings: Settings) -> None:
-        directory, self._owned, (ints, floats) = _layout(structure)
+    def __init__(
+        self, structure: tuple[Any, ...], settings: Settings, damped: tuple[int, ...] = (), rows: bool = False
+    ) -> None:
+        directory, self._owned, (ints, floats) = _layout(structure, damped, rows)
         self._directory = directory.copy()
         self._blocks = np.empty(ints, dtype=np.int64), np.empty(floats)  # nothing is read before it is written
         entries = self._directory[at.HEAD :].reshape(-1, 3)
-        begins = {place: int(entries[place, 0]) for place in (at.X, at.X_REF, at.OPTION)}
+        first, count, _ = entries[at.STAGES]
+        self._blocks[0][first : first + count] = 0  # but the sides of a stage that no solve has come to
+        begins = {place: int(entries[place, 0]) for place in (at.X, at.X_REF, at.OPTION, at.RULES, at.PASSED)}
         for block, places in zip(self._blocks, at.PLACES, strict=True):
             entries[places, 0] = block.ctypes.data + 8 * entries[places, 0]
         self.head = self._directory[: at.HEAD]
@@ -148,8 +182,24 @@ class Memory:
             settings.iterations,
             settings.time_limit,
         )
+        count = len(damped)
+        self.rules = memory[begins[at.RULES] :][: count * at.RULE].reshape(count, at.RULE)
+        self.passed = memory[begins[at.PASSED] :][: count * (2 + 2 * n)].reshape(count, 2 + 2 * n)
+        if rows:  # of damping, which the caller has no bounds for
+            self._bounds = np.empty((2, int(self.head[at.ROWS])))
+            entries[[at.LOWER, at.UPPER], 0] = [array.ctypes.data for array in self._bounds]
+        elif damped:
+            self._twin = Memory(structure, settings, damped, rows=True)
+            self.head[at.TWIN] = self._twin.share(entries)
+        self.head[at.WARM] = 0
         # The compiled function itself: there is one, and nothing to dispatch.
-        self.run = partial(kernel.solve.get_overload(SIGNATURE), int(self._directory.ctypes.data))
+        entry = kernel_damped.solve_damped if damped else kernel.solve
+        self.run = partial(entry.get_overload(SIGNATURE), int(self._directory.ctypes.data))
+
+    def share(self, entries: NDArray[np.int64]) -> int:
+        """Have the weighted rows where they are in another directory; the address of this one."""
+        self._directory[at.HEAD :].reshape(-1, 3)[at.B] = entries[at.B]
+        return int(self._directory.ctypes.data)
 
     def run_many(
         self,
@@ -174,6 +224,20 @@ class Memory:
 _layout = lru_cache(maxsize=64)(at.lay_out)
 
 
+def in_numbers(rule: DampingRule) -> tuple[float, ...] | None:
+    """Kind and parameters of a rule that the kernel knows; a rule of one's own it does not."""
+    match rule:
+        case FixedDamping() if type(rule) is FixedDamping:
+            return kernel_damped.FIXED, rule.factor, 0.0
+        case ManipulabilityDamping() if type(rule) is ManipulabilityDamping:
+            return kernel_damped.MANIPULABILITY, rule.largest, rule.threshold
+        case SingularValueDamping() if type(rule) is SingularValueDamping:
+            return kernel_damped.SINGULAR_VALUE, rule.largest, rule.threshold
+        case ErrorDamping() if type(rule) is ErrorDamping:
+            return kernel_damped.ERROR, rule.bound, rule.least
+    return None
+
+
 class _Announcement(event.Listener):
     """Says in one line that a kernel is being compiled: this takes its time, once."""
 
@@ -194,6 +258,11 @@ class _Announcement(event.Listener):
 def warm_up() -> bool:
     """Have the solver ready: from disk, or compiled now. True if it had to be compiled."""
     return make_ready(kernel.solve, "the native solver")
+
+
+def warm_up_damped() -> bool:
+    """The same for damped levels, which those that have none need not wait for."""
+    return make_ready(kernel_damped.solve_damped, "damped levels")
 
 
 def make_ready(function: Any, what: str) -> bool:

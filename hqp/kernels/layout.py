@@ -19,12 +19,15 @@ WARM, TRUSTED, LEVEL, SWEEPS, ITERATIONS, OUTCOME = 4, 5, 6, 7, 8, 15
 #: x_ref (0: the same for all), x, sides and outcomes.
 COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES = 9, 10, 11, 12, 13, 14
 #: When the call began, by the clock of :mod:`.memory` (0: when the kernel does). And what a solve notes for itself:
-#: when it must end, and whether the sides at the end of each level mean something.
-BEGAN, DEADLINE, HISTORY, HEAD = 16, 17, 18, 19
+#: when it must end, and whether the sides at the end of each level mean something. And how many levels are damped, and
+#: the address of the directory with rows for that.
+BEGAN, DEADLINE, HISTORY, DAMPED, TWIN, HEAD = 16, 17, 18, 19, 20, 21
 
 #: Places in OPTION: relative tolerances on rank and on rows, most iterations, most seconds; and, of each solve, what
 #: round-off in x0 adds to the length of x where a tolerance is relative to it.
 TAU, TOL, BUDGET, LIMIT, BLUR = 0, 1, 2, 3, 4
+#: Numbers in a rule of damping: its kind, and what it is told.
+RULE = 3
 
 # The structure. PTR: rows of level k are PTR[k] .. PTR[k + 1]. WHOLE: whether level k bounds every variable once.
 # COL: variable of a plain bound, or -1. ROW_OF: row of A, or -1.
@@ -45,30 +48,38 @@ TAU, TOL, BUDGET, LIMIT, BLUR = 0, 1, 2, 3, 4
 (ANCHOR, EXACT, APPROACH, SAVED, P, DEPTH, LAMBDA) = range(49, 56)
 # and the members of the dual active set, in order, see :mod:`.members`.
 (MEMBERS, FACTOR, DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED) = range(56, 66)
+# And of damped levels, see :mod:`.damped`: which ones; kind and numbers of the rule of each; the sides at the end of
+# each stage, (2 damped + 1, m); of each level lambda, whether x_a was asked for, x_a and x_k.
+(WHICH, RULES, STAGES, PASSED) = range(66, 70)
 
 
-def shapes(n, levels, m, dense, widest):
+def shapes(n, levels, m, dense, widest, damped):
     """Shape of every array that is not the caller's own, integers and numbers apart: two dicts by place."""
-    deep, many = widest + n, min(m, 2 * n + 8)
+    deep, many, spare = widest + n, min(m, 2 * n + 8), n if damped else 0
     ints = dict.fromkeys((SIDE, FOLLOW, DECIDED, KIND, HELD), (m, 1))
     ints |= dict.fromkeys((PINNED, FREE, PIVOT, QUEUE), (n, 1))
     ints |= dict.fromkeys((IDS, SLOTS), (deep, 1)) | {CUT: (levels + 1, 1), MEMBERS: (many, 1)}
     ints |= {SAVED: ((levels + 1) * m, 1), DEPTH: (m, 1)}
-    reals = dict.fromkeys((LO, HI, NORM, W, VALUE, SLOPE, LOW, HIGH, ALLOWED), (m, 1))
+    ints |= {STAGES: ((2 * damped + 1) * m if damped else 0, 1)}
+    reals = dict.fromkeys((LO, HI, NORM, VALUE, SLOPE, LOW, HIGH, ALLOWED), (m, 1)) | {W: (m + spare, 1)}
     reals |= dict.fromkeys((X_REF, X0, X, Y, G, BALANCE, D, MULTIPLIER, SHARE, SCRATCH, SAFE), (n, 1))
-    reals |= {B: (dense, n), V: (n, n), L: (m, n), R: (deep, n), H: (n, deep), FORCES: (levels, 1), OPTION: (5, 1)}
+    reals |= {B: (dense, n), V: (n, n), L: (m + spare, n), R: (deep, n), H: (n, deep)}
+    reals |= {FORCES: (levels, 1), OPTION: (5, 1)}
     reals |= dict.fromkeys((LENGTHS, RHS), (deep, 1))
     reals |= dict.fromkeys((ANCHOR, EXACT, APPROACH), (n, 1)) | {P: (m + n, n), LAMBDA: (m, 1), FACTOR: (many, many)}
     reals |= dict.fromkeys((DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED), (many, 1))
+    reals |= {RULES: (damped, RULE), PASSED: (damped, 2 + 2 * n)}
     return ints, reals
 
 
 #: Places of all integer arrays in memory, and of all arrays of numbers.
-PLACES = tuple(np.array(list(block)) for block in shapes(0, 0, 0, 0, 0))
+PLACES = tuple(np.array(list(block)) for block in shapes(0, 0, 0, 0, 0, 0))
 
 
-def lay_out(structure):
+def lay_out(structure, damped=(), rows_of_damping=False):
     """A directory for hierarchies of this structure, and the sizes of the memory for integers and numbers.
+
+    With `rows_of_damping`, the levels that are `damped` have a bound on every variable more, their last rows.
 
     Returns
     -------
@@ -83,19 +94,26 @@ def lay_out(structure):
     levels = [columns[a:b] for a, b in pairwise(cuts)]
     distinct = [not rows and len(np.unique(own)) == len(own) for rows, own in zip(has_rows, levels, strict=True)]
     whole = [alone and len(own) == n for alone, own in zip(distinct, levels, strict=True)]
+    if rows_of_damping:
+        levels = [np.append(own, np.arange(n)) if k in damped else own for k, own in enumerate(levels)]
+        columns, cuts = np.concatenate(levels), np.cumsum([0, *map(len, levels)])
+    if damped:  # whose stages have rows of damping, and end there
+        whole = [every and k > damped[-1] for k, every in enumerate(whole)]
+        distinct = [alone and k not in damped for k, alone in enumerate(distinct)]
     dense = columns < 0
     owned = {PTR: cuts, WHOLE: whole, COL: columns, ROW_OF: np.where(dense, np.cumsum(dense) - 1, -1)}
+    owned |= {WHICH: damped}
     owned = {place: np.array(given, dtype=np.int64) for place, given in owned.items()}
 
     m, rows = len(columns), int(dense.sum())
-    directory = np.zeros(HEAD + 3 * (SHED + 1), dtype=np.int64)
-    directory[[N, LEVELS, ROWS, BOXED]] = n, len(levels), m, distinct[:1] == [True]
+    directory = np.zeros(HEAD + 3 * (PASSED + 1), dtype=np.int64)
+    directory[[N, LEVELS, ROWS, BOXED, DAMPED]] = n, len(levels), m, distinct[:1] == [True], len(damped)
     entries = directory[HEAD:].reshape(-1, 3)
     for place, array in owned.items():
         entries[place] = array.ctypes.data, len(array), 1
     entries[[A, LOWER, UPPER, WEIGHTS], 1:] = (rows, n), (m, 1), (m, 1), (m, 1)
     sizes = []
-    for block in shapes(n, len(levels), m, rows, max(map(len, levels), default=0)):
+    for block in shapes(n, len(levels), m, rows, max(map(len, levels), default=0), len(damped)):
         begins = 0
         for place, shape in block.items():
             entries[place] = begins, *shape

@@ -216,26 +216,29 @@ def seed(here, last):
             saved[k * m + i] = side[i]
 
 
-@step
-def solve_one(here):
-    """Solve the hierarchy of the directory; see :func:`solve`."""
-    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
-    n, warm = head[at.N], head[at.WARM] != 0
-    x, exact, safe_x = vector(here, at.X), vector(here, at.EXACT), vector(here, at.SAFE)
-    head[at.WARM] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
+@inner
+def start_clock(here):
+    """The time limit counts from when the call began, if that is known."""
+    head, limit = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.LIMIT]
     head[at.DEADLINE] = NEVER
-    if option[at.LIMIT] < math.inf:
-        head[at.DEADLINE] = (head[at.BEGAN] if head[at.BEGAN] != 0 else clock()) + int(1e9 * option[at.LIMIT])
+    if limit < math.inf:
+        head[at.DEADLINE] = (head[at.BEGAN] if head[at.BEGAN] != 0 else clock()) + int(1e9 * limit)
     head[at.BEGAN] = 0
-    if not load(here, warm, head[at.TRUSTED] != 0):
-        return SUSPECT
-    last = levels_that_count(here)
-    option[at.BLUR] = ROUND_OFF / option[at.TOL] * length(vector(here, at.X0), n)
-    if warm and head[at.HISTORY] == 0:
-        seed(here, last)
 
+
+@inner
+def note_blur(here):
+    """What round-off in x0 adds to the length of x where a tolerance is relative to it."""
+    option = vector(here, at.OPTION)
+    option[at.BLUR] = ROUND_OFF / option[at.TOL] * length(vector(here, at.X0), ints(here, 0, at.HEAD)[at.N])
+
+
+@inner
+def work_out(here, last, start, warm):
+    """Solve for levels 0 .. last from this start on: a status of :mod:`.active_set`, and the level of it."""
+    head = ints(here, 0, at.HEAD)
+    n, x, exact, safe_x = head[at.N], vector(here, at.X), vector(here, at.EXACT), vector(here, at.SAFE)
     status, faults, level, exact_above = OPTIMAL, integer(1), integer(last), integer(0)
-    start = SIDES if warm or guess(here, last) else COLD
     while True:
         level = integer(last + 1)
         if start == SAFE:
@@ -255,7 +258,7 @@ def solve_one(here):
             head[at.HISTORY] = faults == 0
         if faults == 0 or start == SAFE or (start != SIDES and late(here)):
             break
-        start = COLD if start == SIDES and not warm else start + 1
+        start = integer(COLD) if start == SIDES and not warm else start + 1
     if faults > 0 and start == SAFE:  # where round-off decides what the sweep says, it has the last word
         for j in range(n):
             x[j] = safe_x[j]
@@ -264,6 +267,24 @@ def solve_one(here):
     elif faults > 0:
         stop_early(here, exact_above, last)
         status, level = SUBOPTIMAL, exact_above
+    return status, level
+
+
+@step
+def solve_one(here):
+    """Solve the hierarchy of the directory; see :func:`solve`."""
+    head = ints(here, 0, at.HEAD)
+    warm = head[at.WARM] != 0
+    head[at.WARM] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
+    start_clock(here)
+    if not load(here, warm, head[at.TRUSTED] != 0):
+        return SUSPECT
+    last = levels_that_count(here)
+    note_blur(here)
+    if warm and head[at.HISTORY] == 0:
+        seed(here, last)
+    start = integer(SIDES if warm or guess(here, last) else COLD)
+    status, level = work_out(here, last, start, warm)
     head[at.LEVEL], head[at.WARM] = min(level, last), 1
     if (status == OPTIMAL and not is_even(here)) or (status == STALLED and far(here)):
         return UNEVEN

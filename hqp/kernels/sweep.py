@@ -22,6 +22,9 @@ from .orthogonal import factor, length, level_least_squares
 
 LOWER, INACTIVE, UPPER, EQUALITY = -1, 0, 1, 2
 
+#: No level: none of them is damped.
+STRICT = -1
+
 #: Multipliers below this share of the forces in their level are zero.
 DUAL = 1e-9
 
@@ -75,9 +78,9 @@ def sweep(here, last, tau):
         of it that was left out moves it by more than its tolerance.
     """
     solve_equalities(here, last, tau)
-    faults, undecided, blurred = judge_rows(here, last)
+    faults, undecided, blurred = judge_rows(here, last, STRICT, 0.0)
     if undecided > 0:
-        faults += judge_multipliers(here, last, undecided)
+        faults += judge_multipliers(here, last, undecided, STRICT, 0.0)
     return faults, blurred
 
 
@@ -143,40 +146,68 @@ def gather(here, k, f):
 
 
 @inner
-def solve_equalities(here, last, tau):
-    """With the rows of the guess as equalities: x, the slacks w, and the basis with its pivot rows, level by level."""
-    head = ints(here, 0, at.HEAD)
-    cut, pivot, ids = marks(here, at.CUT), marks(here, at.PIVOT), marks(here, at.IDS)
-    dependent, slots, free = marks(here, at.KIND), marks(here, at.SLOTS), marks(here, at.FREE)
-    norm, x, w, y = vector(here, at.NORM), vector(here, at.X), vector(here, at.W), vector(here, at.Y)
-    rhs, given_rhs, lengths = vector(here, at.RHS), vector(here, at.VALUE), vector(here, at.LENGTHS)
-    V, L, R, H = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R), matrix(here, at.H)
-    f = fix_variables(here)
-    c = integer(0)
-    for k in range(1 if head[at.BOXED] != 0 else 0, last):
-        cut[k] = c
-        count, rank = gather(here, k, f), integer(0)
+def enter_level(here, k, c, f, tau):
+    """The active rows of level k, factored on top of V[:c], and what y[c:] has to make of them: how many, and rank."""
+    ids, slots, lengths = marks(here, at.IDS), marks(here, at.SLOTS), vector(here, at.LENGTHS)
+    norm, y, rhs, given_rhs = vector(here, at.NORM), vector(here, at.Y), vector(here, at.RHS), vector(here, at.VALUE)
+    V, L, R = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
+    marks(here, at.CUT)[k] = c
+    count, rank = gather(here, k, f), integer(0)
+    if count > 0:
+        rank = factor(ids, count, slots, lengths, R, norm, V, L, c, f, tau)
+        for r in range(count):
+            row, total = L[ids[r]], given_rhs[ids[r]]
+            for q in range(c):
+                total -= row[q] * y[q]
+            rhs[r] = total
+    return count, rank
+
+
+@inner
+def note_level(here, c, count, rank):
+    """Note which of the rows that are listed the basis was made of, and which depend on them."""
+    pivot, ids, dependent = marks(here, at.PIVOT), marks(here, at.IDS), marks(here, at.KIND)
+    for r in range(rank):
+        pivot[c + r] = ids[r]
+        dependent[ids[r]] = 0
+    for r in range(rank, count):
+        dependent[ids[r]] = 1
+
+
+@inner
+def solve_levels(here, k, end, c, f, tau):
+    """The equalities of levels k .. end, level by level, on top of V[:c]: how many rows V has then."""
+    ids, y, w, rhs = marks(here, at.IDS), vector(here, at.Y), vector(here, at.W), vector(here, at.RHS)
+    L, H = matrix(here, at.L), matrix(here, at.H)
+    while k < end:
+        count, rank = enter_level(here, k, c, f, tau)
         if count > 0:
-            rank = factor(ids, count, slots, lengths, R, norm, V, L, c, f, tau)
-            for r in range(count):
-                row, total = L[ids[r]], given_rhs[ids[r]]
-                for q in range(c):
-                    total -= row[q] * y[q]
-                rhs[r] = total
             level_least_squares(ids, count, rank, L, c, rhs, y, w, H)
-        for r in range(rank):
-            pivot[c + r] = ids[r]
-            dependent[ids[r]] = 0
-        for r in range(rank, count):
-            dependent[ids[r]] = 1
+            note_level(here, c, count, rank)
         c += rank
-    cut[last] = c
+        k += 1
+    return c
+
+
+@inner
+def arrive(here, last, c, f):
+    """x, where y takes it from where :func:`fix_variables` has left it."""
+    free, x, y, V = marks(here, at.FREE), vector(here, at.X), vector(here, at.Y), matrix(here, at.V)
+    marks(here, at.CUT)[last] = c
     for q in range(c):
         direction, step = V[q], y[q]
         for t in range(f):
             x[free[t]] += step * direction[t]
     if far(here):
         refine(here, c, f)
+
+
+@inner
+def solve_equalities(here, last, tau):
+    """With the rows of the guess as equalities: x, the slacks w, and the basis with its pivot rows, level by level."""
+    f = fix_variables(here)
+    first = integer(1 if ints(here, 0, at.HEAD)[at.BOXED] != 0 else 0)
+    arrive(here, last, solve_levels(here, first, last, integer(0), f, tau), f)
 
 
 @inner
@@ -200,8 +231,23 @@ def refine(here, c, f):
 
 
 @inner
-def judge_rows(here, last):
+def damping_pulls(here, damping, size):
+    r"""The forces of a damped level's :math:`\lambda (x - x_\text{ref})`, and whether that counts as zero."""
+    n, tol = ints(here, 0, at.HEAD)[at.N], vector(here, at.OPTION)[at.TOL]
+    x, x_ref = vector(here, at.X), vector(here, at.X_REF)
+    pull, met = 0.0, True
+    for j in range(n):
+        away = abs(x[j] - x_ref[j])
+        met = met and away <= tol * (abs(x_ref[j]) + size)
+        pull += damping * damping * away
+    return pull, met
+
+
+@inner
+def judge_rows(here, last, damped, damping):
     """Rows outside the guess stay inside their bounds, slacks are on the side of theirs.
+
+    Of the levels, `damped` is one that is, or STRICT: what its damping pulls with is one of its forces.
 
     Returns
     -------
@@ -222,6 +268,8 @@ def judge_rows(here, last):
     blurred = False
     for k in range(last):
         pull, met = 0.0, True
+        if k == damped:
+            pull, met = damping_pulls(here, damping, size)
         for i in range(ptr[k], ptr[k + 1]):
             follow[i] = side[i]
             decided[i] = 1
@@ -269,18 +317,22 @@ def judge_rows(here, last):
 
 
 @inner
-def judge_multipliers(here, last, undecided):
-    """What holds each level back pushes the right way: the number of undecided rows that do not."""
+def judge_multipliers(here, last, undecided, damped, damping):
+    """What holds each level back pushes the right way: the number of undecided rows that do not.
+
+    Below a damped level nothing is left of x to be next to x0.
+    """
     head = ints(here, 0, at.HEAD)
     n, boxed = head[at.N], head[at.BOXED] != 0
     col, row_of, ptr, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.PTR), marks(here, at.SIDE)
     follow, decided, cut = marks(here, at.FOLLOW), marks(here, at.DECIDED), marks(here, at.CUT)
     pivot = marks(here, at.PIVOT)
     norm, x0, x, w = vector(here, at.NORM), vector(here, at.X0), vector(here, at.X), vector(here, at.W)
+    x_ref = vector(here, at.X_REF)
     y, g, G, forces_of = vector(here, at.Y), vector(here, at.G), vector(here, at.BALANCE), vector(here, at.FORCES)
     B, L = matrix(here, at.B), matrix(here, at.L)
     option, faults = vector(here, at.OPTION), 0
-    for k in range(last + 1):
+    for k in range(last + 1 if damped == STRICT else last):
         if undecided == 0:
             break
         forces = 0.0
@@ -296,6 +348,11 @@ def judge_multipliers(here, last, undecided):
             for i in range(ptr[k], ptr[k + 1]):
                 if w[i] != 0.0:
                     push(i, w[i], c, col, row_of, B, norm, L, g, G, n)
+            if k == damped:
+                for q in range(c):
+                    g[q] += damping * damping * y[q]
+                for j in range(n):
+                    G[j] += damping * damping * (x[j] - x_ref[j])
         else:
             c = cut[last]
             for q in range(c):

@@ -11,12 +11,18 @@ def warmup() -> None:
     from time import perf_counter
 
     from hqp.backends import native
+    from hqp.kernels.damped import solve_damped
     from hqp.kernels.solver import solve
 
     from .. import compiled
     from ..kernels.rows import write_rows
 
-    for name, warm_up, kernel in ("native", native.warm_up, solve), ("rows", compiled.warm_up, write_rows):
+    kernels = (
+        ("native", native.warm_up, solve),
+        ("damped", native.warm_up_damped, solve_damped),
+        ("rows", compiled.warm_up, write_rows),
+    )
+    for name, warm_up, kernel in kernels:
         start = perf_counter()
         done = "compiled" if warm_up() else "already compiled, ready"
         seconds = perf_counter() - start

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import hqp
-from hqp import InvalidInput, RegularisedSolution, RegularisedSolver, Relaxation, Settings, Solution, Status
+from hqp import InvalidInput, Relaxation, Settings, Solution, Solver, Status
 from hqp.checks import one_of, truth
 from hqp.guard import Guard
 
@@ -25,7 +25,6 @@ from ..stack import Rows, Stack
 from .timing import Timing, cubic
 from .transition import Limits, Transition
 
-AnySolver = hqp.Solver | RegularisedSolver
 #: Stacks that a controller keeps ready to go back to.
 MOST_PREPARED = 8
 
@@ -38,7 +37,7 @@ class Step(NamedTuple):
     order : {"velocity", "acceleration", "torque"}
     state : RobotState
         Where the robot was.
-    solution : hqp.Solution, or hqp.RegularisedSolution where a level is damped
+    solution : hqp.Solution
         How well every level is met; ``.certify().ok`` is the proof.
     v : array, shape (nv,), or None
         Joint velocities [rad/s], at velocity order.
@@ -54,7 +53,7 @@ class Step(NamedTuple):
 
     order: Command
     state: RobotState
-    solution: Solution | RegularisedSolution
+    solution: Solution
     v: Array | None = None
     a: Array | None = None
     tau: Array | None = None
@@ -68,7 +67,7 @@ class Step(NamedTuple):
     @property
     def relaxed(self) -> tuple[Relaxation, ...]:
         """What strictness was given up: lambda and residual norm of every damped level, highest first."""
-        return self.solution.relaxed if isinstance(self.solution, RegularisedSolution) else ()
+        return self.solution.relaxed
 
 
 class _Left:
@@ -77,7 +76,7 @@ class _Left:
     Called, it gives x, and whether it claims it.
     """
 
-    def __init__(self, stack: Stack, rows: Rows, solver: AnySolver, before: Transition | None) -> None:
+    def __init__(self, stack: Stack, rows: Rows, solver: Solver, before: Transition | None) -> None:
         self.stack, self._rows, self._solver, self.before = stack, rows, solver, before
 
     def __call__(self, state: RobotState, t: float) -> tuple[Array, bool]:
@@ -135,7 +134,7 @@ class Controller:
         self.dt = None if dt is None else positive_scalar(dt, "dt", unit="s")
         self._torque = self._inverse_dynamics() if truth(torque, "torque") or order == "torque" else None
         self._backend, self._settings = backend, settings
-        self._prepared: dict[int, tuple[Stack, Rows, AnySolver]] = {}
+        self._prepared: dict[int, tuple[Stack, Rows, Solver]] = {}
         self._transition: Transition | None = None
         self._limits: Limits | None = None
         # Where configurations lie on a manifold, the controller looks at them itself: a call never raises for a state.
@@ -290,13 +289,11 @@ class Controller:
         self.stack, (self._rows, self._solver) = wanted, prepared
         self._limits = None if at_once else Limits.of(wanted, self.hierarchy, self._backend)
 
-    def _new_solver(self, stack: Stack) -> AnySolver:
+    def _new_solver(self, stack: Stack) -> Solver:
         rules: dict[int | str, hqp.DampingRule | float] = {k: rule for k, rule in enumerate(stack.damping) if rule}
-        if rules:
-            return RegularisedSolver(rules, self._backend, self._settings)
-        return hqp.Solver(self._backend, self._settings)
+        return Solver(self._backend, self._settings, rules)
 
-    def _prepare(self, stack: Stack) -> tuple[Rows, AnySolver]:
+    def _prepare(self, stack: Stack) -> tuple[Rows, Solver]:
         """The rows of a stack, and their solver, as they were left."""
         found = self._prepared.pop(id(stack), None)
         if found is None:
@@ -320,14 +317,12 @@ class Controller:
             raise InvalidInput(f"{part!r} is not in the stack {self.stack!r}")
         return found
 
-    def _solve(self, state: RobotState, time: float, fault: str | None) -> Solution | RegularisedSolution:
+    def _solve(self, state: RobotState, time: float, fault: str | None) -> Solution:
         if fault is None and isfinite(time):
             self._rows.fill(state, time)
             return self._solver.solve(self.hierarchy)
         self.hierarchy.lower.fill(np.nan)  # no task is asked, and no bound left that could be met
         solution, message = self._solver.solve(self.hierarchy), fault or f"t = {time} s must be finite"
-        if isinstance(solution, RegularisedSolution):
-            return replace(solution, plain=replace(solution.plain, message=message))
         return replace(solution, message=message)
 
     def __repr__(self) -> str:

@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hqp import InvalidInput, RegularisedSolution, Side, Solution, Status
+from hqp import InvalidInput, Side, Solution, Status
 
 from .._checks import Array
 from ..limits.joint_limits import JointLimits
@@ -93,7 +93,7 @@ class Log:
         for _, part, lowers, uppers in self.bounds:
             lowers[k], uppers[k] = self._controller.bounds(part) if part in self._controller.stack else FREE
 
-    def check(self, t: float, solution: Solution | RegularisedSolution, passed: bool) -> None:
+    def check(self, t: float, solution: Solution, passed: bool) -> None:
         """A tick that was put to the certificate."""
         self.checked_t.append(t)
         self.certified += bool(passed)

@@ -25,7 +25,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hqp import InvalidInput, RegularisedSolution, Solution
+from hqp import InvalidInput, Solution
 from hqp.checks import listed, of_type, whole_number
 from hqp.errors import brief
 
@@ -210,5 +210,5 @@ def _fastest(robot: Robot, v: Array) -> str:
     return f"{joint_names(robot)[joint]} moves at {abs(float(v[joint])):.3g} {joint_units(robot)[joint]}/s"
 
 
-def _certified(solution: Solution | RegularisedSolution) -> bool:
+def _certified(solution: Solution) -> bool:
     return solution.certify().ok

@@ -1,0 +1,462 @@
+r"""Damped levels: stage by stage (:mod:`hqp.staged`), in one pass over one basis where all is warm.
+
+A stage is a plain hierarchy: the levels down to a damped one, with a bound on every variable more in that one, the
+*rows of damping* :math:`\lambda (x - x_\text{ref}) = 0`. In the sweep they cost next to nothing. Where x starts at
+:math:`x_\text{ref}` and V is orthonormal, they are :math:`\lambda y = 0` in the directions that the level itself adds
+to V, so that its least squares has as many rows more as directions:
+
+.. math:: \min_y \|L_k y - r\|^2 + \lambda^2 \|y\|^2 .
+
+In the next stage the rows of the level keep the value that they have: the same directions, the same y. So where the
+guess of the next stage agrees on all rows down to there, the sweep goes on below, on top of the basis that there is.
+Every stage is verified like any hierarchy, with the force of the damping in the balance of its level; where that fails,
+its rows of damping are rows like any other, and it is solved as such (:mod:`.solver`), and verified by a plain sweep.
+"""
+
+from __future__ import annotations
+
+import math
+
+from . import layout as at
+from .active_set import OPTIMAL
+from .compile import entry, inner, integer, stamp
+from .dual import late
+from .memory import given, ints, marks, matrix, vector
+from .orthogonal import length, level_least_squares
+from .singular import share_of_smallest, volume
+from .solver import (
+    COLD,
+    FEW,
+    PATIENCE,
+    SHARPER,
+    SHARPEST,
+    SUSPECT,
+    UNEVEN,
+    WARM,
+    contested,
+    is_even,
+    levels_that_count,
+    load,
+    note_blur,
+    repair,
+    seed,
+    start_clock,
+    work_out,
+)
+from .sweep import (
+    EQUALITY,
+    INACTIVE,
+    LOWER,
+    STRICT,
+    UPPER,
+    arrive,
+    enter_level,
+    fix_variables,
+    judge_multipliers,
+    judge_rows,
+    note_level,
+    solve_levels,
+    value_of,
+)
+
+#: Kinds of rules, see :mod:`hqp.damping`.
+FIXED, MANIPULABILITY, SINGULAR_VALUE, ERROR = 0, 1, 2, 3
+
+#: Up to here a row of a damped level counts as dependent: next to round-off, for damping bounds what becomes of it.
+DEPENDENT = 1e-14
+#: How many rows, where they have not been entered.
+UNKNOWN = -1
+#: What is solved to the tolerance on rows is judged by one that is so much larger.
+JUDGED = 10.0
+#: Round-off of a row, relative to the way that x has come: as :data:`hqp.rows.ROUND_OFF`.
+ROUND_OFF = 256 * 2.0**-52
+#: As :data:`hqp.hierarchy.LARGEST`.
+LARGEST = 1e30
+
+
+@inner
+def with_rows(here, last, level, damping, warm):
+    """The stage of a damped level in the twin of this directory, where its damping is rows like any other.
+
+    Returns
+    -------
+    status : int
+    """
+    head = ints(here, 0, at.HEAD)
+    there, n, damped = head[at.TWIN], head[at.N], head[at.DAMPED]
+    twin, ptr, which = ints(there, 0, at.HEAD), marks(here, at.PTR), marks(here, at.WHICH)
+    x, x_ref, side = vector(here, at.X), vector(here, at.X_REF), marks(here, at.SIDE)
+    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
+    sides, points = marks(there, at.SIDE), vector(there, at.X)
+    low, high, norms = vector(there, at.LO), vector(there, at.HI), vector(there, at.NORM)
+    zero, reference = vector(there, at.X0), vector(there, at.X_REF)
+    lower, upper = vector(there, at.LOWER), vector(there, at.UPPER)
+    for j in range(n):
+        points[j], zero[j], reference[j] = x[j], x_ref[j], x_ref[j]
+    r, d = integer(0), integer(0)
+    for k in range(last):
+        for i in range(ptr[k], ptr[k + 1]):
+            sides[r], low[r], high[r], norms[r] = side[i], lo[i], hi[i], norm[i]
+            lower[r] = lo[i] / norm[i] if norm[i] > 0.0 else lo[i]
+            upper[r] = hi[i] / norm[i] if norm[i] > 0.0 else hi[i]
+            r += 1
+        if d < damped and which[d] == k:
+            for j in range(n):
+                norms[r], sides[r] = (damping, EQUALITY) if k == level else (0.0, INACTIVE)
+                low[r] = high[r] = damping * x_ref[j]
+                lower[r] = upper[r] = x_ref[j]
+                r += 1
+            d += 1
+    for place in (at.DEADLINE, at.SWEEPS, at.ITERATIONS):
+        twin[place] = head[place]
+    vector(there, at.OPTION)[at.BLUR] = vector(here, at.OPTION)[at.BLUR]
+    seed(there, last)
+    status, _ = work_out(there, last, integer(WARM if warm else COLD), warm)
+    for place in (at.SWEEPS, at.ITERATIONS):
+        head[place] = twin[place]
+    for j in range(n):
+        x[j] = points[j]
+    r, d = integer(0), integer(0)
+    for k in range(last):
+        for i in range(ptr[k], ptr[k + 1]):
+            side[i] = sides[r]
+            r += 1
+        if d < damped and which[d] == k:
+            r += n
+            d += 1
+    return status
+
+
+@inner
+def solve_damped_level(here, k, c, f, damping, count, rank):
+    """Level k of the guess with its damping, on top of V[:c]: how many directions it adds, and the weakest share.
+
+    That is how much of a row was left when it became one of them, relative to its length. `count` is how many rows
+    have been entered already, or UNKNOWN.
+    """
+    m = ints(here, 0, at.HEAD)[at.ROWS]
+    ids, y, w, rhs = marks(here, at.IDS), vector(here, at.Y), vector(here, at.W), vector(here, at.RHS)
+    norm, L, H = vector(here, at.NORM), matrix(here, at.L), matrix(here, at.H)
+    if count == UNKNOWN:
+        count, rank = enter_level(here, k, c, f, DEPENDENT)
+    weakest = 1.0
+    for r in range(rank):
+        weakest = min(weakest, L[ids[r]][c + r] / norm[ids[r]])
+    for j in range(rank):
+        row = L[m + j]
+        for q in range(rank):
+            row[c + q] = 0.0
+        row[c + j] = damping
+        ids[count + j], rhs[count + j] = m + j, 0.0
+    level_least_squares(ids, count + rank, rank, L, c, rhs, y, w, H)
+    note_level(here, c, count, rank)
+    return rank, weakest
+
+
+@inner
+def sweep_stage(here, last, level, damping, through, c, count, rank, tau):
+    """Solve and judge the guess for levels 0 .. last, of which those before `through` stand in V[:c] already.
+
+    `level` is the one that is damped, or STRICT; `count` and `rank` are of its rows, if they are next in the basis.
+
+    Returns
+    -------
+    faults : int
+    blurred : bool
+    through, c : int
+        What of the basis the next stage can go on with.
+    """
+    f = fix_variables(here)
+    if level == STRICT:
+        c = solve_levels(here, through, last, c, f, tau)
+        arrive(here, last, c, f)
+        through = last
+    else:
+        c = solve_levels(here, through, level, c, f, tau)
+        rank, weakest = solve_damped_level(here, level, c, f, damping, count, rank)
+        arrive(here, last, c + rank, f)
+        through = level
+        if weakest > tau:
+            through, c = level + 1, c + rank
+    faults, undecided, blurred = judge_rows(here, last, level, damping)
+    if undecided > 0:
+        faults += judge_multipliers(here, last, undecided, level, damping)
+    if tau < vector(here, at.OPTION)[at.TAU]:
+        through, c = integer(0), integer(0)
+    return faults, blurred, through, c
+
+
+@inner
+def expect(here, slot, last, warm, through):
+    """Set the sides to the guess for this stage; False if rows before level `through` are others than the basis has."""
+    m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
+    side, known = marks(here, at.SIDE), marks(here, at.STAGES)[slot * m :]
+    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
+    others, end = integer(0), ptr[through]
+    for i in range(ptr[last]):
+        was = known[i] if warm else side[i]
+        open_ended = (was == LOWER and lo[i] == -math.inf) or (was == UPPER and hi[i] == math.inf)
+        if norm[i] == 0.0 or was == EQUALITY or open_ended:
+            was = INACTIVE
+        if lo[i] == hi[i] and norm[i] > 0.0:
+            was = EQUALITY
+        others += i < end and was != side[i] and (was != EQUALITY or side[i] == INACTIVE)
+        side[i] = was
+    return others == 0
+
+
+@inner
+def run_stage(here, slot, last, level, damping, warm, through, c, count, rank):
+    """One stage: x, and its sides for the next time.
+
+    Returns
+    -------
+    status : int
+    through, c : int
+        Levels that stand in the basis, and its rows.
+    """
+    head, tau = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.TAU]
+    m, ptr, side = head[at.ROWS], marks(here, at.PTR), marks(here, at.SIDE)
+    known = marks(here, at.STAGES)[slot * m :]
+    begin = integer(1 if head[at.BOXED] != 0 else 0)
+    known_levels = through if count == UNKNOWN else through + 1
+    if not expect(here, slot, last, warm, known_levels) or through < begin:
+        through, c, count = begin, integer(0), integer(UNKNOWN)
+    fewest, left, status = m + 1, PATIENCE, OPTIMAL
+    while True:
+        faults, blurred, reached, rows = sweep_stage(here, last, level, damping, through, c, count, rank, tau)
+        head[at.SWEEPS] += 1
+        if faults == 0 and blurred and tau > SHARPEST:
+            tau, through, c, count = tau * SHARPER, begin, integer(0), integer(UNKNOWN)
+            continue
+        left = PATIENCE if faults < fewest else left - 1
+        fewest = min(fewest, faults)
+        if faults == 0 or left <= 0 or late(here) or (faults > FEW and contested(here, last)):
+            break
+        repair(here, last)
+        through, c, count = begin, integer(0), integer(UNKNOWN)
+    through, c = reached, rows
+    if faults > 0:
+        if level == STRICT:
+            seed(here, last)
+            status, _ = work_out(here, last, integer(WARM if warm else COLD), warm)
+        else:
+            status = with_rows(here, last, level, damping, warm)
+        through, c = begin, integer(0)
+    for i in range(ptr[last]):
+        known[i] = side[i]
+    return status, through, c
+
+
+@inner
+def forgiven(here, i, value, bound, size, way):
+    """How far row i may be from this bound and still count as on it: as :func:`hqp.rows.allowance` says."""
+    tol, norm = JUDGED * vector(here, at.OPTION)[at.TOL], vector(here, at.NORM)[i]
+    known = abs(bound) if abs(bound) < math.inf else 0.0
+    return tol * (abs(value) + known + 0.1 * norm * size) + ROUND_OFF * norm * way
+
+
+@inner
+def lengths(here):
+    """Of x, and of the longest way that it has come."""
+    n = ints(here, 0, at.HEAD)[at.N]
+    x, x_ref, away = vector(here, at.X), vector(here, at.X_REF), 0.0
+    for j in range(n):
+        away += (x[j] - x_ref[j]) * (x[j] - x_ref[j])
+    size = length(x, n)
+    return size, max(size, math.sqrt(away))
+
+
+@inner
+def freeze_level(here, level):
+    """From now on the rows of a damped level that are equalities, or violated, keep their value."""
+    ptr, w = marks(here, at.PTR), vector(here, at.W)
+    lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
+    size, way = lengths(here)
+    for i in range(ptr[level], ptr[level + 1]):
+        if norm[i] == 0.0:
+            continue
+        value = value_of(i, x, here)
+        over = value - hi[i] > forgiven(here, i, value, hi[i], size, way)
+        under = lo[i] - value > forgiven(here, i, value, lo[i], size, way)
+        if lo[i] == hi[i] or over or under:
+            lo[i] = hi[i] = value
+            w[i] = 0.0
+
+
+@inner
+def satisfied(here, end, x):
+    """Whether x violates none of the rows before `end`."""
+    lo, hi = vector(here, at.LO), vector(here, at.HI)
+    for i in range(end):
+        value = value_of(i, x, here)
+        if value < lo[i] or value > hi[i]:
+            return False
+    return True
+
+
+@inner
+def unequal(here, end):
+    """Whether there are inequalities before row `end`."""
+    lo, hi, some = vector(here, at.LO), vector(here, at.HI), False
+    for i in range(end):
+        some = some or (lo[i] != hi[i] and (lo[i] != -math.inf or hi[i] != math.inf))
+    return some
+
+
+@inner
+def lacking(here, level):
+    """``||D_k w_k||`` of the level at x, and the length of its shortest row."""
+    lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
+    total, shortest, ptr = 0.0, math.inf, marks(here, at.PTR)
+    for i in range(ptr[level], ptr[level + 1]):
+        value = value_of(i, x, here) if norm[i] > 0.0 else 0.0
+        away = max(value - hi[i], lo[i] - value, 0.0)
+        total += away * away
+        shortest = min(shortest, norm[i])
+    return math.sqrt(total), shortest
+
+
+@inner
+def activate(here, end, through):
+    """Let the sides of rows before `end` be where x is; False if those before level `through` do not fit the basis."""
+    ptr, side = marks(here, at.PTR), marks(here, at.SIDE)
+    lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
+    same, known = True, ptr[through]
+    size, way = lengths(here)
+    for i in range(end):
+        now = integer(INACTIVE)
+        if norm[i] > 0.0:
+            if lo[i] == hi[i]:
+                now = integer(EQUALITY)
+            else:
+                value = value_of(i, x, here)
+                if value >= hi[i] - forgiven(here, i, value, hi[i], size, way):
+                    now = integer(UPPER)
+                elif value <= lo[i] + forgiven(here, i, value, lo[i], size, way):
+                    now = integer(LOWER)
+        if i < known:
+            same = same and (now == side[i] or (now == EQUALITY and side[i] != INACTIVE))
+        side[i] = now
+    return same
+
+
+@inner
+def by_singular_values(here, d, level, through, c):
+    """The lambda of a rule that looks at the singular values of the level's active rows in what those above leave.
+
+    Returns
+    -------
+    damping : float
+    through, c : int
+        What stands in the basis.
+    count, rank : int
+        Of the rows of the level, which have been entered on top of that.
+    """
+    head, tau = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.TAU]
+    ids, rule = marks(here, at.IDS), matrix(here, at.RULES)[d]
+    L, H, R = matrix(here, at.L), matrix(here, at.H), matrix(here, at.R)
+    begin = integer(1 if head[at.BOXED] != 0 else 0)
+    if not activate(here, marks(here, at.PTR)[level + 1], through) or through < begin:
+        through, c = begin, integer(0)
+    f = fix_variables(here)
+    c = solve_levels(here, through, level, c, f, tau)
+    count, rank = enter_level(here, level, c, f, DEPENDENT)
+    largest, threshold, share = rule[1], rule[2], 1.0
+    if count > 0:
+        if rule[0] == MANIPULABILITY:
+            share = volume(ids, rank, L, c) / threshold if rank == count else 0.0
+            return largest * max(1.0 - share, 0.0), level, c, count, rank
+        share = share_of_smallest(ids, rank, L, c, H, R, threshold) if rank == count else 0.0
+    elif rule[0] == MANIPULABILITY:
+        return 0.0, level, c, count, rank
+    return largest * math.sqrt(1.0 - share * share), level, c, count, rank
+
+
+@inner
+def solve_stages(here):
+    """All stages; a status of :mod:`.active_set`, SUSPECT or UNEVEN."""
+    head = ints(here, 0, at.HEAD)
+    n, levels, damped, warm = head[at.N], head[at.LEVELS], head[at.DAMPED], head[at.WARM] != 0
+    head[at.WARM] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
+    start_clock(here)
+    if not load(here, False, head[at.TRUSTED] != 0):
+        return SUSPECT
+    if not is_even(here):
+        return UNEVEN
+    ptr, which = marks(here, at.PTR), marks(here, at.WHICH)
+    x, x_ref, x0 = vector(here, at.X), vector(here, at.X_REF), vector(here, at.X0)
+    tau, rules, passed = vector(here, at.OPTION)[at.TAU], matrix(here, at.RULES), matrix(here, at.PASSED)
+    for j in range(n):
+        x[j] = x0[j] = x_ref[j]
+    note_blur(here)
+    decided, through, c, status, none = integer(0), integer(0), integer(0), OPTIMAL, integer(UNKNOWN)
+    for d in range(damped):
+        k, kind, note = which[d], rules[d][0], passed[d]
+        note[1] = 0.0
+        if decided != k and (kind == ERROR or (kind != FIXED and unequal(here, ptr[k + 1]))):
+            if satisfied(here, ptr[k], x_ref):
+                for j in range(n):
+                    x[j] = x_ref[j]
+            else:
+                status, through, c = run_stage(here, 2 * d, k, STRICT, 0.0, warm, through, c, none, none)
+                if status != OPTIMAL:
+                    return status
+                note[1] = 1.0
+                for j in range(n):
+                    note[2 + j] = x[j]
+        damping, count, rank = rules[d][1], none, none
+        if kind == ERROR:
+            away, shortest = lacking(here, k)
+            damping = min(math.hypot(rules[d][2], 0.5 / rules[d][1] * away), LARGEST)
+            if damping < 0.1 * tau * shortest:
+                damping = 0.0
+        elif kind != FIXED:
+            damping, through, c, count, rank = by_singular_values(here, d, k, through, c)
+        note[0] = damping
+        if damping < 1.0 / LARGEST:
+            continue
+        status, through, c = run_stage(here, 2 * d + 1, k + 1, k, damping, warm, through, c, count, rank)
+        if status != OPTIMAL:
+            return status
+        for j in range(n):
+            note[2 + n + j] = x[j]
+        freeze_level(here, k)
+        decided = k + 1
+    if decided < levels or decided == 0:
+        last = levels_that_count(here)
+        if last < levels:
+            shift(here, c)
+            note_blur(here)
+        status, through, c = run_stage(here, 2 * damped, last, STRICT, 0.0, warm, through, c, none, none)
+    head[at.WARM] = 1
+    return status
+
+
+@inner
+def shift(here, c):
+    """x0 is no longer x_ref: what y is in V[:c], from the new one."""
+    head = ints(here, 0, at.HEAD)
+    n = head[at.N]
+    pinned, free = marks(here, at.PINNED), marks(here, at.FREE)
+    x0, x_ref, y, V = vector(here, at.X0), vector(here, at.X_REF), vector(here, at.Y), matrix(here, at.V)
+    f = integer(0)
+    for j in range(n):
+        if pinned[j] < 0:
+            free[f] = j
+            f += 1
+    for q in range(c):
+        direction, along = V[q], 0.0
+        for t in range(f):
+            along += direction[t] * (x_ref[free[t]] - x0[free[t]])
+        y[q] += along
+
+
+@stamp
+@entry
+def solve_damped(here, numbers):
+    """Solve the hierarchy at the address `numbers`, with the damped levels that the directory lists."""
+    head = ints(here, 0, at.HEAD)
+    given(here, numbers)
+    head[at.OUTCOME] = solve_stages(here)
+    return head[at.OUTCOME]
