@@ -30,8 +30,6 @@ ROUGH, FINE = 1e-6, 1e-9
 SHARE = 0.5
 #: Objectives that rise by less have not risen; and how often that may happen in a row.
 RISES, IDLE = 1e-12, 4
-#: From which share on a row is off its bound.
-UNMET = 1e-2
 #: A hard row of which the members leave no more than these shares of its part, of its length, of the softness, is
 #: dependent; and a member takes no part in that if its share is below the last.
 PART, WHOLE, YIELDS, PARTAKES = 1e-11, 1e-15, 1e-3, 1e-10
@@ -225,30 +223,14 @@ def excesses(here, end, tolerance, size):
 
 
 @inner
-def unmet(here, end, count, size):
-    """Whether a soft row before `end` is off its bound by more than its softness explains."""
-    members, side, soft, force = (
-        marks(here, at.MEMBERS), marks(here, at.SIDE), vector(here, at.SOFT), vector(here, at.FORCE),
-    )  # fmt: skip
-    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
-    for c in range(count):
-        i = members[c]
-        if i < end and soft[c] > 0.0:
-            goal = lo[i] if side[i] == LOWER else hi[i]
-            if soft[c] * abs(force[c]) > UNMET * (abs(goal) + norm[i] * size):
-                return True
-    return False
-
-
-@inner
-def settle(here, end, frozen, count, delta, rounds, met):
+def settle(here, end, frozen, count, delta, rounds, finest):
     """Solve the problem of the rows before `end` from the `count` members that are listed, all in the factor.
 
     Returns
     -------
     count : int
-        Of the members then, or -1: there are more than fit, more than so many `rounds` are needed, or a soft row
-        before `met` is off its bound.
+        Of the members then, or -1 if there are more than fit, or more than so many `rounds` are needed. In the end no
+        row is violated by more than the share `finest`.
     """
     members, side = marks(here, at.MEMBERS), marks(here, at.SIDE)
     excess = vector(here, at.SLOPE)
@@ -261,13 +243,9 @@ def settle(here, end, frozen, count, delta, rounds, met):
         size = arrive(here, count)
         if idle >= IDLE or late(here):
             return count
-        if unmet(here, met, count, size):
-            return integer(-1)
         worst = excesses(here, end, tolerance, size)
-        if worst == 0.0 and met > 0:  # a guess need not be finer
-            return count
-        if worst == 0.0 and tolerance == ROUGH:
-            tolerance = FINE
+        if worst == 0.0 and tolerance > finest:
+            tolerance = finest
             refine(here, count)
             size = arrive(here, count)
             worst = excesses(here, end, tolerance, size)

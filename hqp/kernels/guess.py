@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
-from .dual import admit, settle
+from .dual import ROUGH, admit, settle
 from .memory import ints, marks, vector
 from .sweep import EQUALITY, INACTIVE
 from .working_set import HARD
@@ -46,4 +46,4 @@ def guess(here, last):
                 if count < most and admit(i, 0, count, 0.0, here):
                     count += 1
         softness *= 1.0 if k < first else step
-    return settle(here, ptr[last], 0, count, 0.0, ROUNDS, ptr[last - 1] if last > 0 else 0) >= 0
+    return settle(here, ptr[last], 0, count, 0.0, ROUNDS, ROUGH) >= 0

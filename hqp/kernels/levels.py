@@ -15,7 +15,7 @@ import math
 
 from . import layout as at
 from .compile import inner, integer, step
-from .dual import admit, late, settle
+from .dual import FINE, admit, late, settle
 from .freeze import freeze
 from .members import enter, prepare, start_of
 from .memory import ints, marks, matrix, vector
@@ -48,7 +48,7 @@ def levels(here, last, warm):
         for turn in range(2):
             if turn > 0 or k == last:  # the last level is never met: its members are all there is to find
                 count = assemble(here, k, last, frozen, delta)
-                count = settle(here, end, frozen, count, delta, rounds, 0)
+                count = settle(here, end, frozen, count, delta, rounds, FINE)
                 remember(here, k, last, count)
             hard, rank, own, own_rank = polish(here, k, last, frozen)
             faults, _, pull = judge(here, k, last, frozen, hard, rank, own)
