@@ -21,6 +21,7 @@ from ..certificate import certify
 from ..damping import DampingRule, ErrorDamping, FixedDamping, ManipulabilityDamping, SingularValueDamping
 from ..hierarchy import Hierarchy
 from ..kernels import damped as kernel_damped
+from ..kernels import damping_rules as kinds
 from ..kernels import layout as at
 from ..kernels import solver as kernel
 from ..kernels.active_set import OPTIMAL, STALLED, SUBOPTIMAL
@@ -228,13 +229,13 @@ def in_numbers(rule: DampingRule) -> tuple[float, ...] | None:
     """Kind and parameters of a rule that the kernel knows; a rule of one's own it does not."""
     match rule:
         case FixedDamping() if type(rule) is FixedDamping:
-            return kernel_damped.FIXED, rule.factor, 0.0
+            return kinds.FIXED, rule.factor, 0.0
         case ManipulabilityDamping() if type(rule) is ManipulabilityDamping:
-            return kernel_damped.MANIPULABILITY, rule.largest, rule.threshold
+            return kinds.MANIPULABILITY, rule.largest, rule.threshold
         case SingularValueDamping() if type(rule) is SingularValueDamping:
-            return kernel_damped.SINGULAR_VALUE, rule.largest, rule.threshold
+            return kinds.SINGULAR_VALUE, rule.largest, rule.threshold
         case ErrorDamping() if type(rule) is ErrorDamping:
-            return kernel_damped.ERROR, rule.bound, rule.least
+            return kinds.ERROR, rule.bound, rule.least
     return None
 
 

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
+from .extent import extent
 from .freeze import CLEAR
 from .memory import ints, marks, matrix, vector
 from .orthogonal import factor
 from .pull import tolerances
-from .sweep import EQUALITY, LOWER, UPPER, extent
-from .working_set import FROZEN, HARD, WORKING, append, copy_row
+from .rows import EQUALITY, LOWER, UPPER, copy_row
+from .working_set import FROZEN, HARD, WORKING, append
 
 
 @inner

@@ -19,7 +19,7 @@ from . import layout as at
 from .compile import inner, integer
 from .members import enter, leave, prepare, sign_of, start_of, wants
 from .memory import clock, ints, marks, matrix, vector
-from .sweep import INACTIVE, LOWER, UPPER
+from .rows import INACTIVE, LOWER, UPPER, target
 from .working_set import FROZEN, IGNORED
 
 #: A deadline that never comes.
@@ -53,7 +53,7 @@ def admit(i, frozen, count, delta, here):
     force, softness = vector(here, at.FORCE), vector(here, at.VALUE)
     prepare(i, frozen, here)
     members[count], soft[count], force[count] = i, softness[i], 0.0
-    right[count] = start_of(i, lo[i] if side[i] == LOWER else hi[i], here)
+    right[count] = start_of(i, target(side[i], lo[i], hi[i]), here)
     pivot, square = enter(count, here)
     if soft[count] > 0.0:
         D[count] = max(pivot, 0.1 * soft[count], WHOLE * norm[i] * norm[i])
@@ -94,7 +94,7 @@ def exchange(i, frozen, count, delta, size, here):
     lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
     z, p, force = vector(here, at.Z), vector(here, at.WANTED), vector(here, at.FORCE)
     s, pressed = side[i], 0.0
-    goal = lo[i] if s == LOWER else hi[i]
+    goal = target(s, lo[i], hi[i])
     while pressed > 0.0 or z[count] * s > ROUGH * (abs(goal) + norm[i] * size):  # else what the members want meets it
         blocks, reach = gives_way(i, count, here)
         if blocks < 0:  # round-off, for the point of the level above satisfies it

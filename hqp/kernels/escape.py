@@ -6,7 +6,8 @@ from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length, project
-from .sweep import DUAL, LOWER, UPPER, value_of
+from .rows import LOWER, UPPER, value_of
+from .verdict import DUAL
 from .working_set import HARD, WORKING, append, balance, remove
 
 

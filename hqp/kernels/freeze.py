@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
+from .extent import extent
+from .members import list_part
 from .memory import ints, marks, matrix, vector
-from .orthogonal import length, pivots
-from .sweep import EQUALITY, INACTIVE, LOWER, extent
+from .orthogonal import pivots
+from .rows import EQUALITY, INACTIVE, target
 from .working_set import FROZEN, HARD
 
 #: Rows above whose multiplier is beyond this share of the forces keep their bound for good: implicit equalities.
@@ -47,7 +49,7 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
         all_frozen = all_frozen and hard == 0
     for r in range(hard, hard + own):
         i = ids[r]
-        goal = lo[i] if side[i] == LOWER else hi[i]
+        goal = target(side[i], lo[i], hi[i])
         if side[i] == EQUALITY or (pull > 0.0 and abs(w[i]) > tol * (abs(goal) + norm[i] * size)):
             kind[i] = FROZEN
         else:
@@ -69,16 +71,12 @@ def refactor(here, frozen, hard, own):
     kind, ids, slots, pivot = marks(here, at.KIND), marks(here, at.IDS), marks(here, at.SLOTS), marks(here, at.PIVOT)
     norm, lengths, tau = vector(here, at.NORM), vector(here, at.LENGTHS), vector(here, at.OPTION)[at.TAU]
     x, y, anchor = vector(here, at.X), vector(here, at.Y), vector(here, at.ANCHOR)
-    P, V, L, R = matrix(here, at.P), matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
+    V, L, R = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
     count = integer(0)
     for r in range(hard + own):
         i = ids[r]
         if kind[i] == FROZEN:
-            mine, row = P[i], R[count]
-            for j in range(n):
-                row[j] = mine[j]
-            ids[count], slots[count] = i, count
-            lengths[count] = length(row, n)
+            list_part(i, count, count, here)
             count += 1
     gained = pivots(ids, count, slots, lengths, R, norm, V, L, frozen, n, tau)
     for r in range(gained):

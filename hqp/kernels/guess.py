@@ -10,7 +10,7 @@ from . import layout as at
 from .compile import inner, integer
 from .dual import ROUGH, admit, settle
 from .memory import ints, marks, vector
-from .sweep import EQUALITY, INACTIVE
+from .rows import EQUALITY, INACTIVE
 from .working_set import HARD
 
 #: Softness of the highest and of the lowest level, relative to the square of the longest row of the level.

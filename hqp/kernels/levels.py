@@ -16,13 +16,14 @@ import math
 from . import layout as at
 from .compile import inner, integer, step
 from .dual import FINE, admit, late, settle
+from .extent import extent, far
 from .freeze import freeze
-from .members import enter, prepare, start_of
+from .members import enter, list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
-from .orthogonal import length, pivots, triangle
+from .orthogonal import pivots, triangle
 from .polish import holds, judge, polish
 from .primal import primal
-from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, extent, far, value_of
+from .rows import EQUALITY, INACTIVE, LOWER, UPPER, value_of
 from .working_set import FROZEN, FUTURE, HARD, IGNORED
 
 #: Softness of the level that is being solved, relative to the square of its longest row.
@@ -162,11 +163,7 @@ def condense(here, k, frozen, delta):
     count = integer(0)
     for i in range(ptr[k], ptr[k + 1]):
         if side[i] == EQUALITY:
-            mine, row = P[i], R[count]
-            for j in range(n):
-                row[j] = mine[j]
-            ids[count], slots[count] = i, count
-            lengths[count] = length(row, n)
+            list_part(i, count, count, here)
             count += 1
     rank = pivots(ids, count, slots, lengths, R, norm, V, L, frozen, n, tau)
     for r in range(count):

@@ -14,7 +14,7 @@ from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, vector
 from .orthogonal import length
-from .sweep import value_of
+from .rows import value_of
 from .working_set import FUTURE, HARD
 
 #: A step changes a row if it does so by more than round-off.

@@ -15,7 +15,7 @@ from . import layout as at
 from .compile import inner
 from .memory import ints, marks, matrix, vector
 from .orthogonal import CANCELLED, length, project
-from .sweep import EQUALITY
+from .rows import EQUALITY, copy_row, value_of
 
 
 @inner
@@ -23,20 +23,12 @@ def prepare(i, frozen, here):
     """Let P_i be row i less its part along V[:frozen]; what was taken off before stays so, for V only grows."""
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
-    depth, col, row_of = marks(here, at.DEPTH), marks(here, at.COL), marks(here, at.ROW_OF)
-    norm, scratch = vector(here, at.NORM), vector(here, at.SCRATCH)
-    B, P, V = matrix(here, at.B), matrix(here, at.P), matrix(here, at.V)
+    depth, scratch = marks(here, at.DEPTH), vector(here, at.SCRATCH)
+    P, V = matrix(here, at.P), matrix(here, at.V)
     row = P[i]
     if depth[i] < 0:
         depth[i] = 0
-        if col[i] >= 0:
-            for j in range(n):
-                row[j] = 0.0
-            row[col[i]] = norm[i]
-        else:
-            given = B[row_of[i]]
-            for j in range(n):
-                row[j] = given[j]
+        copy_row(i, row, here)
     if depth[i] < frozen:
         before = length(row, n)
         project(row, n, V, depth[i], frozen, scratch)
@@ -46,20 +38,21 @@ def prepare(i, frozen, here):
 
 
 @inner
+def list_part(i, place, slot, here):
+    """Put P_i at this place of the list of rows, as :func:`.orthogonal.pivots` takes it."""
+    n = ints(here, 0, at.HEAD)[at.N]
+    P, R = matrix(here, at.P), matrix(here, at.R)
+    mine, row = P[i], R[place]
+    for j in range(n):
+        row[j] = mine[j]
+    marks(here, at.IDS)[place], marks(here, at.SLOTS)[place] = i, slot
+    vector(here, at.LENGTHS)[place] = length(row, n)
+
+
+@inner
 def start_of(i, goal, here):
     """r_i = b_i x_E - g."""
-    head = ints(here, 0, at.HEAD)
-    n = head[at.N]
-    col, row_of = marks(here, at.COL), marks(here, at.ROW_OF)
-    norm, anchor = vector(here, at.NORM), vector(here, at.ANCHOR)
-    B = matrix(here, at.B)
-    if col[i] >= 0:
-        return norm[i] * anchor[col[i]] - goal
-    given = B[row_of[i]]
-    total = 0.0
-    for j in range(n):
-        total += given[j] * anchor[j]
-    return total - goal
+    return value_of(i, vector(here, at.ANCHOR), here) - goal
 
 
 @inner

@@ -13,10 +13,12 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
-from .members import prepare, start_of
+from .extent import extent
+from .members import list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
-from .orthogonal import length, level_least_squares, pivots, separate
-from .sweep import DUAL, EQUALITY, INACTIVE, LOWER, extent, value_of
+from .orthogonal import level_least_squares, pivots, separate
+from .rows import EQUALITY, INACTIVE, target, value_of
+from .verdict import DUAL
 from .working_set import FROZEN, balance
 
 
@@ -24,9 +26,8 @@ from .working_set import FROZEN, balance
 def list_members(here, first, end, frozen, begin, room):
     """List the members among the rows first .. end, from place `begin` on, and copy their free parts to R."""
     n = ints(here, 0, at.HEAD)[at.N]
-    side, kind, ids, slots = marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.IDS), marks(here, at.SLOTS)
+    side, kind, R = marks(here, at.SIDE), marks(here, at.KIND), matrix(here, at.R)
     norm, lengths, tau = vector(here, at.NORM), vector(here, at.LENGTHS), vector(here, at.OPTION)[at.TAU]
-    P, R = matrix(here, at.P), matrix(here, at.R)
     count = integer(begin)
     for i in range(first, end):
         if side[i] == INACTIVE or kind[i] == FROZEN or norm[i] == 0.0:
@@ -35,13 +36,10 @@ def list_members(here, first, end, frozen, begin, room):
             side[i] = INACTIVE
             continue
         prepare(i, frozen, here)
-        mine, row = P[i], R[count]
-        for j in range(n):
-            row[j] = mine[j]
-        ids[count], slots[count] = i, count - begin
-        lengths[count] = length(row, n)
+        list_part(i, count, count - begin, here)
         if not lengths[count] > tau * norm[i]:  # nothing but round-off
             lengths[count] = 0.0
+            row = R[count]
             for j in range(n):
                 row[j] = 0.0
         count += 1
@@ -69,7 +67,7 @@ def polish(here, k, last, frozen):
     rank = pivots(ids, hard, slots, lengths, R, norm, V, L, frozen, n, tau)
     for r in range(rank):
         i = ids[r]
-        row, total = L[i], -start_of(i, lo[i] if side[i] == LOWER else hi[i], here)
+        row, total = L[i], -start_of(i, target(side[i], lo[i], hi[i]), here)
         for q in range(frozen, frozen + r):
             total -= row[q] * y[q]
         y[frozen + r] = total / row[frozen + r]
@@ -82,7 +80,7 @@ def polish(here, k, last, frozen):
     own_rank = pivots(mine, own, places, sizes, rows, norm, V, L, c, n, tau)
     for r in range(own):
         i = mine[r]
-        row, total = L[i], -start_of(i, lo[i] if side[i] == LOWER else hi[i], here)
+        row, total = L[i], -start_of(i, target(side[i], lo[i], hi[i]), here)
         for q in range(frozen, c):
             total -= row[q] * y[q]
         right[r] = total
@@ -125,7 +123,7 @@ def judge(here, k, last, frozen, hard, rank, own):
         met = pull <= blur
     for r in range(hard, hard + own):
         i = ids[r]
-        goal = lo[i] if side[i] == LOWER else hi[i]
+        goal = target(side[i], lo[i], hi[i])
         met = met and abs(w[i]) <= tol * (abs(goal) + norm[i] * size)
         pull += norm[i] * abs(w[i])
     faults, worst = integer(0), integer(-1)
@@ -166,7 +164,7 @@ def judge(here, k, last, frozen, hard, rank, own):
             faults += value > hi[i] + near + tol * abs(hi[i]) or value < lo[i] - near - tol * abs(lo[i])
     for r in range(rank, hard):  # rows of C that depend on the others have to be met by them
         i = ids[r]
-        goal = lo[i] if side[i] == LOWER else hi[i]
+        goal = target(side[i], lo[i], hi[i])
         faults += abs(value_of(i, x, here) - goal) > tol * (abs(goal) + norm[i] * size)
     return faults, worst, pull
 
@@ -184,7 +182,7 @@ def holds(here, last):
         value, near = value_of(i, x, here), tol * norm[i] * size
         low, high = lo[i], hi[i]
         if side[i] != INACTIVE:
-            low = high = lo[i] if side[i] == LOWER else hi[i]
+            low = high = target(side[i], lo[i], hi[i])
             low, high = low + w[i], high + w[i]
         if value > high + near + tol * abs(high) or value < low - near - tol * abs(low):
             return False

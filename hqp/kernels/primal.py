@@ -7,9 +7,10 @@ import math
 from . import layout as at
 from .compile import inner, integer
 from .dual import late
+from .extent import extent
 from .memory import ints, marks, vector
 from .polish import judge, polish
-from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, extent, value_of
+from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target, value_of
 from .working_set import FROZEN
 
 #: The most steps of one level.
@@ -53,7 +54,7 @@ def first_event(here, k):
             if ratio < reach and abs(value + rate - bound) > tol * (abs(bound) + norm[i] * size):
                 reach, row, becomes = ratio, i, integer(UPPER if rate > 0.0 else LOWER)
         elif i >= ptr[k]:  # violated so far, and soon no more
-            bound = lo[i] if side[i] == LOWER else hi[i]
+            bound = target(side[i], lo[i], hi[i])
             slack = (value - bound) * side[i]
             near = tol * (abs(bound) + norm[i] * size)
             if slack > near and slack + rate * side[i] < -near:

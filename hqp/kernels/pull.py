@@ -13,7 +13,8 @@ from __future__ import annotations
 from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
-from .sweep import DUAL, INACTIVE, LOWER, UPPER, value_of
+from .rows import INACTIVE, LOWER, UPPER, value_of
+from .verdict import DUAL
 
 #: In a level that is not met, what a row misses carries a multiplier if it is more than this share of its tolerance.
 CARRIES = 1e-4

@@ -15,12 +15,14 @@ from . import layout as at
 from .active_set import OPTIMAL, STALLED, SUBOPTIMAL, active_set
 from .compile import entry, inner, integer, stamp, step
 from .dual import NEVER, late
+from .extent import far
 from .guess import guess
 from .levels import levels
 from .line_search import best_step
 from .memory import clock, floats, given, ints, marks, matrix, vector
 from .orthogonal import length
-from .sweep import EQUALITY, INACTIVE, LOWER, UPPER, far, sweep, value_of
+from .rows import EQUALITY, INACTIVE, LOWER, UPPER, value_of
+from .sweep import sweep
 from .working_set import FROZEN
 
 #: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; found as far as one

@@ -11,28 +11,11 @@ from . import layout as at
 from .compile import inner
 from .memory import ints, marks, matrix, vector
 from .orthogonal import CANCELLED, length, project
+from .rows import copy_row
 
 #: What a row is to the level that is being solved: below it, satisfied above it, in the working set, decided; satisfied
 #: above it as far as round-off lets one say.
 FUTURE, HARD, WORKING, FROZEN, IGNORED = 0, 1, 2, 3, 4
-
-
-@inner
-def copy_row(i, out, here):
-    """a_i as a dense vector."""
-    head = ints(here, 0, at.HEAD)
-    n = head[at.N]
-    col, row_of = marks(here, at.COL), marks(here, at.ROW_OF)
-    norm = vector(here, at.NORM)
-    B = matrix(here, at.B)
-    if col[i] >= 0:
-        for j in range(n):
-            out[j] = 0.0
-        out[col[i]] = norm[i]
-    else:
-        row = B[row_of[i]]
-        for j in range(n):
-            out[j] = row[j]
 
 
 @inner

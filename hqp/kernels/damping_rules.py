@@ -1,0 +1,131 @@
+"""How much a level is damped: rules of :mod:`hqp.damping` that look at the level, and where its rows stand."""
+
+from __future__ import annotations
+
+import math
+
+from . import layout as at
+from .compile import inner, integer
+from .memory import ints, marks, matrix, vector
+from .orthogonal import length
+from .rows import EQUALITY, INACTIVE, LOWER, UPPER, value_of
+from .singular import share_of_smallest, volume
+from .sweep import enter_level, fix_variables, solve_levels
+
+#: Kinds of rules, see :mod:`hqp.damping`.
+FIXED, MANIPULABILITY, SINGULAR_VALUE, ERROR = 0, 1, 2, 3
+
+#: Up to here a row of a damped level counts as dependent: next to round-off, for damping bounds what becomes of it.
+DEPENDENT = 1e-14
+#: What is solved to the tolerance on rows is judged by one that is so much larger.
+JUDGED = 10.0
+#: Round-off of a row, relative to the way that x has come: as :data:`hqp.rows.ROUND_OFF`.
+ROUND_OFF = 256 * 2.0**-52
+
+
+@inner
+def forgiven(here, i, value, bound, size, way):
+    """How far row i may be from this bound and still count as on it: as :func:`hqp.rows.allowance` says."""
+    tol, norm = JUDGED * vector(here, at.OPTION)[at.TOL], vector(here, at.NORM)[i]
+    known = abs(bound) if abs(bound) < math.inf else 0.0
+    return tol * (abs(value) + known + 0.1 * norm * size) + ROUND_OFF * norm * way
+
+
+@inner
+def lengths(here):
+    """Of x, and of the longest way that it has come."""
+    n = ints(here, 0, at.HEAD)[at.N]
+    x, x_ref, away = vector(here, at.X), vector(here, at.X_REF), 0.0
+    for j in range(n):
+        away += (x[j] - x_ref[j]) * (x[j] - x_ref[j])
+    size = length(x, n)
+    return size, max(size, math.sqrt(away))
+
+
+@inner
+def satisfied(here, end, x):
+    """Whether x violates none of the rows before `end`."""
+    lo, hi = vector(here, at.LO), vector(here, at.HI)
+    for i in range(end):
+        value = value_of(i, x, here)
+        if value < lo[i] or value > hi[i]:
+            return False
+    return True
+
+
+@inner
+def unequal(here, end):
+    """Whether there are inequalities before row `end`."""
+    lo, hi, some = vector(here, at.LO), vector(here, at.HI), False
+    for i in range(end):
+        some = some or (lo[i] != hi[i] and (lo[i] != -math.inf or hi[i] != math.inf))
+    return some
+
+
+@inner
+def lacking(here, level):
+    """``||D_k w_k||`` of the level at x, and the length of its shortest row."""
+    lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
+    total, shortest, ptr = 0.0, math.inf, marks(here, at.PTR)
+    for i in range(ptr[level], ptr[level + 1]):
+        value = value_of(i, x, here) if norm[i] > 0.0 else 0.0
+        away = max(value - hi[i], lo[i] - value, 0.0)
+        total += away * away
+        shortest = min(shortest, norm[i])
+    return math.sqrt(total), shortest
+
+
+@inner
+def activate(here, end, through):
+    """Let the sides of rows before `end` be where x is; False if those before level `through` do not fit the basis."""
+    ptr, side = marks(here, at.PTR), marks(here, at.SIDE)
+    lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
+    same, known = True, ptr[through]
+    size, way = lengths(here)
+    for i in range(end):
+        now = integer(INACTIVE)
+        if norm[i] > 0.0:
+            if lo[i] == hi[i]:
+                now = integer(EQUALITY)
+            else:
+                value = value_of(i, x, here)
+                if value >= hi[i] - forgiven(here, i, value, hi[i], size, way):
+                    now = integer(UPPER)
+                elif value <= lo[i] + forgiven(here, i, value, lo[i], size, way):
+                    now = integer(LOWER)
+        if i < known:
+            same = same and (now == side[i] or (now == EQUALITY and side[i] != INACTIVE))
+        side[i] = now
+    return same
+
+
+@inner
+def by_singular_values(here, d, level, through, c):
+    """The lambda of a rule that looks at the singular values of the level's active rows in what those above leave.
+
+    Returns
+    -------
+    damping : float
+    through, c : int
+        What stands in the basis.
+    count, rank : int
+        Of the rows of the level, which have been entered on top of that.
+    """
+    head, tau = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.TAU]
+    ids, rule = marks(here, at.IDS), matrix(here, at.RULES)[d]
+    L, H, R = matrix(here, at.L), matrix(here, at.H), matrix(here, at.R)
+    begin = integer(1 if head[at.BOXED] != 0 else 0)
+    if not activate(here, marks(here, at.PTR)[level + 1], through) or through < begin:
+        through, c = begin, integer(0)
+    f = fix_variables(here)
+    c = solve_levels(here, through, level, c, f, tau)
+    count, rank = enter_level(here, level, c, f, DEPENDENT)
+    largest, threshold, share = rule[1], rule[2], 1.0
+    if count > 0:
+        if rule[0] == MANIPULABILITY:
+            share = volume(ids, rank, L, c) / threshold if rank == count else 0.0
+            return largest * max(1.0 - share, 0.0), level, c, count, rank
+        share = share_of_smallest(ids, rank, L, c, H, R, threshold) if rank == count else 0.0
+    elif rule[0] == MANIPULABILITY:
+        return 0.0, level, c, count, rank
+    return largest * math.sqrt(1.0 - share * share), level, c, count, rank

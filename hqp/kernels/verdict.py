@@ -1,0 +1,197 @@
+r"""The verdict on a guess that was solved: the whole certificate (:mod:`hqp.certificate`), from the basis it left.
+
+Rows outside the guess must be inside their bounds, and what holds each level back must push the right way,
+
+.. math:: g = \sum_i w_i a_i, \qquad g + \sum_i \lambda_i a_i = 0, \qquad \lambda_i \ge 0\;(\le 0)
+   \text{ at an upper (lower) bound,}
+
+by back substitution in the triangle that :mod:`.sweep` leaves behind. A row answers for its own level first, by the
+sign of its slack, then for the levels below it, one after the other; the first clear answer decides.
+"""
+
+from __future__ import annotations
+
+from . import layout as at
+from .compile import inner
+from .extent import extent
+from .memory import ints, marks, matrix, vector
+from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target
+
+#: No level: none of them is damped.
+STRICT = -1
+#: Multipliers below this share of the forces in their level are zero.
+DUAL = 1e-9
+
+
+@inner
+def damping_pulls(here, damping, size):
+    r"""The forces of a damped level's :math:`\lambda (x - x_\text{ref})`, and whether that counts as zero."""
+    n, tol = ints(here, 0, at.HEAD)[at.N], vector(here, at.OPTION)[at.TOL]
+    x, x_ref = vector(here, at.X), vector(here, at.X_REF)
+    pull, met = 0.0, True
+    for j in range(n):
+        away = abs(x[j] - x_ref[j])
+        met = met and away <= tol * (abs(x_ref[j]) + size)
+        pull += damping * damping * away
+    return pull, met
+
+
+@inner
+def judge_rows(here, last, damped, damping):
+    """Rows outside the guess stay inside their bounds, slacks are on the side of theirs.
+
+    Of the levels, `damped` is one that is, or STRICT: what its damping pulls with is one of its forces.
+
+    Returns
+    -------
+    faults : int
+    undecided : int
+        Rows whose own level says nothing of them: they answer for the levels below.
+    blurred : bool
+    """
+    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
+    n, tol, first = head[at.N], option[at.TOL], 1 if head[at.BOXED] != 0 else 0
+    col, row_of, ptr, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.PTR), marks(here, at.SIDE)
+    follow, decided, dependent = marks(here, at.FOLLOW), marks(here, at.DECIDED), marks(here, at.KIND)
+    lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
+    w, forces_of = vector(here, at.W), vector(here, at.FORCES)
+    B = matrix(here, at.B)
+    size = extent(x, here)
+    faults = undecided = 0
+    blurred = False
+    for k in range(last):
+        pull, met = 0.0, True
+        if k == damped:
+            pull, met = damping_pulls(here, damping, size)
+        for i in range(ptr[k], ptr[k + 1]):
+            follow[i] = side[i]
+            decided[i] = 1
+            if norm[i] == 0.0:
+                continue
+            near = tol * norm[i] * size
+            if side[i] != INACTIVE:
+                bound = target(side[i], lo[i], hi[i])
+                met = met and abs(w[i]) <= near + tol * abs(bound)
+                pull += norm[i] * abs(w[i])
+                if k < first or dependent[i] == 0:
+                    continue
+            if col[i] >= 0:
+                value = norm[i] * x[col[i]]
+            else:
+                given = B[row_of[i]]
+                value = 0.0
+                for j in range(n):
+                    value += given[j] * x[j]
+            if side[i] != INACTIVE:
+                bound = target(side[i], lo[i], hi[i])
+                blurred = blurred or abs(value - bound - w[i]) > near + tol * abs(bound)
+            elif value > hi[i] + tol * abs(hi[i]) + near:
+                follow[i] = UPPER
+                faults += 1
+            elif value < lo[i] - tol * abs(lo[i]) - near:
+                follow[i] = LOWER
+                faults += 1
+        forces_of[k] = 0.0 if met else pull
+        for i in range(ptr[k], ptr[k + 1]):
+            if side[i] == INACTIVE:
+                continue
+            if met:
+                w[i] = 0.0
+            if side[i] == EQUALITY:
+                continue
+            says = w[i] * side[i] * norm[i]
+            if abs(says) <= DUAL * pull:
+                decided[i] = 0
+                undecided += 1
+            elif says < 0.0:
+                follow[i] = INACTIVE
+                faults += 1
+    return faults, undecided, blurred
+
+
+@inner
+def judge_multipliers(here, last, undecided, damped, damping):
+    """What holds each level back pushes the right way: the number of undecided rows that do not.
+
+    Below a damped level nothing is left of x to be next to x0.
+    """
+    head = ints(here, 0, at.HEAD)
+    n, boxed = head[at.N], head[at.BOXED] != 0
+    col, row_of, ptr, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.PTR), marks(here, at.SIDE)
+    follow, decided, cut = marks(here, at.FOLLOW), marks(here, at.DECIDED), marks(here, at.CUT)
+    pivot = marks(here, at.PIVOT)
+    norm, x0, x, w = vector(here, at.NORM), vector(here, at.X0), vector(here, at.X), vector(here, at.W)
+    x_ref = vector(here, at.X_REF)
+    y, g, G, forces_of = vector(here, at.Y), vector(here, at.G), vector(here, at.BALANCE), vector(here, at.FORCES)
+    B, L = matrix(here, at.B), matrix(here, at.L)
+    option, faults = vector(here, at.OPTION), 0
+    for k in range(last + 1 if damped == STRICT else last):
+        if undecided == 0:
+            break
+        forces = 0.0
+        if k < last:
+            forces = forces_of[k]
+            if forces == 0.0:
+                continue
+            c = cut[k]
+            for q in range(c):
+                g[q] = 0.0
+            for j in range(n):
+                G[j] = 0.0
+            for i in range(ptr[k], ptr[k + 1]):
+                if w[i] != 0.0:
+                    push(i, w[i], c, col, row_of, B, norm, L, g, G, n)
+            if k == damped:
+                for q in range(c):
+                    g[q] += damping * damping * y[q]
+                for j in range(n):
+                    G[j] += damping * damping * (x[j] - x_ref[j])
+        else:
+            c = cut[last]
+            for q in range(c):
+                g[q] = y[q]
+            for j in range(n):
+                G[j] = x[j] - x0[j]
+                forces += abs(G[j])
+        clear = DUAL * forces
+        if k == last:
+            clear += option[at.TOL] * option[at.BLUR]
+        for q in range(c - 1, -1, -1):
+            i = pivot[q]
+            multiplier = -g[q] / L[i][q]
+            if multiplier == 0.0:
+                continue
+            push(i, multiplier, q, col, row_of, B, norm, L, g, G, n)
+            if decided[i] == 0:
+                says = multiplier * side[i] * norm[i]
+                if abs(says) > clear:
+                    decided[i] = 1
+                    undecided -= 1
+                    if says < 0.0:
+                        follow[i] = INACTIVE
+                        faults += 1
+        if boxed:
+            for i in range(ptr[0], ptr[1]):
+                if decided[i] == 0:
+                    says = -G[col[i]] * side[i]
+                    if abs(says) > clear:
+                        decided[i] = 1
+                        undecided -= 1
+                        if says < 0.0:
+                            follow[i] = INACTIVE
+                            faults += 1
+    return faults
+
+
+@inner
+def push(i, force, c, col, row_of, B, norm, L, g, G, n):
+    """Add ``force`` times row i to the balance: along the basis, g[:c], and on the variables, G."""
+    row = L[i]
+    for q in range(c):
+        g[q] += force * row[q]
+    if col[i] >= 0:
+        G[col[i]] += force * norm[i]
+    else:
+        given = B[row_of[i]]
+        for j in range(n):
+            G[j] += force * given[j]
