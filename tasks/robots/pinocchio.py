@@ -32,6 +32,7 @@ from .axes import NONE, axes, base_of, unit_parts
 from .files.xml import root_of
 from .frame_names import frame_numbers
 from .keeping import Kept, Recipe
+from .pinocchio_source import PinocchioSource
 from .pinocchio_state import PinocchioState
 from .ranges import SAME, both_ways, largest, no_position
 from .ranges import position_limit as limits_of
@@ -361,6 +362,14 @@ class PinocchioRobot:
             what, given, size = ("q", position, self.nq) if position.shape != (self.nq,) else ("v", velocity, self.nv)
             raise InvalidInput(f"{what} has shape {given.shape}; {self!r} takes ({size},)")
         return PinocchioState(self, position, velocity)
+
+    def frame_source(self, q: Array, v: Array) -> PinocchioSource:
+        """Its frames for loops; q and v hold the state of the tick."""
+        return PinocchioSource(self, q, v)
+
+    def forget(self) -> None:
+        """The data holds the kinematics of no state any more: something else was written into it."""
+        self._state = None
 
     def compute_center_of_mass(self, q: Array) -> None:
         """Have the data hold the centre of mass at q, and its Jacobian."""
