@@ -19,8 +19,8 @@ from hqp import InvalidInput, MissingPackage
 from hqp.checks import of_type
 from hqp.guard import Guard
 
-from .._checks import Array, finite, finite_scalar, own_numbers
-from .robot import joint_index, nearest
+from .._checks import Array, finite, finite_scalar, nearest, own_numbers
+from .robot import joint_index
 
 try:
     import pinocchio as pin
