@@ -15,13 +15,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from hqp import InvalidInput
 from hqp.checks import of_type
 
 from .._checks import Array, not_negative, numbers, own_numbers, per_row, position_range, positive
 from . import planar_dynamics as dynamics
+from .chain import APART
 from .frame import FixedFrame, planar_frame
 from .manipulability import manipulability
 
@@ -70,10 +71,7 @@ class PlanarState:
         """
         if name is None or name == TIP:
             return self.tip
-        links = _link_names(len(self.q))
-        if name not in links:
-            raise InvalidInput(f"{name!r} is no frame of this arm; there are {TIP}, {', '.join(links)}")
-        end = links.index(name) + 1
+        end = _links_to(name, len(self.q))
         pose = np.array([*self.points[end], self.q[:end].sum()])
         J, drift = np.zeros((3, len(self.q))), np.zeros(3)
         J[:, :end] = _jacobian(self.points[: end + 1])
@@ -231,6 +229,13 @@ class PlanarArm:
             drift[:2] = -(v.cumsum() ** 2) @ (points[1:] - points[:-1])
             return PlanarState(q, v, points, pose, J, J @ v, drift, planar_frame(pose, J, drift))
 
+    def chain_order(self, frame: str | None, relative_to: str | None = None) -> NDArray[np.int64] | None:
+        """The place of every joint in the chain to a frame; see :func:`tasks.robots.chain.chain_order`."""
+        places = np.arange(self.nv)
+        if frame is not None and frame != TIP:
+            places[_links_to(frame, self.nv) :] = APART
+        return places if relative_to is None else None
+
     def _points(self, q: Array) -> tuple[Array, Array]:
         """Angles of the links against the x axis, shape (..., n), and the points between them."""
         with np.errstate(all="ignore"):  # what is infinite is NaN, for the solver to report
@@ -258,6 +263,20 @@ class PlanarArm:
 
 def _link_names(count: int) -> list[str]:
     return [f"link{i + 1}" for i in range(count)]
+
+
+def _links_to(name: str, count: int) -> int:
+    """How many links lead to the end of the link of that name.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no such frame.
+    """
+    links = _link_names(count)
+    if name not in links:
+        raise InvalidInput(f"{name!r} is no frame of this arm; there are {TIP}, {', '.join(links)}")
+    return links.index(name) + 1
 
 
 def _chain(dx: Array, dy: Array) -> Array:
