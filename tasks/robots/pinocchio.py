@@ -28,7 +28,8 @@ except ImportError as error:  # pragma: no cover
     raise MissingPackage("spatial robots need Pinocchio: pip install 'hqp[robots]'") from error
 
 from . import pinocchio_dynamics as dynamics
-from .axes import NONE, axes, base_of, unit_parts
+from .axes import NONE, axes, base_of, sequence, unit_parts
+from .chain import APART
 from .files.xml import root_of
 from .frame_names import frame_numbers
 from .keeping import Kept, Recipe
@@ -285,6 +286,28 @@ class PinocchioRobot:
         velocity of each. A joint that follows another one has a column of its own, and the velocity of that one."""
         joints = [self.model.joints[i] for i in self.model.supports[joint]][1:]
         return [(joint.idx_vExtended + i, joint.idx_v + i) for joint in joints for i in range(joint.nvExtended)]
+
+    def chain_order(self, frame: str | None, relative_to: str | None = None) -> NDArray[np.int64] | None:
+        """The place of every velocity in the chain to a frame; see :func:`tasks.robots.chain.chain_order`."""
+        start, end = ([] if relative_to is None else self._supports(relative_to)), self._supports(frame)
+        steps = [(joint, True) for joint in reversed(start) if joint not in end]
+        steps += [(joint, False) for joint in end if joint not in start]
+        places, free = np.full(self.nv, APART, dtype=np.int64), 0
+        for number, backwards in steps:
+            joint = self.model.joints[number]
+            own = sequence(joint)
+            if own is None or (backwards and len(own) > len(set(own))):
+                return None
+            for i, place in enumerate(own):
+                if places[joint.idx_v + i] != APART:  # one number moves two joints
+                    return None
+                places[joint.idx_v + i] = free + (max(own) - place if backwards else place)
+            free += 1 + max(own)
+        return places
+
+    def _supports(self, frame: str | None) -> list[int]:
+        """The joints that carry a frame, from the base on."""
+        return list(self.model.supports[self.model.frames[self.frame_index(frame)].parentJoint])[1:]
 
     # The state.
 

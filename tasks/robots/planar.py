@@ -22,6 +22,7 @@ from hqp.checks import of_type
 
 from .._checks import Array, not_negative, numbers, own_numbers, per_row, position_range, positive
 from . import planar_dynamics as dynamics
+from .chain import APART
 from .frame import FixedFrame, planar_frame
 from .manipulability import manipulability
 from .planar_source import PlanarSource
@@ -260,6 +261,13 @@ class PlanarArm:
     def places(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
         """Where in q the positions of these velocities are."""
         return np.asarray(columns, dtype=np.int64)
+
+    def chain_order(self, frame: str | None, relative_to: str | None = None) -> NDArray[np.int64] | None:
+        """The place of every joint in the chain to a frame; see :func:`tasks.robots.chain.chain_order`."""
+        places = np.arange(self.nv)
+        if frame is not None and frame != TIP:
+            places[self.links_to(frame) :] = APART
+        return places if relative_to is None else None
 
     def _points(self, q: Array) -> tuple[Array, Array]:
         """Angles of the links against the x axis, shape (..., n), and the points between them."""
