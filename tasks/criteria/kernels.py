@@ -28,7 +28,7 @@ import math
 from hqp.kernels.compile import inner
 
 from ..kernels.algebra import RANK_TOLERANCE, decompose, fill, root
-from ..robots.block import JACOBIAN, POSITION, ROTATION
+from ..kernels.block import JACOBIAN, POSITION, ROTATION
 
 #: The axes of a task: those of the world, those of the frame, or of the world with the linear rows those of the point
 #: that is passing its origin.
@@ -65,7 +65,14 @@ def jacobian(frame, n, axes, reading, rows, G, J):
     at = JACOBIAN
     for j in range(n):
         k = at + j
-        x, y, z, a, b, c = frame[k], frame[k + n], frame[k + 2 * n], frame[k + 3 * n], frame[k + 4 * n], frame[k + 5 * n]
+        x, y, z, a, b, c = (
+            frame[k],
+            frame[k + n],
+            frame[k + 2 * n],
+            frame[k + 3 * n],
+            frame[k + 4 * n],
+            frame[k + 5 * n],
+        )
         along(frame, axes, x, y, z, a, b, c, G, j, n)
     fill(J, rows * n, 0.0)
     for r in range(rows):
@@ -113,7 +120,11 @@ def gradient(G, C, n, axes, order, slope, work):
     for j in range(n):
         x, y, z, a, b, c = G[j], G[j + n], G[j + 2 * n], G[j + 3 * n], G[j + 4 * n], G[j + 5 * n]
         u, v, w, d, e, f = C[j], C[j + n], C[j + 2 * n], C[j + 3 * n], C[j + 4 * n], C[j + 5 * n]
-        m0[j], m1[j], m2[j] = y * w - z * v + b * f - c * e, z * u - x * w + c * d - a * f, x * v - y * u + a * e - b * d
+        m0[j], m1[j], m2[j] = (
+            y * w - z * v + b * f - c * e,
+            z * u - x * w + c * d - a * f,
+            x * v - y * u + a * e - b * d,
+        )
         s0[j], s1[j], s2[j] = v * c - w * b, w * a - u * c, u * b - v * a
     for i in range(n):
         slope[i] = 0.0
@@ -131,7 +142,9 @@ def gradient(G, C, n, axes, order, slope, work):
                     a0, a1, a2 = a0 - m0[j], a1 - m1[j], a2 - m2[j]
                 if axes != SPATIAL:
                     b0, b1, b2 = b0 + s0[j], b1 + s1[j], b2 + s2[j]
-        slope[i] = a0 * G[i + 3 * n] + a1 * G[i + 4 * n] + a2 * G[i + 5 * n] + b0 * G[i] + b1 * G[i + n] + b2 * G[i + 2 * n]
+        slope[i] = (
+            a0 * G[i + 3 * n] + a1 * G[i + 4 * n] + a2 * G[i + 5 * n] + b0 * G[i] + b1 * G[i + n] + b2 * G[i + 2 * n]
+        )
 
 
 @inner
