@@ -29,7 +29,8 @@ POSES = "solve_ik"
 Key = tuple[str, str, str]
 WHOLE, ROWS = "tick", "rows"
 LEGEND = f"""\
-stands: in place of which part of the plain stack, or added to it; us: whole ticks, and their kinematics and rows alone
+stands: in place of which part of the plain stack, or added to it
+us: of the processor, for whole ticks, and for their kinematics and rows alone
 to plain: to the plain stack at the same order; to velocity: to the tick of the same stack at velocity order
 limits: those of the robot, at acceleration and torque order also {ACCELERATION:g} rad/s^2
 solve_ik: poses in reach, each from a random start

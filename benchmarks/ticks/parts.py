@@ -201,9 +201,12 @@ def _together(parts: tuple[Part, ...]) -> Part | Stack:
     return Stack(parts[0]) if len(parts) == 1 else parts[0] + _together(parts[1:])
 
 
-def _wall(s: Scene) -> DistanceLimit:
-    sphere, rail = Sphere([0.3, 0.5, 0.5], 0.1), Capsule([0.6, -0.5, 0.2], [0.6, -0.5, 0.9], 0.05)
-    return DistanceLimit(s.links(), [sphere, rail], margin=0.02, gain=20.0)
+def _sphere() -> Sphere:
+    return Sphere([0.3, 0.5, 0.5], 0.1)
+
+
+def _rail() -> Capsule:
+    return Capsule([0.6, -0.5, 0.2], [0.6, -0.5, 0.9], 0.05)
 
 
 def _gain(s: Scene) -> Any:
@@ -250,8 +253,9 @@ KINDS: tuple[Kind, ...] = (
     _added("box limit", lambda s: BoxLimit(s.elbow - 0.3, s.elbow + 0.3, frame=ELBOW, gain=GAIN)),
     _added("plane limit", lambda s: PlaneLimit([0.0, 0.0, 1.0], 0.1, frame=ELBOW, gain=GAIN)),
     _added("frame velocity limit", lambda s: FrameVelocityLimit(0.5)),
-    _added("spheres and capsules", _wall),
-    _added("avoidance", lambda s: AvoidanceTask(s.links(), [Sphere([0.3, 0.5, 0.5], 0.1)], influence=0.3, speed=0.1)),
+    _added("distance, 2 pairs", lambda s: DistanceLimit(s.links()[2:6:2], [_sphere()], margin=0.02, gain=20.0)),
+    _added("distance, 14 pairs", lambda s: DistanceLimit(s.links(), [_sphere(), _rail()], margin=0.02, gain=20.0)),
+    _added("avoidance", lambda s: AvoidanceTask(s.links(), [_sphere()], influence=0.3, speed=0.1)),
     _added("self-collision", lambda s: SelfCollisionLimit(margin=0.02, gain=20.0)),
     Kind("coupling", "added", lambda s: s.below(JointCouplingTask({0: 1.0, 2: -0.5}, gain=1.0))),
     Kind("centre of mass", "added", lambda s: s.below(CenterOfMassTask([0.0, 0.0, 0.4], mask="z", gain=1.0))),
