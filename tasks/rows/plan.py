@@ -68,18 +68,21 @@ class Plan:
 
 
 def plan_of(part: Part, site: Site) -> Plan:
-    """How a part writes its rows here: by the plan of its class, unless a subclass says something that it cannot know.
+    """How a part writes its rows here: by the plan of its class, unless a subclass says what that cannot know."""
+    own = overridden(type(part), part.says)
+    return part.plan(site) if own is None else replace(part.python_plan(site), why=own)
 
-    A subclass that overrides what its parent measures is measured in Python; one that overrides nothing of it inherits
-    the loops.
-    """
-    for kind in type(part).__mro__:
-        if "plan" in vars(kind):
-            return part.plan(site)
-        own = [name for name in part.says if name in vars(kind)]
+
+@cache
+def overridden(kind: type[Part], says: tuple[str, ...]) -> str | None:
+    """What a subclass says in Python, below the class that has the plan; None where the plan is right for it too."""
+    for cls in kind.__mro__:
+        if "plan" in vars(cls):
+            return None
+        own = [name for name in says if name in vars(cls)]
         if own:
-            return replace(part.python_plan(site), why=f"{kind.__name__} has its own {own[0]}()")
-    raise AssertionError(part)
+            return f"{cls.__name__} has its own {own[0]}()"
+    raise AssertionError(kind)
 
 
 def address(entry: Entry) -> int:
