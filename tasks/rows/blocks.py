@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._checks import Array
 from ..kernels import block as at
@@ -38,9 +39,13 @@ class Source(Protocol):
 
 @runtime_checkable
 class HasSource(Protocol):
-    """A robot whose frames are written by loops."""
+    """A robot whose frames are written by loops, and which tells where in q its joints are; see its own words."""
 
     def frame_source(self, q: Array, v: Array) -> Source: ...
+
+    def places(self, columns: NDArray[np.intp]) -> NDArray[np.int64]: ...
+
+    def circles(self, columns: NDArray[np.intp]) -> NDArray[np.int64]: ...
 
 
 class StateSource:

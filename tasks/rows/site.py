@@ -37,6 +37,10 @@ class Workspace:
         Of this tick.
     positions, places : array, array of int, shape (nv,)
         Where the position of each joint is: ``positions[places[j]]``; -1 where it has none of its own.
+    circles : array of int, shape (nv,)
+        Where in q the cosine of each joint on a circle is, the sine being the next; -1 for all others.
+    numbered : bool
+        Whether these tell how the joints come from one configuration to another; else only the robot knows.
     braking : array, shape (2,)
         The largest rate [1/s] at which a bound may be neared, if the joints are to stop in time: infinite where nothing
         limits their accelerations; and dt.
@@ -55,12 +59,16 @@ class Workspace:
         own = isinstance(robot, HasSource) and not alone
         self.blocks = Blocks(robot.frame_source(self.q, self.v) if own else StateSource(robot), self.n)  # type: ignore[attr-defined]
         self._joints: Array | None = None
-        if own or robot.nq == robot.nv:
-            self.positions = self.q
-            self.places = robot.places(np.arange(robot.nv)) if own else np.arange(robot.nv)  # type: ignore[attr-defined]
+        joints = np.arange(robot.nv)
+        self.places, self.circles = joints, np.full(robot.nv, -1)
+        self.numbered = True
+        if isinstance(robot, HasSource):
+            self.positions, self.places, self.circles = self.q, robot.places(joints), robot.circles(joints)
+        elif robot.nq == robot.nv:
+            self.positions, self.numbered = self.q, not hasattr(robot, "difference")
         else:
+            self.numbered = False
             self._joints = self.positions = np.zeros(robot.nv)
-            self.places = np.arange(robot.nv)
         self.work = np.zeros(64)
         self.kept: list[object] = []
         if order == "acceleration":
@@ -141,7 +149,7 @@ class Site:
             of.MEASURED: self.measured.ctypes.data,
             of.V: self.shared.v.ctypes.data,
             of.TICK: self.shared.braking.ctypes.data,
-            of.BOUNDS: self.bounds and self.A is not None,
+            of.BOUNDS: self.bounds and not task.plain,
             of.DRIFTS: self.drifts,
         }
         table = np.array([told[k] for k in range(of.LENGTH)], dtype=np.int64)
