@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks import Array, per_row
-from ..motion.trajectories import Fixed
-from ..motion.turns import FixedRotation
+from ..motion.turns import stands_still
 from ..robots.robot import Robot, RobotState, joint_positions
 from .blocks import Blocks, HasSource, StateSource
 
@@ -157,4 +156,4 @@ def kept_up(trajectory: Callable[[float], Any], *places: Array) -> tuple[Move, .
             place[:] = part
 
     move(0.0)
-    return () if isinstance(trajectory, Fixed | FixedRotation) else (move,)
+    return () if stands_still(trajectory) else (move,)
