@@ -54,7 +54,7 @@ class _Alone:
         from .site import Site, Workspace
 
         rows = task.size(robot)
-        self._shared = Workspace(robot, "acceleration" if drifts else "velocity", None, alone=True)
+        self._shared = Workspace(robot, "acceleration" if drifts else "velocity", None)
         self._site = Site(self._shared, np.zeros((rows, robot.nv)), *np.zeros((2, rows)))
         self._plan = task.plan(self._site)  # the loops of its class, whatever a subclass says beside them
         self.robot = robot
