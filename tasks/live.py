@@ -236,8 +236,7 @@ class Live:
             raise InvalidInput(f"{self.label()}: {name} is part of its structure, and stays; {self._instead}")
         if hasattr(type(self), name):
             raise InvalidInput(f"{self.label()}: {name} is given by its class, and stays; {self._instead}")
-        own = {*vars(self), *self._numbers, *self._structure, *_properties(type(self))}
-        known = sorted(other for other in own if not other.startswith("_"))
+        known = sorted(other for other in vars(self).keys() | _data(type(self)) if not other.startswith("_"))
         raise InvalidInput(f"{self.label()}: there is no attribute {name!r}{nearest(name, known)}")
 
     def __getstate__(self) -> dict[str, Any]:
@@ -278,8 +277,10 @@ def _kept(value: Any) -> Any:
     return value
 
 
-def _properties(cls: type) -> set[str]:
-    return {name for base in cls.__mro__ for name, value in vars(base).items() if isinstance(value, property)}
+def _data(cls: type) -> set[str]:
+    """What a class has but methods."""
+    own = {name: value for base in reversed(cls.__mro__) for name, value in vars(base).items()}
+    return {name for name, value in own.items() if not (callable(value) or isinstance(value, classmethod))}
 
 
 def _settable(cls: type, name: str) -> bool:

@@ -137,6 +137,7 @@ REFUSED: list[tuple[str, str]] = [
     ("energy", r"energy is given by its class"),
     ("square", r"square is given by its class"),
     ("stifness", r"no attribute 'stifness'; did you mean 'stiffness'"),
+    ("plian", r"no attribute 'plian'; did you mean 'plain'"),
     ("complience", r"no attribute 'complience'; did you mean 'compliance'"),
 ]
 
