@@ -95,7 +95,7 @@ def test_a_bare_robot_has_no_ability_and_is_driven():
     assert ask.tip(robot) is None
     assert not ask.tells_tip(robot)
     for quantity in "position", "velocity", "acceleration", "torque":
-        assert ask.limit(robot, quantity) is None
+        assert ask.limit_of(robot, quantity) is None
     for method in ask.mass_matrix, ask.bias, ask.inverse_dynamics, ask.manipulability, ask.points, ask.workspace:
         assert method(robot) is None
     np.testing.assert_allclose(velocity(robot), velocity(ARM), atol=1e-12)
@@ -188,9 +188,9 @@ def test_frames_that_are_none_are_refused_where_they_are_listed():
 @pytest.mark.parametrize("quantity", ["velocity", "acceleration", "torque"])
 def test_limits_of_its_own_count_one_by_one(quantity):
     robot = with_(**{f"{quantity}_limit": np.array([1.0, np.inf, 2.0])})
-    np.testing.assert_array_equal(ask.limit(ask.as_robot(robot), quantity), [1.0, np.inf, 2.0])
+    np.testing.assert_array_equal(ask.limit_of(ask.as_robot(robot), quantity), [1.0, np.inf, 2.0])
     others = {"position", "velocity", "acceleration", "torque"} - {quantity}
-    assert all(ask.limit(robot, other) is None for other in others)
+    assert all(ask.limit_of(robot, other) is None for other in others)
     if quantity == "velocity":
         assert (
             np.abs(Controller(robot, JointLimits() >> PositionTask([-9.0, 9.0], gain=9.0), dt=0.1)(Q, REST).v[0]) <= 1.0

@@ -28,7 +28,7 @@ from ..robots.robot import (
     check_joints,
     check_states,
     inverse_dynamics,
-    limit,
+    limit_of,
     workspace,
 )
 from ..stack import Rows, Stack
@@ -161,7 +161,7 @@ class Controller:
         """Tell once where nothing limits the speed: near a singularity it grows without end, and all tasks are met."""
         parts = [own for part in self.stack for own in (part.limits if isinstance(part, JointLimits) else (part,))]
         held = any(isinstance(part, JointVelocityLimit) for part in parts) or any(self.stack.damping)
-        if limit(self.robot, "velocity") is None and not held:
+        if limit_of(self.robot, "velocity") is None and not held:
             tell(
                 f"nothing limits the speed of {self.robot!r}: near a singularity joints turn as fast as tasks ask;"
                 " add JointVelocityLimit(2.0), in rad/s, to the top of the stack, or give the robot a velocity_limit"

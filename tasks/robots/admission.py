@@ -25,7 +25,7 @@ from .answers import (
     at_rest,
     joint_names,
     joint_positions,
-    limit,
+    limit_of,
     pose_reader,
     robot_of,
     state_abilities,
@@ -196,7 +196,7 @@ def _check_tip(robot: Any) -> None:
 
 
 def _check_limit(robot: Robot, quantity: Quantity) -> None:
-    value = limit(robot, quantity)
+    value = limit_of(robot, quantity)
     if value is None:
         return
     what, names = f"{quantity} limit of the robot", joint_names(robot)

@@ -183,7 +183,7 @@ def tip(robot: Robot) -> str | None:
 # Limits and dynamics.
 
 
-def limit(robot: Robot, quantity: Quantity) -> Array | None:
+def limit_of(robot: Robot, quantity: Quantity) -> Array | None:
     """The robot's own limit, shape (2, nv) of positions, else (nv,); None if it has none."""
     own = None
     if quantity == "position":
