@@ -2,8 +2,7 @@
 
 A robot has an ability if it has all attributes of the protocol: there is nothing to inherit from, and nothing to
 register. :func:`tasks.robots.checks.as_robot` looks once at what each of them holds; :mod:`tasks.robots.robot` asks.
-The attributes named here mean what is said here, and no others mean anything: a robot of one's own may have a `model`,
-a `data`, a `kind`.
+The attributes named here mean what is said here, and no others mean anything: a robot may have a `model` of its own.
 """
 
 from __future__ import annotations
@@ -43,13 +42,7 @@ class RobotState(Protocol):
 
 @runtime_checkable
 class Sized(Protocol):
-    """Has so many joints.
-
-    Attributes
-    ----------
-    nq, nv : int
-        Numbers of a configuration, and of joint velocities.
-    """
+    """Has so many joints: nq numbers of a configuration, and nv joint velocities."""
 
     @property
     def nq(self) -> int: ...

@@ -199,10 +199,10 @@ def _check_limit(robot: Robot, quantity: Quantity) -> None:
     value = limit_of(robot, quantity)
     if value is None:
         return
-    what, names = f"{quantity} limit of the robot", joint_names(robot)
+    what = f"{quantity} limit of the robot"
     if quantity == "position":
         _check_shape(value, (2, robot.nv), f"{what}, lowest and highest,")
-        position_range((value[0], value[1]), robot.nv, what, names=names)
+        position_range((value[0], value[1]), robot.nv, what, names=joint_names(robot))
         return
     _check_shape(value, (robot.nv,), f"{what}, one number a joint,")
     given = numbers(value, what)
@@ -210,7 +210,7 @@ def _check_limit(robot: Robot, quantity: Quantity) -> None:
     wrong = ~(given >= 0.0) if quantity == "velocity" else ~(given > 0.0)
     if wrong.any():
         joint = int(np.argmax(wrong))
-        raise InvalidInput(f"{what}: that of {names[joint]!r} = {given[joint]:g}; it must {least_allowed}")
+        raise InvalidInput(f"{what}: that of {joint_names(robot)[joint]!r} = {given[joint]:g}; it must {least_allowed}")
 
 
 #: What is looked at in each ability, in this order.
