@@ -14,16 +14,21 @@ is at most :math:`\|h_2\| / 2 \lambda` (Chiaverini 1997: a task priority robust 
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hqp import InvalidInput
 
 from ._checks import Array, finite_scalar, numbers
+from .live import number, structure
 from .part import Order, Part, Tick
 from .robots.robot import Robot, RobotState
 from .task import Task
+
+if TYPE_CHECKING:
+    from .rows.plan import Plan
+    from .rows.site import Site
 
 #: Singular values up to this share of the largest count as zero.
 RANK_TOLERANCE = 1e-9
@@ -45,7 +50,8 @@ class JointMotion(Part):
         If `task` is no Task, or the damping is negative.
     """
 
-    plain: ClassVar[bool] = True
+    task: Task = structure()
+    plain = True
     rows = None
 
     def __init__(self, task: Task, *, damping: float = 0.0) -> None:
@@ -54,9 +60,15 @@ class JointMotion(Part):
         self.task = task
         self.name = f"joint motion of {task.name}"
         self.weight = numbers(1.0, "weight")
-        self.damping = finite_scalar(damping, f"{self.label()}: damping")
-        if self.damping < 0.0:
+        self.damping = damping
+
+    @number
+    def damping(self, value: float) -> float:
+        """The lambda of the pseudoinverse, in the unit of J."""
+        damping = finite_scalar(value, f"{self.label()}: damping")
+        if damping < 0.0:
             raise InvalidInput(f"{self.label()}: damping = {damping} must not be negative")
+        return damping
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.task.check(robot, order, dt)
@@ -65,13 +77,26 @@ class JointMotion(Part):
         """The error of the task itself, shape (rows of the task,)."""
         return self.task.error(state, t)
 
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        J, h = self.task.control(tick)
-        if self.damping == 0.0:
-            lower[:] = alone(J, h)
-        else:
-            lower[:] = J.T @ np.linalg.solve(J @ J.T + self.damping**2 * np.eye(len(h)), h)
-        upper[:] = lower
+    def plan(self, site: Site) -> Plan:
+        """What the task asks for, as rows of its own; and the motion of least norm that does it."""
+        from .rows.plan import Plan, plan_of, run_all
+        from .rows.site import Site
+
+        rows, n = self.task.size(site.shared.robot), site.shared.n
+        J, (h, same) = np.zeros((rows, n)), np.zeros((2, rows))
+        plan = plan_of(self.task, Site(site.shared, J, h, same))
+
+        def write(tick: Tick) -> None:
+            if plan.python is not None:
+                plan.python(tick)
+            run_all(plan.calls)
+            if self.damping == 0.0:
+                site.lower[:] = alone(J, h)
+            else:
+                site.lower[:] = J.T @ np.linalg.solve(J @ J.T + self.damping**2 * np.eye(rows), h)
+            site.upper[:] = site.lower
+
+        return Plan(moves=plan.moves, python=write, why="interim")
 
     def __repr__(self) -> str:
         damping = f", damping={self.damping:g}" if self.damping else ""

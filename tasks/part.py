@@ -6,24 +6,28 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from hqp import Label
 from hqp.checks import whole_number
 
-from ._checks import Array
+from ._checks import Array, not_negative
+from .live import Live, number, structure
 from .robots.robot import Robot, RobotState, joint_names
 
 if TYPE_CHECKING:
     from .limits.envelope import Envelope
+    from .rows.plan import Plan
+    from .rows.site import Site
     from .stack import Stack
 
-#: What the unknown x of the hierarchy is: joint velocities [rad/s], or joint accelerations [rad/s^2].
-Order = Literal["velocity", "acceleration"]
+#: What the unknown x of the hierarchy is: joint velocities [rad/s], joint accelerations [rad/s^2], or a step of the
+#: joints [rad], as inverse kinematics takes it.
+Order = Literal["velocity", "acceleration", "step"]
 #: What a controller commands. Torques [N m] are those of the accelerations: below them the order is "acceleration".
 Command = Literal["velocity", "acceleration", "torque"]
 #: What follows the unit of a position, in the unit of x.
-PER: dict[str, str] = {"velocity": "/s", "acceleration": "/s^2"}
+PER: dict[str, str] = {"velocity": "/s", "acceleration": "/s^2", "step": ""}
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +46,7 @@ class Tick:
     envelope: Envelope | None = None
 
 
-class Part:
+class Part(Live):
     """A task or a limit: it owns some rows of one level and writes them anew every tick.
 
     Parts are ordered by ``a >> b`` (b below a) and joined on one level by ``a + b``; Python's
@@ -61,11 +65,18 @@ class Part:
         Weight of the rows inside their level.
     """
 
-    rows: int | None
-    plain: ClassVar[bool] = False
+    rows: int | None = structure()
+    plain: bool = structure(False)
     is_limit: ClassVar[bool] = False
-    name: str
-    weight: Array
+    #: The methods that say what the rows are: a subclass that overrides one of them is asked in Python.
+    says: ClassVar[tuple[str, ...]] = ("write",)
+    name: str = structure()
+    _instead: ClassVar[str] = "make a new one, and go over to it with controller.change(stack, duration=...)"
+
+    @number
+    def weight(self, value: ArrayLike) -> Array:
+        """Weight of the rows inside their level, shape () or (rows,); a row of weight 0 asks for nothing."""
+        return not_negative(value, f"{self.label()}: weight")
 
     def size(self, robot: Robot) -> int:
         """Number of rows on this robot."""
@@ -103,6 +114,19 @@ class Part:
         """Write this tick's rows in place: A (rows, nv), None where the level is plain, and the bounds (rows,)."""
         raise NotImplementedError
 
+    def plan(self, site: Site) -> Plan:
+        """How its rows are written where it is at work: loops, and what they are told; by default in Python."""
+        return self.python_plan(site)
+
+    def python_plan(self, site: Site) -> Plan:
+        """The same by what :attr:`says` names, called in Python every tick."""
+        from .rows.plan import Plan
+
+        def write(tick: Tick) -> None:
+            self.write(tick, site.A, site.lower, site.upper)
+
+        return Plan(python=write, why=f"{type(self).__name__} is written in Python")
+
     def __rshift__(self, lower: Part | Stack) -> Stack:
         """``self >> lower``: `lower` may only use what this part leaves free."""
         from .stack import Stack
@@ -114,7 +138,3 @@ class Part:
         from .stack import Stack
 
         return Stack(self) + other
-
-    def label(self) -> str:
-        """How messages call this part: ``PositionTask 'hand'``."""
-        return f"{type(self).__name__} {self.name!r}"

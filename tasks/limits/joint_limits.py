@@ -45,7 +45,7 @@ class JointLimits(Part):
     """
 
     is_limit: ClassVar[bool] = True
-    plain: ClassVar[bool] = True
+    plain = True
     rows = None
 
     def __init__(self, *limits: JointLimit, name: str = "joint limits") -> None:
@@ -76,7 +76,7 @@ class JointLimits(Part):
         """Nothing: its limits are written by themselves, and merged."""
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
-        largest = {
+        largest: dict[str, Array] = {
             limit.quantity: limit.largest(robot)
             for limit in self.of(robot)
             if isinstance(limit, (JointVelocityLimit, JointAccelerationLimit))

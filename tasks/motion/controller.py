@@ -31,7 +31,8 @@ from ..robots.robot import (
     limit_of,
     workspace,
 )
-from ..stack import Rows, Stack
+from ..rows.rows import Rows
+from ..stack import Stack
 from .timing import Timing, cubic
 from .transition import Limits, Transition
 

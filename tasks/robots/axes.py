@@ -118,3 +118,25 @@ def _axes(joint: Any) -> Iterator[tuple[str, int, int]]:
             yield unit, joint.idx_q + i, NONE
     else:  # one axis that turns, slides or screws
         yield "m" if what.startswith("P") else "rad", joint.idx_q, NONE
+
+
+def sequence(joint: Any) -> list[int] | None:
+    """The place of each velocity of a joint among themselves; None where their axes are in no order.
+
+    One after the other, as those of a universal joint, of which each carries the next; or all in the first place, where
+    all are fixed to what the joint moves.
+    """
+    what = kind(joint)
+    if what == "Composite":
+        places: list[int] = []
+        for part in _parts(joint):
+            own = sequence(part)
+            if own is None:
+                return None
+            places += [place + 1 + max(places, default=-1) for place in own]
+        return places
+    if what == "Ellipsoid":
+        return None
+    if what in MANIFOLDS or what == "Translation":
+        return [0] * int(joint.nv)
+    return list(range(int(joint.nvExtended)))

@@ -19,8 +19,8 @@ from hqp import InvalidInput, MissingPackage
 from hqp.checks import of_type
 from hqp.guard import Guard
 
-from .._checks import Array, finite, finite_scalar, own_numbers
-from .robot import joint_index, nearest
+from .._checks import Array, finite, finite_scalar, nearest, own_numbers
+from .robot import joint_index
 
 try:
     import pinocchio as pin
@@ -28,11 +28,13 @@ except ImportError as error:  # pragma: no cover
     raise MissingPackage("spatial robots need Pinocchio: pip install 'hqp[robots]'") from error
 
 from . import pinocchio_dynamics as dynamics
-from .axes import NONE, axes, base_of, unit_parts
+from .axes import NONE, axes, base_of, sequence, unit_parts
+from .chain import APART
 from .files.xml import root_of
 from .frame_names import frame_numbers
 from .keeping import Kept, Recipe
 from .kinematics import Kinematics
+from .pinocchio_source import PinocchioSource
 from .pinocchio_state import PinocchioState
 from .ranges import SAME, both_ways, largest, no_position
 from .ranges import position_limit as limits_of
@@ -299,6 +301,28 @@ class PinocchioRobot:
         joints = [self.model.joints[i] for i in self.model.supports[joint]][1:]
         return [(joint.idx_vExtended + i, joint.idx_v + i) for joint in joints for i in range(joint.nvExtended)]
 
+    def chain_order(self, frame: str | None, relative_to: str | None = None) -> NDArray[np.int64] | None:
+        """The place of every velocity in the chain to a frame; see :func:`tasks.robots.chain.chain_order`."""
+        start, end = ([] if relative_to is None else self._supports(relative_to)), self._supports(frame)
+        steps = [(joint, True) for joint in reversed(start) if joint not in end]
+        steps += [(joint, False) for joint in end if joint not in start]
+        places, free = np.full(self.nv, APART, dtype=np.int64), 0
+        for number, backwards in steps:
+            joint = self.model.joints[number]
+            own = sequence(joint)
+            if own is None or (backwards and len(own) > len(set(own))):
+                return None
+            for i, place in enumerate(own):
+                if places[joint.idx_v + i] != APART:  # one number moves two joints
+                    return None
+                places[joint.idx_v + i] = free + (max(own) - place if backwards else place)
+            free += 1 + max(own)
+        return places
+
+    def _supports(self, frame: str | None) -> list[int]:
+        """The joints that carry a frame, from the base on."""
+        return list(self.model.supports[self.model.frames[self.frame_index(frame)].parentJoint])[1:]
+
     # The state.
 
     def has_frame(self, name: str) -> bool:
@@ -375,6 +399,10 @@ class PinocchioRobot:
             what, given, size = ("q", position, self.nq) if position.shape != (self.nq,) else ("v", velocity, self.nv)
             raise InvalidInput(f"{what} has shape {given.shape}; {self!r} takes ({size},)")
         return PinocchioState(self, position, velocity)
+
+    def frame_source(self, q: Array, v: Array) -> PinocchioSource:
+        """Its frames for loops; q and v hold the state of the tick."""
+        return PinocchioSource(self, q, v)
 
     def compute_center_of_mass(self, q: Array) -> None:
         """Have the data hold the centre of mass at q, and its Jacobian."""

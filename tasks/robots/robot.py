@@ -53,7 +53,6 @@ from .refusals import (
     check_mass_matrix,
     check_positioned,
     joint_index,
-    nearest,
 )
 
 __all__ = [
@@ -88,7 +87,6 @@ __all__ = [
     "limit_of",
     "manipulability",
     "mass_matrix",
-    "nearest",
     "neutral",
     "numbered",
     "on_pinocchio",

@@ -1,0 +1,41 @@
+"""Which joint of a chain carries which: what the change of a frame's Jacobian hangs on."""
+
+from __future__ import annotations
+
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .robot import Robot
+
+#: The place of a joint that does not move a frame.
+APART = -1
+
+
+@runtime_checkable
+class Chained(Protocol):
+    """A robot that knows the order of its joints."""
+
+    def chain_order(self, frame: str | None, relative_to: str | None = None) -> NDArray[np.int64] | None:
+        """See :func:`chain_order`; None where that order does not say how a frame's Jacobian changes."""
+        ...
+
+
+def chain_order(robot: Robot, frame: str | None, relative_to: str | None = None) -> NDArray[np.int64] | None:
+    """The place of every joint in the chain from the world, or from `relative_to`, to a frame.
+
+    Joints that move as one, as those of a ball, have the same place; those that do not move the frame have -1.
+
+    Returns
+    -------
+    places : int array, shape (nv,), or None
+        None for a robot that does not tell; where one number moves two joints of the chain, because one follows the
+        other; and where a joint of several degrees of freedom carries `relative_to` and not the frame.
+    """
+    return robot.chain_order(frame, relative_to) if isinstance(robot, Chained) else None
+
+
+def closed_form(robot: Robot, frame: str | None, relative_to: str | None = None) -> bool:
+    """Whether the gradient of a measure of this frame's Jacobian has a closed form."""
+    return chain_order(robot, frame, relative_to) is not None
