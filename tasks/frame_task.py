@@ -13,7 +13,7 @@ from ._checks import Array
 from .live import structure
 from .part import Order
 from .robots.frame import Frame, relative
-from .robots.robot import Robot, RobotState, check_frame
+from .robots.robot import Robot, RobotState, check_frame, tells_tip, tip
 from .task import Task
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ class FrameTask(Task):
     def check_frames(self, robot: Robot) -> None:
         """Refuse a frame that the robot has not, and what a planar arm has not."""
         self.check_names(robot)
-        if self.frame is None and getattr(robot, "tip", "") is None:
+        if self.frame is None and tells_tip(robot) and tip(robot) is None:
             raise InvalidInput(f"{self.label()}: {robot!r} has no tip; give the task a frame, or the robot a tip")
         if self.at_rest(robot).frame(self.frame).rotation.ndim == 1:
             if self.spatial:
@@ -90,7 +90,7 @@ class FrameTask(Task):
         for what, name in ("frame", self.frame), ("relative_to", self.relative_to):
             if name is not None:
                 check_frame(robot, name, f"{self.label()}: {what}")
-        own = getattr(robot, "tip", None) if self.frame is None else self.frame
+        own = tip(robot) if self.frame is None else self.frame
         if self.relative_to is not None and self.relative_to == own:
             raise InvalidInput(f"{self.label()}: relative_to = {own!r} is the frame itself; name another one")
 

@@ -23,7 +23,7 @@ from hqp.checks import of_type
 
 from .._checks import Array, positive, positive_scalar
 from ..part import Part, Tick
-from ..robots.robot import Robot, integrate
+from ..robots.robot import Robot, base, integration
 
 #: Of the central differences [rad, m]: truncation and round-off are both about 1e-10 of H.
 STEP = 1e-5
@@ -70,7 +70,7 @@ class GradientTask(Part):
         return len(self.variables(robot))
 
     def variables(self, robot: Robot) -> NDArray[np.intp]:
-        return np.arange(getattr(robot, "base", 0), robot.nv)
+        return np.arange(base(robot), robot.nv)
 
     def value(self, robot: Robot, q: Array, t: float = 0.0) -> float:
         """H at the configuration q and time t [s]; NaN for what is not finite, for the solver to report."""
@@ -87,7 +87,8 @@ class GradientTask(Part):
         """
         own = self.variables(robot)
         steps = STEP * np.eye(robot.nv)[own]
-        around = np.array([integrate(robot, q, step) for step in (*steps, *-steps)])
+        integrate = integration(robot)
+        around = np.array([integrate(q, step) for step in (*steps, *-steps)])
         ahead, behind = np.reshape(self.values(robot, around, t), (2, -1))
         slope = np.zeros(robot.nv)
         slope[own] = (ahead - behind) / (2.0 * STEP)

@@ -23,7 +23,7 @@ from hqp import InvalidInput
 
 from .._checks import Array
 from ..part import Order
-from ..robots.robot import Robot, check_positioned, joint_positions
+from ..robots.robot import Robot, check_positioned, joint_positions, limit_of
 from .gradient import GradientTask
 
 
@@ -47,10 +47,10 @@ class JointCentringTask(GradientTask):
     descend: ClassVar[bool] = True
 
     def variables(self, robot: Robot) -> NDArray[np.intp]:
-        if robot.position_limit is None:
+        ranges = limit_of(robot, "position")
+        if ranges is None:
             return np.zeros(0, dtype=np.intp)
-        low, high = robot.position_limit
-        return np.flatnonzero(np.isfinite(robot.position_limit).all(axis=0) & (low < high))
+        return np.flatnonzero(np.isfinite(ranges).all(axis=0) & (ranges[0] < ranges[1]))
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         own = self.variables(robot)
@@ -74,8 +74,9 @@ class JointCentringTask(GradientTask):
     def _away(self, robot: Robot, q: Array) -> tuple[Array, Array]:
         """How far the joints are from the middle, in halves of their range; and these halves [rad, m]."""
         own = self.variables(robot)
-        assert robot.position_limit is not None  # checked
-        low, high = robot.position_limit[:, own]
+        ranges = limit_of(robot, "position")
+        assert ranges is not None  # checked
+        low, high = ranges[:, own]
         half = 0.5 * (high - low)
         here = joint_positions(robot.at(q, np.zeros(robot.nv)))[own]
         return (here - 0.5 * (high + low)) / half, half

@@ -25,9 +25,9 @@ from hqp import InvalidInput
 from .._checks import Array, finite
 from ..part import Order
 from ..robots.manipulability import manipulability, velocity_ellipse
-from ..robots.robot import Robot
+from ..robots.robot import Robot, check_mass_matrix
 from ..task import Task
-from .dynamics import check_definite, check_fixed, check_methods, root
+from .dynamics import check_definite, check_fixed, root
 from .gradient import GradientTask
 
 #: Half axes [unit of J] below this count as this long: their inverse squares stay finite.
@@ -117,7 +117,7 @@ class DynamicManipulabilityTask(_MeasureOfTask):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         super().check(robot, order, dt)
-        check_methods(robot, self.label(), "mass_matrix")
+        check_mass_matrix(robot, self.label())
         check_fixed(robot, self.label())
         check_definite(robot, self.label())
 

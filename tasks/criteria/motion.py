@@ -23,8 +23,8 @@ from hqp.checks import of_type
 
 from .._checks import Array, positive, positive_scalar
 from ..part import Order, Part, Tick
-from ..robots.robot import Robot, joint_names
-from .dynamics import check_definite, check_methods, root
+from ..robots.robot import Robot, check_mass_matrix, joint_names
+from .dynamics import check_definite, root
 
 
 class _LeastMotion(Part):
@@ -114,7 +114,7 @@ class KineticEnergyTask(_LeastMotion):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         super().check(robot, order, dt)
-        check_methods(robot, self.label(), "mass_matrix")
+        check_mass_matrix(robot, self.label())
         check_definite(robot, self.label())
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:

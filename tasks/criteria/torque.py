@@ -35,8 +35,8 @@ from hqp.errors import brief
 
 from .._checks import Array, finite, pair, per_row, positive
 from ..part import Order, Part, Tick
-from ..robots.robot import Robot, joint_names, joint_units
-from .dynamics import check_fixed, check_methods
+from ..robots.robot import Robot, check_dynamics, joint_names, joint_units
+from .dynamics import check_fixed
 
 
 class MinimumTorqueTask(Part):
@@ -92,7 +92,7 @@ class MinimumTorqueTask(Part):
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if order != "acceleration":
             raise InvalidInput(f"{self.label()}: order = {order!r}; torques belong to accelerations: 'acceleration'")
-        check_methods(robot, self.label(), "mass_matrix", "bias")
+        check_dynamics(robot, self.label())
         check_fixed(robot, self.label())
         per_row(self.middle, robot.nv, f"{self.label()}: torque range", "joint")
 

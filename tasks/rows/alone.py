@@ -11,6 +11,7 @@ import numpy as np
 
 from .._checks import Array
 from ..robots.robot import Robot, RobotState
+from ..robots.robot import robot_of as owner
 
 if TYPE_CHECKING:
     from ..task import Task
@@ -101,7 +102,7 @@ class Unknown:
 
 def robot_of(state: RobotState) -> Robot:
     """Whose state it is."""
-    robot = getattr(state, "robot", None)
+    robot = owner(state)
     return _unknown(len(state.q), len(state.v)) if robot is None else robot
 
 
