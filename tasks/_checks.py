@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import TypeVar
@@ -164,6 +165,16 @@ def position_range(
         )
         raise InvalidInput(f"{what}: {called} from {low[joint]:g} to {high[joint]:g}{unit}; {rule}")
     return np.array([low, high])
+
+
+def nearest(name: str, names: Iterable[str]) -> str:
+    """What to add to the refusal of a name: those that are like it, or all, if they are few."""
+    known = list(names)
+    close = get_close_matches(name, known, n=3, cutoff=0.5)
+    close = close or [other for other in known if name.lower() in other.lower()][:3]
+    if close:
+        return f"; did you mean {' or '.join(map(repr, close))}?"
+    return f"; there are {', '.join(known)}" if 0 < len(known) <= 40 else f"; it has {len(known)} others"
 
 
 def writable(folder: Path, files: Iterable[str]) -> None:

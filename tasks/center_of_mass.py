@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
+from ._checks import Array
 from .motion.trajectories import Trajectory
 from .place import Mask
 from .position import PositionTask
 from .robots.frame import Frame, relative
 from .robots.robot import Robot, RobotState
+
+if TYPE_CHECKING:
+    from .rows.site import Site
 
 
 class CenterOfMassTask(PositionTask):
@@ -55,6 +61,9 @@ class CenterOfMassTask(PositionTask):
     def seen(self, state: RobotState) -> Frame:
         point: Frame = state.center_of_mass  # type: ignore[attr-defined]
         return point if self.relative_to is None else relative(state.frame(self.relative_to), point, state.v)
+
+    def block(self, site: Site) -> Array:
+        return site.center_of_mass(self.relative_to)
 
     def check_frames(self, robot: Robot) -> None:
         state = self.at_rest(robot)

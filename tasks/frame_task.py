@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 from hqp.checks import of_type
 
+from ._checks import Array
 from .part import Order
 from .robots.frame import Frame, relative
 from .robots.robot import Robot, RobotState, check_frame
 from .task import Task
+
+if TYPE_CHECKING:
+    from .rows.site import Site
 
 
 class FrameTask(Task):
@@ -34,6 +38,7 @@ class FrameTask(Task):
     """
 
     spatial: ClassVar[bool] = False
+    says: ClassVar[tuple[str, ...]] = (*Task.says, "seen")
 
     def __init__(
         self,
@@ -54,6 +59,10 @@ class FrameTask(Task):
         """The frame, in the coordinates of the world or of `relative_to`."""
         frame = state.frame(self.frame)
         return frame if self.relative_to is None else relative(state.frame(self.relative_to), frame, state.v)
+
+    def block(self, site: Site) -> Array:
+        """The same for loops: its block, see :mod:`tasks.kernels.block`."""
+        return site.frame(self.frame, self.relative_to)
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.check_frames(robot)

@@ -19,7 +19,7 @@ order the velocity at the end of the tick, and the place where it is reached, ob
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,11 +34,16 @@ from .part import Order, Part, Tick
 from .robots.robot import Robot, RobotState
 from .task import Task
 
+if TYPE_CHECKING:
+    from .rows.plan import Plan
+    from .rows.site import Site
+
 
 class Inequality(Part):
     """Base of the three: the actual value of a task between its target + `below` and its target + `above`."""
 
     is_limit: ClassVar[bool] = True
+    says: ClassVar[tuple[str, ...]] = ("write",)
 
     def __init__(self, task: Task, below: ArrayLike, above: ArrayLike) -> None:
         if not isinstance(task, Task):
@@ -104,42 +109,11 @@ class Inequality(Part):
         e = self.task.error(state, t)
         return np.maximum(e + self.below, 0.0) + np.minimum(e + self.above, 0.0)
 
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        rate = np.inf if tick.envelope is None else tick.envelope.braking_rate(tick)
-        if rate < np.inf and not self.plain:
-            self._write_in_time(tick, A, lower, upper, rate)
-            return
-        J, h = self.task.control(tick)
-        if A is not None:
-            A[:] = J
-        K = self.task.gain if tick.order == "velocity" else self.task.gain**2
-        lower[:] = h + K * self.below
-        upper[:] = h + K * self.above
+    def plan(self, site: Site) -> Plan:
+        """The law of the task, of its error between both bounds."""
+        from .rows.plan import plan_of
 
-    def _write_in_time(self, tick: Tick, A: Array | None, lower: Array, upper: Array, rate: float) -> None:
-        """The same where the joints brake by no more than a limit; see the module's docstring."""
-        state, task = tick.state, self.task
-        J, drift = np.asarray(task.jacobian(state)), np.asarray(task.drift(state))
-        if A is not None:
-            A[:] = J
-        e = task.error(state, tick.t)
-        own, _ = task.rates(state, tick.t)
-        K, dt = np.minimum(task.gain, rate), tick.dt
-        assert dt is not None  # else nothing would be known of braking
-        # What the bend of the way takes, on each side: half of what a stop of the length 1/K makes of it.
-        up, down = (0.5 * np.maximum(side, 0.0) * (1.0 / K + dt) / K for side in (drift, -drift))
-        above, below = e + self.above, e + self.below
-        above = np.maximum(above - up, np.minimum(above, 0.0))
-        below = np.minimum(below + down, np.maximum(below, 0.0))
-        if tick.order == "velocity":
-            lower[:], upper[:] = own + K * below, own + K * above
-            return
-        # The velocity at the end of the tick obeys the same law, at the place where it then is.
-        now = J @ state.v
-        half = 0.5 * K * dt
-        for bound, room in (lower, below), (upper, above):
-            end = (own + K * room - half * (now - own)) / (1.0 + half)
-            bound[:] = (end - now) / dt - drift
+        return plan_of(self.task, site.within(self.below, self.above))
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.task!r})"

@@ -14,7 +14,7 @@ is at most :math:`\|h_2\| / 2 \lambda` (Chiaverini 1997: a task priority robust 
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -24,6 +24,10 @@ from ._checks import Array, finite_scalar, numbers
 from .part import Order, Part, Tick
 from .robots.robot import Robot, RobotState
 from .task import Task
+
+if TYPE_CHECKING:
+    from .rows.plan import Plan
+    from .rows.site import Site
 
 #: Singular values up to this share of the largest count as zero.
 RANK_TOLERANCE = 1e-9
@@ -65,13 +69,26 @@ class JointMotion(Part):
         """The error of the task itself, shape (rows of the task,)."""
         return self.task.error(state, t)
 
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        J, h = self.task.control(tick)
-        if self.damping == 0.0:
-            lower[:] = alone(J, h)
-        else:
-            lower[:] = J.T @ np.linalg.solve(J @ J.T + self.damping**2 * np.eye(len(h)), h)
-        upper[:] = lower
+    def plan(self, site: Site) -> Plan:
+        """What the task asks for, as rows of its own; and the motion of least norm that does it."""
+        from .rows.plan import Plan, plan_of, run_all
+        from .rows.site import Site
+
+        rows, n = self.task.size(site.shared.robot), site.shared.n
+        J, (h, same) = np.zeros((rows, n)), np.zeros((2, rows))
+        plan = plan_of(self.task, Site(site.shared, J, h, same))
+
+        def write(tick: Tick) -> None:
+            if plan.python is not None:
+                plan.python(tick)
+            run_all(plan.calls)
+            if self.damping == 0.0:
+                site.lower[:] = alone(J, h)
+            else:
+                site.lower[:] = J.T @ np.linalg.solve(J @ J.T + self.damping**2 * np.eye(rows), h)
+            site.upper[:] = site.lower
+
+        return Plan(moves=plan.moves, python=write, why="interim")
 
     def __repr__(self) -> str:
         damping = f", damping={self.damping:g}" if self.damping else ""

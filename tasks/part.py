@@ -16,14 +16,17 @@ from .robots.robot import Robot, RobotState, joint_names
 
 if TYPE_CHECKING:
     from .limits.envelope import Envelope
+    from .rows.plan import Plan
+    from .rows.site import Site
     from .stack import Stack
 
-#: What the unknown x of the hierarchy is: joint velocities [rad/s], or joint accelerations [rad/s^2].
-Order = Literal["velocity", "acceleration"]
+#: What the unknown x of the hierarchy is: joint velocities [rad/s], joint accelerations [rad/s^2], or a step of the
+#: joints [rad], as inverse kinematics takes it.
+Order = Literal["velocity", "acceleration", "step"]
 #: What a controller commands. Torques [N m] are those of the accelerations: below them the order is "acceleration".
 Command = Literal["velocity", "acceleration", "torque"]
 #: What follows the unit of a position, in the unit of x.
-PER: dict[str, str] = {"velocity": "/s", "acceleration": "/s^2"}
+PER: dict[str, str] = {"velocity": "/s", "acceleration": "/s^2", "step": ""}
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +67,8 @@ class Part:
     rows: int | None
     plain: ClassVar[bool] = False
     is_limit: ClassVar[bool] = False
+    #: The methods that say what the rows are: a subclass that overrides one of them is asked in Python.
+    says: ClassVar[tuple[str, ...]] = ("write",)
     name: str
     weight: Array
 
@@ -102,6 +107,19 @@ class Part:
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         """Write this tick's rows in place: A (rows, nv), None where the level is plain, and the bounds (rows,)."""
         raise NotImplementedError
+
+    def plan(self, site: Site) -> Plan:
+        """How its rows are written where it is at work: loops, and what they are told; by default in Python."""
+        return self.python_plan(site)
+
+    def python_plan(self, site: Site) -> Plan:
+        """The same by what :attr:`says` names, called in Python every tick."""
+        from .rows.plan import Plan
+
+        def write(tick: Tick) -> None:
+            self.write(tick, site.A, site.lower, site.upper)
+
+        return Plan(python=write, why=f"{type(self).__name__} is written in Python")
 
     def __rshift__(self, lower: Part | Stack) -> Stack:
         """``self >> lower``: `lower` may only use what this part leaves free."""

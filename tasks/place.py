@@ -13,7 +13,7 @@ way, not even at half a turn. In the axes of the frame itself, which turn with i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,19 +24,21 @@ from hqp.errors import brief
 
 from ._checks import Array
 from .frame_task import FrameTask
-from .motion.trajectories import Trajectory
+from .motion.trajectories import Spread, Trajectory
 from .motion.turns import AboutZ, RotationTrajectory
 from .part import Order
-from .robots.frame import Frame
 from .robots.robot import Robot, RobotState
-from .rotations import cross, log
+from .rows.alone import measured_alone
+from .rows.site import Move, kept_up
+
+if TYPE_CHECKING:
+    from .rows.plan import Plan
+    from .rows.site import Site
 
 #: Along which axes a task is written down.
 Reference = Literal["world", "local", "local_world_aligned"]
 #: Some of the coordinates: their names, ``"xz"``, or a truth for each.
 Mask = str | Sequence[bool]
-#: What does not move: no place, no velocity, no acceleration.
-STILL = (np.zeros(3), np.zeros(3), np.zeros(3))
 
 
 class PlaceTask(FrameTask):
@@ -77,65 +79,63 @@ class PlaceTask(FrameTask):
         self.reference: Reference = as_reference(reference, self.label())
         self.position, self.rotation, self.mask = position, rotation, mask
         self.rows = len(mask)
-        first, last = mask[0], mask[-1]
-        self._rows = slice(first, last + 1) if self.rows == last - first + 1 else list(mask)
         super().__init__(frame, relative_to, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
 
     def error(self, state: RobotState, t: float) -> Array:
-        frame, away, turn = self.seen(state), STILL[0], STILL[0]
-        if self.position is not None:
-            away = self.position(t)[0] - frame.position
-        if self.rotation is not None:
-            turn = _turn(self.rotation, frame.rotation, t)
-        return self._along(frame, away, turn)
+        return measured_alone(self, state, t).error
 
     def jacobian(self, state: RobotState) -> Array:
-        frame = self.seen(state)
-        return self._along(frame, frame.linear, frame.angular)
+        return measured_alone(self, state).jacobian
 
     def drift(self, state: RobotState) -> Array:
-        frame, v = self.seen(state), state.v
-        drift = self._along(frame, frame.linear_drift, frame.angular_drift)
-        return drift + self._turning(frame, v, frame.linear @ v, frame.angular @ v)
+        return measured_alone(self, state, drifts=True).drift
 
     def rates(self, state: RobotState, t: float) -> tuple[Array, Array]:
-        frame, v = self.seen(state), state.v
-        (_, p1, p2), (_, r1, r2) = (STILL if goal is None else goal(t) for goal in (self.position, self.rotation))
-        linear, angular = frame.linear @ v, frame.angular @ v
-        # The axes turn with the frame, not with the target; and what stands still in the frame is R^T log(R^d R^T).
-        turning = self._turning(frame, v, linear, angular)
-        return self._along(frame, p1, r1), self._along(frame, p2, r2 + cross(r1, angular)) + turning
+        found = measured_alone(self, state, t, drifts=True)
+        return found.rate, found.change
 
-    def _along(self, frame: Frame, linear: Array, angular: Array) -> Array:
-        """Vectors in the axes of the world, or the columns of matrices, as the rows of this task."""
-        if self.reference == "local":
-            linear, angular = frame.rotation.T @ linear, frame.rotation.T @ angular
-        elif self._spatial:
-            linear = linear + cross(frame.position, angular)
-        return self._own(linear, angular)
+    def plan(self, site: Site) -> Plan:
+        """One loop; the target is written every tick where it moves."""
+        from .kernels import frames as loops
+        from .rows.plan import Call, Plan
 
-    def _turning(self, frame: Frame, v: Array, linear: Array, angular: Array) -> Array | float:
-        """How the rows of vectors that stand still in the world change, as their axes or their origin move."""
-        if self.reference == "local":
-            turned = frame.rotation.T
-            omega = turned @ (frame.angular @ v)
-            return self._own(np.cross(turned @ linear, omega), np.cross(turned @ angular, omega))
-        if self._spatial:
-            return self._own(np.cross(frame.linear @ v, angular), STILL[0])
-        return 0.0
+        target = np.zeros(loops.TARGET_SIZE)
+        moves = self._keep_up(target)
+        call = Call(
+            loops.write_place,
+            site.law(self),
+            self.block(site),
+            target,
+            site.shared.work,
+            loops.SPATIAL if self._spatial else loops.LOCAL if self.reference == "local" else loops.WORLD,
+            self.position is not None,
+            self.rotation is not None,
+            isinstance(self.rotation, AboutZ),
+            np.array(self.mask, dtype=np.int64),
+        )
+        return Plan((call,), moves)
+
+    def _keep_up(self, target: Array) -> tuple[Move, ...]:
+        """Keep the target up to date; see :mod:`tasks.kernels.frames`."""
+        from .kernels import frames as loops
+
+        position, rotation, moves = self.position, self.rotation, tuple[Move, ...]()
+        p = target[loops.P : loops.R].reshape(3, 3)
+        if isinstance(position, Spread):
+            moves += kept_up(position.trajectory, *p[:, position.columns])
+        elif position is not None:
+            moves += kept_up(position, *p)
+        omega, alpha = target[loops.OMEGA : loops.ALPHA], target[loops.ALPHA : loops.TURNED]
+        if isinstance(rotation, AboutZ):
+            moves += kept_up(rotation.angle, target[loops.TURNED :], omega[2:], alpha[2:])
+        elif rotation is not None:
+            moves += kept_up(rotation, target[loops.R : loops.OMEGA].reshape(3, 3), omega, alpha)
+        return moves
 
     @property
     def _spatial(self) -> bool:
         """Whether the linear rows are those of the point that is passing the origin of the world."""
         return self.reference == "world" and self.position is not None and self.rotation is not None
-
-    def _own(self, linear: Array, angular: Array) -> Array:
-        """The coordinates of this task."""
-        if self.rotation is None:
-            return linear[self._rows]
-        if self.position is None:
-            return angular[self._rows]
-        return np.concatenate([linear, angular])[self._rows]
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:
         names = [(axis, "m") for axis in "xyz"] if self.position is not None else []
@@ -160,13 +160,6 @@ class PlaceTask(FrameTask):
 
     def _shown(self) -> list[str]:
         return [*super()._shown(), *([] if self.reference == "world" else [f"reference={self.reference!r}"])]
-
-
-def _turn(target: RotationTrajectory, R: Array, t: float) -> Array:
-    """The rotation vector from R to the target, shape (3,)."""
-    if R.ndim == 1 and isinstance(target, AboutZ):
-        return np.array([0.0, 0.0, float(target.angle(t)[0][0] - R[0])])
-    return log(target(t)[0] @ R.T)
 
 
 def as_reference(value: str, what: str) -> Reference:

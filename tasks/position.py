@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
-from .motion.trajectories import Trajectory, as_trajectory, spread
+from .motion.trajectories import Spread, Trajectory, as_trajectory
 from .place import Mask, PlaceTask, Reference, as_reference, chosen
 
 AXES = ("x", "y", "z")
@@ -54,7 +54,7 @@ class PositionTask(PlaceTask):
             allowed = " or ".join(f"({size},)" for size in sorted(sizes))
             raise InvalidInput(f"{self.label()}: target has shape ({size},); it must be {allowed}")
         super().__init__(
-            self.target if size == 3 else spread(self.target, axes),
+            self.target if size == 3 else Spread(self.target, axes),
             None,
             frame=frame,
             relative_to=relative_to,

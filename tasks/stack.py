@@ -5,22 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, get_args
 
-import numpy as np
-from numpy.typing import NDArray
-
-from hqp import DampingRule, Hierarchy, InvalidInput, Level
-from hqp.checks import of_type, one_of, truth
+from hqp import DampingRule, InvalidInput
+from hqp.checks import one_of
 from hqp.errors import brief
 
-from ._checks import Array, per_row, positive_scalar
-from .limits.envelope import Envelope
-from .limits.joint_limits import JointLimits
-from .limits.limit import JointLimit
-from .part import Order, Part, Tick
-from .robots.robot import Robot, RobotState, as_robot, neutral, on_pinocchio
+from ._checks import positive_scalar
+from .part import Order, Part
+from .robots.robot import Robot, as_robot
 
 if TYPE_CHECKING:
-    from .compiled import CompiledRows
+    from .rows.rows import Rows
 
 #: One level, and how it is damped.
 Ruled = tuple[tuple[Part, ...], DampingRule | None]
@@ -153,18 +147,16 @@ class Stack:
     def __repr__(self) -> str:
         return " >> ".join(map(_shown, self.levels, self.damping))
 
-    def build(self, robot: Robot, order: Order, dt: float | None = None, *, compiled: bool = True) -> Rows:
+    def build(self, robot: Robot, order: Order, dt: float | None = None) -> Rows:
         """The hierarchy of this stack for one robot, ready to be filled.
 
         Parameters
         ----------
         robot : Robot
-        order : {"velocity", "acceleration"}
-            Whether x is the joint velocities [rad/s] or accelerations [rad/s^2].
+        order : {"velocity", "acceleration", "step"}
+            Whether x is the joint velocities [rad/s], accelerations [rad/s^2], or a step of the joints [rad].
         dt : float, optional
             Tick [s]; needed by limits of the other order.
-        compiled : bool
-            Whether rows may be written by :mod:`tasks.compiled` where it knows how: the same rows, sooner.
 
         Returns
         -------
@@ -175,102 +167,13 @@ class Stack:
         ------
         InvalidInput
             If a part does not fit the robot, or the rest of the stack; names the part. If the robot is none, the order
-            none of the two, or dt not positive.
+            none of them, or dt not positive.
         """
+        from .rows.rows import Rows
+
         robot = as_robot(robot)
         one_of(order, get_args(Order), "order")
-        tick = None if dt is None else positive_scalar(dt, "dt", unit="s")
-        return Rows(self, robot, order, tick, truth(compiled, "compiled"))
-
-
-class Rows:
-    """A stack at work on one robot: a hierarchy, and which part writes where.
-
-    Attributes
-    ----------
-    hierarchy : hqp.Hierarchy
-        Refilled in place: nothing is stacked or copied per tick.
-    compiled : bool
-        Whether all parts are written by :mod:`tasks.compiled`.
-    """
-
-    def __init__(self, stack: Stack, robot: Robot, order: Order, dt: float | None, compiled: bool) -> None:
-        self._robot, self._order, self._dt = robot, order, dt
-        for part in stack:
-            part.check(robot, order, dt)
-        self.hierarchy = Hierarchy([_empty_level(level, robot, order) for level in stack.levels], n=robot.nv)
-        self._views: list[tuple[Part, Array | None, Array, Array]] = []
-        self._unweighted: list[tuple[Array, Array, NDArray[np.intp]]] = []  # rows that ask for nothing
-        self._merged: list[tuple[Array, Array, list[tuple[Array, Array]]]] = []
-        for view, parts in zip(self.hierarchy.levels, stack.levels, strict=True):
-            row = 0
-            for part in parts:
-                own = slice(row, row + part.size(robot))
-                row = own.stop
-                self._views.append((part, None if view.A is None else view.A[own], view.lower[own], view.upper[own]))
-                without = per_row(part.weight, part.size(robot), f"{part.label()}: weight") == 0.0
-                if without.any():
-                    self._unweighted.append((view.lower[own], view.upper[own], np.flatnonzero(without)))
-                if isinstance(part, JointLimits):
-                    alone = [(limit, None, *np.zeros((2, robot.nv))) for limit in part.of(robot)]
-                    self._views.extend(alone)
-                    self._merged.append((view.lower[own], view.upper[own], [bounds[2:] for bounds in alone]))
-        self._envelope = Envelope(((part, lower, upper) for part, _, lower, upper in self._views), robot, order)
-        rest = Tick(robot, robot.at(neutral(robot), np.zeros(robot.nv)), 0.0, order, dt, self._envelope)
-        with np.errstate(all="ignore"):  # what is infinite is refused in words
-            for part in stack:
-                part.check_beside(rest)
-        self._compiled: CompiledRows | None = None
-        self._written = self._views  # by the parts themselves
-        if compiled and order == "velocity" and on_pinocchio(robot):
-            from .compiled import CompiledRows
-
-            self._compiled = CompiledRows(self._views, robot, dt, self._envelope)
-            self._written = [view for view in self._views if id(view[0]) not in self._compiled.parts]
-        self.compiled = not self._written
-        self._relaxed = any(isinstance(view[0], JointLimit) for view in self._written)
-
-    def bounds(self, part: Part) -> tuple[Array, Array] | None:
-        """Lower and upper bounds that a part writes (views), or None if it is not in the stack."""
-        return next(((lower, upper) for own, _, lower, upper in self._views if own is part), None)
-
-    def fill(self, state: RobotState, t: float) -> Hierarchy:
-        """Let every part write its rows for this state and time t [s]; the hierarchy, for convenience."""
-        if self._compiled is not None:
-            self._compiled.write(state, t)
-        if self._written:
-            tick = Tick(self._robot, state, t, self._order, self._dt, self._envelope)
-            for part, A, lower, upper in self._written:
-                part.write(tick, A, lower, upper)
-            if self._relaxed:
-                self._envelope.reconcile(tick)
-                self._merge()
-        for lower, upper, rows in self._unweighted:
-            lower[rows], upper[rows] = -np.inf, np.inf
-        return self.hierarchy
-
-    def _merge(self) -> None:
-        """All limits of the joints in one row a joint."""
-        for lower, upper, limits in self._merged:
-            lower[:], upper[:] = limits[0]
-            for low, high in limits[1:]:
-                np.maximum(lower, low, out=lower)
-                np.minimum(upper, high, out=upper)
-
-
-def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order) -> Level:
-    """One level without numbers yet: plain bounds if all its parts are plain, rows otherwise."""
-    name = " + ".join(of_type(part.name, str, f"name of a {type(part).__name__}") for part in parts)
-    weights = np.concatenate([per_row(p.weight, p.size(robot), f"{p.label()}: weight") for p in parts])
-    weights[weights == 0.0] = 1.0  # of rows that are free
-    labels = [label for part in parts for label in part.labels(robot, order)]
-    zeros = np.zeros(len(weights))
-    if all(part.plain for part in parts):
-        indices = np.concatenate([p.variables(robot) for p in parts])
-        return Level.bounds(zeros, zeros, indices=indices, weights=weights, name=name, labels=labels)
-    identity = np.eye(robot.nv)
-    A = [identity[p.variables(robot)] if p.plain else np.zeros((p.size(robot), robot.nv)) for p in parts]
-    return Level(np.concatenate(A), zeros, zeros, weights=weights, name=name, labels=labels)
+        return Rows(self, robot, order, None if dt is None else positive_scalar(dt, "dt", unit="s"))
 
 
 def _of_levels(levels: Iterable[Ruled]) -> Stack:

@@ -15,7 +15,7 @@ K = 10 /min, 100 /min and 2500 /min^2 are K = 50 /min.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,6 +29,10 @@ from ._telling import tell
 from .motion.trajectories import Trajectory, as_trajectory
 from .part import PER, Order, Part, Tick
 from .robots.robot import Robot, RobotState, neutral
+
+if TYPE_CHECKING:
+    from .rows.plan import Plan
+    from .rows.site import Site
 
 
 class Task(Part):
@@ -63,6 +67,7 @@ class Task(Part):
     """
 
     rows: int | None = None
+    says: ClassVar[tuple[str, ...]] = ("error", "jacobian", "drift", "feedforward", "rates", "measure", "write")
 
     def __init__(
         self, *, gain: ArrayLike, damping_ratio: float = 1.0, weight: ArrayLike = 1.0, name: str | None = None
@@ -75,8 +80,6 @@ class Task(Part):
             whole_number(self.rows, f"{self.label()}: rows", least=1)
             per_row(self.gain, self.rows, f"{self.label()}: gain")
             per_row(self.weight, self.rows, f"{self.label()}: weight")
-        self._c1 = 2.0 * self.damping_ratio * self.gain
-        self._c2 = self.gain**2
 
     def _call(self, name: str | None) -> None:
         """Take this name, before anything is refused in it."""
@@ -103,27 +106,26 @@ class Task(Part):
         """The feed-forward as the rows have it, where their axes turn with the robot."""
         return self.feedforward(t)
 
-    def control(self, tick: Tick) -> tuple[Array, Array]:
-        """The rows J x = h of this tick, shapes (rows, nv) and (rows,), by the law of the module's docstring."""
-        J, drift = self.motion(tick)
-        e = self.error(tick.state, tick.t)
-        rd_dot, rd_ddot = self.rates(tick.state, tick.t)
-        if tick.order == "velocity":
-            return J, rd_dot + self.gain * e
-        e_dot = rd_dot - J @ tick.state.v
-        return J, self._c1 * e_dot + self._c2 * e - drift + rd_ddot
+    def python_plan(self, site: Site) -> Plan:
+        """Measured in Python, by the methods above; the law is that of all tasks."""
+        if type(self).write is not Part.write:
+            return super().python_plan(site)
+        from .kernels.law import write_law
+        from .rows.plan import Call, Plan
 
-    def motion(self, tick: Tick) -> tuple[Array, Array | float]:
-        """Jacobian and, at acceleration order, drift of this tick."""
-        drift = 0.0 if tick.order == "velocity" else self.drift(tick.state)
-        return np.asarray(self.jacobian(tick.state)), drift
+        error, rate, change, drift, now = site.measured
 
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        J, h = self.control(tick)
-        if A is not None:
-            A[:] = J
-        lower[:] = h
-        upper[:] = h
+        def measure(tick: Tick) -> None:
+            state, t = tick.state, tick.t
+            error[:], (rate[:], change[:]) = self.error(state, t), self.rates(state, t)
+            if site.A is not None:
+                site.A[:] = self.jacobian(state)
+            if site.drifts:
+                drift[:], now[:] = self.drift(state), np.asarray(self.jacobian(state)) @ state.v
+
+        return Plan(
+            (Call(write_law, site.law(self)),), python=measure, why=f"{type(self).__name__} is measured in Python"
+        )
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:
         """Name and unit of each row, as of the error: ``("x", "m")``."""
@@ -171,7 +173,7 @@ class Task(Part):
         ------
         InvalidInput
         """
-        if dt is None:
+        if dt is None or order == "step":  # which is taken as a whole, whatever the gain
             return
         fastest, zeta = float(self.gain.max()), self.damping_ratio
         most = 2.0 if order == "velocity" else min(1.0 / zeta, 4.0 * zeta)

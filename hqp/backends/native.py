@@ -239,6 +239,10 @@ def in_numbers(rule: DampingRule) -> tuple[float, ...] | None:
     return None
 
 
+#: What this process has told of.
+_ANNOUNCED: set[str] = set()
+
+
 class _Announcement(event.Listener):
     """Says in one line that a kernel is being compiled: this takes its time, once."""
 
@@ -246,7 +250,8 @@ class _Announcement(event.Listener):
         self._what = what
 
     def on_start(self, event: event.Event) -> None:
-        if not self.said:
+        if not self.said and self._what not in _ANNOUNCED:
+            _ANNOUNCED.add(self._what)
             print(f"hqp: compiling {self._what}, once for this version and machine ...", file=sys.stderr, flush=True)
         self.said = True
 
@@ -266,14 +271,14 @@ def warm_up_damped() -> bool:
     return make_ready(kernel_damped.solve_damped, "damped levels")
 
 
-def make_ready(function: Any, what: str) -> bool:
-    """The same for any kernel of two addresses, see :func:`hqp.kernels.compile.entry`."""
+def make_ready(function: Any, what: str, signature: Any = SIGNATURE) -> bool:
+    """The same for any kernel, by default of two addresses, see :func:`hqp.kernels.compile.entry`."""
     if function.signatures:
         return False
     listener = _Announcement(what)
     try:
         with event.install_listener("numba:compile", listener):
-            function.compile(SIGNATURE)
+            function.compile(signature)
     except OSError:  # a full disk: compiled, but not kept
         if not function.signatures:
             raise

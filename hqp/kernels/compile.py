@@ -13,12 +13,15 @@ from functools import cache
 from pathlib import Path
 
 import numba
-from numba import int64, njit
+from numba import config, int64, njit
 
 LOG = logging.getLogger("hqp")
 
 FAST = {"reassoc", "contract", "nsz"}
 ENTRY = {"fastmath": FAST, "error_model": "numpy", "nogil": True, "_nrt": False}
+
+#: Whether the interpreter runs the loops, as NUMBA_DISABLE_JIT=1 asks for: to step through them in a debugger.
+INTERPRETED = bool(config.DISABLE_JIT)
 
 #: Counters start with it: a literal would have a variant of its own compiled of every kernel that it is handed to.
 integer = int64
@@ -43,16 +46,23 @@ def stamp(kernel):
     The place of Numba's own stamp is private. Where a version of Numba has none, what is on disk could be of other
     sources: nothing is taken from there and nothing kept.
     """
-    if kernel.stats.cache_path is None:
+    if INTERPRETED or kernel.stats.cache_path is None:
         return kernel
     index = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
     if not hasattr(index, "_source_stamp"):
         tell_unkept()
         return njit(**ENTRY)(kernel.py_func)
-    folders = {Path(__file__).parent, Path(kernel.py_func.__code__.co_filename).parent}
-    sources = sorted(source for folder in folders for source in folder.glob("*.py"))
-    index._source_stamp = hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
+    package = kernel.py_func.__module__.partition(".")[0]
+    folder = next(parent for parent in Path(kernel.py_func.__code__.co_filename).parents if parent.name == package)
+    index._source_stamp = _sources(Path(__file__).parents[1]) + ("" if package == "hqp" else _sources(folder))
     return kernel
+
+
+@cache
+def _sources(package):
+    """A hash of all kernels of a package: the modules and the folders of that name."""
+    sources = sorted({*package.rglob("kernels.py"), *package.rglob("kernels/*.py")})
+    return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
 
 
 @cache

@@ -8,14 +8,17 @@ counters. The caller keeps the block alive.
 
 from __future__ import annotations
 
+import ctypes
 import time
 
+import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.core.cgutils import alloca_once, get_or_insert_function
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array, populate_array
 
+from .compile import INTERPRETED
 from .layout import HEAD, LOWER, UPPER, WEIGHTS, A
 
 
@@ -83,6 +86,21 @@ def floats(typing, address, first, count):
 def ints(typing, address, first, count):
     """int64 (count,), from the first-th number after the address on."""
     return _raw(types.int64)
+
+
+if INTERPRETED:
+
+    def floats(address, first, count):
+        """The same, for the interpreter."""
+        return _at(address + 8 * first, ctypes.c_double, count)
+
+    def ints(address, first, count):
+        """The same, for the interpreter."""
+        return _at(address + 8 * first, ctypes.c_int64, count)
+
+
+def _at(address, kind, count):
+    return np.ctypeslib.as_array((kind * count).from_address(address)) if count else np.empty(0, dtype=kind)
 
 
 @intrinsic

@@ -145,7 +145,7 @@ def manipulability(frame, n, axes, reading, rows, order, slope, work):
     Parameters
     ----------
     frame : (26 + 6 * n,)
-        See :mod:`tasks.robots.block`.
+        See :mod:`tasks.kernels.block`.
     axes : int
         WORLD, LOCAL or SPATIAL.
     reading : (rows * 6,)

@@ -21,7 +21,8 @@ from ..limits.joint_limits import JointLimits
 from ..limits.velocity import JointVelocityLimit
 from ..part import Command, Order, Part
 from ..robots.robot import Robot, RobotState, as_robot, check_fixed_base, check_joints
-from ..stack import Rows, Stack
+from ..rows.rows import Rows
+from ..stack import Stack
 from .timing import Timing, cubic
 from .transition import Limits, Transition
 

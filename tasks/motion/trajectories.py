@@ -132,14 +132,23 @@ def as_trajectory(target: ArrayLike | Trajectory, rows: int | None, what: str) -
     return trajectory
 
 
-def spread(trajectory: Trajectory, axes: Sequence[int]) -> Trajectory:
-    """The same among three coordinates, the others zero."""
+class Spread:
+    """A trajectory of some of three coordinates, the others zero.
 
-    def whole(part: Array) -> Array:
-        full = np.zeros(3)
-        full[list(axes)] = part
-        return full
+    Parameters
+    ----------
+    trajectory : Trajectory
+    axes : sequence of int
+        Which, in ascending order.
+    """
 
-    if isinstance(trajectory, Fixed):
-        return Fixed(whole(trajectory.target))
-    return lambda t: tuple(map(whole, trajectory(t)))  # type: ignore[return-value]
+    def __init__(self, trajectory: Trajectory, axes: Sequence[int]) -> None:
+        self.trajectory, self.axes = trajectory, tuple(axes)
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        whole = np.zeros((3, 3))
+        whole[:, self.axes] = self.trajectory(t)
+        return whole[0], whole[1], whole[2]
+
+    def __repr__(self) -> str:
+        return repr(self.trajectory)

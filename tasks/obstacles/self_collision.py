@@ -24,9 +24,9 @@ import numpy as np
 from hqp import InvalidInput, Label
 from hqp.checks import listed, of_type, whole_number
 
-from .._checks import Array, finite_scalar, numbers, pair, positive_scalar
+from .._checks import Array, finite_scalar, nearest, numbers, pair, positive_scalar
 from ..part import PER, Order, Part, Tick
-from ..robots.robot import Robot, RobotState, nearest, on_pinocchio
+from ..robots.robot import Robot, RobotState, on_pinocchio
 from .distance import check_rate
 from .links import Placed
 

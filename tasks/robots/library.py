@@ -9,8 +9,8 @@ from pathlib import Path
 
 from hqp import InvalidInput, MissingPackage
 
+from .._checks import nearest
 from .choices import Base
-from .robot import nearest
 
 
 @dataclass(frozen=True)

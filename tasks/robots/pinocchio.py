@@ -19,8 +19,8 @@ from hqp import InvalidInput, MissingPackage
 from hqp.checks import of_type
 from hqp.guard import Guard
 
-from .._checks import Array, finite, finite_scalar, own_numbers
-from .robot import joint_index, nearest
+from .._checks import Array, finite, finite_scalar, nearest, own_numbers
+from .robot import joint_index
 
 try:
     import pinocchio as pin
@@ -33,6 +33,7 @@ from .chain import APART
 from .files.xml import root_of
 from .frame_names import frame_numbers
 from .keeping import Kept, Recipe
+from .pinocchio_source import PinocchioSource
 from .pinocchio_state import PinocchioState
 from .ranges import SAME, both_ways, largest, no_position
 from .ranges import position_limit as limits_of
@@ -384,6 +385,14 @@ class PinocchioRobot:
             what, given, size = ("q", position, self.nq) if position.shape != (self.nq,) else ("v", velocity, self.nv)
             raise InvalidInput(f"{what} has shape {given.shape}; {self!r} takes ({size},)")
         return PinocchioState(self, position, velocity)
+
+    def frame_source(self, q: Array, v: Array) -> PinocchioSource:
+        """Its frames for loops; q and v hold the state of the tick."""
+        return PinocchioSource(self, q, v)
+
+    def forget(self) -> None:
+        """The data holds the kinematics of no state any more: something else was written into it."""
+        self._state = None
 
     def compute_center_of_mass(self, q: Array) -> None:
         """Have the data hold the centre of mass at q, and its Jacobian."""

@@ -12,7 +12,7 @@ not 0. Positive angles turn counter-clockwise; the base frame has its origin in 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +25,7 @@ from . import planar_dynamics as dynamics
 from .chain import APART
 from .frame import FixedFrame, planar_frame
 from .manipulability import manipulability
+from .planar_source import PlanarSource
 
 #: Mass per length of a link that names none [kg/m].
 DENSITY = 1.0
@@ -32,12 +33,13 @@ DENSITY = 1.0
 TIP = "tip"
 
 
-@dataclass(frozen=True, eq=False, slots=True)
 class PlanarState:
-    """A planar arm at one instant; see :class:`tasks.robots.robot.RobotState`.
+    """A planar arm at one instant, each quantity computed when first asked for; see
+    :class:`tasks.robots.robot.RobotState`.
 
     Attributes
     ----------
+    robot : PlanarArm
     q, v : array, shape (n,)
         Joint angles [rad] and velocities [rad/s].
     points : array, shape (n + 1, 2)
@@ -48,18 +50,37 @@ class PlanarState:
         Rows x, y [m/rad] and phi [1].
     twist, drift : array, shape (3,)
         ``J v`` [m/s, m/s, rad/s] and ``Jdot v`` [m/s^2, m/s^2, rad/s^2].
-    tip : Frame
-        The same once more, as tasks ask for it.
     """
 
-    q: Array
-    v: Array
-    points: Array
-    pose: Array
-    jacobian: Array
-    twist: Array
-    drift: Array
-    tip: FixedFrame
+    def __init__(self, robot: PlanarArm, q: Array, v: Array) -> None:
+        self.robot, self.q, self.v = robot, q, v
+
+    @cached_property
+    def points(self) -> Array:
+        return self.robot.points(self.q)
+
+    @cached_property
+    def pose(self) -> Array:
+        return np.array([*self.points[-1], self.q.cumsum()[-1]])
+
+    @cached_property
+    def jacobian(self) -> Array:
+        return _jacobian(self.points)
+
+    @property
+    def twist(self) -> Array:
+        return np.asarray(self.jacobian @ self.v)
+
+    @property
+    def drift(self) -> Array:
+        return self._drift(len(self.q))
+
+    def _drift(self, end: int) -> Array:
+        """Of the end of a link: every link pulls its end towards its beginning at length * rate^2."""
+        drift = np.zeros(3)
+        with np.errstate(all="ignore"):  # what is beyond all numbers is for the solver to report
+            drift[:2] = -(self.v[:end].cumsum() ** 2) @ np.diff(self.points[: end + 1], axis=0)
+        return drift
 
     def frame(self, name: str | None = None) -> FixedFrame:
         """The tip, or ``"link1"``, ``"link2"``, ...: the end of that link, counted from the base.
@@ -69,14 +90,11 @@ class PlanarState:
         InvalidInput
             If there is no such frame.
         """
-        if name is None or name == TIP:
-            return self.tip
-        end = _links_to(name, len(self.q))
-        pose = np.array([*self.points[end], self.q[:end].sum()])
-        J, drift = np.zeros((3, len(self.q))), np.zeros(3)
+        end = self.robot.links_to(name)
+        pose = np.array([*self.points[end], self.q[:end].cumsum()[-1]])
+        J = np.zeros((3, len(self.q)))
         J[:, :end] = _jacobian(self.points[: end + 1])
-        drift[:2] = -(self.v[:end].cumsum() ** 2) @ np.diff(self.points[: end + 1], axis=0)
-        return planar_frame(pose, J, drift)
+        return planar_frame(pose, J, self._drift(end))
 
 
 class PlanarArm:
@@ -219,21 +237,36 @@ class PlanarArm:
         InvalidInput
             If q [rad] or v [rad/s] has not one number a joint. NaN passes: the solver reports it.
         """
-        q, v = self._joints(single=True, q=q, v=v)
-        with np.errstate(all="ignore"):  # what is beyond all numbers is for the solver to report
-            angles, points = self._points(q)
-            pose = np.array([points[-1, 0], points[-1, 1], angles[-1]])
-            J = _jacobian(points)
-            # Jdot v: every link pulls its end towards its beginning at length * rate^2.
-            drift = np.zeros(3)
-            drift[:2] = -(v.cumsum() ** 2) @ (points[1:] - points[:-1])
-            return PlanarState(q, v, points, pose, J, J @ v, drift, planar_frame(pose, J, drift))
+        return PlanarState(self, *self._joints(single=True, q=q, v=v))
+
+    def links_to(self, frame: str | None) -> int:
+        """How many links it is from the base to a frame; the tip, if no name is given.
+
+        Raises
+        ------
+        InvalidInput
+            If there is no such frame.
+        """
+        if frame is None or frame == TIP:
+            return self.nv
+        links = _link_names(self.nv)
+        if frame not in links:
+            raise InvalidInput(f"{frame!r} is no frame of this arm; there are {TIP}, {', '.join(links)}")
+        return links.index(frame) + 1
+
+    def frame_source(self, q: Array, v: Array) -> PlanarSource:
+        """Its frames for loops; q and v hold the state of the tick."""
+        return PlanarSource(self, q, v)
+
+    def places(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
+        """Where in q the positions of these velocities are."""
+        return np.asarray(columns, dtype=np.int64)
 
     def chain_order(self, frame: str | None, relative_to: str | None = None) -> NDArray[np.int64] | None:
         """The place of every joint in the chain to a frame; see :func:`tasks.robots.chain.chain_order`."""
         places = np.arange(self.nv)
         if frame is not None and frame != TIP:
-            places[_links_to(frame, self.nv) :] = APART
+            places[self.links_to(frame) :] = APART
         return places if relative_to is None else None
 
     def _points(self, q: Array) -> tuple[Array, Array]:
@@ -263,20 +296,6 @@ class PlanarArm:
 
 def _link_names(count: int) -> list[str]:
     return [f"link{i + 1}" for i in range(count)]
-
-
-def _links_to(name: str, count: int) -> int:
-    """How many links lead to the end of the link of that name.
-
-    Raises
-    ------
-    InvalidInput
-        If there is no such frame.
-    """
-    links = _link_names(count)
-    if name not in links:
-        raise InvalidInput(f"{name!r} is no frame of this arm; there are {TIP}, {', '.join(links)}")
-    return links.index(name) + 1
 
 
 def _chain(dx: Array, dy: Array) -> Array:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
 from typing import Protocol
 
 import numpy as np
@@ -14,7 +13,7 @@ from hqp import InvalidInput
 from hqp.checks import whole_number
 from hqp.errors import brief
 
-from .._checks import Array
+from .._checks import Array, nearest
 from .frame import Frame
 
 
@@ -176,16 +175,6 @@ def joint_index(names: Sequence[str], joint: str | int, what: str) -> int:
     if index >= len(names):
         raise InvalidInput(f"{what} = {index}; the robot has the joints 0 .. {len(names) - 1}")
     return index
-
-
-def nearest(name: str, names: Iterable[str]) -> str:
-    """What to add to the refusal of a name: those that are like it, or all, if they are few."""
-    known = list(names)
-    close = get_close_matches(name, known, n=3, cutoff=0.5)
-    close = close or [other for other in known if name.lower() in other.lower()][:3]
-    if close:
-        return f"; did you mean {' or '.join(map(repr, close))}?"
-    return f"; there are {', '.join(known)}" if 0 < len(known) <= 40 else f"; it has {len(known)} others"
 
 
 def check_positioned(robot: Robot, columns: Iterable[int], what: str) -> None:

@@ -9,11 +9,10 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
-from ..._checks import Array, finite_scalar
+from ..._checks import Array, finite_scalar, nearest
 from ..axes import NONE, axes
 from ..frame_names import KINDS
 from ..ranges import SAME
-from ..robot import nearest
 
 #: What a frame is called, by its type.
 KIND_OF = {own: kind for kind, types in KINDS.items() for own in types}

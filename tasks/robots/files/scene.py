@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from hqp import InvalidInput
 
-from ..robot import nearest
+from ..._checks import nearest
 
 if TYPE_CHECKING:
     import mujoco

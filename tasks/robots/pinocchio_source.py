@@ -1,0 +1,105 @@
+"""Frames of a robot of Pinocchio for loops: one pass over its data a tick, and the addresses of what it holds."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pinocchio as pin
+
+from .._checks import Array
+
+if TYPE_CHECKING:
+    from ..rows.plan import Call
+    from .pinocchio import PinocchioRobot
+    from .pinocchio_state import PinocchioState
+
+
+class PinocchioSource:
+    """The data of one robot, computed as far as somebody asks for it; see :class:`tasks.rows.blocks.Source`.
+
+    Parameters
+    ----------
+    robot : PinocchioRobot
+    q, v : array, shapes (nq,) and (nv,)
+        They hold the state of the tick.
+    """
+
+    def __init__(self, robot: PinocchioRobot, q: Array, v: Array) -> None:
+        self._robot, self._model, self._data = robot, robot.model, robot.data
+        self._q, self._v, self._still = q, v, np.zeros(robot.nv)
+        self._centre = self._inertia = False
+        self._matrices: list[Array] = []  # that Pinocchio does not tell by its own way
+        self._biases: list[Array] = []
+        self._kept: list[Any] = []
+
+    def frame(self, name: str | None, block: Array, drifts: Array) -> Call:
+        from ..kernels.robots import joint_frame
+        from ..rows.plan import Call
+
+        robot, data = self._robot, self._data
+        frame = self._model.frames[robot.frame_index(name)]
+        joint = int(frame.parentJoint)
+        placement, motion, change = data.oMi[joint], data.v[joint], data.a[joint]
+        self._kept += [placement, motion, change]
+        mounted = np.concatenate([np.ravel(frame.placement.rotation), frame.placement.translation])
+        support = np.ascontiguousarray(np.array(robot.support(joint), dtype=np.int64).reshape(-1, 2).T)
+        return Call(
+            joint_frame,
+            robot.nv,
+            block,
+            drifts,
+            placement.rotation,
+            placement.translation,
+            mounted,
+            np.asarray(data.J),
+            support.shape[1],
+            support,
+            motion.vector,
+            change.vector,
+        )
+
+    def center_of_mass(self, block: Array, drifts: Array) -> Call:
+        from ..kernels.robots import point_frame
+        from ..rows.plan import Call
+
+        self._centre = True
+        self._compute_centre(True)  # which lays out the arrays
+        data = self._data
+        return Call(point_frame, self._robot.nv, block, drifts, data.com[0], data.Jcom, data.vcom[0], data.acom[0])
+
+    def mass_matrix(self, M: Array) -> Call | None:
+        if len(self._model.mimicking_joints):  # where crba is wrong, see pinocchio_dynamics
+            self._matrices.append(M)
+            return None
+        from ..kernels.robots import symmetric
+        from ..rows.plan import Call
+
+        self._inertia = True
+        pin.crba(self._model, self._data, self._robot.neutral)
+        return Call(symmetric, self._robot.nv, np.asarray(self._data.M), M)
+
+    def bias(self, b: Array) -> None:
+        self._biases.append(b)
+
+    def update(self, state: PinocchioState, drifts: bool) -> None:
+        model, data, q, v = self._model, self._data, self._q, self._v
+        for M in self._matrices:
+            M[:] = self._robot.mass_matrix(q)
+        for b in self._biases:
+            b[:] = pin.nonLinearEffects(model, data, q, v)
+        if self._inertia:
+            pin.crba(model, data, q)
+        if self._centre:
+            self._compute_centre(drifts)
+        if self._biases or self._inertia or self._centre:
+            self._robot.forget()  # the rest of the data was overwritten
+        if drifts:
+            state.accelerated()
+        else:
+            state.ready()
+
+    def _compute_centre(self, drifts: bool) -> None:
+        if drifts:
+            pin.centerOfMass(self._model, self._data, self._q, self._v, self._still)
+        pin.jacobianCenterOfMass(self._model, self._data, self._q)

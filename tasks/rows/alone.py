@@ -1,0 +1,109 @@
+"""A task that is measured by itself: for whoever asks for its error or its Jacobian at some state."""
+
+from __future__ import annotations
+
+import threading
+from functools import lru_cache
+from typing import TYPE_CHECKING, NamedTuple
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from .._checks import Array
+from ..robots.robot import Robot, RobotState
+
+if TYPE_CHECKING:
+    from ..task import Task
+
+
+class Measured(NamedTuple):
+    """What a task measures at one state.
+
+    Attributes
+    ----------
+    error, rate, change, drift : array, shape (rows,)
+        Its error, the velocity and acceleration of its target as the rows have them, and ``Jdot v``.
+    jacobian : array, shape (rows, nv)
+    """
+
+    error: Array
+    rate: Array
+    change: Array
+    drift: Array
+    jacobian: Array
+
+
+def measured_alone(task: Task, state: RobotState, t: float = 0.0, *, drifts: bool = False) -> Measured:
+    """What a task measures at this state and time t [s], by its own loops.
+
+    Parameters
+    ----------
+    task : Task
+    state : RobotState
+    t : float
+    drifts : bool
+        Whether `change` and `drift` are asked for too.
+    """
+    return _at_work(task, robot_of(state), drifts).at(state, t)
+
+
+class _Alone:
+    """The loops of one task, in a workspace of their own."""
+
+    def __init__(self, task: Task, robot: Robot, drifts: bool) -> None:
+        from .plan import plan_of
+        from .site import Site, Workspace
+
+        rows = task.size(robot)
+        self._shared = Workspace(robot, "acceleration" if drifts else "velocity", None, alone=True)
+        self._site = Site(self._shared, np.zeros((rows, robot.nv)), *np.zeros((2, rows)))
+        self._plan = plan_of(task, self._site)
+        self.robot = robot
+
+    def at(self, state: RobotState, t: float) -> Measured:
+        for move in self._plan.moves:
+            move(t)
+        self._shared.update(state)
+        for call in self._plan.calls:
+            call.run()
+        assert self._site.A is not None
+        error, rate, change, drift, _ = self._site.measured.copy()
+        return Measured(error, rate, change, drift, self._site.A.copy())
+
+
+class _Kept(threading.local):
+    """Those that this thread has at work."""
+
+    def __init__(self) -> None:
+        self.of: WeakKeyDictionary[Task, dict[bool, _Alone]] = WeakKeyDictionary()
+
+
+_kept = _Kept()
+
+
+def _at_work(task: Task, robot: Robot, drifts: bool) -> _Alone:
+    own = _kept.of.setdefault(task, {})
+    found = own.get(drifts)
+    if found is None or found.robot is not robot:
+        found = own[drifts] = _Alone(task, robot, drifts)
+    return found
+
+
+class Unknown:
+    """A robot of which its states tell no more than its sizes."""
+
+    def __init__(self, nq: int, nv: int) -> None:
+        self.nq, self.nv = nq, nv
+        self.position_limit = self.velocity_limit = self.acceleration_limit = None
+
+    def at(self, q: Array, v: Array) -> RobotState:
+        raise NotImplementedError
+
+
+def robot_of(state: RobotState) -> Robot:
+    """Whose state it is."""
+    robot = getattr(state, "robot", None)
+    return _unknown(len(state.q), len(state.v)) if robot is None else robot
+
+
+_unknown = lru_cache(maxsize=16)(Unknown)

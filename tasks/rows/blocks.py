@@ -1,0 +1,166 @@
+"""Frame blocks of one robot, each written once a tick: by loops where the robot has some, else from its states.
+
+See :mod:`tasks.kernels.block` for what a block holds.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
+
+import numpy as np
+
+from .._checks import Array
+from ..kernels import block as at
+from ..robots.frame import Frame
+from ..robots.robot import Robot, RobotState
+
+if TYPE_CHECKING:
+    from .plan import Call
+
+
+class Source(Protocol):
+    """Where the numbers of frames come from, tick after tick."""
+
+    def frame(self, name: str | None, block: Array, drifts: Array) -> Call | None:
+        """Begin to keep the block of a frame; the loop that does, or None if :meth:`update` does it itself."""
+        ...
+
+    def center_of_mass(self, block: Array, drifts: Array) -> Call | None: ...
+
+    def mass_matrix(self, M: Array) -> Call | None: ...
+
+    def bias(self, b: Array) -> None: ...
+
+    def update(self, state: RobotState, drifts: bool) -> None:
+        """Have ready what the loops read, at this state."""
+        ...
+
+
+@runtime_checkable
+class HasSource(Protocol):
+    """A robot whose frames are written by loops."""
+
+    def frame_source(self, q: Array, v: Array) -> Source: ...
+
+
+class StateSource:
+    """Blocks filled from what the states of any robot tell, frame by frame."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._frames: list[tuple[str | None, Array]] = []
+        self._centres: list[Array] = []
+        self._matrices: list[Array] = []
+        self._biases: list[Array] = []
+
+    def frame(self, name: str | None, block: Array, drifts: Array) -> None:
+        self._frames.append((name, block))
+
+    def center_of_mass(self, block: Array, drifts: Array) -> None:
+        self._centres.append(block)
+
+    def mass_matrix(self, M: Array) -> None:
+        self._matrices.append(M)
+
+    def bias(self, b: Array) -> None:
+        self._biases.append(b)
+
+    def update(self, state: RobotState, drifts: bool) -> None:
+        for name, block in self._frames:
+            fill(block, state.frame(name), state.v, drifts)
+        for block in self._centres:
+            fill(block, state.center_of_mass, state.v, drifts)  # type: ignore[attr-defined]  # checked
+        for M in self._matrices:
+            M[:] = self._robot.mass_matrix(state.q)  # type: ignore[attr-defined]  # checked
+        for b in self._biases:
+            b[:] = self._robot.bias(state.q, state.v)  # type: ignore[attr-defined]  # checked
+
+
+def fill(block: Array, frame: Frame, v: Array, drifts: bool) -> None:
+    """Write what a frame tells into its block."""
+    n = len(v)
+    J = block[at.JACOBIAN :].reshape(6, n)
+    block[:3], J[:3], J[3:] = frame.position, frame.linear, frame.angular
+    rotation = frame.rotation
+    if rotation.ndim == 1:
+        angle = float(rotation[0])
+        c, s = np.cos(angle), np.sin(angle)
+        block[at.ANGLE], block[at.PLANAR] = angle, 1.0
+        block[at.ROTATION : at.ROTATION + 9] = c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0
+    else:
+        block[at.ROTATION : at.ROTATION + 9] = rotation.ravel()
+    if drifts:
+        block[at.LINEAR_DRIFT : at.LINEAR_DRIFT + 3] = frame.linear_drift
+        block[at.ANGULAR_DRIFT : at.ANGULAR_DRIFT + 3] = frame.angular_drift
+        block[at.LINEAR_VELOCITY : at.LINEAR_VELOCITY + 6] = J @ v
+
+
+class Blocks:
+    """The blocks that the parts of one stack ask for, each once.
+
+    Parameters
+    ----------
+    robot : Robot
+    source : Source
+    n : int
+        Joint velocities.
+    """
+
+    def __init__(self, source: Source, n: int) -> None:
+        self._source, self._n = source, n
+        self._blocks: dict[object, Array] = {}
+        self._calls: list[Call] = []
+        self.drifts = np.zeros(1, dtype=np.int64)
+
+    def frame(self, name: str | None, relative_to: str | None = None) -> Array:
+        """The block of a frame, in the coordinates of the world or of another frame."""
+        return self._of(("frame", name), relative_to)
+
+    def center_of_mass(self, relative_to: str | None = None) -> Array:
+        """That of the centre of mass, along the axes of the world or of a frame."""
+        return self._of(("center of mass", None), relative_to)
+
+    def mass_matrix(self) -> Array:
+        """M, shape (n, n)."""
+        if "M" not in self._blocks:
+            self._blocks["M"] = M = np.zeros((self._n, self._n))
+            self._add(self._source.mass_matrix(M))
+        return self._blocks["M"]
+
+    def bias(self) -> Array:
+        """b, shape (n,)."""
+        if "b" not in self._blocks:
+            self._blocks["b"] = b = np.zeros(self._n)
+            self._source.bias(b)
+        return self._blocks["b"]
+
+    def update(self, state: RobotState) -> None:
+        """Write all of them for this state."""
+        self._source.update(state, self.drifts[0] != 0)
+        for call in self._calls:
+            call.run()
+
+    def _of(self, key: tuple[str, str | None], relative_to: str | None) -> Array:
+        if key not in self._blocks:
+            self._blocks[key] = block = np.zeros(at.size(self._n))
+            centre = key[0] == "center of mass"
+            self._add(
+                self._source.center_of_mass(block, self.drifts)
+                if centre
+                else self._source.frame(key[1], block, self.drifts)
+            )
+        if relative_to is None:
+            return self._blocks[key]
+        seen = (*key, relative_to)
+        if seen not in self._blocks:
+            root, frame, out = self.frame(relative_to), self._blocks[key], np.zeros(at.size(self._n))
+            from ..kernels.robots import relative_frame
+            from .plan import Call
+
+            self._blocks[seen] = out
+            self._add(Call(relative_frame, self._n, out, self.drifts, root, frame))
+        return self._blocks[seen]
+
+    def _add(self, call: Call | None) -> None:
+        if call is not None:
+            self._calls.append(call)

@@ -1,0 +1,99 @@
+"""How the rows of a part are written: loops and what they are told, and what has to be brought up to date before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
+from functools import cache, partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numba import int64
+from numpy.typing import NDArray
+
+from hqp.backends.native import make_ready
+from hqp.kernels.compile import INTERPRETED
+
+if TYPE_CHECKING:
+    from ..part import Part, Tick
+    from .site import Site
+
+#: Of a loop: the address of what it is told; nothing of interest.
+SIGNATURE = int64(int64)
+#: What a loop is told of: a size, an address, or an array by its address.
+Entry = int | np.integer[Any] | NDArray[Any]
+
+
+class Call:
+    """One loop, and the table of sizes and addresses that it is called with.
+
+    Parameters
+    ----------
+    kernel : callable
+        See :func:`hqp.kernels.compile.entry`.
+    *told : int or array
+        Arrays are told by their address, and kept alive.
+    """
+
+    def __init__(self, kernel: Any, *told: Entry) -> None:
+        self.kernel, self._kept = kernel, told
+        self.table = np.array([address(entry) for entry in told], dtype=np.int64)
+        self.run: Callable[[], object] = partial(ready(kernel), address(self.table))
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How one part writes its rows.
+
+    Attributes
+    ----------
+    calls : tuple of Call
+        In this order, every tick.
+    moves : tuple of callable
+        Bring targets up to date, by the time [s].
+    python : callable, optional
+        What Python writes, before the calls.
+    why : str
+        Why Python does.
+    """
+
+    calls: tuple[Call, ...] = ()
+    moves: tuple[Callable[[float], None], ...] = ()
+    python: Callable[[Tick], None] | None = None
+    why: str = ""
+    kept: tuple[Any, ...] = field(default=(), repr=False)
+
+
+def plan_of(part: Part, site: Site) -> Plan:
+    """How a part writes its rows here: by the plan of its class, unless a subclass says something that it cannot know.
+
+    A subclass that overrides what its parent measures is measured in Python; one that overrides nothing of it inherits
+    the loops.
+    """
+    for kind in type(part).__mro__:
+        if "plan" in vars(kind):
+            return part.plan(site)
+        own = [name for name in part.says if name in vars(kind)]
+        if own:
+            return replace(part.python_plan(site), why=f"{kind.__name__} has its own {own[0]}()")
+    raise AssertionError(part)
+
+
+def address(entry: Entry) -> int:
+    """Where an array is; any other entry is itself."""
+    return int(entry.ctypes.data) if isinstance(entry, np.ndarray) else int(entry)
+
+
+@cache
+def ready(kernel: Any) -> Callable[[int], object]:
+    """The compiled loop, from disk or compiled now; where the interpreter runs loops, the loop itself."""
+    if INTERPRETED:
+        return kernel  # type: ignore[no-any-return]
+    make_ready(kernel, "the rows of tasks", SIGNATURE)
+    return kernel.get_overload(SIGNATURE)  # type: ignore[no-any-return]
+
+
+def run_all(calls: Iterable[Call]) -> None:
+    """One after the other."""
+    for call in calls:
+        call.run()
