@@ -6,6 +6,7 @@ import importlib.util
 import inspect
 import sys
 from collections.abc import Callable
+from functools import cache
 from types import ModuleType, SimpleNamespace
 from typing import Any
 from unittest import mock
@@ -15,6 +16,7 @@ from numba import njit
 from hqp.kernels import compile as compiling
 
 
+@cache
 def compiled(module: ModuleType, *names: str) -> SimpleNamespace:
     """These kernels of a module, each with a door for Python."""
     return SimpleNamespace(**{name: _door(getattr(module, name)) for name in names})

@@ -1,25 +1,4 @@
-r"""Secondary criteria as loops: measures of a task's Jacobian with their gradients in closed form, and least motion.
-
-**How the Jacobian of a frame changes.** With the columns :math:`l_j, \omega_j` of joint j in the axes of the world, and
-:math:`i \preceq j` if joint i comes before j in the chain or is that joint: i then carries j along, and turns its
-column; else it moves the frame away from the axis of j,
-
-.. math::
-
-    \frac{\partial l_j}{\partial q_i} = \begin{cases} \omega_i \times l_j & i \preceq j \\
-        \omega_j \times l_i & \text{else,} \end{cases} \qquad
-    \frac{\partial \omega_j}{\partial q_i} = \begin{cases} \omega_i \times \omega_j & i \preceq j \\
-        0 & \text{else.} \end{cases}
-
-**A gradient** of a scalar of J is the sum of these, weighed by the sensitivities
-:math:`C^l_j = \partial H / \partial l_j`, :math:`C^\omega_j = \partial H / \partial \omega_j`. With
-:math:`m_j = l_j \times C^l_j + \omega_j \times C^\omega_j` and :math:`s_j = C^l_j \times \omega_j`
-
-.. math:: \frac{\partial H}{\partial q_i} = \omega_i \cdot \sum_{i \preceq j} m_j + l_i \cdot \sum_{i \not\preceq j} s_j .
-
-In the axes of the frame itself, which turn with it, :math:`\omega_i \cdot \sum_j m_j` is taken off, all columns now in
-these axes; and :math:`l_i \cdot \sum_j s_j` where l is the velocity of the point that is passing the origin.
-"""
+"""Secondary criteria as loops: measures of a Jacobian with their gradients in closed form, and least motion."""
 
 from __future__ import annotations
 
@@ -28,110 +7,24 @@ import math
 from hqp.kernels.compile import inner
 
 from ..kernels.algebra import RANK_TOLERANCE, decompose, fill, root
-from ..robots.block import JACOBIAN, POSITION, ROTATION
+from ..kernels.block import JACOBIAN
+from ..kernels.frames import LOCAL, WORLD, along
+from ..kernels.gradient import add_outer, gradient, jacobian
 
-#: The axes of a task: those of the world, those of the frame, or of the world with the linear rows those of the point
-#: that is passing its origin.
-WORLD, LOCAL, SPATIAL = range(3)
 #: As :data:`tasks.criteria.manipulability.SHORTEST`.
 SHORTEST = 1e-150
 
 
 @inner
-def along(frame, axes, x, y, z, a, b, c, out, first, step):
-    """A velocity, linear (x, y, z) and angular (a, b, c), in the axes of a task: six numbers of out, `step` apart."""
-    if axes == LOCAL:
-        for k in range(3):
-            r0, r1, r2 = frame[ROTATION + k], frame[ROTATION + 3 + k], frame[ROTATION + 6 + k]
-            out[first + k * step] = r0 * x + r1 * y + r2 * z
-            out[first + (3 + k) * step] = r0 * a + r1 * b + r2 * c
-        return
-    if axes == SPATIAL:
-        p0, p1, p2 = frame[POSITION], frame[POSITION + 1], frame[POSITION + 2]
-        x, y, z = x + p1 * c - p2 * b, y + p2 * a - p0 * c, z + p0 * b - p1 * a
-    out[first], out[first + step], out[first + 2 * step] = x, y, z
-    out[first + 3 * step], out[first + 4 * step], out[first + 5 * step] = a, b, c
-
-
-@inner
-def jacobian(frame, n, axes, reading, rows, G, J):
-    """The columns of a frame in the axes of a task, G (6 * n,), and what the task reads of them, J (rows * n,).
-
-    Parameters
-    ----------
-    reading : (rows * 6,)
-        What each row takes of the linear and angular velocity in these axes: of a mask, one 1.0 a row.
-    """
-    at = JACOBIAN
-    for j in range(n):
-        k = at + j
-        x, y, z, a, b, c = frame[k], frame[k + n], frame[k + 2 * n], frame[k + 3 * n], frame[k + 4 * n], frame[k + 5 * n]
-        along(frame, axes, x, y, z, a, b, c, G, j, n)
-    fill(J, rows * n, 0.0)
-    for r in range(rows):
-        row = J[r * n : (r + 1) * n]
-        for k in range(6):
-            share, column = reading[6 * r + k], G[k * n : (k + 1) * n]
-            if share != 0.0:
-                for j in range(n):
-                    row[j] += share * column[j]
-
-
-@inner
-def add_outer(C, n, reading, rows, y, z, scale):
-    """Add ``scale * reading^T y z^T`` to C (6 * n,), for y (rows,) and z (n,)."""
-    for k in range(6):
-        share, row = 0.0, C[k * n : (k + 1) * n]
-        for r in range(rows):
-            share += reading[6 * r + k] * y[r]
-        share *= scale
-        for j in range(n):
-            row[j] += share * z[j]
-
-
-@inner
-def gradient(G, C, n, axes, order, slope, work):
-    """The gradient of a scalar, slope (n,), from its sensitivities C to the columns G: see the module's docstring.
-
-    Parameters
-    ----------
-    G, C : (6 * n,)
-        In the axes of the task.
-    order : int (n,)
-        The place of each joint in the chain that carries the frame, joints that move as one having the same; -1 where a
-        joint does not move the frame.
-    work : (6 * n,)
-    """
-    m0, m1, m2, s0, s1, s2 = (
-        work[:n],
-        work[n : 2 * n],
-        work[2 * n : 3 * n],
-        work[3 * n : 4 * n],
-        work[4 * n : 5 * n],
-        work[5 * n : 6 * n],
-    )
-    for j in range(n):
-        x, y, z, a, b, c = G[j], G[j + n], G[j + 2 * n], G[j + 3 * n], G[j + 4 * n], G[j + 5 * n]
-        u, v, w, d, e, f = C[j], C[j + n], C[j + 2 * n], C[j + 3 * n], C[j + 4 * n], C[j + 5 * n]
-        m0[j], m1[j], m2[j] = y * w - z * v + b * f - c * e, z * u - x * w + c * d - a * f, x * v - y * u + a * e - b * d
-        s0[j], s1[j], s2[j] = v * c - w * b, w * a - u * c, u * b - v * a
-    for i in range(n):
-        slope[i] = 0.0
-        if order[i] < 0:
-            continue
-        a0 = a1 = a2 = b0 = b1 = b2 = 0.0
-        for j in range(n):
-            if order[j] >= order[i]:
-                if axes != LOCAL:
-                    a0, a1, a2 = a0 + m0[j], a1 + m1[j], a2 + m2[j]
-                if axes == SPATIAL:
-                    b0, b1, b2 = b0 - s0[j], b1 - s1[j], b2 - s2[j]
-            elif order[j] >= 0:
-                if axes == LOCAL:
-                    a0, a1, a2 = a0 - m0[j], a1 - m1[j], a2 - m2[j]
-                if axes != SPATIAL:
-                    b0, b1, b2 = b0 + s0[j], b1 + s1[j], b2 + s2[j]
-        slope[i] = a0 * G[i + 3 * n] + a1 * G[i + 4 * n] + a2 * G[i + 5 * n] + b0 * G[i] + b1 * G[i + n] + b2 * G[i + 2 * n]
+def svd(frame, n, axes, reading, rows, work):
+    """The singular values of what a task reads of a frame, with G at the beginning of work; see :func:`decompose`."""
+    first = 18 * n
+    second = first + rows * n
+    third = second + rows * rows
+    J, ways, sizes = work[first:second], work[second:third], work[third : third + rows]
+    jacobian(frame, n, axes, reading, rows, work[: 6 * n], J, work[third + rows :])
+    decompose(J, rows, n, ways, sizes)
+    return J, ways, sizes
 
 
 @inner
@@ -149,12 +42,12 @@ def manipulability(frame, n, axes, reading, rows, order, slope, work):
     axes : int
         WORLD, LOCAL or SPATIAL.
     reading : (rows * 6,)
-        See :func:`jacobian`.
+        See :func:`tasks.kernels.gradient.jacobian`.
     order : int (n,)
-        See :func:`gradient`.
+        See :func:`tasks.kernels.gradient.gradient`.
     slope : (n,)
         On return the gradient [unit of w per rad, or per m].
-    work : (18 * n + rows * (n + rows + 1),)
+    work : (18 * n + rows * (n + rows + 1) + 12,)
 
     Returns
     -------
@@ -177,18 +70,6 @@ def manipulability(frame, n, axes, reading, rows, order, slope, work):
 
 
 @inner
-def svd(frame, n, axes, reading, rows, work):
-    """The singular values of what a task reads of a frame, with G at the beginning of work; see :func:`decompose`."""
-    first = 18 * n
-    second = first + rows * n
-    third = second + rows * rows
-    J, ways, sizes = work[first:second], work[second:third], work[third : third + rows]
-    jacobian(frame, n, axes, reading, rows, work[: 6 * n], J)
-    decompose(J, rows, n, ways, sizes)
-    return J, ways, sizes
-
-
-@inner
 def velocity_ratio(frame, n, axes, reading, rows, order, u, slope, pull, work):
     r"""The velocity ratio in the direction u, and its gradient.
 
@@ -208,7 +89,7 @@ def velocity_ratio(frame, n, axes, reading, rows, order, u, slope, pull, work):
         Of any length; nothing is asked where it is 0.
     pull : (rows,)
         On return dr/du.
-    work : (20 * n + rows * (n + rows + 1),)
+    work : (19 * n + rows * (n + rows + 1) + 12,)
 
     Returns
     -------
@@ -216,7 +97,8 @@ def velocity_ratio(frame, n, axes, reading, rows, order, u, slope, pull, work):
     """
     G, C, own = work[: 6 * n], work[6 * n : 12 * n], work[12 * n : 18 * n]
     J, ways, sizes = svd(frame, n, axes, reading, rows, work)
-    z = work[18 * n + rows * (n + rows + 1) :]
+    first = 18 * n + rows * (n + rows + 1) + 12
+    z = work[first : first + n]
     square = whole = s = 0.0
     for r in range(rows):
         square += u[r] * u[r]
@@ -267,20 +149,20 @@ def desired_velocity_ratio(frame, n, axes, reading, rows, order, desired, slope,
         See :func:`manipulability`.
     desired : (6,)
         Linear and angular, in the axes of the world.
-    work : (20 * n + rows * (n + rows + 3) + 12,)
+    work : (19 * n + rows * (n + rows + 3) + 24,)
 
     Returns
     -------
     r : float
     """
-    first = 20 * n + rows * (n + rows + 1)
+    first = 19 * n + rows * (n + rows + 1) + 12
     u, pull, seen, force = (
         work[first : first + rows],
         work[first + rows : first + 2 * rows],
         work[first + 2 * rows : first + 2 * rows + 6],
         work[first + 2 * rows + 6 : first + 2 * rows + 12],
     )
-    along(frame, axes, desired[0], desired[1], desired[2], desired[3], desired[4], desired[5], seen, 0, 1)
+    along(axes, frame, desired, 0, seen, 0)
     for r in range(rows):
         u[r] = 0.0
         for k in range(6):

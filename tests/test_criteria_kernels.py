@@ -1,0 +1,278 @@
+"""Secondary criteria as loops: their gradients are those of their values, on every kind of chain."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from kernels import compiled, plain
+
+from tasks import JointCentringTask, KineticEnergyTask, MinimumTorqueTask, PlanarArm, load_robot, velocity_ellipse
+from tasks.criteria import kernels as criteria
+from tasks.criteria.dynamics import root
+from tasks.kernels import algebra, block, frames, gradient, rotation
+from tasks.kernels.frames import LOCAL, SPATIAL, WORLD
+from tasks.part import Tick
+from tasks.robots.chain import APART, chain_order, closed_form
+from tasks.robots.frame import relative
+from tasks.robots.robot import integrate
+from tasks.rows.blocks import fill
+
+pin = pytest.importorskip("pinocchio")
+from tasks.robots.pinocchio import PinocchioRobot  # noqa: E402
+
+NAMES = (
+    "manipulability",
+    "velocity_ratio",
+    "desired_velocity_ratio",
+    "joint_centring",
+    "climb",
+    "least_motion",
+    "kinetic_energy",
+    "minimum_torque",
+)
+SIX = np.eye(6)
+#: Position, orientation, both, some of both, one, and rows that are no mask.
+READINGS = [SIX[:3], SIX[3:], SIX, SIX[[0, 2, 4]], SIX[[5]], np.random.default_rng(0).standard_normal((2, 6))]
+STEP = 1e-5
+
+
+@pytest.fixture(scope="module", params=["compiled", "plain"])
+def kernels(request):
+    if request.param == "compiled":
+        return compiled(criteria, *NAMES)
+    return plain(rotation, algebra, frames, gradient, criteria)
+
+
+@pytest.fixture(scope="module")
+def loops():
+    return compiled(criteria, *NAMES)
+
+
+def chain(*joints):
+    """Joints one after the other, at random places, with a tip."""
+    pin.seed(3)
+    model, parent = pin.Model(), 0
+    for i, joint in enumerate(joints):
+        parent = model.addJoint(parent, joint, pin.SE3.Random(), f"j{i}")
+        model.appendBodyToJoint(parent, pin.Inertia.Random(), pin.SE3.Identity())
+    model.addFrame(pin.Frame("tip", parent, 0, pin.SE3.Random(), pin.FrameType.OP_FRAME))
+    model.lowerPositionLimit[:], model.upperPositionLimit[:] = -2.0, 2.0
+    return PinocchioRobot(model, tip="tip", name="a chain")
+
+
+def composite():
+    joint = pin.JointModelComposite(pin.JointModelRX(), pin.SE3.Random())
+    for part in pin.JointModelPY(), pin.JointModelRZ():
+        joint.addJoint(part, pin.SE3.Random())
+    return joint
+
+
+X, Y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
+BETWEEN = {
+    "sliding": lambda: (pin.JointModelPY(), pin.JointModelRZ(), pin.JointModelPX()),
+    "screw": lambda: (pin.JointModelHZ(0.2), pin.JointModelRY()),
+    "circle": lambda: (pin.JointModelRUBY(), pin.JointModelRZ()),
+    "ball": lambda: (pin.JointModelSpherical(),),
+    "angles": lambda: (pin.JointModelSphericalZYX(),),
+    "universal": lambda: (pin.JointModelUniversal(X, Y), pin.JointModelPZ()),
+    "translation": lambda: (pin.JointModelTranslation(),),
+    "planar": lambda: (pin.JointModelPlanar(),),
+    "free": lambda: (pin.JointModelFreeFlyer(),),
+    "composite": lambda: (composite(),),
+}
+FRAMES = {
+    "arm": lambda: (PlanarArm([0.6, 0.5, 0.4, 0.3]), None, None),
+    "arm, link": lambda: (PlanarArm([0.6, 0.5, 0.4, 0.3]), "link3", None),
+    "panda": lambda: (load_robot("panda", lock=["panda_finger_joint1"]), None, None),
+    "panda, finger that follows": lambda: (load_robot("panda", mimic="follow"), "panda_rightfinger", None),
+    "panda, from a link": lambda: (load_robot("panda"), "panda_hand_tcp", "panda_link3"),
+    "panda, seen from the hand": lambda: (load_robot("panda"), "panda_link1", "panda_link6"),
+    "ur5": lambda: (load_robot("ur5"), None, None),
+    "tiago": lambda: (load_robot("tiago"), None, None),
+    "g1": lambda: (load_robot("g1"), "left_rubber_hand", None),
+    "g1, hand to hand": lambda: (load_robot("g1"), "left_rubber_hand", "right_rubber_hand"),
+} | {
+    name: lambda between=between: (chain(pin.JointModelRX(), *between(), pin.JointModelRZ()), None, None)
+    for name, between in BETWEEN.items()
+}
+
+
+class Measures:
+    """The measures of one frame with their gradients, at any configuration."""
+
+    def __init__(self, kernels, robot, frame, relative_to):
+        self.kernels, self.robot, self.frame, self.relative_to = kernels, robot, frame, relative_to
+        self.order = chain_order(robot, frame, relative_to)
+
+    def block(self, q):
+        state = self.robot.at(q, np.zeros(self.robot.nv))
+        frame = state.frame(self.frame)
+        if self.relative_to is not None:
+            frame = relative(state.frame(self.relative_to), frame, state.v)
+        numbers = np.zeros(block.size(self.robot.nv))
+        fill(numbers, frame, state.v, np.zeros(1))
+        return numbers
+
+    def __call__(self, name, q, axes, reading, along=None):
+        n, rows = self.robot.nv, len(reading)
+        slope = np.empty(n)
+        told = (self.block(q), n, axes, reading.ravel(), rows, self.order)
+        if name == "manipulability":
+            work = np.full(18 * n + rows * (n + rows + 1) + 12, np.nan)
+            value = self.kernels.manipulability(*told, slope, work)
+        elif name == "velocity_ratio":
+            work = np.full(19 * n + rows * (n + rows + 1) + 12, np.nan)
+            value = self.kernels.velocity_ratio(*told, along, slope, np.empty(rows), work)
+        else:
+            work = np.full(19 * n + rows * (n + rows + 3) + 24, np.nan)
+            value = self.kernels.desired_velocity_ratio(*told, along, slope, work)
+        return value, slope
+
+    def difference(self, name, q, *told):
+        """The same gradient by central differences."""
+        slope = np.zeros(self.robot.nv)
+        for i in np.flatnonzero(self.order != APART):
+            step = STEP * np.eye(self.robot.nv)[i]
+            ahead, behind = (self(name, integrate(self.robot, q, way), *told)[0] for way in (step, -step))
+            slope[i] = (ahead - behind) / (2.0 * STEP)
+        return slope
+
+
+def check_gradients(measures, states):
+    rng = np.random.default_rng(5)
+    random = getattr(measures.robot, "random", lambda rng: rng.uniform(-2.0, 2.0, measures.robot.nv))
+    checked = 0
+    for k in range(states):
+        q, reading, axes = random(rng), READINGS[k % len(READINGS)], (k + k // 3) % 3
+        here = measures.block(q)[block.JACOBIAN :].reshape(6, -1)
+        if np.linalg.cond(reading @ here) > 1e4 and np.linalg.matrix_rank(here, 1e-9) >= len(reading):
+            continue  # too near a singularity for a difference over a finite step
+        u, desired = rng.standard_normal(len(reading)), rng.standard_normal(6)
+        for name, along in ("manipulability", None), ("velocity_ratio", u), ("desired_velocity_ratio", desired):
+            value, slope = measures(name, q, axes, reading, along)
+            if value < 1e-8:
+                continue
+            expected = measures.difference(name, q, axes, reading, along)
+            scale = 1.0 + np.abs(expected).max()
+            np.testing.assert_allclose(slope, expected, rtol=0, atol=1e-7 * scale, err_msg=f"{name} {axes} {reading}")
+            checked += 1
+    assert checked >= states  # of three times as many
+
+
+@pytest.mark.parametrize("name", FRAMES)
+def test_a_gradient_is_that_of_its_measure(loops, name):
+    check_gradients(Measures(loops, *FRAMES[name]()), 30 * len(READINGS) if name in ("panda", "ur5", "arm") else 36)
+
+
+def test_and_so_it_is_for_the_interpreter(kernels):
+    check_gradients(Measures(kernels, *FRAMES["panda"]()), 9)
+
+
+def test_the_measures_are_what_they_are_by_definition(kernels):
+    measures, rng = Measures(kernels, *FRAMES["panda"]()), np.random.default_rng(8)
+    for _ in range(10):
+        q, u = measures.robot.random(rng), rng.standard_normal(3)
+        J = measures.block(q)[block.JACOBIAN :].reshape(6, -1)[:3]
+        w, _ = measures("manipulability", q, LOCAL, SIX[:3])
+        r, _ = measures("velocity_ratio", q, WORLD, SIX[:3], u)
+        assert w == pytest.approx(np.sqrt(np.linalg.det(J @ J.T)), rel=1e-9)
+        assert r == pytest.approx((u @ np.linalg.solve(J @ J.T, u) / (u @ u)) ** -0.5, rel=1e-9)
+
+
+def test_where_rank_is_lost_nothing_is_asked(kernels):
+    """A stretched arm: every small motion raises w, and there is no way that does so the fastest."""
+    measures, q = Measures(kernels, PlanarArm([0.6, 0.5, 0.4]), None, None), np.array([0.3, 0.0, 0.0])
+    w, slope = measures("manipulability", q, WORLD, SIX[:2])
+    assert w == pytest.approx(0.0, abs=1e-15)
+    assert slope.tolist() == [0.0] * 3
+    out = np.array([np.cos(0.3), np.sin(0.3)])
+    r, slope = measures("velocity_ratio", q, WORLD, SIX[:2], out)
+    assert r == pytest.approx(0.0, abs=1e-15)
+    assert slope.tolist() == [0.0] * 3
+    # More rows than joints: no volume, whatever the joints do.
+    w, slope = measures("manipulability", q + 1.0, WORLD, SIX)
+    assert (w, slope.tolist()) == (0.0, [0.0] * 3)
+    # No direction, none wanted.
+    r, slope = measures("velocity_ratio", q + 1.0, WORLD, SIX[:2], np.zeros(2))
+    assert (r, slope.tolist()) == (0.0, [0.0] * 3)
+    # Along what can still be moved, the longest half axis.
+    still = np.zeros(3)
+    r, slope = measures("velocity_ratio", still, WORLD, SIX[:2], np.array([0.0, 1.0]))
+    assert r == pytest.approx(velocity_ellipse(measures.robot.jacobian(still)[:2]).half_axes[0], rel=1e-12)
+    assert np.isfinite(slope).all()
+
+
+@pytest.mark.parametrize("axes", [WORLD, LOCAL, SPATIAL])
+def test_what_is_not_finite_gives_nan(kernels, axes):
+    measures = Measures(kernels, PlanarArm([0.6, 0.5, 0.4]), None, None)
+    q = np.array([0.3, np.nan, 0.1])
+    for name, along in ("manipulability", None), ("velocity_ratio", np.ones(2)), ("desired_velocity_ratio", np.ones(6)):
+        value, slope = measures(name, q, axes, SIX[:2], along)
+        assert np.isnan([value, *slope]).all()
+
+
+def test_chains_that_have_no_closed_form():
+    ellipsoid = chain(pin.JointModelRX(), pin.JointModelEllipsoid(0.1, 0.2, 0.3), pin.JointModelRZ())
+    assert not closed_form(ellipsoid, None)
+    ball = chain(pin.JointModelRX(), pin.JointModelSpherical(), pin.JointModelRZ())
+    assert closed_form(ball, "tip")
+    assert not closed_form(ball, "universe", "tip")
+    tied = chain(pin.JointModelRX(), pin.JointModelRY(), pin.JointModelRZ()).model
+    tied = PinocchioRobot(pin.transformJointIntoMimic(tied, 1, 3, 0.5, 0.1), tip="tip", name="a tied chain")
+    assert not closed_form(tied, "tip")
+    assert not closed_form(object(), None)
+
+
+def test_the_order_of_a_chain():
+    panda = load_robot("panda")
+    assert chain_order(panda, None).tolist() == [0, 1, 2, 3, 4, 5, 6, APART]
+    assert chain_order(panda, "panda_link2", "panda_link4").tolist() == [APART, APART, 1, 0, APART, APART, APART, APART]
+    assert chain_order(PlanarArm([1.0, 1.0, 1.0]), "link2").tolist() == [0, 1, APART]
+
+
+def test_joint_centring(kernels):
+    robot, task = load_robot("panda"), JointCentringTask(gain=2.0)
+    own = task.variables(robot)
+    low, high = robot.position_limit[:, own]
+    rng = np.random.default_rng(1)
+    q, v = robot.random(rng), rng.standard_normal(robot.nv)
+    slope = np.empty(len(own))
+    value = kernels.joint_centring(q, own, low, high, len(own), slope)
+    assert value == pytest.approx(task.value(robot, q), rel=1e-13)
+    np.testing.assert_allclose(slope, task.gradient(robot, q)[own], rtol=1e-13)
+    for order, name in (1, "velocity"), (2, "acceleration"):
+        found, expected = np.empty((2, len(own))), np.empty((2, len(own)))
+        kernels.climb(slope, own, len(own), 2.0, -1.0, v, order, *found)
+        task.write(Tick(robot, robot.at(q, v), 0.0, name, None), None, *expected)
+        np.testing.assert_allclose(found, expected, rtol=1e-13)
+
+
+@pytest.mark.parametrize("gain", [None, 3.0])
+def test_least_motion_and_kinetic_energy(kernels, gain):
+    robot, rng = PlanarArm([0.6, 0.5, 0.4]), np.random.default_rng(2)
+    q, v = rng.uniform(-2, 2, 3), rng.standard_normal(3)
+    braking, order = 0.0 if gain is None else gain, "velocity" if gain is None else "acceleration"
+    tick = Tick(robot, robot.at(q, v), 0.0, order, None)
+    A, found, expected, B = np.empty((3, 3)), np.empty((2, 3)), np.empty((2, 3)), np.empty((3, 3))
+    M = robot.mass_matrix(q)
+    kernels.kinetic_energy(M.ravel(), v, 3, braking, A.ravel(), *found)
+    KineticEnergyTask(gain=gain).write(tick, B, *expected)
+    np.testing.assert_allclose(A, B, atol=1e-14)
+    np.testing.assert_allclose(A, root(robot, q), atol=1e-14)
+    np.testing.assert_allclose(found, expected, atol=1e-14)
+    kernels.least_motion(v, 3, braking, *found)
+    np.testing.assert_allclose(found[0], -braking * v, atol=0)
+    kernels.kinetic_energy(-M.ravel(), v, 3, braking, A.ravel(), *found)
+    assert np.isnan(A).all()
+    assert np.isnan(found).all()
+
+
+def test_least_torque(kernels):
+    robot, rng = PlanarArm([0.6, 0.5, 0.4]), np.random.default_rng(2)
+    q, v = rng.uniform(-2, 2, 3), rng.standard_normal(3)
+    task = MinimumTorqueTask(torque_range=([-1.0, -2.0, 0.0], [1.0, 3.0, 4.0]))
+    A, found, expected, B = np.empty((3, 3)), np.empty((2, 3)), np.empty((2, 3)), np.empty((3, 3))
+    kernels.minimum_torque(robot.mass_matrix(q).ravel(), robot.bias(q, v), task.middle, 3, A.ravel(), *found)
+    task.write(Tick(robot, robot.at(q, v), 0.0, "acceleration", None), B, *expected)
+    np.testing.assert_allclose(A, B, atol=0)
+    np.testing.assert_allclose(found, expected, rtol=1e-15)
