@@ -15,8 +15,6 @@ swing on, past the loss of reach. What brakes them is :class:`tasks.MinimumMotio
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from numpy.typing import ArrayLike
 
 from hqp.checks import of_type
@@ -43,7 +41,7 @@ class Damping(Part):
         If a weight is negative or larger than 1e15.
     """
 
-    plain: ClassVar[bool] = True
+    plain = True
     rows = None
 
     def __init__(self, weight: ArrayLike, *, name: str | None = None) -> None:

@@ -10,6 +10,7 @@ from hqp import InvalidInput
 from hqp.checks import of_type
 
 from ._checks import Array
+from .live import structure
 from .part import Order
 from .robots.frame import Frame, relative
 from .robots.robot import Robot, RobotState, check_frame
@@ -37,6 +38,8 @@ class FrameTask(Task):
         Whether it turns axes out of a plane, which no planar arm does.
     """
 
+    frame: str | None = structure()
+    relative_to: str | None = structure()
     spatial: ClassVar[bool] = False
     says: ClassVar[tuple[str, ...]] = (*Task.says, "seen")
 

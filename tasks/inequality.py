@@ -28,6 +28,7 @@ from hqp import InvalidInput, Label
 
 from ._checks import Array, numbers, per_row
 from ._telling import tell
+from .live import number, structure
 from .motion.trajectories import Fixed
 from .motion.turns import FixedRotation
 from .part import Order, Part, Tick
@@ -42,15 +43,37 @@ if TYPE_CHECKING:
 class Inequality(Part):
     """Base of the three: the actual value of a task between its target + `below` and its target + `above`."""
 
+    task: Task = structure()
     is_limit: ClassVar[bool] = True
     says: ClassVar[tuple[str, ...]] = ("write",)
 
     def __init__(self, task: Task, below: ArrayLike, above: ArrayLike) -> None:
         if not isinstance(task, Task):
             raise InvalidInput(f"{type(self).__name__} takes a Task, not a {type(task).__name__}")
-        self.task, self.name, self.weight, self.rows = task, task.name, task.weight, task.rows
-        self.plain = task.plain  # type: ignore[misc]
-        self.below, self.above = numbers(below, f"{self.label()}: below"), numbers(above, f"{self.label()}: above")
+        self.task, self.name, self.rows, self.plain = task, task.name, task.rows, task.plain
+        self.below, self.above = below, above
+        self._renew()
+
+    @number
+    def below(self, value: ArrayLike) -> Array:
+        """How far below its target the value may be, as a number that is not positive, shape () or (rows,)."""
+        return numbers(value, f"{self.label()}: below")
+
+    @number
+    def above(self, value: ArrayLike) -> Array:
+        """How far above its target it may be, shape () or (rows,)."""
+        return numbers(value, f"{self.label()}: above")
+
+    @property
+    def weight(self) -> Array:
+        """That of the task."""
+        return self.task.weight
+
+    @weight.setter
+    def weight(self, value: ArrayLike) -> None:
+        self.task.weight = value
+
+    def _renew(self) -> None:
         shapes = {side.shape for side in (self.below, self.above)} - {()}
         if len(shapes) > 1 or any(len(shape) > 1 for shape in shapes):
             raise InvalidInput(
@@ -58,7 +81,7 @@ class Inequality(Part):
                 " number, or one a row"
             )
         if not (self.below <= self.above).all():
-            raise InvalidInput(f"{self.label()}: below = {below!r} must not exceed above = {above!r}")
+            raise InvalidInput(f"{self.label()}: below = {self.below!r} must not exceed above = {self.above!r}")
 
     def size(self, robot: Robot) -> int:
         return self.task.size(robot)

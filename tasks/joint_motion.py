@@ -14,13 +14,14 @@ is at most :math:`\|h_2\| / 2 \lambda` (Chiaverini 1997: a task priority robust 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hqp import InvalidInput
 
 from ._checks import Array, finite_scalar, numbers
+from .live import number, structure
 from .part import Order, Part, Tick
 from .robots.robot import Robot, RobotState
 from .task import Task
@@ -49,7 +50,8 @@ class JointMotion(Part):
         If `task` is no Task, or the damping is negative.
     """
 
-    plain: ClassVar[bool] = True
+    task: Task = structure()
+    plain = True
     rows = None
 
     def __init__(self, task: Task, *, damping: float = 0.0) -> None:
@@ -58,9 +60,15 @@ class JointMotion(Part):
         self.task = task
         self.name = f"joint motion of {task.name}"
         self.weight = numbers(1.0, "weight")
-        self.damping = finite_scalar(damping, f"{self.label()}: damping")
-        if self.damping < 0.0:
+        self.damping = damping
+
+    @number
+    def damping(self, value: float) -> float:
+        """The lambda of the pseudoinverse, in the unit of J."""
+        damping = finite_scalar(value, f"{self.label()}: damping")
+        if damping < 0.0:
             raise InvalidInput(f"{self.label()}: damping = {damping} must not be negative")
+        return damping
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.task.check(robot, order, dt)

@@ -100,8 +100,8 @@ class _Structure:
 class Watcher(Protocol):
     """Whoever works with live objects, such as a controller."""
 
-    def admit(self, part: Live) -> None:
-        """Take up the numbers of a part that was changed, or refuse them.
+    def admit(self, part: Live, name: str) -> None:
+        """Take up the attribute of a part that was changed, or refuse it.
 
         Raises
         ------
@@ -199,10 +199,10 @@ class Live(metaclass=_Sealing):
             raise
         self._sealed = True
         try:
-            self._tell()
+            self._tell(name)
         except BaseException:
             self._restore(before)
-            self._tell()
+            self._tell(name)
             raise
 
     def _restore(self, before: dict[str, Any]) -> None:
@@ -210,11 +210,11 @@ class Live(metaclass=_Sealing):
             del vars(self)[name]
         vars(self).update(before)
 
-    def _tell(self) -> None:
+    def _tell(self, name: str) -> None:
         for known in getattr(self, "_watchers", ()):
             watcher = known()
             if watcher is not None:
-                watcher.admit(self)
+                watcher.admit(self, name)
 
     def _refuse(self, name: str) -> NoReturn:
         if name in self._structure:

@@ -14,7 +14,6 @@ and exactly, together with the trust region: how far the linearisation is believ
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,7 +86,7 @@ class Room(Part):
         Of the trust region [rad], [m].
     """
 
-    plain: ClassVar[bool] = True
+    plain = True
     rows = None
 
     def __init__(self, low: Array, high: Array) -> None:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
+from .live import number
 from .motion.trajectories import Trajectory
 from .motion.turns import AboutZ, RotationTrajectory, as_rotation
 from .place import Mask, PlaceTask, Reference, chosen
@@ -49,23 +52,42 @@ class OrientationTask(PlaceTask):
         name: str | None = None,
     ) -> None:
         self._call(name)
-        rotation = as_rotation(target, self.label())
-        one = isinstance(rotation, AboutZ)
-        if one and mask is not None:
+        self._about_z = isinstance(as_rotation(target, self.label()), AboutZ)
+        if self._about_z and mask is not None:
             raise InvalidInput(f"{self.label()}: one angle turns about z; a mask needs a rotation of shape (3, 3)")
-        self.target = rotation.angle if isinstance(rotation, AboutZ) else rotation
         super().__init__(
-            None,
-            rotation,
+            mask=(2,) if self._about_z else chosen(mask, AXES, self.label()),
+            reference=reference,
             frame=frame,
             relative_to=relative_to,
-            mask=(2,) if one else chosen(mask, AXES, self.label()),
-            reference=reference,
             gain=gain,
             damping_ratio=damping_ratio,
             weight=weight,
             name=name,
         )
+        self.target = target
+
+    @number
+    def target(self, value: ArrayLike | RotationTrajectory | Trajectory) -> RotationTrajectory | Trajectory:
+        """The rotation, or the angle about z [rad], that the frame is to have; of the kind that it began with."""
+        rotation = as_rotation(value, self.label())
+        angle = isinstance(rotation, AboutZ)
+        if angle != self._about_z:
+            kinds = ("a rotation of shape (3, 3)", "one angle about z")
+            raise InvalidInput(
+                f"{self.label()}: target is {kinds[angle]}; it must be {kinds[not angle]}, as it was made with one"
+            )
+        return rotation.angle if isinstance(rotation, AboutZ) else rotation
+
+    @property
+    def rotation(self) -> RotationTrajectory:  # type: ignore[override]
+        """The same as a rotation in time."""
+        target: Any = self.target
+        return AboutZ(target) if self._about_z else target  # type: ignore[no-any-return]
+
+    @rotation.setter
+    def rotation(self, value: ArrayLike | RotationTrajectory | Trajectory) -> None:
+        self.target = value
 
     def _shown(self) -> list[str]:
         mask = "".join(AXES[i] for i in self.mask)

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from hqp import Label
 from hqp.checks import whole_number
 
-from ._checks import Array
+from ._checks import Array, not_negative
+from .live import Live, number, structure
 from .robots.robot import Robot, RobotState, joint_names
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ class Tick:
     envelope: Envelope | None = None
 
 
-class Part:
+class Part(Live):
     """A task or a limit: it owns some rows of one level and writes them anew every tick.
 
     Parts are ordered by ``a >> b`` (b below a) and joined on one level by ``a + b``; Python's
@@ -64,13 +65,18 @@ class Part:
         Weight of the rows inside their level.
     """
 
-    rows: int | None
-    plain: ClassVar[bool] = False
+    rows: int | None = structure()
+    plain: bool = structure(False)
     is_limit: ClassVar[bool] = False
     #: The methods that say what the rows are: a subclass that overrides one of them is asked in Python.
     says: ClassVar[tuple[str, ...]] = ("write",)
-    name: str
-    weight: Array
+    name: str = structure()
+    _instead: ClassVar[str] = "make a new one, and go over to it with controller.change(stack, duration=...)"
+
+    @number
+    def weight(self, value: ArrayLike) -> Array:
+        """Weight of the rows inside their level, shape () or (rows,); a row of weight 0 asks for nothing."""
+        return not_negative(value, f"{self.label()}: weight")
 
     def size(self, robot: Robot) -> int:
         """Number of rows on this robot."""
@@ -132,7 +138,3 @@ class Part:
         from .stack import Stack
 
         return Stack(self) + other
-
-    def label(self) -> str:
-        """How messages call this part: ``PositionTask 'hand'``."""
-        return f"{type(self).__name__} {self.name!r}"

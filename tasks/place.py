@@ -13,7 +13,7 @@ way, not even at half a turn. In the axes of the frame itself, which turn with i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,8 +24,9 @@ from hqp.errors import brief
 
 from ._checks import Array
 from .frame_task import FrameTask
-from .motion.trajectories import Spread, Trajectory
-from .motion.turns import AboutZ, RotationTrajectory
+from .live import structure
+from .motion.trajectories import Spread
+from .motion.turns import AboutZ
 from .part import Order
 from .robots.robot import Robot, RobotState
 from .rows.alone import measured_alone
@@ -46,10 +47,6 @@ class PlaceTask(FrameTask):
 
     Parameters
     ----------
-    position : Trajectory or None
-        Where its origin is to be [m]; None if that is free.
-    rotation : RotationTrajectory or None
-        How its axes are to stand; None if they are free.
     mask : tuple of int
         The coordinates to be controlled, of those the task has.
     reference : {"world", "local", "local_world_aligned"}
@@ -57,14 +54,23 @@ class PlaceTask(FrameTask):
         "local_world_aligned" is Pinocchio's name for the former; see :class:`tasks.PoseTask` for the difference.
     frame, relative_to, gain, damping_ratio, weight, name
         See :class:`~tasks.frame_task.FrameTask`.
+
+    Attributes
+    ----------
+    position : Trajectory or None
+        Where its origin is to be [m]; None if that is free.
+    rotation : RotationTrajectory or None
+        How its axes are to stand; None if they are free.
     """
 
-    rows: int
+    position: Any = None
+    rotation: Any = None
+    rows: int = structure()
+    mask: tuple[int, ...] = structure()
+    reference: Reference = structure()
 
     def __init__(
         self,
-        position: Trajectory | None,
-        rotation: RotationTrajectory | None,
         *,
         mask: tuple[int, ...],
         reference: Reference,
@@ -77,8 +83,7 @@ class PlaceTask(FrameTask):
     ) -> None:
         self._call(name)
         self.reference: Reference = as_reference(reference, self.label())
-        self.position, self.rotation, self.mask = position, rotation, mask
-        self.rows = len(mask)
+        self.mask, self.rows = mask, len(mask)
         super().__init__(frame, relative_to, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
 
     def error(self, state: RobotState, t: float) -> Array:

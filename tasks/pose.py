@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
+from .live import number
 from .motion.trajectories import Trajectory, as_trajectory
 from .motion.turns import PoseSetpoint, RotationTrajectory, as_rotation
 from .place import Mask, PlaceTask, Reference, chosen
@@ -69,17 +70,35 @@ class PoseTask(PlaceTask):
         if rotation is None:
             where, how = _parts(position, f"{self.label()}: target")
         super().__init__(
-            as_trajectory(where, 3, f"{self.label()}, position"),
-            as_rotation(how, f"{self.label()}, rotation"),
-            frame=frame,
-            relative_to=relative_to,
             mask=chosen(mask, AXES, self.label()),
             reference=reference,
+            frame=frame,
+            relative_to=relative_to,
             gain=gain,
             damping_ratio=damping_ratio,
             weight=weight,
             name=name,
         )
+        self.position, self.rotation = where, how
+
+    @number
+    def position(self, value: ArrayLike | Trajectory) -> Trajectory:
+        """Where its origin is to be [m]."""
+        return as_trajectory(value, 3, f"{self.label()}, position")
+
+    @number
+    def rotation(self, value: ArrayLike | RotationTrajectory) -> RotationTrajectory:
+        """How its axes are to stand."""
+        return as_rotation(value, f"{self.label()}, rotation")
+
+    @property
+    def target(self) -> tuple[Trajectory, RotationTrajectory]:
+        """Both; set by a transform or a PoseSetpoint."""
+        return self.position, self.rotation
+
+    @target.setter
+    def target(self, value: Any) -> None:
+        self.position, self.rotation = _parts(value, f"{self.label()}: target")
 
     @classmethod
     def hold(

@@ -6,6 +6,7 @@ from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
+from .live import number
 from .motion.trajectories import Spread, Trajectory, as_trajectory
 from .place import Mask, PlaceTask, Reference, as_reference, chosen
 
@@ -46,26 +47,46 @@ class PositionTask(PlaceTask):
         name: str | None = None,
     ) -> None:
         self._call(name)
-        self.target = as_trajectory(target, None, self.label())
-        size, local = len(self.target(0.0)[0]), as_reference(reference, self.label()) == "local"
-        axes = chosen("xy" if mask is None and size == 2 else mask, AXES, self.label())
-        if size != 3 and (size != len(axes) or local):
-            sizes = {3} if local else {2, 3} if mask is None else {len(axes), 3}
-            allowed = " or ".join(f"({size},)" for size in sorted(sizes))
-            raise InvalidInput(f"{self.label()}: target has shape ({size},); it must be {allowed}")
+        size, local = _size(target, self.label()), as_reference(reference, self.label()) == "local"
         super().__init__(
-            self.target if size == 3 else Spread(self.target, axes),
-            None,
+            mask=chosen("xy" if mask is None and size == 2 and not local else mask, AXES, self.label()),
+            reference=reference,
             frame=frame,
             relative_to=relative_to,
-            mask=axes,
-            reference=reference,
             gain=gain,
             damping_ratio=damping_ratio,
             weight=weight,
             name=name,
         )
+        self._two = mask is None and not local
+        self.target = target
+
+    @number
+    def target(self, value: ArrayLike | Trajectory) -> Trajectory:
+        """Where the frame is to be [m]: three coordinates, or those of the mask; or a trajectory."""
+        trajectory, what = as_trajectory(value, None, self.label()), self.label()
+        size, local = len(trajectory(0.0)[0]), self.reference == "local"
+        sizes = {3} if local else {len(self.mask), 3} | ({2} if self._two else set())
+        if size not in sizes or (size != 3 and size != len(self.mask)):
+            raise InvalidInput(
+                f"{what}: target has shape ({size},); it must be {' or '.join(f'({n},)' for n in sorted(sizes))}"
+            )
+        return trajectory
+
+    @property
+    def position(self) -> Trajectory:  # type: ignore[override]
+        """The same among three coordinates."""
+        return self.target if len(self.target(0.0)[0]) == 3 else Spread(self.target, self.mask)
+
+    @position.setter
+    def position(self, value: ArrayLike | Trajectory) -> None:
+        self.target = value
 
     def _shown(self) -> list[str]:
         mask = "".join(AXES[i] for i in self.mask)
         return [repr(self.target), *super()._shown(), *([] if mask in ("xy", "xyz") else [f"mask={mask!r}"])]
+
+
+def _size(target: ArrayLike | Trajectory, what: str) -> int:
+    """How many coordinates a target has."""
+    return len(as_trajectory(target, None, what)(0.0)[0])

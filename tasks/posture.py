@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import lru_cache
 from numbers import Integral
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -49,7 +48,7 @@ class PostureTask(TargetTask):
         If the target fits neither the joints nor, with a robot, its configurations, or there is no such joint.
     """
 
-    plain: ClassVar[bool] = True
+    plain = True
 
     def __init__(
         self,

@@ -24,8 +24,9 @@ from hqp import InvalidInput, Label
 from hqp.checks import of_type, whole_number
 from hqp.errors import brief
 
-from ._checks import Array, not_negative, numbers, per_row, positive, positive_scalar
+from ._checks import Array, numbers, per_row, positive, positive_scalar
 from ._telling import tell
+from .live import number, structure
 from .motion.trajectories import Trajectory, as_trajectory
 from .part import PER, Order, Part, Tick
 from .robots.robot import Robot, RobotState, neutral
@@ -66,16 +67,27 @@ class Task(Part):
         and row. With a controller, if the gain makes the error grow from tick to tick.
     """
 
-    rows: int | None = None
+    rows: int | None = structure(None)
     says: ClassVar[tuple[str, ...]] = ("error", "jacobian", "drift", "feedforward", "rates", "measure", "write")
 
     def __init__(
         self, *, gain: ArrayLike, damping_ratio: float = 1.0, weight: ArrayLike = 1.0, name: str | None = None
     ) -> None:
         self._call(name)
-        self.gain = positive(gain, f"{self.label()}: gain", unit="1/s")
-        self.weight = not_negative(weight, f"{self.label()}: weight")
-        self.damping_ratio = positive_scalar(damping_ratio, f"{self.label()}: damping ratio")
+        self.gain, self.weight, self.damping_ratio = gain, weight, damping_ratio
+        self._renew()
+
+    @number
+    def gain(self, value: ArrayLike) -> Array:
+        """K [1/s], shape () or (rows,)."""
+        return positive(value, f"{self.label()}: gain", unit="1/s")
+
+    @number
+    def damping_ratio(self, value: float) -> float:
+        """The zeta of acceleration order."""
+        return positive_scalar(value, f"{self.label()}: damping ratio")
+
+    def _renew(self) -> None:
         if self.rows is not None:
             whole_number(self.rows, f"{self.label()}: rows", least=1)
             per_row(self.gain, self.rows, f"{self.label()}: gain")
@@ -226,7 +238,12 @@ class TargetTask(Task):
         name: str | None = None,
     ) -> None:
         super().__init__(gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
-        self.target = as_trajectory(target, self.rows, self.label())
+        self.target = target
+
+    @number
+    def target(self, value: ArrayLike | Trajectory) -> Trajectory:
+        """The desired value [m], [rad]: numbers, shape (rows,), or a trajectory."""
+        return as_trajectory(value, self.rows, self.label())
 
     def measure(self, state: RobotState) -> Array:
         """The actual value r, shape (rows,)."""

@@ -9,7 +9,8 @@ from hypothesis import settings
 
 from hqp import available_backends, backend_info
 from hqp.backends import native
-from tasks import _telling, compiled
+from tasks import _telling
+from tasks.rows import plan
 
 # The machines are shared: no deadline. Derandomised: a red run is red again.
 settings.register_profile("hqp", deadline=None, derandomize=True, max_examples=60)
@@ -25,7 +26,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     if not hasattr(session.config, "workerinput"):
         native.warm_up()
         native.warm_up_damped()
-        compiled.warm_up()
+        plan.warm_up()
 
 
 #: Backends which take any hierarchy and promise its optimum.

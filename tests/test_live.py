@@ -72,7 +72,7 @@ class Ledger:
     def __init__(self, most: float = np.inf) -> None:
         self.most, self.told, self.taken = most, list[Live](), list[Any]()
 
-    def admit(self, part: Live) -> None:
+    def admit(self, part: Live, name: str) -> None:
         assert isinstance(part, Spring)
         self.told.append(part)
         if (part.stiffness > self.most).any():
@@ -236,7 +236,7 @@ def test_a_watcher_may_die_or_watch_anew_while_it_is_told() -> None:
     spring, others = Spring(1.0), [Ledger(), Ledger()]
 
     class Restless:
-        def admit(self, part: Live) -> None:
+        def admit(self, part: Live, name: str) -> None:
             others.clear()
             watch(part, self)
 

@@ -40,18 +40,29 @@ def entry(function):
         return njit(**ENTRY)(function)
 
 
+#: All that Python calls.
+_ENTRIES = []
+
+
+def entries(package):
+    """The loops of a package that were imported so far and that Python calls."""
+    return [kernel for kernel in _ENTRIES if kernel.__module__.startswith(f"{package}.")]
+
+
 def stamp(kernel):
     """Tie what is kept on disk to the sources of *all* kernels; Numba alone looks at the kernel's own file.
 
     The place of Numba's own stamp is private. Where a version of Numba has none, what is on disk could be of other
     sources: nothing is taken from there and nothing kept.
     """
+    _ENTRIES.append(kernel)
     if INTERPRETED or kernel.stats.cache_path is None:
         return kernel
     index = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
     if not hasattr(index, "_source_stamp"):
         tell_unkept()
-        return njit(**ENTRY)(kernel.py_func)
+        _ENTRIES[-1] = kernel = njit(**ENTRY)(kernel.py_func)
+        return kernel
     package = kernel.py_func.__module__.partition(".")[0]
     folder = next(parent for parent in Path(kernel.py_func.__code__.co_filename).parents if parent.name == package)
     index._source_stamp = _sources(Path(__file__).parents[1]) + ("" if package == "hqp" else _sources(folder))

@@ -14,13 +14,13 @@ def warmup() -> None:
     from hqp.kernels.damped import solve_damped
     from hqp.kernels.solver import solve
 
-    from .. import compiled
-    from ..kernels.rows import write_rows
+    from ..kernels.law import write_law
+    from ..rows import plan
 
     kernels = (
         ("native", native.warm_up, solve),
         ("damped", native.warm_up_damped, solve_damped),
-        ("rows", compiled.warm_up, write_rows),
+        ("rows", plan.warm_up, write_law),
     )
     for name, warm_up, kernel in kernels:
         start = perf_counter()

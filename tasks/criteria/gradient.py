@@ -55,7 +55,7 @@ class GradientTask(Part):
         If a gain or a weight is not positive or larger than 1e15.
     """
 
-    plain: ClassVar[bool] = True
+    plain = True
     #: Whether the value is a cost, which falls.
     descend: ClassVar[bool] = False
     rows = None

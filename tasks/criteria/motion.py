@@ -74,7 +74,7 @@ class MinimumMotionTask(_LeastMotion):
         If a weight or the gain is not positive or larger than 1e15, or there is no gain at acceleration order.
     """
 
-    plain: ClassVar[bool] = True
+    plain = True
     default = "minimum motion"
 
     def __init__(self, weight: ArrayLike = 1.0, *, gain: float | None = None, name: str | None = None) -> None:

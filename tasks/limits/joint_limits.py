@@ -45,7 +45,7 @@ class JointLimits(Part):
     """
 
     is_limit: ClassVar[bool] = True
-    plain: ClassVar[bool] = True
+    plain = True
     rows = None
 
     def __init__(self, *limits: JointLimit, name: str = "joint limits") -> None:

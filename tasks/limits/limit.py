@@ -28,7 +28,7 @@ class JointLimit(Part):
     """
 
     is_limit: ClassVar[bool] = True
-    plain: ClassVar[bool] = True
+    plain = True
     quantity: ClassVar[str]
     unit: ClassVar[str]
     rows = None

@@ -143,11 +143,13 @@ class Spread:
     """
 
     def __init__(self, trajectory: Trajectory, axes: Sequence[int]) -> None:
-        self.trajectory, self.axes = trajectory, tuple(axes)
+        self.trajectory = trajectory
+        step = axes[1] - axes[0] if len(axes) > 1 else 1  # two of three, or all, are evenly spaced
+        self.columns = slice(axes[0], axes[-1] + 1, step)
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
         whole = np.zeros((3, 3))
-        whole[:, self.axes] = self.trajectory(t)
+        whole[:, self.columns] = self.trajectory(t)
         return whole[0], whole[1], whole[2]
 
     def __repr__(self) -> str:

@@ -12,7 +12,7 @@ from numba import int64
 from numpy.typing import NDArray
 
 from hqp.backends.native import make_ready
-from hqp.kernels.compile import INTERPRETED
+from hqp.kernels.compile import INTERPRETED, entries
 
 if TYPE_CHECKING:
     from ..part import Part, Tick
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 #: Of a loop: the address of what it is told; nothing of interest.
 SIGNATURE = int64(int64)
+WHAT = "the rows of tasks"
+#: Where loops are.
+LOOPS = ("..kernels.law", "..kernels.frames", "..kernels.robots", "..criteria.kernels")
 #: What a loop is told of: a size, an address, or an array by its address.
 Entry = int | np.integer[Any] | NDArray[Any]
 
@@ -89,7 +92,7 @@ def ready(kernel: Any) -> Callable[[int], object]:
     """The compiled loop, from disk or compiled now; where the interpreter runs loops, the loop itself."""
     if INTERPRETED:
         return kernel  # type: ignore[no-any-return]
-    make_ready(kernel, "the rows of tasks", SIGNATURE)
+    make_ready(kernel, WHAT, SIGNATURE)
     return kernel.get_overload(SIGNATURE)  # type: ignore[no-any-return]
 
 
@@ -97,3 +100,12 @@ def run_all(calls: Iterable[Call]) -> None:
     """One after the other."""
     for call in calls:
         call.run()
+
+
+def warm_up() -> bool:
+    """Have all loops of rows ready: from disk, or compiled now. True if one had to be compiled."""
+    from importlib import import_module
+
+    for name in LOOPS:
+        import_module(name, __package__)
+    return sum(make_ready(kernel, WHAT, SIGNATURE) for kernel in entries("tasks")) > 0

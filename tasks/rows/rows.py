@@ -14,6 +14,7 @@ from .._checks import Array, per_row
 from ..limits.envelope import Envelope
 from ..limits.joint_limits import JointLimits
 from ..limits.limit import JointLimit
+from ..live import Live, reachable, watch
 from ..part import Order, Part, Tick
 from ..robots.robot import Robot, RobotState, neutral
 from .plan import Plan, plan_of
@@ -37,42 +38,60 @@ class Rows:
     """
 
     def __init__(self, stack: Stack, robot: Robot, order: Order, dt: float | None) -> None:
-        self._robot, self._order, self._dt = robot, order, dt
+        self._stack, self._robot, self._order, self._dt = stack, robot, order, dt
         for part in stack:
             part.check(robot, order, dt)
         self.hierarchy = Hierarchy([_empty_level(level, robot, order) for level in stack.levels], n=robot.nv)
-        self._shared = Workspace(robot, order, dt)
-        self._views: list[tuple[Part, Site]] = []
-        self._unweighted: list[tuple[Array, Array, NDArray[np.intp]]] = []  # rows that ask for nothing
-        self._merged: list[tuple[Array, Array, list[tuple[Array, Array]]]] = []
-        for view, parts in zip(self.hierarchy.levels, stack.levels, strict=True):
+        self._take_up()
+        for part in stack:
+            watch(part, self)
+
+    def admit(self, part: Live, name: str) -> None:
+        """Take up what was changed in a part, or refuse it; see :class:`tasks.live.Watcher`."""
+        for own in self._stack:
+            if any(one is part for one in reachable(own)):
+                own.check(self._robot, self._order, self._dt)
+                watch(own, self)
+        self._take_up()
+
+    def _take_up(self) -> None:
+        """Plan how all parts write their rows, with the numbers that they have now."""
+        robot, order, dt = self._robot, self._order, self._dt
+        shared = Workspace(robot, order, dt)
+        views: list[tuple[Part, Site]] = []
+        unweighted: list[tuple[Array, Array, NDArray[np.intp]]] = []  # rows that ask for nothing
+        merged: list[tuple[Array, Array, list[tuple[Array, Array]]]] = []
+        for view, parts in zip(self.hierarchy.levels, self._stack.levels, strict=True):
             row = 0
             for part in parts:
                 own = slice(row, row + part.size(robot))
                 row = own.stop
-                A = None if view.A is None else view.A[own]
-                self._views.append((part, Site(self._shared, A, view.lower[own], view.upper[own])))
-                without = per_row(part.weight, part.size(robot), f"{part.label()}: weight") == 0.0
+                site = Site(shared, None if view.A is None else view.A[own], view.lower[own], view.upper[own])
+                views.append((part, site))
+                view.weights[own] = weights = _weights(part, robot)
+                without = weights == 0.0
                 if without.any():
-                    self._unweighted.append((view.lower[own], view.upper[own], np.flatnonzero(without)))
+                    view.weights[own][without] = 1.0
+                    unweighted.append((site.lower, site.upper, np.flatnonzero(without)))
                 if isinstance(part, JointLimits):
-                    alone = [(limit, Site(self._shared, None, *np.zeros((2, robot.nv)))) for limit in part.of(robot)]
-                    self._views.extend(alone)
-                    bounds = [(site.lower, site.upper) for _, site in alone]
-                    self._merged.append((view.lower[own], view.upper[own], bounds))
-        self._envelope = Envelope(((part, site.lower, site.upper) for part, site in self._views), robot, order)
-        rest = Tick(robot, robot.at(neutral(robot), np.zeros(robot.nv)), 0.0, order, dt, self._envelope)
+                    alone = [(limit, Site(shared, None, *np.zeros((2, robot.nv)))) for limit in part.of(robot)]
+                    views.extend(alone)
+                    merged.append((site.lower, site.upper, [(site.lower, site.upper) for _, site in alone]))
+        envelope = Envelope(((part, site.lower, site.upper) for part, site in views), robot, order)
+        rest = Tick(robot, robot.at(neutral(robot), np.zeros(robot.nv)), 0.0, order, dt, envelope)
         with np.errstate(all="ignore"):  # what is infinite is refused in words
-            for part in stack:
+            for part in self._stack:
                 part.check_beside(rest)
-        if np.isfinite(self._envelope.acceleration).any():
-            self._shared.braking[0] = 1.0
-        self.plans: list[tuple[Part, Plan]] = [(part, plan_of(part, site)) for part, site in self._views]
+        if np.isfinite(envelope.acceleration).any():
+            shared.braking[0] = 1.0
+        self.plans: list[tuple[Part, Plan]] = [(part, plan_of(part, site)) for part, site in views]
+        self._shared, self._views, self._envelope = shared, views, envelope
+        self._unweighted, self._merged = unweighted, merged
         self._moves = [move for _, plan in self.plans for move in plan.moves]
         self._python = [plan.python for _, plan in self.plans if plan.python is not None]
         self._calls = [call.run for _, plan in self.plans for call in plan.calls]
         self.compiled = not self._python
-        self._relaxed = any(isinstance(part, JointLimit) for part, _ in self._views)
+        self._relaxed = any(isinstance(part, JointLimit) for part, _ in views)
 
     def bounds(self, part: Part) -> tuple[Array, Array] | None:
         """Lower and upper bounds that a part writes (views), or None if it is not in the stack."""
@@ -109,8 +128,7 @@ class Rows:
 def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order) -> Level:
     """One level without numbers yet: plain bounds if all its parts are plain, rows otherwise."""
     name = " + ".join(of_type(part.name, str, f"name of a {type(part).__name__}") for part in parts)
-    weights = np.concatenate([per_row(p.weight, p.size(robot), f"{p.label()}: weight") for p in parts])
-    weights[weights == 0.0] = 1.0  # of rows that are free
+    weights = np.ones(sum(part.size(robot) for part in parts))
     labels = [label for part in parts for label in part.labels(robot, order)]
     zeros = np.zeros(len(weights))
     if all(part.plain for part in parts):
@@ -119,3 +137,7 @@ def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order) -> Level:
     identity = np.eye(robot.nv)
     A = [identity[p.variables(robot)] if p.plain else np.zeros((p.size(robot), robot.nv)) for p in parts]
     return Level(np.concatenate(A), zeros, zeros, weights=weights, name=name, labels=labels)
+
+
+def _weights(part: Part, robot: Robot) -> Array:
+    return per_row(part.weight, part.size(robot), f"{part.label()}: weight")
