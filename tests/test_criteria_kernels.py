@@ -6,30 +6,45 @@ import numpy as np
 import pytest
 from kernels import compiled, plain
 
-from tasks import JointCentringTask, KineticEnergyTask, MinimumTorqueTask, PlanarArm, load_robot, velocity_ellipse
-from tasks.criteria import kernels as criteria
-from tasks.criteria.dynamics import root
-from tasks.kernels import algebra, block, frames, gradient, rotation
+from tasks import (
+    AxisTask,
+    CenterOfMassTask,
+    DynamicManipulabilityTask,
+    GradientTask,
+    JointCentringTask,
+    JointMotion,
+    KineticEnergyTask,
+    Line,
+    ManipulabilityTask,
+    MinimumMotionTask,
+    MinimumTorqueTask,
+    OrientationTask,
+    PlanarArm,
+    PoseTask,
+    PositionTask,
+    Stack,
+    Turn,
+    VelocityRatioTask,
+    load_robot,
+    velocity_ellipse,
+)
+from tasks.criteria.kernels import joints, measures
+from tasks.criteria.kernels.joints import write_kinetic_energy
+from tasks.kernels import algebra, block, frames, gradient, law, rotation
 from tasks.kernels.frames import LOCAL, SPATIAL, WORLD
 from tasks.part import Tick
 from tasks.robots.chain import APART, chain_order, closed_form
 from tasks.robots.frame import relative
 from tasks.robots.robot import integrate
+from tasks.rotations import exp
 from tasks.rows.blocks import fill
+from tasks.rows.plan import Call
+from tasks.rows.rows import Rows
 
 pin = pytest.importorskip("pinocchio")
 from tasks.robots.pinocchio import PinocchioRobot  # noqa: E402
 
-NAMES = (
-    "manipulability",
-    "velocity_ratio",
-    "desired_velocity_ratio",
-    "joint_centring",
-    "climb",
-    "least_motion",
-    "kinetic_energy",
-    "minimum_torque",
-)
+NAMES = ("manipulability", "velocity_ratio", "desired_velocity_ratio")
 SIX = np.eye(6)
 #: Position, orientation, both, some of both, one, and rows that are no mask.
 READINGS = [SIX[:3], SIX[3:], SIX, SIX[[0, 2, 4]], SIX[[5]], np.random.default_rng(0).standard_normal((2, 6))]
@@ -39,13 +54,13 @@ STEP = 1e-5
 @pytest.fixture(scope="module", params=["compiled", "plain"])
 def kernels(request):
     if request.param == "compiled":
-        return compiled(criteria, *NAMES)
-    return plain(rotation, algebra, frames, gradient, criteria)
+        return compiled(measures, *NAMES)
+    return plain(rotation, algebra, law, frames, gradient, joints, measures)
 
 
 @pytest.fixture(scope="module")
 def loops():
-    return compiled(criteria, *NAMES)
+    return compiled(measures, *NAMES)
 
 
 def chain(*joints):
@@ -115,16 +130,13 @@ class Measures:
 
     def __call__(self, name, q, axes, reading, along=None):
         n, rows = self.robot.nv, len(reading)
-        slope = np.empty(n)
+        slope, work = np.empty(n), np.full(measures.work_size(n, rows), np.nan)
         told = (self.block(q), n, axes, reading.ravel(), rows, self.order)
         if name == "manipulability":
-            work = np.full(18 * n + rows * (n + rows + 1) + 12, np.nan)
             value = self.kernels.manipulability(*told, slope, work)
         elif name == "velocity_ratio":
-            work = np.full(19 * n + rows * (n + rows + 1) + 12, np.nan)
             value = self.kernels.velocity_ratio(*told, along, slope, np.empty(rows), work)
         else:
-            work = np.full(19 * n + rows * (n + rows + 3) + 24, np.nan)
             value = self.kernels.desired_velocity_ratio(*told, along, slope, work)
         return value, slope
 
@@ -230,49 +242,126 @@ def test_the_order_of_a_chain():
     assert chain_order(PlanarArm([1.0, 1.0, 1.0]), "link2").tolist() == [0, 1, APART]
 
 
-def test_joint_centring(kernels):
-    robot, task = load_robot("panda"), JointCentringTask(gain=2.0)
-    own = task.variables(robot)
-    low, high = robot.position_limit[:, own]
-    rng = np.random.default_rng(1)
-    q, v = robot.random(rng), rng.standard_normal(robot.nv)
-    slope = np.empty(len(own))
-    value = kernels.joint_centring(q, own, low, high, len(own), slope)
-    assert value == pytest.approx(task.value(robot, q), rel=1e-13)
-    np.testing.assert_allclose(slope, task.gradient(robot, q)[own], rtol=1e-13)
-    for order, name in (1, "velocity"), (2, "acceleration"):
-        found, expected = np.empty((2, len(own))), np.empty((2, len(own)))
-        kernels.climb(slope, own, len(own), 2.0, -1.0, v, order, *found)
-        task.write(Tick(robot, robot.at(q, v), 0.0, name, None), None, *expected)
-        np.testing.assert_allclose(found, expected, rtol=1e-13)
+def panda():
+    return load_robot("panda", lock=["panda_finger_joint1"])
 
 
-@pytest.mark.parametrize("gain", [None, 3.0])
-def test_least_motion_and_kinetic_energy(kernels, gain):
-    robot, rng = PlanarArm([0.6, 0.5, 0.4]), np.random.default_rng(2)
-    q, v = rng.uniform(-2, 2, 3), rng.standard_normal(3)
-    braking, order = 0.0 if gain is None else gain, "velocity" if gain is None else "acceleration"
-    tick = Tick(robot, robot.at(q, v), 0.0, order, None)
-    A, found, expected, B = np.empty((3, 3)), np.empty((2, 3)), np.empty((2, 3)), np.empty((3, 3))
-    M = robot.mass_matrix(q)
-    kernels.kinetic_energy(M.ravel(), v, 3, braking, A.ravel(), *found)
-    KineticEnergyTask(gain=gain).write(tick, B, *expected)
-    np.testing.assert_allclose(A, B, atol=1e-14)
-    np.testing.assert_allclose(A, root(robot, q), atol=1e-14)
-    np.testing.assert_allclose(found, expected, atol=1e-14)
-    kernels.least_motion(v, 3, braking, *found)
-    np.testing.assert_allclose(found[0], -braking * v, atol=0)
-    kernels.kinetic_energy(-M.ravel(), v, 3, braking, A.ravel(), *found)
+def arm():
+    return PlanarArm([0.6, 0.5, 0.4], position_limit=(-2.0, 2.5))
+
+
+def reach(robot, **options):
+    return PositionTask([0.4, 0.1] if isinstance(robot, PlanarArm) else [0.4, 0.1, 0.3], gain=10.0, **options)
+
+
+#: All that loops write, by order; and a moving target, which only the velocity ratio asks for.
+ALWAYS = [
+    lambda robot: ManipulabilityTask(reach(robot), gain=2.0),
+    lambda robot: VelocityRatioTask(reach(robot), np.arange(1.0, 1.0 + reach(robot).rows), gain=2.0),
+    lambda robot: VelocityRatioTask(PositionTask(Line([0.0, 0.0], [1.0, 0.5], 2.0), gain=1.0), gain=2.0),
+    lambda robot: JointCentringTask(gain=3.0),
+    lambda robot: MinimumMotionTask(gain=3.0),
+    lambda robot: KineticEnergyTask(gain=3.0),
+]
+PARTS = {
+    "velocity": ALWAYS,
+    "acceleration": [
+        *ALWAYS,
+        lambda robot: MinimumTorqueTask(),
+        lambda robot: MinimumTorqueTask(torque_range=(-1.0, np.arange(robot.nv))),
+    ],
+}
+IN_SPACE = [
+    lambda: OrientationTask(np.eye(3), reference="local", mask="xz", gain=1.0),
+    lambda: PoseTask(Line(np.zeros(3), np.ones(3), 2.0), Turn(np.eye(3), exp([0.3, 0.2, 1.0]), 2.0), gain=1.0),
+    lambda: PoseTask(np.zeros(3), Turn(np.eye(3), exp([0.3, 0.2, 1.0]), 2.0), reference="local", gain=1.0),
+    lambda: PoseTask(np.zeros(3), Turn(np.eye(3), exp([0.3, 0.2, 1.0]), 2.0), reference="world", gain=1.0),
+    lambda: AxisTask(Line([1.0, 0.0, 0.0], [0.0, 1.0, 0.5], 2.0), gain=1.0),
+    lambda: PositionTask(np.zeros(3), relative_to="panda_link2", gain=1.0),
+]
+
+
+def check_rows(robot, part, order, atol):
+    """What loops write is what the part writes in Python."""
+    rows, rng = Rows(Stack(part), robot, order, None), np.random.default_rng(4)
+    [(_, plan)] = rows.plans
+    assert plan.python is None
+    level = rows.hierarchy.levels[0]
+    for _ in range(5):
+        q = rng.uniform(-2.0, 2.0, robot.nv) if isinstance(robot, PlanarArm) else robot.random(rng)
+        state = robot.at(q, rng.standard_normal(robot.nv))
+        rows.fill(state, 0.7)
+        A = None if level.A is None else np.zeros_like(level.A)
+        lower, upper = np.zeros((2, len(level.lower)))
+        part.write(Tick(robot, state, 0.7, order, None), A, lower, upper)
+        np.testing.assert_allclose(level.lower, lower, rtol=atol, atol=atol)
+        np.testing.assert_array_equal(level.upper, level.lower)
+        if A is not None:
+            np.testing.assert_allclose(level.A, A, rtol=0, atol=1e-12 * np.abs(A).max())
+
+
+@pytest.mark.parametrize("order", ["velocity", "acceleration"])
+@pytest.mark.parametrize("make", [arm, panda])
+def test_loops_write_what_python_writes(make, order):
+    robot = make()
+    for part in PARTS[order]:
+        made = part(robot)
+        check_rows(robot, made, order, 1e-6 if hasattr(made, "task") else 1e-12)
+
+
+@pytest.mark.parametrize("which", range(len(IN_SPACE)))
+def test_loops_climb_the_measures_of_all_tasks_of_a_frame(which):
+    for part in ManipulabilityTask, VelocityRatioTask:
+        check_rows(panda(), part(IN_SPACE[which](), gain=2.0), "velocity", 1e-6)
+
+
+class Doubled(PositionTask):
+    """Reads what its parent does not know."""
+
+    def jacobian(self, state):
+        return 2.0 * super().jacobian(state)
+
+
+def test_what_has_no_closed_form_is_taken_by_differences():
+    for task in CenterOfMassTask(np.zeros(3), gain=1.0), Doubled(np.zeros(3), gain=1.0):
+        for part in ManipulabilityTask(task, gain=1.0), VelocityRatioTask(task, np.ones(3), gain=1.0):
+            [(_, plan)] = Rows(Stack(part), panda(), "velocity", None).plans
+            assert plan.python is not None
+            assert "differences" in plan.why
+    [(_, plan)] = Rows(Stack(DynamicManipulabilityTask(reach(arm()), gain=1.0)), arm(), "velocity", None).plans
+    assert "differences" in plan.why
+
+
+def test_a_criterion_of_ones_own_is_written_in_python():
+    class Stretched(GradientTask):
+        def value(self, robot, q, t=0.0):
+            return float(robot.at(q, np.zeros(robot.nv)).frame().position[0])
+
+    rows, q = Rows(Stack(Stretched(gain=2.0)), arm(), "velocity", None), np.array([0.3, -0.5, 0.7])
+    [(_, plan)] = rows.plans
+    assert "Stretched has its own value()" in plan.why
+    rows.fill(arm().at(q, np.zeros(3)), 0.0)
+    np.testing.assert_allclose(rows.hierarchy.levels[0].lower, 2.0 * arm().jacobian(q)[0], atol=1e-8)
+
+
+def test_no_root_of_a_mass_matrix_is_nan():
+    n = 3
+    bounds, A = np.zeros((2, n)), np.zeros((n, n))
+    Call(write_kinetic_energy, n, np.zeros(1), np.zeros(n), *bounds, -np.eye(n), A).run()
     assert np.isnan(A).all()
-    assert np.isnan(found).all()
+    assert np.isnan(bounds).all()
 
 
-def test_least_torque(kernels):
-    robot, rng = PlanarArm([0.6, 0.5, 0.4]), np.random.default_rng(2)
-    q, v = rng.uniform(-2, 2, 3), rng.standard_normal(3)
-    task = MinimumTorqueTask(torque_range=([-1.0, -2.0, 0.0], [1.0, 3.0, 4.0]))
-    A, found, expected, B = np.empty((3, 3)), np.empty((2, 3)), np.empty((2, 3)), np.empty((3, 3))
-    kernels.minimum_torque(robot.mass_matrix(q).ravel(), robot.bias(q, v), task.middle, 3, A.ravel(), *found)
-    task.write(Tick(robot, robot.at(q, v), 0.0, "acceleration", None), B, *expected)
-    np.testing.assert_allclose(A, B, atol=0)
-    np.testing.assert_allclose(found, expected, rtol=1e-15)
+@pytest.mark.parametrize("damping", [0.0, 0.2])
+@pytest.mark.parametrize("order", ["velocity", "acceleration"])
+def test_the_motion_that_a_task_would_make_alone(order, damping):
+    robot, task, rng = panda(), PoseTask(np.ones(3), np.eye(3), gain=2.0), np.random.default_rng(9)
+    rows = Rows(Stack(JointMotion(task, damping=damping)), robot, order, None)
+    itself = Rows(Stack(task), robot, order, None)
+    assert rows.compiled
+    for _ in range(5):
+        state = robot.at(robot.random(rng), rng.standard_normal(robot.nv))
+        rows.fill(state, 0.0)
+        J, h = itself.fill(state, 0.0).levels[0].A, itself.hierarchy.levels[0].lower
+        x = J.T @ np.linalg.solve(J @ J.T + damping**2 * np.eye(6), h)
+        np.testing.assert_allclose(rows.hierarchy.levels[0].lower, x, rtol=1e-9, atol=1e-9 * np.abs(x).max())

@@ -22,7 +22,13 @@ if TYPE_CHECKING:
 SIGNATURE = int64(int64)
 WHAT = "the rows of tasks"
 #: Where loops are.
-LOOPS = ("..kernels.law", "..kernels.frames", "..kernels.robots", "..criteria.kernels")
+LOOPS = (
+    "..kernels.law",
+    "..kernels.frames",
+    "..kernels.robots",
+    "..kernels.joint_motion",
+    "..criteria.kernels.measures",
+)
 #: What a loop is told of: a size, an address, or an array by its address.
 Entry = int | np.integer[Any] | NDArray[Any]
 
@@ -73,12 +79,23 @@ def plan_of(part: Part, site: Site) -> Plan:
     A subclass that overrides what its parent measures is measured in Python; one that overrides nothing of it inherits
     the loops.
     """
+    own = overridden(part, "plan")
+    if own is None:
+        return part.plan(site)
+    return replace(part.python_plan(site), why=f"{own[0].__name__} has its own {own[1]}()")
+
+
+def overridden(part: Part, method: str) -> tuple[type, str] | None:
+    """The class, and what it says of its rows by a method of its own, that the one which defines `method` cannot know.
+
+    None if there is none: then `method` tells the truth of the part.
+    """
     for kind in type(part).__mro__:
-        if "plan" in vars(kind):
-            return part.plan(site)
+        if method in vars(kind):
+            return None
         own = [name for name in part.says if name in vars(kind)]
         if own:
-            return replace(part.python_plan(site), why=f"{kind.__name__} has its own {own[0]}()")
+            return kind, own[0]
     raise AssertionError(part)
 
 

@@ -1,18 +1,30 @@
-"""Secondary criteria as loops: measures of a Jacobian with their gradients in closed form, and least motion."""
+"""Measures of a task's Jacobian, with their gradients in closed form."""
 
 from __future__ import annotations
 
 import math
 
-from hqp.kernels.compile import inner
+from hqp.kernels.compile import entry, inner, stamp
+from hqp.kernels.memory import floats, ints
 
-from ..kernels.algebra import RANK_TOLERANCE, decompose, fill, root
-from ..kernels.block import JACOBIAN
-from ..kernels.frames import LOCAL, WORLD, along
-from ..kernels.gradient import add_outer, gradient, jacobian
+from ...kernels.algebra import RANK_TOLERANCE, decompose, fill
+from ...kernels.block import JACOBIAN
+from ...kernels.frames import LOCAL, WORLD, along
+from ...kernels.gradient import add_outer, gradient, jacobian
+from .joints import CLIMB, climb
 
+#: Of both measures, after what the law is told (:mod:`.joints`): joints; the block of the frame; the axes; what the
+#: rows read of it; how many they are; the order of the chain; work space, and its size; the gradient.
+N, BLOCK, AXES, READING, ROWS, CHAIN, WORK, WORK_SIZE, SLOPE = range(CLIMB, CLIMB + 9)
+#: Of the velocity ratio: the direction, or the velocity of the target (6,); which of the two.
+ALONG, DESIRED = range(CLIMB + 9, CLIMB + 11)
 #: As :data:`tasks.criteria.manipulability.SHORTEST`.
 SHORTEST = 1e-150
+
+
+def work_size(n, rows):
+    """Numbers of work space that a measure takes."""
+    return 19 * n + rows * (n + rows + 3) + 24
 
 
 @inner
@@ -47,7 +59,7 @@ def manipulability(frame, n, axes, reading, rows, order, slope, work):
         See :func:`tasks.kernels.gradient.gradient`.
     slope : (n,)
         On return the gradient [unit of w per rad, or per m].
-    work : (18 * n + rows * (n + rows + 1) + 12,)
+    work : (work_size(n, rows),)
 
     Returns
     -------
@@ -89,7 +101,7 @@ def velocity_ratio(frame, n, axes, reading, rows, order, u, slope, pull, work):
         Of any length; nothing is asked where it is 0.
     pull : (rows,)
         On return dr/du.
-    work : (19 * n + rows * (n + rows + 1) + 12,)
+    work : (work_size(n, rows),)
 
     Returns
     -------
@@ -149,7 +161,7 @@ def desired_velocity_ratio(frame, n, axes, reading, rows, order, desired, slope,
         See :func:`manipulability`.
     desired : (6,)
         Linear and angular, in the axes of the world.
-    work : (19 * n + rows * (n + rows + 3) + 24,)
+    work : (work_size(n, rows),)
 
     Returns
     -------
@@ -189,75 +201,40 @@ def desired_velocity_ratio(frame, n, axes, reading, rows, order, desired, slope,
     return ratio
 
 
-@inner
-def joint_centring(joints, columns, low, high, count, slope):
-    r"""The mean squared distance of joints from the middle of their ranges, in halves of these, and its gradient.
-
-    Parameters
-    ----------
-    joints : (n,)
-        Positions of the joints.
-    columns : int (count,)
-        Those that have a range.
-    low, high, slope : (count,)
-
-    Returns
-    -------
-    H : float
-    """
-    total = 0.0
-    for k in range(count):
-        half = 0.5 * (high[k] - low[k])
-        away = (joints[columns[k]] - 0.5 * (high[k] + low[k])) / half
-        total += away * away
-        slope[k] = 2.0 * away / (count * half)
-    return total / count
+@stamp
+@entry
+def write_manipulability(here):
+    """Climb the manipulability of a task."""
+    told = ints(here, 0, ALONG)
+    n, rows = told[N], told[ROWS]
+    frame, reading, order = (
+        floats(told[BLOCK], 0, JACOBIAN + 6 * n),
+        floats(told[READING], 0, 6 * rows),
+        ints(told[CHAIN], 0, n),
+    )
+    work, slope = floats(told[WORK], 0, told[WORK_SIZE]), floats(told[SLOPE], 0, n)
+    manipulability(frame, n, told[AXES], reading, rows, order, slope, work)
+    climb(here, slope)
+    return 0
 
 
-@inner
-def climb(slope, columns, count, gain, up, v, order, lower, upper):
-    """Bounds of the law of a gradient: ``x = K slope`` at velocity order, ``K^2 slope - 2 K v`` at acceleration order.
-
-    Parameters
-    ----------
-    slope : (count,)
-    columns : int (count,)
-        Which velocities the rows are.
-    up : float
-        1.0 where the scalar is to rise, -1.0 where it is to fall.
-    order : int
-        1 at velocity order, 2 at acceleration order.
-    """
-    for k in range(count):
-        wanted = up * gain * slope[k]
-        if order == 2:
-            wanted = gain * wanted - 2.0 * gain * v[columns[k]]
-        lower[k] = upper[k] = wanted
-
-
-@inner
-def least_motion(v, n, braking, lower, upper):
-    """Bounds of the least motion of each joint: 0, or at acceleration order ``-K v``; `braking` is K, or 0."""
-    for j in range(n):
-        lower[j] = upper[j] = -braking * v[j] if braking != 0.0 else 0.0
-
-
-@inner
-def kinetic_energy(M, v, n, braking, A, lower, upper):
-    """Rows of the least kinetic energy, ``L^T x = -L^T K v`` for M = L L^T; `braking` is K, or 0."""
-    root(M, n, A)
-    for r in range(n):
-        total = 0.0 * A[r * n]  # NaN where M has no root
-        if braking != 0.0:
-            for j in range(r, n):
-                total -= A[r * n + j] * (braking * v[j])
-        lower[r] = upper[r] = total
-
-
-@inner
-def minimum_torque(M, bias, middle, n, A, lower, upper):
-    """Rows of the least torque, ``M x = middle - bias``."""
-    for t in range(n * n):
-        A[t] = M[t]
-    for r in range(n):
-        lower[r] = upper[r] = middle[r] - bias[r]
+@stamp
+@entry
+def write_velocity_ratio(here):
+    """Climb the velocity ratio of a task, along a direction or along its own desired velocity."""
+    told = ints(here, 0, DESIRED + 1)
+    n, rows = told[N], told[ROWS]
+    frame, reading, order = (
+        floats(told[BLOCK], 0, JACOBIAN + 6 * n),
+        floats(told[READING], 0, 6 * rows),
+        ints(told[CHAIN], 0, n),
+    )
+    work, slope = floats(told[WORK], 0, told[WORK_SIZE]), floats(told[SLOPE], 0, n)
+    if told[DESIRED] != 0:
+        desired = floats(told[ALONG], 0, 6)
+        desired_velocity_ratio(frame, n, told[AXES], reading, rows, order, desired, slope, work)
+    else:
+        u, pull = floats(told[ALONG], 0, rows), work[19 * n + rows * (n + rows + 2) + 12 :]
+        velocity_ratio(frame, n, told[AXES], reading, rows, order, u, slope, pull, work)
+    climb(here, slope)
+    return 0
