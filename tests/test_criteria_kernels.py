@@ -9,6 +9,7 @@ from kernels import compiled, plain
 from tasks import (
     AxisTask,
     CenterOfMassTask,
+    Controller,
     DynamicManipulabilityTask,
     GradientTask,
     JointCentringTask,
@@ -365,3 +366,37 @@ def test_the_motion_that_a_task_would_make_alone(order, damping):
         J, h = itself.fill(state, 0.0).levels[0].A, itself.hierarchy.levels[0].lower
         x = J.T @ np.linalg.solve(J @ J.T + damping**2 * np.eye(6), h)
         np.testing.assert_allclose(rows.hierarchy.levels[0].lower, x, rtol=1e-9, atol=1e-9 * np.abs(x).max())
+
+
+@pytest.mark.parametrize("order", ["velocity", "acceleration"])
+@pytest.mark.parametrize(
+    ("make", "changes"),
+    [
+        (ManipulabilityTask, {"gain": 3.0, "weight": 2.0}),
+        (VelocityRatioTask, {"gain": 3.0, "weight": 2.0, "direction": [0.0, 1.0, 2.0]}),
+        (JointCentringTask, {"gain": 3.0, "weight": 2.0}),
+        (MinimumMotionTask, {"gain": 3.0, "weight": 2.0}),
+        (KineticEnergyTask, {"gain": 3.0, "weight": 2.0}),
+        (MinimumTorqueTask, {"weight": 2.0}),
+        (JointMotion, {"damping": 0.3}),
+    ],
+)
+def test_a_number_that_is_changed_is_that_of_a_fresh_controller(make, changes, order):
+    if make is MinimumTorqueTask and order == "velocity":
+        pytest.skip("torques belong to accelerations")
+    robot, rng = panda(), np.random.default_rng(11)
+    given = (reach(robot),) if make in (ManipulabilityTask, VelocityRatioTask, JointMotion) else ()
+    options = {"gain": 1.0} if "gain" in changes else {}
+    if make is VelocityRatioTask:
+        options["direction"] = [1.0, 0.0, 0.0]
+    if make is MinimumTorqueTask:
+        options["torque_range"] = (-1.0, 3.0)
+    above = OrientationTask(np.eye(3), gain=1.0)
+    q, v = robot.random(rng), 0.1 * rng.standard_normal(robot.nv)
+    for name, value in changes.items():
+        part = make(*given, **options)
+        controller = Controller(robot, above >> part, order=order)
+        controller(q, v)
+        setattr(part, name, value)
+        fresh = Controller(robot, above >> make(*given, **options | {name: value}), order=order)
+        np.testing.assert_array_equal(controller(q, v).solution.x, fresh(q, v).solution.x)

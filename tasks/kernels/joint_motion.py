@@ -11,7 +11,7 @@ from .algebra import alone
 ROWS, N, J, H, DAMPING, WORK, LOWER, UPPER = range(8)
 
 
-def work_size(rows, n):
+def work_size(rows: int, n: int) -> int:
     """Numbers of work space."""
     return rows * (n + rows + 1)
 

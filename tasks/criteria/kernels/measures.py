@@ -22,7 +22,7 @@ ALONG, DESIRED = range(CLIMB + 9, CLIMB + 11)
 SHORTEST = 1e-150
 
 
-def work_size(n, rows):
+def work_size(n: int, rows: int) -> int:
     """Numbers of work space that a measure takes."""
     return 19 * n + rows * (n + rows + 3) + 24
 
