@@ -12,6 +12,7 @@ from .batch import batch
 from .compare import compare
 from .ik import ik
 from .list import list_
+from .parts import parts
 from .report import export, plot, report
 from .run import run as run_plan
 from .singularities import singularities
@@ -34,6 +35,7 @@ app.command()(export)
 app.command()(solve)
 app.command()(batch)
 app.command()(tick)
+app.command()(parts)
 app.command()(teleop)
 app.command()(ik)
 app.command()(singularities)

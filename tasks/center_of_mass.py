@@ -13,7 +13,7 @@ from ._checks import Array
 from .motion.trajectories import Trajectory
 from .place import Mask
 from .position import PositionTask
-from .robots.frame import Frame, relative
+from .robots.frame import Frame
 from .robots.robot import Robot, RobotState
 
 if TYPE_CHECKING:
@@ -58,12 +58,15 @@ class CenterOfMassTask(PositionTask):
             name="center of mass" if name is None else name,
         )
 
-    def seen(self, state: RobotState) -> Frame:
+    def _itself(self, state: RobotState) -> Frame:
         point: Frame = state.center_of_mass  # type: ignore[attr-defined]
-        return point if self.relative_to is None else relative(state.frame(self.relative_to), point, state.v)
+        return point
 
     def block(self, site: Site) -> Array:
         return site.center_of_mass(self.relative_to)
+
+    def reading(self) -> None:
+        """No joint carries the centre of mass as it carries a frame."""
 
     def check_frames(self, robot: Robot) -> None:
         state = self.at_rest(robot)

@@ -75,8 +75,11 @@ class FrameTask(Task):
 
     def seen(self, state: RobotState) -> Frame:
         """The frame, in the coordinates of the world or of `relative_to`."""
-        frame = state.frame(self.frame)
+        frame = self._itself(state)
         return frame if self.relative_to is None else relative(state.frame(self.relative_to), frame, state.v)
+
+    def _itself(self, state: RobotState) -> Frame:
+        return state.frame(self.frame)
 
     def block(self, site: Site) -> Array:
         """The same for loops: its block, see :mod:`tasks.kernels.block`."""

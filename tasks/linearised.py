@@ -16,12 +16,16 @@ from hqp.checks import listed
 from hqp.errors import brief
 
 from ._checks import Array, finite
-from .newton import Room, Step, ranges, steps
+from .inequality import Inequality
+from .newton import Room, levels_of_steps, ranges
 from .part import Part
 from .posture import PostureTask
 from .robots.robot import Robot, integrate, joint_positions
 from .stack import Stack
+from .task import Task
 
+#: What has an error to be judged by.
+JUDGED = (Task, Inequality)
 #: How far to either side a joint is drawn that turns freely [rad], [m].
 HALF_TURN = np.pi
 
@@ -85,10 +89,10 @@ class Linearised:
         self, robot: Robot, stack: Stack, goal: Part | Iterable[Part] | None, tolerance: Array, backend: str
     ) -> None:
         self.robot, self.solves = robot, 0
-        levels = steps(stack)
-        wanted = _wanted([part for level in levels for part in level if isinstance(part, Step)], goal)
+        levels = levels_of_steps(stack)
+        wanted = _wanted([part for level in levels for part in level if isinstance(part, JUDGED)], goal)
         self.room = Room(*ranges(robot, stack))
-        self._rows = Stack(self.room, *(reduce(add, level) for level in levels)).build(robot, "velocity", 1.0)
+        self._rows = Stack(self.room, *(reduce(add, level) for level in levels)).build(robot, "step")
         self.hierarchy, self._solver = self._rows.hierarchy, hqp.Solver(backend)
         self._below, self._above = self.hierarchy.lower[robot.nv :], self.hierarchy.upper[robot.nv :]
         bounds = self._rows.bounds(self.room)
@@ -96,7 +100,7 @@ class Linearised:
         self._bounds, self._still = bounds, np.zeros(robot.nv)
         self._measure(levels, wanted, tolerance)
 
-    def _measure(self, levels: list[list[Part]], wanted: list[Step], tolerance: Array) -> None:
+    def _measure(self, levels: list[list[Part]], wanted: list[Part], tolerance: Array) -> None:
         """Which rows make up the error of a task in one unit, that of the goal and that of a level, and what is small.
 
         The sums of squares are one product with a matrix: nothing is looped over per step.
@@ -109,11 +113,11 @@ class Linearised:
             begin, allowed = first, []
             for part in level:
                 begin_part, first = first, first + part.size(self.robot)
-                if not isinstance(part, Step):
+                if not isinstance(part, JUDGED):
                     continue
                 calls[part.name] = calls.get(part.name, 0) + 1
                 name = part.name if calls[part.name] == 1 else f"{part.name} {calls[part.name]}"
-                units = [label.unit for label in part.labels(self.robot, "velocity")]
+                units = [label.unit for label in part.labels(self.robot, "step")]
                 for unit in dict.fromkeys(units):
                     group = np.zeros(rows)
                     group[begin_part:first] = [own == unit for own in units]
@@ -193,8 +197,8 @@ def _shown(part: object) -> str:
     return repr(part) if isinstance(part, Part) else brief(part)
 
 
-def _wanted(own: list[Step], goal: Part | Iterable[Part] | None) -> list[Step]:
-    """The steps of the tasks that must be met.
+def _wanted(own: list[Part], goal: Part | Iterable[Part] | None) -> list[Part]:
+    """The tasks that must be met.
 
     Raises
     ------
@@ -202,13 +206,17 @@ def _wanted(own: list[Step], goal: Part | Iterable[Part] | None) -> list[Step]:
         If there is none, or one is not in the stack.
     """
     if goal is None:
-        wanted = [step for step in own if not isinstance(step.task, PostureTask)] or own
+        wanted = [part for part in own if not isinstance(_task(part), PostureTask)] or own
     else:
         parts = [goal] if isinstance(goal, Part) else listed(goal, "goal", "tasks of the stack")
-        wanted = [step for step in own if any(step.part is part for part in parts)]
+        wanted = [part for part in own if any(part is one for one in parts)]
         for part in parts:
-            if not any(step.part is part for step in wanted):
+            if not any(part is one for one in wanted):
                 raise InvalidInput(f"goal: {_shown(part)} is no task or inequality of the stack; name some of its own")
     if not wanted:
         raise InvalidInput("goal: there is nothing to be met; the stack needs a task or an inequality")
     return wanted
+
+
+def _task(part: Part) -> Part:
+    return part.task if isinstance(part, Inequality) else part

@@ -1,12 +1,8 @@
-r"""A stack as one Newton step of the joints: what a controller asks for per second, asked for at once.
+r"""What a stack asks of one Newton step of the joints, and how far that step may go.
 
-With x the step of the joints itself, a task asks for the whole of its error, and an inequality leaves what there is
-to its bounds,
-
-.. math:: J x = e, \qquad e + below \le J x \le e + above,
-
-whatever the gain of the task and however its target moves. Of the joint limits only the ranges count, above all levels
-and exactly, together with the trust region: how far the linearisation is believed.
+Its rows are those of order "step" (:mod:`tasks.kernels.law`): a task asks for the whole of its error, an inequality
+leaves what there is to its bounds, whatever the gain and however the target moves. Of the joint limits only the ranges
+count, above all levels and exactly, together with the trust region: how far the linearisation is believed.
 
 .. math:: \max(q_{min} - q, -r) \le x \le \min(q_{max} - q, r)
 """
@@ -14,22 +10,24 @@ and exactly, together with the trust region: how far the linearisation is believ
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hqp import InvalidInput, Label, Side
 
 from ._checks import Array, numbers
-from .inequality import Inequality
 from .limits.cartesian import FrameVelocityLimit
 from .limits.joint_limits import JointLimits
 from .limits.limit import JointLimit
 from .limits.position import JointPositionLimit
-from .part import Order, Part, Tick
+from .part import Order, Part
 from .robots.robot import Robot, joint_names, joint_units
 from .stack import Stack
-from .task import Task
+
+if TYPE_CHECKING:
+    from .rows.plan import Plan
+    from .rows.site import Site
 
 #: Of a bound, against the trust region that it may be.
 SAME = 1e-12
@@ -37,39 +35,6 @@ SAME = 1e-12
 TRUST_REGION = "trust region"
 #: Parts that speak of speeds, or that :func:`ranges` reads.
 DROPPED = (JointLimit, JointLimits, FrameVelocityLimit)
-
-
-class Step(Part):
-    """A task or an inequality as one step: all of its error at once.
-
-    Parameters
-    ----------
-    part : Task or Inequality
-    """
-
-    def __init__(self, part: Task | Inequality) -> None:
-        self.part, self.name, self.weight, self.rows = part, part.name, part.weight, part.rows
-        self.plain = part.plain  # type: ignore[misc]
-        self.task = part.task if isinstance(part, Inequality) else part
-        self.sides = (part.below, part.above) if isinstance(part, Inequality) else (0.0, 0.0)
-
-    def size(self, robot: Robot) -> int:
-        return self.part.size(robot)
-
-    def variables(self, robot: Robot) -> NDArray[np.intp]:
-        return self.part.variables(robot)
-
-    def labels(self, robot: Robot, order: Order) -> list[Label]:
-        return [Label(self.name, row, unit) for row, unit in self.task.row_names(robot)]
-
-    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        self.part.check(robot, order, None)  # the gain does not count, and need not suit a tick
-
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        e = self.task.error(tick.state, tick.t)
-        if A is not None:
-            A[:] = self.task.jacobian(tick.state)
-        lower[:], upper[:] = e + self.sides[0], e + self.sides[1]
 
 
 class Room(Part):
@@ -97,8 +62,11 @@ class Room(Part):
         joints = zip(joint_names(robot), joint_units(robot), strict=True)
         return [Label("position limit", joint, unit, Which(self)) for joint, unit in joints]
 
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+    def plan(self, site: Site) -> Plan:
         """Nothing: how far to go is known only when the state has been judged; see :meth:`open`."""
+        from .rows.plan import Plan
+
+        return Plan()
 
     def open(self, joints: Array, radius: float, share: float, lower: Array, upper: Array) -> None:
         """Write the bounds at these joint positions: a share of what is left to the limits, within the radius."""
@@ -117,22 +85,18 @@ class Which:
         return TRUST_REGION if abs(bound) >= self.room.radius * (1.0 - SAME) else "position limit"
 
 
-def steps(stack: Stack) -> list[list[Part]]:
-    """The levels of a stack without the limits of joints and speeds, every task and inequality as one step.
+def levels_of_steps(stack: Stack) -> list[list[Part]]:
+    """The levels of a stack without the limits of joints and speeds.
 
     Raises
     ------
     InvalidInput
         If nothing but limits is in it.
     """
-    kept = [[_step(part) for part in level if not isinstance(part, DROPPED)] for level in stack.levels]
+    kept = [[part for part in level if not isinstance(part, DROPPED)] for level in stack.levels]
     if not any(kept):
         raise InvalidInput(f"the stack {stack!r} has limits only; inverse kinematics needs a task")
     return [level for level in kept if level]
-
-
-def _step(part: Part) -> Part:
-    return Step(part) if isinstance(part, (Task, Inequality)) else part
 
 
 def ranges(robot: Robot, stack: Stack) -> Array:

@@ -120,7 +120,7 @@ class PlaceTask(FrameTask):
         )
         return Plan((call,), moves)
 
-    def reading(self) -> Reading:
+    def reading(self) -> Reading | None:
         first = 0 if self.position is not None else 3
         return Reading(self._axes(), np.eye(6)[[first + i for i in self.mask]])
 

@@ -152,11 +152,21 @@ class Task(Part):
         return robot.at(neutral(robot), np.zeros(robot.nv))
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        """Try the task once at the neutral configuration: what does not fit is refused here, not in the loop."""
-        rows = self.size(robot)
-        per_row(self.gain, rows, f"{self.label()}: gain")
+        per_row(self.gain, self.size(robot), f"{self.label()}: gain")
         self.check_gain(order, dt)
-        state = self.at_rest(robot)
+        if self.in_python:
+            self._try(robot, order)
+
+    @property
+    def in_python(self) -> bool:
+        """Whether Python measures it, and not a loop."""
+        from .rows.plan import overridden
+
+        return type(self).plan is Part.plan or overridden(type(self), self.says) is not None
+
+    def _try(self, robot: Robot, order: Order) -> None:
+        """Measure once at the neutral configuration: what does not fit is refused here, not in the loop."""
+        rows, state = self.size(robot), self.at_rest(robot)
         feedforward = self.rates(state, 0.0)
         if not (isinstance(feedforward, tuple) and len(feedforward) == 2):
             raise InvalidInput(f"{self.label()}: feedforward = {brief(feedforward)} must be (velocity, acceleration)")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -12,7 +11,7 @@ from hqp import InvalidInput
 from tasks._checks import writable
 from tasks.cli.command import INTERRUPTED
 
-_HERE = Path(__file__).parents[2]
+from ..checkout import HERE, front
 
 
 def run_commit(revision: str, plan: str) -> Path:
@@ -27,22 +26,18 @@ def run_commit(revision: str, plan: str) -> Path:
     """
     commit = _git("rev-parse", "--verify", "--quiet", f"{revision}^{{commit}}", what=revision)
     place = Path("out", "benchmarks", "commits", commit[:12]).absolute()
-    tree, front = place / "tree", place / "front"
+    tree, links = place / "tree", place / "front"
     if not tree.exists():  # whole or not at all, as an interruption may come at any time
         writable(place, [])
         with TemporaryDirectory(dir=place) as part:
-            _git("clone", "--quiet", "--shared", "--no-checkout", str(_HERE), part, what=revision)
+            _git("clone", "--quiet", "--shared", "--no-checkout", str(HERE), part, what=revision)
             _git("-C", part, "checkout", "--quiet", "--detach", commit, what=revision)
             Path(part).rename(tree)
             Path(part).mkdir()  # for its end
-    front.mkdir(exist_ok=True)
-    for package, source in (("hqp", tree), ("tasks", tree), ("benchmarks", _HERE)):
-        if not (front / package).exists():
-            (front / package).symlink_to(source / package)
+    environment = front(links, tree)
     folder = place / plan
     command = [sys.executable, "-m", "benchmarks", "run", plan, "-o", str(folder)]
-    environment = os.environ | {"PYTHONPATH": str(front)}
-    done = subprocess.run(command, cwd=front, env=environment, stdout=subprocess.DEVNULL, check=False)
+    done = subprocess.run(command, cwd=links, env=environment, stdout=subprocess.DEVNULL, check=False)
     if done.returncode == INTERRUPTED:
         raise KeyboardInterrupt
     if done.returncode:
@@ -52,7 +47,7 @@ def run_commit(revision: str, plan: str) -> Path:
 
 def _git(*command: str, what: str) -> str:
     try:
-        done = subprocess.run(["git", *command], cwd=_HERE, capture_output=True, text=True, check=True)
+        done = subprocess.run(["git", *command], cwd=HERE, capture_output=True, text=True, check=True)
     except OSError as error:
         raise InvalidInput(f"git: {error.strerror}") from None
     except subprocess.CalledProcessError as error:

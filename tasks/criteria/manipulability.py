@@ -86,7 +86,7 @@ class _MeasureOfTask(GradientTask):
         from .kernels.measures import work_size
 
         task, robot, n = self.task, site.shared.robot, site.shared.n
-        if not isinstance(task, FrameTask) or overridden(task, "reading") is not None:
+        if not isinstance(task, FrameTask) or overridden(type(task), task.says, "reading") is not None:
             return None
         reading, order = task.reading(), chain_order(robot, task.frame, task.relative_to)
         if reading is None or order is None:

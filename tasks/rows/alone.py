@@ -51,13 +51,12 @@ class _Alone:
     """The loops of one task, in a workspace of their own."""
 
     def __init__(self, task: Task, robot: Robot, drifts: bool) -> None:
-        from .plan import plan_of
         from .site import Site, Workspace
 
         rows = task.size(robot)
         self._shared = Workspace(robot, "acceleration" if drifts else "velocity", None, alone=True)
         self._site = Site(self._shared, np.zeros((rows, robot.nv)), *np.zeros((2, rows)))
-        self._plan = plan_of(task, self._site)
+        self._plan = task.plan(self._site)  # the loops of its class, whatever a subclass says beside them
         self.robot = robot
 
     def at(self, state: RobotState, t: float) -> Measured:

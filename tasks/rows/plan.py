@@ -74,29 +74,24 @@ class Plan:
 
 
 def plan_of(part: Part, site: Site) -> Plan:
-    """How a part writes its rows here: by the plan of its class, unless a subclass says something that it cannot know.
+    """How a part writes its rows here: by the plan of its class, unless a subclass says what that cannot know."""
+    own = overridden(type(part), part.says)
+    return part.plan(site) if own is None else replace(part.python_plan(site), why=own)
 
-    A subclass that overrides what its parent measures is measured in Python; one that overrides nothing of it inherits
-    the loops.
+
+@cache
+def overridden(kind: type[Part], says: tuple[str, ...], knows: str = "plan") -> str | None:
+    """What a subclass says in Python, below the class that has the plan; None where the plan is right for it too.
+
+    So it is of any other method that `knows` what is said in Python.
     """
-    own = overridden(part, "plan")
-    if own is None:
-        return part.plan(site)
-    return replace(part.python_plan(site), why=f"{own[0].__name__} has its own {own[1]}()")
-
-
-def overridden(part: Part, method: str) -> tuple[type, str] | None:
-    """The class, and what it says of its rows by a method of its own, that the one which defines `method` cannot know.
-
-    None if there is none: then `method` tells the truth of the part.
-    """
-    for kind in type(part).__mro__:
-        if method in vars(kind):
+    for cls in kind.__mro__:
+        if knows in vars(cls):
             return None
-        own = [name for name in part.says if name in vars(kind)]
+        own = [name for name in says if name in vars(cls)]
         if own:
-            return kind, own[0]
-    raise AssertionError(part)
+            return f"{cls.__name__} has its own {own[0]}()"
+    raise AssertionError(kind)
 
 
 def address(entry: Entry) -> int:

@@ -9,8 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks import Array, per_row
-from ..motion.trajectories import Fixed
-from ..motion.turns import FixedRotation
+from ..motion.turns import stands_still
 from ..robots.robot import Robot, RobotState, joint_positions
 from .blocks import Blocks, HasSource, StateSource
 
@@ -41,6 +40,10 @@ class Workspace:
         The largest rate [1/s] at which a bound may be neared, if the joints are to stop in time: infinite where nothing
         limits their accelerations; and dt.
     blocks : Blocks
+    work : array, shape (64,)
+        For loops to work in.
+    kept : list
+        What loops know by its address, and nobody else may keep.
     """
 
     def __init__(self, robot: Robot, order: Order, dt: float | None, *, alone: bool = False) -> None:
@@ -58,6 +61,7 @@ class Workspace:
             self._joints = self.positions = np.zeros(robot.nv)
             self.places = np.arange(robot.nv)
         self.work = np.zeros(64)
+        self.kept: list[object] = []
         if order == "acceleration":
             self.blocks.drifts[0] = 1
 
@@ -116,7 +120,7 @@ class Site:
         return self.shared.blocks.center_of_mass(relative_to)
 
     def law(self, task: Task) -> NDArray[np.int64]:
-        """What the law of a task is told; the array is kept with the plan."""
+        """What the law of a task is told: sizes and addresses, of arrays that the workspace keeps alive."""
         from ..kernels import law as of
 
         rows, what = self.rows, task.label()
@@ -139,8 +143,9 @@ class Site:
             of.BOUNDS: self.bounds and self.A is not None,
             of.DRIFTS: self.drifts,
         }
-        self._kept: Any = numbers
-        return np.array([told[k] for k in range(of.LENGTH)], dtype=np.int64)
+        table = np.array([told[k] for k in range(of.LENGTH)], dtype=np.int64)
+        self.shared.kept += [self, numbers, table]
+        return table
 
 
 def kept_up(trajectory: Callable[[float], Any], *places: Array) -> tuple[Move, ...]:
@@ -151,4 +156,4 @@ def kept_up(trajectory: Callable[[float], Any], *places: Array) -> tuple[Move, .
             place[:] = part
 
     move(0.0)
-    return () if isinstance(trajectory, Fixed | FixedRotation) else (move,)
+    return () if stands_still(trajectory) else (move,)
