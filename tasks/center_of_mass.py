@@ -66,6 +66,9 @@ class CenterOfMassTask(PositionTask):
     def block(self, site: Site) -> Array:
         return site.center_of_mass(self.relative_to)
 
+    def reading(self) -> None:
+        """No joint carries the centre of mass as it carries a frame."""
+
     def check_frames(self, robot: Robot) -> None:
         state = self.at_rest(robot)
         point = center_of_mass(state)

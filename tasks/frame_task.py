@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from numpy.typing import ArrayLike
 
@@ -18,6 +18,21 @@ from .task import Task
 
 if TYPE_CHECKING:
     from .rows.site import Site
+
+
+class Reading(NamedTuple):
+    """Which part of the motion of a frame the rows of a task are.
+
+    Attributes
+    ----------
+    axes : int
+        Along which its velocity is taken: WORLD, LOCAL or SPATIAL of :mod:`tasks.kernels.frames`.
+    rows : array, shape (rows, 6)
+        What each row takes of its linear and angular velocity along these axes.
+    """
+
+    axes: int
+    rows: Array
 
 
 class FrameTask(Task):
@@ -69,6 +84,14 @@ class FrameTask(Task):
     def block(self, site: Site) -> Array:
         """The same for loops: its block, see :mod:`tasks.kernels.block`."""
         return site.frame(self.frame, self.relative_to)
+
+    def reading(self) -> Reading | None:
+        """What its rows take of the motion of the frame; None where that is no constant."""
+        return None
+
+    def desired_velocity(self, t: float) -> Array:
+        """The velocity of the target, linear and angular, along the axes of the world, shape (6,)."""
+        raise NotImplementedError(f"{type(self).__name__} must define desired_velocity(t), as it has a reading()")
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.check_frames(robot)

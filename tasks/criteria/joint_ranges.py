@@ -14,7 +14,7 @@ beyond its range by the task above, unless :class:`~tasks.JointLimits` stand on 
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,10 @@ from .._checks import Array
 from ..part import Order
 from ..robots.robot import Robot, check_positioned, joint_positions, limit_of
 from .gradient import GradientTask
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
 
 
 class JointCentringTask(GradientTask):
@@ -70,6 +74,17 @@ class JointCentringTask(GradientTask):
         slope = np.zeros(robot.nv)
         slope[own] = 2.0 * away / (len(own) * half)
         return slope
+
+    def plan(self, site: Site) -> Plan:
+        from ..rows.plan import Call, Plan
+        from .kernels.joints import write_centring
+
+        shared, own = site.shared, self.variables(site.shared.robot)
+        assert shared.robot.position_limit is not None  # checked
+        places, ends = shared.places[own].astype(np.int64), shared.robot.position_limit[:, own].copy()
+        slope = np.zeros(shared.n)
+        told = len(shared.positions), shared.positions, places, ends, slope
+        return Plan((Call(write_centring, *self.law(site), *told),))
 
     def _away(self, robot: Robot, q: Array) -> tuple[Array, Array]:
         """How far the joints are from the middle, in halves of their range; and these halves [rad, m]."""

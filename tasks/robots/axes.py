@@ -123,8 +123,8 @@ def _axes(joint: Any) -> Iterator[tuple[str, int, int]]:
 def sequence(joint: Any) -> list[int] | None:
     """The place of each velocity of a joint among themselves; None where their axes are in no order.
 
-    One after the other, as those of a universal joint, of which each carries the next; or all in the first place, where
-    all are fixed to what the joint moves.
+    One after the other where each carries the next, as of a universal joint; all in the first place where all are fixed
+    to what the joint moves, as of a ball.
     """
     what = kind(joint)
     if what == "Composite":
@@ -137,6 +137,6 @@ def sequence(joint: Any) -> list[int] | None:
         return places
     if what == "Ellipsoid":
         return None
-    if what in MANIFOLDS or what == "Translation":
+    if what in MANIFOLDS:
         return [0] * int(joint.nv)
     return list(range(int(joint.nvExtended)))
