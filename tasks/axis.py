@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput
 
 from ._checks import Array, finite
-from .frame_task import FrameTask
+from .frame_task import FrameTask, Reading
 from .live import number
 from .loop_task import LoopTask
 from .motion.trajectories import Trajectory, as_trajectory
@@ -125,6 +125,15 @@ class AxisTask(PointingTask):
         from .kernels.directions import write_axis
 
         return self._pointing(site, write_axis)
+
+    def reading(self) -> Reading:
+        from .kernels.frames import LOCAL
+
+        return Reading(LOCAL, np.hstack([np.zeros((2, 3)), self._across]))
+
+    def desired_velocity(self, t: float) -> Array:
+        d, velocity, _ = self.target(t)
+        return np.concatenate([np.zeros(3), np.cross(d, velocity) / (d @ d)])
 
 
 def unit(vector: Array, what: str) -> Array:

@@ -13,8 +13,8 @@ from ._checks import Array
 from .motion.trajectories import Trajectory
 from .place import Mask
 from .position import PositionTask
-from .robots.frame import Frame, relative
-from .robots.robot import Robot, RobotState
+from .robots.frame import Frame
+from .robots.robot import Robot, RobotState, center_of_mass
 
 if TYPE_CHECKING:
     from .rows.site import Site
@@ -58,17 +58,22 @@ class CenterOfMassTask(PositionTask):
             name="center of mass" if name is None else name,
         )
 
-    def seen(self, state: RobotState) -> Frame:
-        point: Frame = state.center_of_mass  # type: ignore[attr-defined]
-        return point if self.relative_to is None else relative(state.frame(self.relative_to), point, state.v)
+    def _itself(self, state: RobotState) -> Frame:
+        point = center_of_mass(state)
+        assert point is not None  # checked
+        return point
 
     def block(self, site: Site) -> Array:
         return site.center_of_mass(self.relative_to)
 
+    def reading(self) -> None:
+        """No joint carries the centre of mass as it carries a frame."""
+
     def check_frames(self, robot: Robot) -> None:
         state = self.at_rest(robot)
-        if not hasattr(state, "center_of_mass"):
+        point = center_of_mass(state)
+        if point is None:
             raise InvalidInput(f"{self.label()}: {robot!r} does not tell its centre of mass")
-        if not np.isfinite(state.center_of_mass.position).all():
+        if not np.isfinite(point.position).all():
             raise InvalidInput(f"{self.label()}: nothing that {robot!r} moves has a mass; it has no centre")
         self.check_names(robot)

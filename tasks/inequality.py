@@ -29,8 +29,7 @@ from hqp import InvalidInput, Label
 from ._checks import Array, numbers, per_row
 from ._telling import tell
 from .live import number, structure
-from .motion.trajectories import Fixed
-from .motion.turns import FixedRotation
+from .motion.turns import stands_still
 from .part import Order, Part, Tick
 from .robots.robot import Robot, RobotState
 from .task import Task
@@ -125,7 +124,7 @@ class Inequality(Part):
     def _moves(self) -> bool:
         """Whether the bound may be somewhere else at another time: whatever is no number that stands still."""
         targets = [getattr(self.task, name, None) for name in ("target", "position", "rotation")]
-        return any(target is not None and not isinstance(target, Fixed | FixedRotation) for target in targets)
+        return any(target is not None and not stands_still(target) for target in targets)
 
     def error(self, state: RobotState, t: float) -> Array:
         """By how much the value is beyond its bounds, and to which side it has to go, shape (rows,)."""

@@ -16,10 +16,12 @@ from hqp.errors import brief
 
 from .live import number, structure
 from .loop_task import LoopTask
-from .motion.trajectories import Fixed, Trajectory, as_trajectory
+from .motion.trajectories import Trajectory, as_trajectory
+from .motion.turns import stands_still
 from .part import Order, Tick
 from .robots.robot import (
     Robot,
+    base,
     check_positioned,
     joint_index,
     joint_names,
@@ -92,7 +94,7 @@ class PostureTask(LoopTask, TargetTask):
         return len(self.variables(robot))
 
     def variables(self, robot: Robot) -> NDArray[np.intp]:
-        return columns(self.joints, joint_names(robot), getattr(robot, "base", 0))
+        return columns(self.joints, joint_names(robot), base(robot))
 
     def plan(self, site: Site) -> Plan:
         """One loop; Python measures the way of joints whose steps are no differences of numbers."""
@@ -132,7 +134,7 @@ class PostureTask(LoopTask, TargetTask):
         positions = self.joints is not None and size == len(own)
         places, circles = shared.places[own], shared.circles[own]
         told[loops.COLUMN] = own
-        told[loops.RATE] = -1 if isinstance(self.target, Fixed) else rows if size == len(own) else own
+        told[loops.RATE] = -1 if stands_still(self.target) else rows if size == len(own) else own
         if positions:
             check_positioned(shared.robot, own[places < 0], f"{self.label()}: joint")
             told[loops.KIND], told[loops.PLACE], told[loops.GOAL] = loops.LINE, places, rows
@@ -151,7 +153,7 @@ class PostureTask(LoopTask, TargetTask):
         rows = self.size(robot)
         size = np.shape(self.target(0.0)[0])
         allowed = {(rows,), (robot.nq,)} if self.joints is not None else {(robot.nq,)}
-        moving = not isinstance(self.target, Fixed)
+        moving = not stands_still(self.target)
         if size not in allowed or (moving and size not in {(rows,), (robot.nv,)}):
             shapes = " or ".join(map(str, sorted(allowed)))
             if size in allowed:

@@ -13,13 +13,13 @@ import pytest
 
 from hqp.kernels import damped, solver
 from tasks.cli import run
-from tasks.kernels import rows
+from tasks.kernels import law
 
 
 def test_what_is_compiled_is_found_and_its_place_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["warmup"]) == 0
     told = capsys.readouterr()
-    kernels = {"native": solver.solve, "damped": damped.solve_damped, "rows": rows.write_rows}
+    kernels = {"native": solver.solve, "damped": damped.solve_damped, "rows": law.write_law}
     for (name, kernel), line in zip(kernels.items(), told.out.splitlines(), strict=True):
         folder = re.escape(str(kernel.stats.cache_path))
         assert re.fullmatch(rf"{name}: already compiled, ready in \d+\.\d s; kept in {folder}", line)
@@ -55,6 +55,6 @@ def test_an_empty_folder_is_filled_once(tmp_path: Path) -> None:
     announced = done[0].stderr.splitlines()
     assert announced[0].startswith("hqp: compiling the native solver, once ")
     assert announced[1].startswith("hqp: compiling damped levels, once ")
-    assert announced[2].startswith("hqp: compiling the rows of spatial robots, once ")
+    assert announced[2].startswith("hqp: compiling the rows of tasks, once ")
     assert done[1].stderr == ""
     assert list(tmp_path.rglob("*.nbc"))

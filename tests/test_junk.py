@@ -147,7 +147,6 @@ def test_one_thing_where_several_are_taken(call: Callable[[], Any], said: str) -
         (lambda: Stack(task()).build(ARM, "torque"), "order = 'torque'; it must be one of 'velocity', 'acceleration'"),
         (lambda: Stack(task()).build(3, "velocity"), "robot = 3 is a int; a robot has nq, nv and at"),
         (lambda: Stack(task()).build(ARM, "velocity", dt=TWO), r"dt has shape \(2,\); it must be one number"),
-        (lambda: Stack(task()).build(ARM, "velocity", compiled=TWO), "compiled = array.* must be True or False"),
         (lambda: from_rpy(0.0, TWO, 0.0), r"pitch has shape \(2,\); it must be one number"),
         (lambda: from_rpy(np.inf, 0.0, 0.0), "roll = inf must be finite"),
         (lambda: hqp.families.hierarchies(TWO, 1), "unknown family array"),

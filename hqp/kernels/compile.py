@@ -63,16 +63,17 @@ def stamp(kernel):
         tell_unkept()
         _ENTRIES[-1] = kernel = njit(**ENTRY)(kernel.py_func)
         return kernel
-    package = kernel.py_func.__module__.partition(".")[0]
-    folder = next(parent for parent in Path(kernel.py_func.__code__.co_filename).parents if parent.name == package)
-    index._source_stamp = _sources(Path(__file__).parents[1]) + ("" if package == "hqp" else _sources(folder))
+    place, package = Path(kernel.py_func.__code__.co_filename), kernel.py_func.__module__.partition(".")[0]
+    home = next((folder for folder in place.parents if folder.name == package), place.parent)
+    index._source_stamp = _sources(Path(__file__).parents[1]) + _sources(home)
     return kernel
 
 
 @cache
-def _sources(package):
-    """A hash of all kernels of a package: the modules and the folders of that name."""
-    sources = sorted({*package.rglob("kernels.py"), *package.rglob("kernels/*.py")})
+def _sources(home):
+    """A hash of all kernels in a package: the modules and the folders of that name, or what lies beside one alone."""
+    packaged = (home / "__init__.py").exists()
+    sources = sorted({*home.rglob("kernels.py"), *home.rglob("kernels/*.py")} if packaged else home.glob("*.py"))
     return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
 
 

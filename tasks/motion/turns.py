@@ -13,7 +13,7 @@ from hqp.checks import real_number
 from .._checks import Array, finite, numbers, positive_scalar
 from ..rotations import about, exp, log, rotation_matrix, transform
 from .timing import Timing, as_timing, quintic
-from .trajectories import Fixed, Setpoint, Trajectory, alike
+from .trajectories import Fixed, Setpoint, Spread, Trajectory, alike
 
 
 @runtime_checkable
@@ -230,3 +230,12 @@ def as_rotation(target: ArrayLike | RotationTrajectory | Trajectory, what: str) 
 
 #: Whose rotations are rotations.
 KNOWN = (FixedRotation, RotationSetpoint, Turn, Watched)
+
+
+def stands_still(target: object) -> bool:
+    """Whether a target is numbers, and no function of time."""
+    if isinstance(target, Spread):
+        return stands_still(target.trajectory)
+    if isinstance(target, AboutZ):
+        return stands_still(target.angle)
+    return isinstance(target, Fixed | FixedRotation)

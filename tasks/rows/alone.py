@@ -12,6 +12,7 @@ import numpy as np
 from .._checks import Array
 from ..part import Tick
 from ..robots.robot import Robot, RobotState
+from ..robots.robot import robot_of as owner
 
 if TYPE_CHECKING:
     from ..task import Task
@@ -55,7 +56,7 @@ class _Alone:
         from .site import Site, Workspace
 
         rows = task.size(robot)
-        self._shared = Workspace(robot, "acceleration" if drifts else "velocity", None, alone=True)
+        self._shared = Workspace(robot, "acceleration" if drifts else "velocity", None)
         self._site = Site(self._shared, np.zeros((rows, robot.nv)), *np.zeros((2, rows)))
         self._plan = task.plan(self._site)  # of its own loops, also where a subclass says something else
         self._robot, self._numbers = robot, _numbers(task)
@@ -118,7 +119,7 @@ class Unknown:
 
 def robot_of(state: RobotState) -> Robot:
     """Whose state it is."""
-    robot = getattr(state, "robot", None)
+    robot = owner(state)
     return _unknown(len(state.q), len(state.v)) if robot is None else robot
 
 

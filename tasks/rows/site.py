@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._checks import Array, per_row
-from ..motion.trajectories import Fixed
-from ..motion.turns import FixedRotation
-from ..robots.robot import Robot, RobotState, joint_positions
+from ..motion.turns import stands_still
+from ..robots.robot import Robot, RobotState, is_flat, joint_positions
 from .blocks import Blocks, HasSource, StateSource
 
 if TYPE_CHECKING:
@@ -51,23 +50,20 @@ class Workspace:
         What loops know by its address, and nobody else may keep.
     """
 
-    def __init__(self, robot: Robot, order: Order, dt: float | None, *, alone: bool = False) -> None:
+    def __init__(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.robot, self.order, self.dt = robot, order, dt
         self.n = robot.nv
         self.q, self.v = np.zeros(robot.nq), np.zeros(robot.nv)
         self.braking = np.array([np.inf, np.nan if dt is None else dt])
-        own = isinstance(robot, HasSource) and not alone
-        self.blocks = Blocks(robot.frame_source(self.q, self.v) if own else StateSource(robot), self.n)  # type: ignore[attr-defined]
+        looped = isinstance(robot, HasSource)
+        self.blocks = Blocks(robot.frame_source(self.q, self.v) if looped else StateSource(robot), self.n)
         self._joints: Array | None = None
         joints = np.arange(robot.nv)
-        self.places, self.circles = joints, np.full(robot.nv, -1)
-        self.numbered = True
+        self.places, self.circles, self.numbered = joints, np.full(robot.nv, -1), looped or is_flat(robot)
+        self.positions = self.q
         if isinstance(robot, HasSource):
-            self.positions, self.places, self.circles = self.q, robot.places(joints), robot.circles(joints)
-        elif robot.nq == robot.nv:
-            self.positions, self.numbered = self.q, not hasattr(robot, "difference")
-        else:
-            self.numbered = False
+            self.places, self.circles = robot.places(joints), robot.circles(joints)
+        elif robot.nq != robot.nv:
             self._joints = self.positions = np.zeros(robot.nv)
         self.work = np.zeros(64)
         self.kept: list[object] = []
@@ -165,4 +161,4 @@ def kept_up(trajectory: Callable[[float], Any], *places: Array) -> tuple[Move, .
             place[:] = part
 
     move(0.0)
-    return () if isinstance(trajectory, Fixed | FixedRotation) else (move,)
+    return () if stands_still(trajectory) else (move,)
