@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .._checks import Array, per_row
 from ..motion.turns import stands_still
 from ..robots.robot import Robot, RobotState, is_flat, joint_positions
-from .blocks import Blocks, HasSource, StateSource
+from .blocks import Blocks, HasSource, Source, StateSource
 
 if TYPE_CHECKING:
     from ..part import Order
@@ -55,16 +55,17 @@ class Workspace:
         self.n = robot.nv
         self.q, self.v = np.zeros(robot.nq), np.zeros(robot.nv)
         self.braking = np.array([np.inf, np.nan if dt is None else dt])
-        looped = isinstance(robot, HasSource)
-        self.blocks = Blocks(robot.frame_source(self.q, self.v) if looped else StateSource(robot), self.n)
         self._joints: Array | None = None
         joints = np.arange(robot.nv)
-        self.places, self.circles, self.numbered = joints, np.full(robot.nv, -1), looped or is_flat(robot)
-        self.positions = self.q
+        source: Source = StateSource(robot)
+        self.positions, self.places, self.circles = self.q, joints, np.full(robot.nv, -1)
+        self.numbered = is_flat(robot)
         if isinstance(robot, HasSource):
+            source, self.numbered = robot.frame_source(self.q, self.v), True
             self.places, self.circles = robot.places(joints), robot.circles(joints)
         elif robot.nq != robot.nv:
             self._joints = self.positions = np.zeros(robot.nv)
+        self.blocks = Blocks(source, self.n)
         self.work = np.zeros(64)
         self.kept: list[object] = []
         if order == "acceleration":
