@@ -26,6 +26,7 @@ LOOPS = (
     "..kernels.law",
     "..kernels.frames",
     "..kernels.robots",
+    "..kernels.steps",
     "..kernels.joint_motion",
     "..criteria.kernels.measures",
 )
@@ -45,9 +46,10 @@ class Call:
     """
 
     def __init__(self, kernel: Any, *told: Entry) -> None:
-        self.kernel, self._kept = kernel, told
+        self.kernel = kernel
         self.table = np.array([address(entry) for entry in told], dtype=np.int64)
-        self.run: Callable[[], object] = partial(ready(kernel), address(self.table))
+        self.run = partial(ready(kernel), address(self.table))
+        self.run.__dict__["kept"] = self.table, told  # whoever has the one has the others
 
 
 @dataclass(frozen=True)
