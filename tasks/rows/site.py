@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from .._checks import Array, per_row
 from ..motion.turns import stands_still
-from ..robots.robot import Robot, RobotState, joint_positions
-from .blocks import Blocks, HasSource, StateSource
+from ..robots import abilities as able
+from ..robots.answers import at_rest, joint_reader
+from ..robots.robot import Robot, RobotState
+from .blocks import Blocks, Source, StateSource
 
 if TYPE_CHECKING:
     from ..part import Order
@@ -51,15 +53,15 @@ class Workspace:
         self.n = robot.nv
         self.q, self.v = np.zeros(robot.nq), np.zeros(robot.nv)
         self.braking = np.array([np.inf, np.nan if dt is None else dt])
-        own = isinstance(robot, HasSource)
-        self.blocks = Blocks(robot.frame_source(self.q, self.v) if own else StateSource(robot), self.n)  # type: ignore[attr-defined]
-        self._joints: Array | None = None
-        if own or robot.nq == robot.nv:
-            self.positions = self.q
-            self.places = robot.places(np.arange(robot.nv)) if own else np.arange(robot.nv)  # type: ignore[attr-defined]
-        else:
-            self._joints = self.positions = np.zeros(robot.nv)
-            self.places = np.arange(robot.nv)
+        self._joints: Callable[[RobotState], Array] | None = None
+        self.positions, self.places = self.q, np.arange(robot.nv)
+        source: Source = StateSource(robot)
+        if able.has(robot, able.Sourced):
+            source = robot.frame_source(self.q, self.v)
+            self.places = robot.places(self.places)
+        elif robot.nq != robot.nv:
+            self.positions, self._joints = np.zeros(robot.nv), joint_reader(at_rest(robot))
+        self.blocks = Blocks(source, self.n)
         self.work = np.zeros(64)
         self.kept: list[object] = []
         if order == "acceleration":
@@ -69,7 +71,7 @@ class Workspace:
         """Be at this state."""
         self.q[:], self.v[:] = state.q, state.v
         if self._joints is not None:
-            self._joints[:] = joint_positions(state)
+            self.positions[:] = self._joints(state)
         self.blocks.update(state)
 
 
