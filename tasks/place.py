@@ -112,7 +112,7 @@ class PlaceTask(FrameTask):
             self.block(site),
             target,
             site.shared.work,
-            loops.SPATIAL if self._spatial else loops.LOCAL if self.reference == "local" else loops.WORLD,
+            self.axes,
             self.position is not None,
             self.rotation is not None,
             isinstance(self.rotation, AboutZ),
@@ -138,9 +138,14 @@ class PlaceTask(FrameTask):
         return moves
 
     @property
-    def _spatial(self) -> bool:
-        """Whether the linear rows are those of the point that is passing the origin of the world."""
-        return self.reference == "world" and self.position is not None and self.rotation is not None
+    def axes(self) -> int:
+        """Its axes, as loops know them: spatial ones go with the point that is passing the origin of the world."""
+        from .kernels import frames as loops
+
+        if self.reference == "local":
+            return loops.LOCAL
+        spatial = self.reference == "world" and self.position is not None and self.rotation is not None
+        return loops.SPATIAL if spatial else loops.WORLD
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:
         names = [(axis, "m") for axis in "xyz"] if self.position is not None else []

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from .._checks import Array
-from ..part import Tick
+from ..rows.envelope import Limited
 from .limit import SymmetricLimit
 
 
@@ -22,14 +21,5 @@ class JointAccelerationLimit(SymmetricLimit):
     name : str, optional
     """
 
-    quantity: ClassVar[str] = "acceleration"
+    quantity: ClassVar[Limited] = "acceleration"
     unit: ClassVar[str] = "rad/s^2"
-
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        limit = self.largest(tick.robot)
-        if tick.order == "acceleration":
-            lower[:], upper[:] = -limit, limit
-        else:
-            assert tick.dt is not None  # checked before the first tick
-            lower[:] = tick.state.v - limit * tick.dt
-            upper[:] = tick.state.v + limit * tick.dt

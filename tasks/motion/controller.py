@@ -17,8 +17,6 @@ from hqp.guard import Guard
 
 from .._checks import Array, finite_scalar, numbers, positive_scalar, scalar
 from .._telling import tell
-from ..limits.joint_limits import JointLimits
-from ..limits.velocity import JointVelocityLimit
 from ..part import Command, Order, Part
 from ..robots.robot import Robot, RobotState, as_robot, check_fixed_base, check_joints
 from ..rows.rows import Rows
@@ -148,8 +146,7 @@ class Controller:
 
     def _tell_of_speed(self) -> None:
         """Tell once where nothing limits the speed: near a singularity it grows without end, and all tasks are met."""
-        parts = [limit for part in self.stack for limit in (part.limits if isinstance(part, JointLimits) else (part,))]
-        held = any(isinstance(part, JointVelocityLimit) for part in parts) or any(self.stack.damping)
+        held = self._rows.envelope.has_velocity or any(self.stack.damping)
         if getattr(self.robot, "velocity_limit", None) is None and not held:
             tell(
                 f"nothing limits the speed of {self.robot!r}: near a singularity joints turn as fast as tasks ask;"

@@ -12,6 +12,7 @@ from .._checks import Array, per_row
 from ..motion.turns import stands_still
 from ..robots.robot import Robot, RobotState, joint_positions
 from .blocks import Blocks, HasSource, StateSource
+from .envelope import Envelope
 
 if TYPE_CHECKING:
     from ..part import Order
@@ -40,6 +41,8 @@ class Workspace:
         The largest rate [1/s] at which a bound may be neared, if the joints are to stop in time: infinite where nothing
         limits their accelerations; and dt.
     blocks : Blocks
+    envelope : Envelope
+        The joint limits of the stack.
     work : array, shape (64,)
         For loops to work in.
     kept : list
@@ -60,6 +63,7 @@ class Workspace:
         else:
             self._joints = self.positions = np.zeros(robot.nv)
             self.places = np.arange(robot.nv)
+        self.envelope = Envelope(self.n)
         self.work = np.zeros(64)
         self.kept: list[object] = []
         if order == "acceleration":
@@ -71,6 +75,7 @@ class Workspace:
         if self._joints is not None:
             self._joints[:] = joint_positions(state)
         self.blocks.update(state)
+        self.envelope.write()
 
 
 class Site:
