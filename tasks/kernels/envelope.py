@@ -15,11 +15,13 @@ from hqp.kernels.memory import floats, ints
 
 from . import law as of
 
-#: Of the whole: the order, the joints; the velocities, all positions and where each joint has its own (-1: nowhere);
-#: rate and tick; the tightest limits of velocity and acceleration (n,); least and most that is left of x (n,) each; the
-#: rows that are written, and the claims on them.
-ORDER, N, V, POSITIONS, PLACES, TICK, VELOCITY, ACCELERATION, LEFT, ROWS, ROWS_COUNT, CLAIMS, CLAIMS_COUNT = range(13)
-LENGTH = 13
+#: Of the whole: the order, the joints; the velocities, all positions, how many, and where each joint has its own (-1:
+#: nowhere); rate and tick; the tightest limits of velocity and acceleration (n,); least and most that is left of x (n,)
+#: each; the rows that are written, and the claims on them.
+ORDER, N, V, POSITIONS, NQ, PLACES, TICK, VELOCITY, ACCELERATION, LEFT, ROWS, ROWS_COUNT, CLAIMS, CLAIMS_COUNT = range(
+    14
+)
+LENGTH = 14
 #: Of a claim: what is limited; lowest and highest (2 n) and the speed of the way back; the rows where it counts.
 KIND, NUMBERS, LOWER, UPPER = range(4)
 FIELDS = 4
@@ -96,7 +98,7 @@ def reach(told, least, most):
 def write_claim(told, claim, least, most):
     """Cut the rows of one limit down to what it asks for, and what is left of x likewise."""
     n, order, kind, dt = told[N], told[ORDER], claim[KIND], floats(told[TICK], 1, 1)[0]
-    v, q, places = floats(told[V], 0, n), floats(told[POSITIONS], 0, 1), ints(told[PLACES], 0, n)
+    v, q, places = floats(told[V], 0, n), floats(told[POSITIONS], 0, told[NQ]), ints(told[PLACES], 0, n)
     speed, acceleration = floats(told[VELOCITY], 0, n), floats(told[ACCELERATION], 0, n)
     number, lower, upper = floats(claim[NUMBERS], 0, 2 * n + 1), floats(claim[LOWER], 0, n), floats(claim[UPPER], 0, n)
     for j in range(n):
@@ -144,7 +146,7 @@ def write_joint_limits(here):
         positioned = positioned or claim[KIND] == RANGE
         write_claim(told, claim, least, most)
     # Comparisons lose what is no number: it is for the solver to report.
-    v, q, own = floats(told[V], 0, n), floats(told[POSITIONS], 0, 1), ints(told[PLACES], 0, n)
+    v, q, own = floats(told[V], 0, n), floats(told[POSITIONS], 0, told[NQ]), ints(told[PLACES], 0, n)
     for j in range(n):
         known = v[j]
         if positioned and own[j] >= 0:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from ..rows.envelope import Limited
+from ..robots.robot import Quantity
 from .limit import SymmetricLimit
 
 
@@ -21,5 +21,5 @@ class JointAccelerationLimit(SymmetricLimit):
     name : str, optional
     """
 
-    quantity: ClassVar[Limited] = "acceleration"
+    quantity: ClassVar[Quantity] = "acceleration"
     unit: ClassVar[str] = "rad/s^2"

@@ -13,8 +13,7 @@ from hqp.checks import of_type
 from .._checks import Array, not_negative, numbers, per_row, positive
 from ..live import number
 from ..part import PER, Order, Part
-from ..robots.robot import Robot, joint_names, joint_units
-from ..rows.envelope import Limited
+from ..robots.robot import Quantity, Robot, joint_names, joint_units, limit_of
 
 if TYPE_CHECKING:
     from ..rows.plan import Plan
@@ -37,7 +36,7 @@ class JointLimit(Part):
     is_limit: ClassVar[bool] = True
     limited: ClassVar[Literal["motion", "torque"] | None] = "motion"
     plain = True
-    quantity: ClassVar[Limited]
+    quantity: ClassVar[Quantity]
     unit: ClassVar[str]
     rows = None
 
@@ -121,7 +120,7 @@ class SymmetricLimit(JointLimit):
         return f"{type(self).__name__}({'' if self.limit is None else self.limit.tolist()})"
 
 
-def largest(part: Part, given: Array | None, robot: Robot, quantity: str, unit: str) -> Array:
+def largest(part: Part, given: Array | None, robot: Robot, quantity: Quantity, unit: str) -> Array:
     """The limit of each joint, shape (nv,): the given one, or the robot's own of this quantity.
 
     Raises
@@ -129,7 +128,7 @@ def largest(part: Part, given: Array | None, robot: Robot, quantity: str, unit: 
     InvalidInput
         If there is neither, or not one number a joint.
     """
-    limit = given if given is not None else getattr(robot, f"{quantity}_limit", None)
+    limit = given if given is not None else limit_of(robot, quantity)
     if limit is None:
         raise InvalidInput(
             f"{part.label()}: the robot has no {quantity} limit of its own;"

@@ -27,7 +27,7 @@ from hqp.checks import of_type
 from .._checks import Array, numbers, positive
 from ..live import number
 from ..part import Order, Part
-from ..robots.robot import Robot, check_fixed_base, joint_names, joint_units
+from ..robots.robot import Robot, check_dynamics, check_fixed_base, joint_names, joint_units
 from .limit import free, largest
 
 if TYPE_CHECKING:
@@ -89,9 +89,7 @@ class JointTorqueLimit(Part):
         if order == "step":  # which takes none
             return
         check_fixed_base(robot, self.label())
-        for method, arguments in ("mass_matrix", "q"), ("bias", "q, v"):
-            if not hasattr(robot, method):
-                raise InvalidInput(f"{self.label()}: {robot!r} has no {method}({arguments})")
+        check_dynamics(robot, self.label())
         self.largest(robot)
 
     def plan(self, site: Site) -> Plan:

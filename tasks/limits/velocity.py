@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from ..rows.envelope import Limited
+from ..robots.robot import Quantity
 from .limit import SymmetricLimit
 
 
@@ -22,6 +22,6 @@ class JointVelocityLimit(SymmetricLimit):
     name : str, optional
     """
 
-    quantity: ClassVar[Limited] = "velocity"
+    quantity: ClassVar[Quantity] = "velocity"
     zero_holds: ClassVar[bool] = True
     unit: ClassVar[str] = "rad/s"

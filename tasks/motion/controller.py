@@ -18,7 +18,17 @@ from hqp.guard import Guard
 from .._checks import Array, finite_scalar, numbers, positive_scalar, scalar
 from .._telling import tell
 from ..part import Command, Order, Part
-from ..robots.robot import Robot, RobotState, as_robot, check_fixed_base, check_joints
+from ..robots.robot import (
+    Robot,
+    RobotState,
+    as_robot,
+    check_fixed_base,
+    check_joints,
+    check_states,
+    inverse_dynamics,
+    limit_of,
+    workspace,
+)
 from ..rows.rows import Rows
 from ..stack import Stack
 from .timing import Timing, cubic
@@ -137,17 +147,19 @@ class Controller:
         self._transition: Transition | None = None
         self._limits: Limits | None = None
         # Where configurations lie on a manifold, the controller looks at them itself: a call never raises for a state.
-        self._on_manifold = getattr(robot, "on_manifold", None)
-        self._state: Callable[[Array, Array], RobotState] = getattr(robot, "state", self.robot.at)
         # A robot whose states share a workspace has a guard of its own, for all controllers that it has.
-        self._guard: Guard = getattr(robot, "guard", None) or Guard("the controller")
+        shared = workspace(robot)
+        self._on_manifold = None if shared is None else shared.on_manifold
+        self._state: Callable[[Array, Array], RobotState] = self.robot.at if shared is None else shared.state
+        self._guard = Guard("the controller") if shared is None else shared.guard
+        check_states(robot)
         self._rows, self._solver = self._prepare(self.stack)
         self._tell_of_speed()
 
     def _tell_of_speed(self) -> None:
         """Tell once where nothing limits the speed: near a singularity it grows without end, and all tasks are met."""
         held = self._rows.envelope.has_velocity or any(self.stack.damping)
-        if getattr(self.robot, "velocity_limit", None) is None and not held:
+        if limit_of(self.robot, "velocity") is None and not held:
             tell(
                 f"nothing limits the speed of {self.robot!r}: near a singularity joints turn as fast as tasks ask;"
                 " add JointVelocityLimit(2.0), in rad/s, to the top of the stack, or give the robot a velocity_limit"
@@ -179,7 +191,7 @@ class Controller:
         if self.order == "velocity":
             raise InvalidInput(f"torque = True, but order = {self.order!r} gives no accelerations; it must be False")
         check_fixed_base(self.robot, asked)
-        method: Callable[[Array, Array, Array], Array] | None = getattr(self.robot, "inverse_dynamics", None)
+        method = inverse_dynamics(self.robot)
         if method is None:
             raise InvalidInput(f"{asked}, but {self.robot!r} has no inverse_dynamics(q, v, a)")
         return method

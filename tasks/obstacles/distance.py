@@ -39,7 +39,7 @@ from hqp.checks import of_type, whole_number
 from .._checks import Array, finite_scalar, per_row, positive, positive_scalar
 from .._telling import tell
 from ..part import PER, Order, Part, Tick
-from ..robots.robot import Robot, RobotState
+from ..robots.robot import Robot, RobotState, base
 from .links import LinkCapsule
 from .pairs import Distance, Pairs
 from .reserve import fastest, reserve
@@ -148,8 +148,8 @@ class DistanceLimit(Part):
         if tick.order == "acceleration":
             w = np.where(np.isfinite(w), np.maximum(w, np.abs(v)), np.abs(v))
         shift = obstacle.core(tick.t + dt)[0] - obstacle.core(tick.t)[0]
-        gaps, base = pair.witness - pair.core, int(getattr(tick.robot, "base", 0))
-        rho = reserve(pair.place, n, gaps, w, dt, shift=float(np.linalg.norm(shift)), base=base)
+        gaps = pair.witness - pair.core
+        rho = reserve(pair.place, n, gaps, w, dt, shift=float(np.linalg.norm(shift)), base=base(tick.robot))
         if not rho < np.inf:
             return np.nan  # a link may be anywhere: the solver says that nothing is known
         e, along = pair.distance - self.margin - rho, float(n @ shift) / dt

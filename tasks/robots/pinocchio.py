@@ -33,6 +33,7 @@ from .chain import APART
 from .files.xml import root_of
 from .frame_names import frame_numbers
 from .keeping import Kept, Recipe
+from .kinematics import Kinematics
 from .pinocchio_source import PinocchioSource
 from .pinocchio_state import PinocchioState
 from .ranges import SAME, both_ways, largest, no_position
@@ -87,6 +88,8 @@ class PinocchioRobot:
         The configuration from which the model counts, moved into the position limits where it lies outside.
     home : array, shape (nq,)
         A configuration to start from: that of the library, one that the file names "home", or the neutral one.
+    kinematics : Kinematics
+        The workspace that its states share, and whose it is at the moment.
     left_out : tuple of str
         What its file has that is no part of it.
     recipe : Recipe or None
@@ -117,7 +120,7 @@ class PinocchioRobot:
         self.nq, self.nv = int(model.nq), int(model.nv)
         verify(model, repr(self))
         tell_of_inertias(model, repr(self))
-        self.data = _data(model, repr(self))
+        self.kinematics = Kinematics(model, repr(self))
         self._base, self.base = base_of(model)
         self._axes = axes(model)
         self.joint_names = tuple(axis.name for axis in self._axes)
@@ -130,8 +133,6 @@ class PinocchioRobot:
         self._places = places[self._columns]
         self._frames: dict[str | None, int] = {}
         self.guard = Guard(f"the workspace of {self!r}")
-        self._state: PinocchioState | None = None  # whose kinematics the data holds
-        self._accelerated = False
         what = repr(self)
         names = self.joint_names
         speeds = both_ways(model.lowerVelocityLimit, model.upperVelocityLimit, names, f"{what}: velocity limit")
@@ -275,6 +276,19 @@ class PinocchioRobot:
         """The configuration whose base stands as in the first one, and whose joints stand as in the second."""
         return np.concatenate([base[: self._base], joints[self._base :]])
 
+    @property
+    def data(self) -> pin.Data:
+        """Pinocchio's data, which hold what was last computed."""
+        return self.kinematics.data
+
+    def positions(self, q: Array) -> Array:
+        """The position of each joint that has one, 0 elsewhere, shape (nv,)."""
+        if self.nq == self.nv:
+            return q
+        positions = np.zeros(self.nv)
+        positions[self._columns] = q[self._places]
+        return positions
+
     def places(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
         """Where in q the positions of these velocities are, shape (k,); -1 for one that has none of its own."""
         places = np.full(self.nv, -1, dtype=np.int64)
@@ -390,46 +404,33 @@ class PinocchioRobot:
         """Its frames for loops; q and v hold the state of the tick."""
         return PinocchioSource(self, q, v)
 
-    def forget(self) -> None:
-        """The data holds the kinematics of no state any more: something else was written into it."""
-        self._state = None
-
     def compute_center_of_mass(self, q: Array) -> None:
         """Have the data hold the centre of mass at q, and its Jacobian."""
-        pin.jacobianCenterOfMass(self.model, self.data, q)
-        self._state = None  # the rest of the data was overwritten
+        self.kinematics.center_of_mass(q)
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """M(q) [kg m^2; kg m and kg where joints slide], symmetric, shape (..., nv, nv)."""
-        self._state = None  # the rest of the data is overwritten
-        return dynamics.mass_matrix(self.model, self.data, *dynamics.rows_of(self, q=q))
+        return dynamics.mass_matrix(self.model, self.kinematics.overwritten(), *dynamics.rows_of(self, q=q))
 
     def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
         """What torques [N m], forces [N] hold without acceleration: Coriolis, centripetal, gravity, shape (..., nv)."""
-        self._state = None
-        return dynamics.bias(self.model, self.data, *dynamics.rows_of(self, q=q, v=v))
+        return dynamics.bias(self.model, self.kinematics.overwritten(), *dynamics.rows_of(self, q=q, v=v))
 
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """Joint torques [N m], forces [N] for accelerations a, gravity included, shape (..., nv)."""
-        self._state = None
-        return dynamics.inverse_dynamics(self.model, self.data, *dynamics.rows_of(self, q=q, v=v, a=a))
+        return dynamics.inverse_dynamics(
+            self.model, self.kinematics.overwritten(), *dynamics.rows_of(self, q=q, v=v, a=a)
+        )
 
     def __getstate__(self) -> dict[str, Any]:
-        own = dict(self.__dict__, model=Kept(self.model, self.recipe), data=None, guard=None)
-        return dict(own, _state=None, _geometry=None)
+        own = dict(self.__dict__, model=Kept(self.model, self.recipe), kinematics=None, guard=None)
+        return dict(own, _geometry=None)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self.model = state["model"].model
-        self.data = self.model.createData()
+        self.kinematics = Kinematics(self.model, repr(self))
         self.guard = Guard(f"the workspace of {self!r}")
 
     def __repr__(self) -> str:
         return f"PinocchioRobot({self.name!r}, {self.nv} degrees of freedom)"
-
-
-def _data(model: pin.Model, what: str) -> pin.Data:
-    try:
-        return model.createData()
-    except MemoryError:
-        raise InvalidInput(f"{what} has {model.njoints - 1} joints; it is too large for Pinocchio") from None

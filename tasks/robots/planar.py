@@ -13,6 +13,7 @@ not 0. Positive angles turn counter-clockwise; the base frame has its origin in 
 from __future__ import annotations
 
 from functools import cached_property
+from math import cos, isfinite, sin
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -61,7 +62,13 @@ class PlanarState:
 
     @cached_property
     def pose(self) -> Array:
-        return np.array([*self.points[-1], self.q.cumsum()[-1]])
+        x = y = angle = 0.0
+        for length, turn in zip(self.robot.lengths.tolist(), self.q.tolist(), strict=True):
+            angle += turn
+            if not isfinite(angle):
+                return np.full(3, np.nan)
+            x, y = x + length * cos(angle), y + length * sin(angle)
+        return np.array([x, y, angle])
 
     @cached_property
     def jacobian(self) -> Array:

@@ -23,22 +23,19 @@ is none the velocity within reach.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from hqp import InvalidInput
 
 from .._checks import Array, per_row
-from ..robots.robot import Robot
+from ..robots.robot import Quantity, Robot, limit_of
 
 if TYPE_CHECKING:
     from ..part import Tick
     from .plan import Call, Entry
     from .site import Site, Workspace
-
-#: What is limited.
-Limited = Literal["position", "velocity", "acceleration"]
 
 
 class Claim(NamedTuple):
@@ -57,7 +54,7 @@ class Claim(NamedTuple):
         The most that a joint outside its range is driven back with [rad/s].
     """
 
-    kind: Limited
+    kind: Quantity
     low: Array
     high: Array
     lower: Array
@@ -88,7 +85,7 @@ class Envelope:
         self._claims: list[Claim] = []
         self._braking = np.array([np.inf])
 
-    def claim(self, part: str, kind: Limited, values: Array, site: Site, *, return_speed: float = np.inf) -> None:
+    def claim(self, part: str, kind: Quantity, values: Array, site: Site, *, return_speed: float = np.inf) -> None:
         """Ask for a limit of all joints, in the rows of a part.
 
         Parameters
@@ -142,15 +139,15 @@ class Envelope:
         """
         return float(self._braking[0])
 
-    def _has(self, kind: Limited) -> bool:
+    def _has(self, kind: Quantity) -> bool:
         return any(claim.kind == kind for claim in self._claims)
 
-    def _tightest(self, kind: Limited, robot: Robot) -> Array:
+    def _tightest(self, kind: Quantity, robot: Robot) -> Array:
         """The smallest limit of this kind in every joint; the robot's own if there is none and it may stand in."""
         limits = [claim.high for claim in self._claims if claim.kind == kind]
-        own = getattr(robot, f"{kind}_limit", None)
+        own = limit_of(robot, kind)
         if not limits and self._has("position") and own is not None:
-            limits = [per_row(np.asarray(own), robot.nv, f"{robot!r}: {kind} limit", "joint")]
+            limits = [per_row(own, robot.nv, f"{robot!r}: {kind} limit", "joint")]
         return np.asarray(np.min([np.full(robot.nv, np.inf), *limits], axis=0))
 
     def _loop(self, shared: Workspace) -> Call:
@@ -171,6 +168,7 @@ class Envelope:
             loop.N: shared.n,
             loop.V: shared.v,
             loop.POSITIONS: shared.positions,
+            loop.NQ: len(shared.positions),
             loop.PLACES: np.ascontiguousarray(shared.places, dtype=np.int64),
             loop.TICK: shared.braking,
             loop.VELOCITY: self.velocity,
