@@ -5,17 +5,20 @@ No solver takes part: whatever x is chosen between the bounds, however malicious
 
 from __future__ import annotations
 
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from kernels import compiled
 from stopping import path_of_stop, slow_down
 
 from hqp import InvalidInput
 from tasks import JointAccelerationLimit, JointPositionLimit, JointVelocityLimit, PlanarArm, Stack
-from tasks.limits.position import RETURN_SPEED, largest_velocity
+from tasks.kernels import envelope as loops
+from tasks.limits.position import RETURN_SPEED
 
 ORDERS = ["velocity", "acceleration"]
 
@@ -134,6 +137,12 @@ def test_the_bounds_leave_something_from_any_state(q, v, low, inner, width, v_ma
     assert lower.max() <= upper.min()
 
 
+@cache
+def largest_velocity():
+    """The loop, to be called from here."""
+    return compiled(loops.largest_velocity, 3)
+
+
 @pytest.mark.parametrize("order", ORDERS)
 @given(room=st.floats(0.0, 100.0), v=st.floats(-10.0, 10.0), a_max=st.floats(0.1, 100.0), dt=st.floats(1e-3, 0.1))
 def test_the_largest_velocity_is_just_enough_to_stop(order, room, v, a_max, dt):
@@ -141,7 +150,7 @@ def test_the_largest_velocity_is_just_enough_to_stop(order, room, v, a_max, dt):
     spent = 0.5 * dt * v if order == "acceleration" else 0.0
     if spent > room:
         return
-    p = largest_velocity(np.array([room - spent]), np.array([a_max]), dt)
+    p = np.array([largest_velocity()(room - spent, a_max, dt)])
     tick = dt * p if order == "velocity" else 0.5 * dt * (v + p)
     used = tick + path_of_stop(p, np.array([a_max]), dt, order)
     np.testing.assert_allclose(used, room, rtol=1e-9, atol=1e-12)

@@ -18,9 +18,8 @@ from . import law as of
 #: Of the whole: the order, the joints; the velocities, all positions, how many, and where each joint has its own (-1:
 #: nowhere); rate and tick; the tightest limits of velocity and acceleration (n,); least and most that is left of x (n,)
 #: each; the rows that are written, and the claims on them.
-ORDER, N, V, POSITIONS, NQ, PLACES, TICK, VELOCITY, ACCELERATION, LEFT, ROWS, ROWS_COUNT, CLAIMS, CLAIMS_COUNT = range(
-    14
-)
+ORDER, N, V, POSITIONS, NQ, PLACES, TICK = range(7)
+VELOCITY, ACCELERATION, LEFT, ROWS, ROWS_COUNT, CLAIMS, CLAIMS_COUNT = range(7, 14)
 LENGTH = 14
 #: Of a claim: what is limited; lowest and highest (2 n) and the speed of the way back; the rows where it counts.
 KIND, NUMBERS, LOWER, UPPER = range(4)
@@ -108,9 +107,8 @@ def write_claim(told, claim, least, most):
         elif places[j] >= 0:
             position, back = q[places[j]], number[2 * n]
             low, high = kept_range(order, position, v[j], number[j], number[n + j], back, speed[j], acceleration[j], dt)
-        if kind != ACCELERATIONS:  # which is never relaxed
-            low, high = min(low, most[j]), max(high, least[j])
-            least[j], most[j] = max(least[j], low), min(most[j], high)
+        low, high = min(low, most[j]), max(high, least[j])
+        least[j], most[j] = max(least[j], low), min(most[j], high)
         lower[j], upper[j] = max(lower[j], low), min(upper[j], high)
 
 
@@ -121,7 +119,7 @@ def braking_rate(told):
     v, speed, acceleration = floats(told[V], 0, n), floats(told[VELOCITY], 0, n), floats(told[ACCELERATION], 0, n)
     longest = -math.inf
     for j in range(n):
-        if acceleration[j] < math.inf:
+        if acceleration[j] < math.inf and told[ORDER] != of.STEP:
             from_speed = speed[j] if speed[j] < math.inf else abs(v[j]) + acceleration[j] * dt
             longest = max(longest, from_speed / acceleration[j])
     return 1.0 / (longest + dt) if longest + dt > 0.0 else math.inf
