@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,19 +44,19 @@ class Rows:
         self.hierarchy = Hierarchy([_empty_level(level, robot, order) for level in stack.levels], n=robot.nv)
         self._own_limits = None if isinstance(robot, Live) else OwnLimits(robot)
         self._take_up()
-        for live in (robot, *stack):
-            watch(live, self)
+        for part in (robot, *stack):
+            watch(part, self)
 
     def admit(self, part: Live, name: str) -> None:
         """Take up what was changed in a part or the robot, or refuse it; see :class:`tasks.live.Watcher`."""
-        changed = [own for own in self._stack if any(one is part for one in reachable(own))]
-        self._check(changed or self._stack)  # the robot's matters to all of them
-        for own in changed:
-            watch(own, self)
+        for own in self._stack:
+            if part is self._robot or any(one is part for one in reachable(own)):
+                own.check(self._robot, self._order, self._dt)
+                watch(own, self)
         self._take_up()
 
-    def _check(self, parts: Iterable[Part] | None = None) -> None:
-        for part in self._stack if parts is None else parts:
+    def _check(self) -> None:
+        for part in self._stack:
             part.check(self._robot, self._order, self._dt)
 
     def _take_up(self) -> None:
