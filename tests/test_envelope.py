@@ -5,7 +5,6 @@ No solver takes part: whatever x is chosen between the bounds, however malicious
 
 from __future__ import annotations
 
-from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -137,12 +136,6 @@ def test_the_bounds_leave_something_from_any_state(q, v, low, inner, width, v_ma
     assert lower.max() <= upper.min()
 
 
-@cache
-def largest_velocity():
-    """The loop, to be called from here."""
-    return compiled(loops.largest_velocity, 3)
-
-
 @pytest.mark.parametrize("order", ORDERS)
 @given(room=st.floats(0.0, 100.0), v=st.floats(-10.0, 10.0), a_max=st.floats(0.1, 100.0), dt=st.floats(1e-3, 0.1))
 def test_the_largest_velocity_is_just_enough_to_stop(order, room, v, a_max, dt):
@@ -150,7 +143,7 @@ def test_the_largest_velocity_is_just_enough_to_stop(order, room, v, a_max, dt):
     spent = 0.5 * dt * v if order == "acceleration" else 0.0
     if spent > room:
         return
-    p = np.array([largest_velocity()(room - spent, a_max, dt)])
+    p = np.array([compiled(loops, "largest_velocity").largest_velocity(room - spent, a_max, dt)])
     tick = dt * p if order == "velocity" else 0.5 * dt * (v + p)
     used = tick + path_of_stop(p, np.array([a_max]), dt, order)
     np.testing.assert_allclose(used, room, rtol=1e-9, atol=1e-12)

@@ -138,4 +138,4 @@ class Which:
 
 def _largest(limit: JointLimit, robot: Robot, joint: int) -> float:
     """What a limit leaves one joint."""
-    return float(limit.limits(robot)[1, joint])
+    return float(limit.ends(robot)[1, joint])

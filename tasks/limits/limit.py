@@ -49,12 +49,12 @@ class JointLimit(Part):
         joints = zip(joint_names(robot), joint_units(robot), strict=True)
         return [Label(part, joint, unit + PER[order]) for joint, unit in joints]
 
-    def limits(self, robot: Robot) -> Array:
+    def ends(self, robot: Robot) -> Array:
         """Lowest and highest value of the quantity in every joint, shape (2, nv)."""
         raise NotImplementedError
 
     def claim(self, site: Site) -> None:
-        site.shared.envelope.claim(self.label(), self.quantity, self.limits(site.shared.robot), site)
+        site.shared.envelope.claim(self.label(), self.quantity, self.ends(site.shared.robot), site)
 
     def plan(self, site: Site) -> Plan:
         """Nothing: the loop of all joint limits writes its rows."""
@@ -65,7 +65,7 @@ class JointLimit(Part):
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if type(self).write is not Part.write:
             raise InvalidInput(
-                f"{self.label()}: one loop writes all joint limits, and never calls write(); define limits(robot)"
+                f"{self.label()}: one loop writes all joint limits, and never calls write(); define ends(robot)"
             )
         if dt is None and order not in (self.quantity, "step"):
             raise InvalidInput(f"{self.label()}: at {order} order it needs the tick; give the controller dt in s")
@@ -98,7 +98,7 @@ class SymmetricLimit(JointLimit):
         checked = not_negative if self.zero_holds else positive
         return None if value is None else checked(value, f"{self.label()}: limit", unit=self.unit)
 
-    def limits(self, robot: Robot) -> Array:
+    def ends(self, robot: Robot) -> Array:
         largest = self.largest(robot)
         return np.array([-largest, largest])
 

@@ -139,11 +139,11 @@ class JointPositionLimit(JointLimit):
         super().check(robot, order, dt)
         integration(robot)  # or there is no telling which position is whose
 
-    def limits(self, robot: Robot) -> Array:
+    def ends(self, robot: Robot) -> Array:
         return self.range(robot)
 
     def claim(self, site: Site) -> None:
-        values = self.limits(site.shared.robot)
+        values = self.ends(site.shared.robot)
         site.shared.envelope.claim(self.label(), "position", values, site, return_speed=self.return_speed)
 
     def __repr__(self) -> str:

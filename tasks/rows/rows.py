@@ -50,7 +50,7 @@ class Rows:
     def admit(self, part: Live, name: str) -> None:
         """Take up what was changed in a part or the robot, or refuse it; see :class:`tasks.live.Watcher`."""
         for own in self._stack:
-            if part is self._robot or any(one is part for one in reachable(own)):
+            if id(part) == id(self._robot) or any(one is part for one in reachable(own)):
                 own.check(self._robot, self._order, self._dt)
                 watch(own, self)
         self._take_up()
