@@ -17,6 +17,7 @@ from hqp.guard import Guard
 
 from .._checks import Array, finite_scalar, numbers, positive_scalar, scalar
 from .._telling import tell
+from ..live import Live, structure
 from ..part import Command, Order, Part
 from ..robots.robot import (
     Robot,
@@ -95,7 +96,7 @@ class _Left:
         return self.before.blend(state, t, solution.x)[0], True
 
 
-class Controller:
+class Controller(Live):
     """Turns a stack of tasks into motion, tick by tick, warm from the last.
 
     A copy, by ``copy.deepcopy`` or pickle, is a controller of its own, with a robot and tasks of its own: one for each
@@ -125,6 +126,11 @@ class Controller:
         order, or of a robot that cannot tell them or has a base that moves freely.
     """
 
+    robot: Robot = structure()
+    order: Command = structure()
+    dt: float | None = structure()
+    _instead = "make a controller of its own; to another stack it goes over by controller.change(stack, duration=...)"
+
     def __init__(
         self,
         robot: Robot,
@@ -138,8 +144,8 @@ class Controller:
     ) -> None:
         one_of(order, get_args(Command), "order")
         self.robot = as_robot(robot)
-        self.stack = stack if isinstance(stack, Stack) else Stack(stack)
-        self.order: Command = order
+        self._stack = stack if isinstance(stack, Stack) else Stack(stack)
+        self.order = order
         self.dt = None if dt is None else positive_scalar(dt, "dt", unit="s")
         self._torque = self._inverse_dynamics() if truth(torque, "torque") or order == "torque" else None
         self._backend, self._settings = backend, settings
@@ -195,6 +201,11 @@ class Controller:
         if method is None:
             raise InvalidInput(f"{asked}, but {self.robot!r} has no inverse_dynamics(q, v, a)")
         return method
+
+    @property
+    def stack(self) -> Stack:
+        """What is wanted at present; :meth:`change` goes over to another one."""
+        return self._stack
 
     @property
     def backend(self) -> str:
@@ -296,7 +307,7 @@ class Controller:
         left = _Left(self.stack, self._rows, self._solver, self._transition)
         at_once = finite_scalar(duration, "duration of a change") == 0.0
         self._transition = None if at_once else Transition(left, duration, law)
-        self.stack, (self._rows, self._solver) = wanted, prepared
+        self._stack, (self._rows, self._solver) = wanted, prepared
         self._limits = None if at_once else Limits.of(wanted, self.hierarchy, self._backend)
 
     def _new_solver(self, stack: Stack) -> Solver:

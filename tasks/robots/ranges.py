@@ -214,7 +214,7 @@ def within(
                 f"{what}: position limit of {joint!r} from {limits[0, column]:g} to {limits[1, column]:g}; those that"
                 f" follow it need {room.low:g} to {room.high:g}"
             )
-        limits[:, column] = low, high
+        limits[:, column] = low + 0.0, high + 0.0  # which makes 0 of -0
     return limits
 
 
