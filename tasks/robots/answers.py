@@ -12,7 +12,7 @@ from operator import add, attrgetter, sub
 from typing import TYPE_CHECKING, Literal, TypeGuard
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from hqp import InvalidInput
 from hqp.guard import Guard
@@ -195,6 +195,18 @@ def limit_of(robot: Robot, quantity: Quantity) -> Array | None:
     elif able.has(robot, able.TorqueLimited):
         own = robot.torque_limit
     return None if own is None else np.asarray(own)
+
+
+def limits_reader(robot: Robot) -> Callable[[], tuple[ArrayLike | None, ...]]:
+    """What reads all limits that a robot may have of its own, as it gives them."""
+    kinds = {
+        "position_limit": able.PositionLimited,
+        "velocity_limit": able.VelocityLimited,
+        "acceleration_limit": able.AccelerationLimited,
+        "torque_limit": able.TorqueLimited,
+    }
+    readers = [attrgetter(name) for name, kind in kinds.items() if isinstance(robot, kind)]
+    return lambda: tuple(read(robot) for read in readers)
 
 
 def mass_matrix(robot: Robot) -> Callable[[Array], Array] | None:

@@ -28,6 +28,8 @@ LOOPS = (
     "..kernels.robots",
     "..kernels.steps",
     "..kernels.joint_motion",
+    "..kernels.envelope",
+    "..limits.kernels",
     "..criteria.kernels.measures",
 )
 #: What a loop is told of: a size, an address, or an array by its address.

@@ -14,6 +14,7 @@ from ..robots import abilities as able
 from ..robots.answers import at_rest, joint_reader
 from ..robots.robot import Robot, RobotState
 from .blocks import Blocks, Source, StateSource
+from .envelope import Envelope
 
 if TYPE_CHECKING:
     from ..part import Order
@@ -42,6 +43,8 @@ class Workspace:
         The largest rate [1/s] at which a bound may be neared, if the joints are to stop in time: infinite where nothing
         limits their accelerations; and dt.
     blocks : Blocks
+    envelope : Envelope
+        The joint limits of the stack.
     work : array, shape (64,)
         For loops to work in.
     kept : list
@@ -62,6 +65,7 @@ class Workspace:
         elif robot.nq != robot.nv:
             self.positions, self._joints = np.zeros(robot.nv), joint_reader(at_rest(robot))
         self.blocks = Blocks(source, self.n)
+        self.envelope = Envelope(self.n)
         self.work = np.zeros(64)
         self.kept: list[object] = []
         if order == "acceleration":
@@ -73,6 +77,7 @@ class Workspace:
         if self._joints is not None:
             self.positions[:] = self._joints(state)
         self.blocks.update(state)
+        self.envelope.write()
 
 
 class Site:
