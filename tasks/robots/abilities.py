@@ -316,6 +316,10 @@ class Sourced(Protocol):
         """Where in q the positions of these velocities are, shape (k,); -1 for one that has none of its own."""
         ...
 
+    def circles(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
+        """Where in q the cosines of their angles are, the sines being next; -1 for one that is on no circle."""
+        ...
+
 
 #: Of a value that has no such attribute.
 ABSENT = object()

@@ -117,6 +117,11 @@ def difference(robot: Robot, start: Array, end: Array) -> Array:
     return np.asarray(subtraction(robot)(start, end))
 
 
+def is_flat(robot: Robot) -> bool:
+    """Whether the step from one configuration to another is what their numbers differ by."""
+    return robot.nq == robot.nv and not isinstance(robot, able.Manifold)
+
+
 def _check_flat(robot: Robot) -> None:
     if robot.nq != robot.nv:
         raise InvalidInput(

@@ -25,6 +25,8 @@ WHAT = "the rows of tasks"
 LOOPS = (
     "..kernels.law",
     "..kernels.frames",
+    "..kernels.directions",
+    "..kernels.joints",
     "..kernels.robots",
     "..kernels.steps",
     "..kernels.joint_motion",

@@ -12,7 +12,7 @@ from .._checks import Array, per_row
 from ..motion.turns import stands_still
 from ..robots import abilities as able
 from ..robots.answers import at_rest, joint_reader
-from ..robots.robot import Robot, RobotState
+from ..robots.robot import Robot, RobotState, is_flat
 from .blocks import Blocks, Source, StateSource
 from .envelope import Envelope
 
@@ -39,6 +39,10 @@ class Workspace:
         Of this tick.
     positions, places : array, array of int, shape (nv,)
         Where the position of each joint is: ``positions[places[j]]``; -1 where it has none of its own.
+    circles : array of int, shape (nv,)
+        Where in q the cosine of each joint on a circle is, the sine being the next; -1 for all others.
+    numbered : bool
+        Whether these tell how the joints come from one configuration to another; else only the robot knows.
     braking : array, shape (2,)
         The largest rate [1/s] at which a bound may be neared, if the joints are to stop in time: infinite where nothing
         limits their accelerations; and dt.
@@ -56,12 +60,14 @@ class Workspace:
         self.n = robot.nv
         self.q, self.v = np.zeros(robot.nq), np.zeros(robot.nv)
         self.braking = np.array([np.inf, np.nan if dt is None else dt])
+        joints = np.arange(robot.nv)
         self._joints: Callable[[RobotState], Array] | None = None
-        self.positions, self.places = self.q, np.arange(robot.nv)
+        self.positions, self.places, self.circles = self.q, joints, np.full(robot.nv, -1)
         source: Source = StateSource(robot)
+        self.numbered = is_flat(robot)
         if able.has(robot, able.Sourced):
-            source = robot.frame_source(self.q, self.v)
-            self.places = robot.places(self.places)
+            source, self.numbered = robot.frame_source(self.q, self.v), True
+            self.places, self.circles = robot.places(joints), robot.circles(joints)
         elif robot.nq != robot.nv:
             self.positions, self._joints = np.zeros(robot.nv), joint_reader(at_rest(robot))
         self.blocks = Blocks(source, self.n)
@@ -147,7 +153,7 @@ class Site:
             of.MEASURED: self.measured.ctypes.data,
             of.V: self.shared.v.ctypes.data,
             of.TICK: self.shared.braking.ctypes.data,
-            of.BOUNDS: self.bounds and self.A is not None,
+            of.BOUNDS: self.bounds and not task.plain,
             of.DRIFTS: self.drifts,
         }
         table = np.array([told[k] for k in range(of.LENGTH)], dtype=np.int64)
