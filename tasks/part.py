@@ -16,7 +16,7 @@ from .live import Live, number, structure
 from .robots.robot import Robot, RobotState, joint_names
 
 if TYPE_CHECKING:
-    from .limits.envelope import Envelope
+    from .rows.envelope import Envelope
     from .rows.plan import Plan
     from .rows.site import Site
     from .stack import Stack
@@ -60,6 +60,8 @@ class Part(Live):
         Whether the rows are those of the identity: bounds on x itself, kept without a matrix.
     is_limit : bool
         Whether the rows only bound, and ask for nothing.
+    limited : {"motion", "torque"} or None
+        What they bound in every joint: x, or the torques that it takes. Records tell when a joint is at a bound.
     name : str
     weight : array, shape () or (rows,)
         Weight of the rows inside their level.
@@ -68,6 +70,7 @@ class Part(Live):
     rows: int | None = structure()
     plain: bool = structure(False)
     is_limit: ClassVar[bool] = False
+    limited: ClassVar[Literal["motion", "torque"] | None] = None
     #: The methods that say what the rows are: a subclass that overrides one of them is asked in Python.
     says: ClassVar[tuple[str, ...]] = ("write",)
     name: str = structure()
@@ -109,6 +112,9 @@ class Part(Live):
         ------
         InvalidInput
         """
+
+    def claim(self, site: Site) -> None:
+        """Tell the envelope, where it is at work, how it limits the joints; before any part is planned."""
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         """Write this tick's rows in place: A (rows, nv), None where the level is plain, and the bounds (rows,)."""

@@ -99,7 +99,7 @@ class PlaceTask(FrameTask, LoopTask):
             self.block(site),
             target,
             site.shared.work,
-            self._axes(),
+            self.axes,
             self.position is not None,
             self.rotation is not None,
             isinstance(self.rotation, AboutZ),
@@ -109,7 +109,7 @@ class PlaceTask(FrameTask, LoopTask):
 
     def reading(self) -> Reading | None:
         first = 0 if self.position is not None else 3
-        return Reading(self._axes(), np.eye(6)[[first + i for i in self.mask]])
+        return Reading(self.axes, np.eye(6)[[first + i for i in self.mask]])
 
     def desired_velocity(self, t: float) -> Array:
         velocity = np.zeros(6)
@@ -117,12 +117,6 @@ class PlaceTask(FrameTask, LoopTask):
             if goal is not None:
                 velocity[own] = goal(t)[1]
         return velocity
-
-    def _axes(self) -> int:
-        """As of :mod:`tasks.kernels.frames`."""
-        from .kernels import frames as loops
-
-        return loops.SPATIAL if self._spatial else loops.LOCAL if self.reference == "local" else loops.WORLD
 
     def _keep_up(self, target: Array) -> tuple[Move, ...]:
         """Keep the target up to date; see :mod:`tasks.kernels.frames`."""
@@ -142,9 +136,14 @@ class PlaceTask(FrameTask, LoopTask):
         return moves
 
     @property
-    def _spatial(self) -> bool:
-        """Whether the linear rows are those of the point that is passing the origin of the world."""
-        return self.reference == "world" and self.position is not None and self.rotation is not None
+    def axes(self) -> int:
+        """Its axes, as loops know them: spatial ones go with the point that is passing the origin of the world."""
+        from .kernels import frames as loops
+
+        if self.reference == "local":
+            return loops.LOCAL
+        spatial = self.reference == "world" and self.position is not None and self.rotation is not None
+        return loops.SPATIAL if spatial else loops.WORLD
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:
         names = [(axis, "m") for axis in "xyz"] if self.position is not None else []

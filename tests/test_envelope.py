@@ -11,11 +11,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from kernels import compiled
 from stopping import path_of_stop, slow_down
 
 from hqp import InvalidInput
 from tasks import JointAccelerationLimit, JointPositionLimit, JointVelocityLimit, PlanarArm, Stack
-from tasks.limits.position import RETURN_SPEED, largest_velocity
+from tasks.kernels import envelope as loops
+from tasks.limits.position import RETURN_SPEED
 
 ORDERS = ["velocity", "acceleration"]
 
@@ -141,7 +143,7 @@ def test_the_largest_velocity_is_just_enough_to_stop(order, room, v, a_max, dt):
     spent = 0.5 * dt * v if order == "acceleration" else 0.0
     if spent > room:
         return
-    p = largest_velocity(np.array([room - spent]), np.array([a_max]), dt)
+    p = np.array([compiled(loops, "largest_velocity").largest_velocity(room - spent, a_max, dt)])
     tick = dt * p if order == "velocity" else 0.5 * dt * (v + p)
     used = tick + path_of_stop(p, np.array([a_max]), dt, order)
     np.testing.assert_allclose(used, room, rtol=1e-9, atol=1e-12)

@@ -83,7 +83,9 @@ def place_moves(axes, block, target, linear, angular, work):
 
 @inner
 def turning(axes, block, out):
-    """How rows that stand still in the world change, as their axes or their origin move, added to out[:6]."""
+    """How rows that stand still in the world change, as their axes or their origin move, into out[:6]."""
+    for k in range(6):
+        out[k] = 0.0
     v, w = block[at.LINEAR_VELOCITY : at.LINEAR_VELOCITY + 3], block[at.ANGULAR_VELOCITY : at.ANGULAR_VELOCITY + 3]
     if axes == SPATIAL:
         crossed(v[0], v[1], v[2], w[0], w[1], w[2], 1.0, out, 0)
@@ -92,6 +94,17 @@ def turning(axes, block, out):
         for k in range(3):
             frame = at.ROTATION + k
             out[k] += block[frame] * a + block[frame + 3] * b + block[frame + 6] * c
+
+
+@inner
+def jacobian(axes, block, J, n, mask, first, rows, A, work):
+    """How the chosen coordinates follow the joints; work[32:44] is overwritten."""
+    for j in range(n):
+        for k in range(6):
+            work[32 + k] = J[k * n + j]
+        along(axes, block, work, 32, work, 38)
+        for r in range(rows):
+            A[r * n + j] = work[38 + first + mask[r]]
 
 
 @stamp
@@ -113,17 +126,10 @@ def write_place(here):
     along(axes, block, work, 0, work, 24)
     for r in range(rows):
         measured[r], measured[rows + r] = work[16 + first + mask[r]], work[24 + first + mask[r]]
-    for j in range(n):
-        for k in range(6):
-            work[32 + k] = J[k * n + j]
-        along(axes, block, work, 32, work, 38)
-        for r in range(rows):
-            A[r * n + j] = work[38 + first + mask[r]]
+    jacobian(axes, block, J, n, mask, first, rows, A, work)
     if law[of.DRIFTS] != 0:
         along(axes, block, work, 6, work, 24)
         along(axes, block, block, at.LINEAR_DRIFT, work, 32)
-        for k in range(6):
-            work[k] = 0.0
         turning(axes, block, work)
         for r in range(rows):
             k = first + mask[r]

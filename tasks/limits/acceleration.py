@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from .._checks import Array
-from ..part import Tick
 from ..robots.robot import Quantity
 from .limit import SymmetricLimit
 
@@ -25,12 +23,3 @@ class JointAccelerationLimit(SymmetricLimit):
 
     quantity: ClassVar[Quantity] = "acceleration"
     unit: ClassVar[str] = "rad/s^2"
-
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        limit = self.largest(tick.robot)
-        if tick.order == "acceleration":
-            lower[:], upper[:] = -limit, limit
-        else:
-            assert tick.dt is not None  # checked before the first tick
-            lower[:] = tick.state.v - limit * tick.dt
-            upper[:] = tick.state.v + limit * tick.dt

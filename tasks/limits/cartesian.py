@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,12 +12,22 @@ from hqp.checks import of_type
 
 from .._checks import Array, numbers, per_row, positive
 from ..inequality import Inequality
-from ..part import PER, Order, Part, Tick
+from ..live import number, structure
+from ..motion.trajectories import Trajectory
+from ..part import PER, Order, Part
 from ..place import Mask, Reference
 from ..plane import PlaneTask
 from ..pose import PoseTask
 from ..position import PositionTask
 from ..robots.robot import Robot
+from .limit import free
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
+
+#: The shapes of a corner of a box.
+OF_A_CORNER = "(3,), or (2,) for a planar arm"
 
 
 class FrameVelocityLimit(Part):
@@ -46,6 +56,8 @@ class FrameVelocityLimit(Part):
     """
 
     is_limit: ClassVar[bool] = True
+    rows: int = structure()
+    place: PoseTask = structure()
 
     def __init__(
         self,
@@ -68,9 +80,13 @@ class FrameVelocityLimit(Part):
             name=name,
         )
         self.name, self.rows, self.weight = name, self.place.rows, numbers(1.0, "weight")
-        self.limit = per_row(
-            positive(limit, f"{self.label()}: limit"), self.rows, f"{self.label()}: limit", "coordinate"
-        )
+        self.limit = limit
+
+    @number
+    def limit(self, value: ArrayLike) -> Array:
+        """The largest speed of each coordinate [m/s], [rad/s], shape (rows,)."""
+        what = f"{self.label()}: limit"
+        return per_row(positive(value, what), self.rows, what, "coordinate")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         return [Label(f"{self.name} limit", row, unit + PER[order]) for row, unit in self.place.row_names(robot)]
@@ -85,17 +101,24 @@ class FrameVelocityLimit(Part):
         if order == "acceleration" and dt is None:
             raise InvalidInput(f"{self.label()}: at acceleration order it needs the tick; give the controller dt in s")
 
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        assert A is not None
-        J, drift = self.place.motion(tick)
-        A[:] = J
-        if tick.order == "velocity":
-            lower[:], upper[:] = -self.limit, self.limit
-        else:
-            assert tick.dt is not None  # checked before the first tick
-            now = J @ tick.state.v
-            lower[:] = (-self.limit - now) / tick.dt - drift
-            upper[:] = (self.limit - now) / tick.dt - drift
+    def plan(self, site: Site) -> Plan:
+        """One loop; a step of inverse kinematics has no speed."""
+        from ..rows.plan import Call, Plan
+        from . import kernels as loops
+
+        if site.shared.order == "step":
+            return free(site)
+        assert site.A is not None
+        call = Call(
+            loops.write_speed_limit,
+            site.law(self.place),
+            self.place.block(site),
+            site.shared.work,
+            self.place.axes,
+            np.array(self.place.mask, dtype=np.int64),
+            self.limit,
+        )
+        return Plan((call,))
 
     def __repr__(self) -> str:
         return f"FrameVelocityLimit({self.limit.tolist()})"
@@ -132,15 +155,37 @@ class BoxLimit(Inequality):
     ) -> None:
         name = of_type(name, str, "name of a BoxLimit")
         low, high = numbers(lower, f"box {name!r}: lower"), numbers(upper, f"box {name!r}: upper")
-        for what, corner in ("lower", low), ("upper", high):
-            if corner.shape not in {(2,), (3,)} or corner.shape != low.shape:
-                raise InvalidInput(
-                    f"box {name!r}: {what} has shape {corner.shape}; it must be (3,), or (2,) for a planar arm"
-                )
-        if not (low < high).all():
-            raise InvalidInput(f"box {name!r}: lower = {low.tolist()} must be below upper = {high.tolist()}")
+        if low.shape not in {(2,), (3,)}:
+            raise InvalidInput(f"box {name!r}: lower has shape {low.shape}; it must be {OF_A_CORNER}")
         place = PositionTask(np.zeros(len(low)), frame=frame, relative_to=relative_to, gain=gain, name=name)
         super().__init__(place, low, high)
+
+    @property
+    def lower(self) -> Array:
+        """Its lowest corner [m], shape (3,), or (2,) of a planar arm."""
+        return self.below
+
+    @lower.setter
+    def lower(self, value: ArrayLike) -> None:
+        self.below = value
+
+    @property
+    def upper(self) -> Array:
+        """Its highest corner."""
+        return self.above
+
+    @upper.setter
+    def upper(self, value: ArrayLike) -> None:
+        self.above = value
+
+    def _renew(self) -> None:
+        low, high, what = self.below, self.above, f"box {self.name!r}"
+        for name, corner in ("lower", low), ("upper", high):
+            if corner.shape != (self.task.rows,):
+                raise InvalidInput(f"{what}: {name} has shape {corner.shape}; it must be {OF_A_CORNER}")
+        if not (low < high).all():
+            raise InvalidInput(f"{what}: lower = {low.tolist()} must be below upper = {high.tolist()}")
+        super()._renew()
 
     def __repr__(self) -> str:
         return f"BoxLimit({self.below.tolist()}, {self.above.tolist()})"
@@ -162,6 +207,8 @@ class PlaneLimit(Inequality):
     name : str, optional
     """
 
+    task: PlaneTask = structure()
+
     def __init__(
         self,
         normal: ArrayLike,
@@ -175,3 +222,21 @@ class PlaneLimit(Inequality):
         super().__init__(
             PlaneTask(normal, distance, frame=frame, relative_to=relative_to, gain=gain, name=name), 0.0, np.inf
         )
+
+    @property
+    def normal(self) -> Array:
+        """Of length 1, shape (3,)."""
+        return self.task.normal
+
+    @normal.setter
+    def normal(self, value: ArrayLike) -> None:
+        self.task.normal = value  # type: ignore[assignment]  # checked by the task
+
+    @property
+    def distance(self) -> Trajectory:
+        """From the origin along the normal [m]."""
+        return self.task.target
+
+    @distance.setter
+    def distance(self, value: ArrayLike | Trajectory) -> None:
+        self.task.target = value  # type: ignore[assignment]

@@ -1,30 +1,35 @@
 """All limits of the joints as one level of plain bounds: one row a joint, where each limit alone has rows of its own.
 
-Both say the same, as the limits never exclude each other (:mod:`tasks.limits.envelope`), but one row a joint is what a
+Both say the same, as the limits never exclude each other (:mod:`tasks.rows.envelope`), but one row a joint is what a
 solver likes best.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
-
-import numpy as np
+from functools import partial
+from math import inf
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from hqp import InvalidInput, Label, Side
 from hqp.checks import of_type
 
-from .._checks import Array, numbers
-from ..part import PER, Order, Part, Tick
+from .._checks import numbers
+from ..live import structure
+from ..part import PER, Order, Part
 from ..robots.robot import Robot, joint_names, joint_units, limit_of
 from .acceleration import JointAccelerationLimit
 from .limit import JointLimit
 from .position import JointPositionLimit
 from .velocity import JointVelocityLimit
 
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
+
 #: Of a bound, against the limit that it may be.
 SAME = 1e-9
-KINDS = (JointPositionLimit, JointVelocityLimit, JointAccelerationLimit)
 
 
 class JointLimits(Part):
@@ -45,15 +50,17 @@ class JointLimits(Part):
     """
 
     is_limit: ClassVar[bool] = True
+    limited: ClassVar[Literal["motion", "torque"] | None] = "motion"
     plain = True
     rows = None
+    limits: tuple[JointLimit, ...] = structure()
 
     def __init__(self, *limits: JointLimit, name: str = "joint limits") -> None:
         self.name = of_type(name, str, "name of the JointLimits")
         self.weight = numbers(1.0, "weight")
         self.limits = tuple(of_type(limit, JointLimit, "a part of JointLimits") for limit in limits)
-        self._each = tuple(kind() for kind in KINDS)
-        kinds = [type(limit) for limit in self.limits]
+        self._each = (JointPositionLimit(), JointVelocityLimit(), JointAccelerationLimit())
+        kinds = [limit.quantity for limit in self.limits]
         if len(set(kinds)) != len(kinds):
             raise InvalidInput(f"JointLimits{self.limits}: there are two of a kind; one of each is taken")
 
@@ -72,21 +79,31 @@ class JointLimits(Part):
         for limit in self.of(robot):
             limit.check(robot, order, dt)
 
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        """Nothing: its limits are written by themselves, and merged."""
+    def claim(self, site: Site) -> None:
+        for limit in self.of(site.shared.robot):
+            limit.claim(site)
+
+    def plan(self, site: Site) -> Plan:
+        """Nothing: the loop of all joint limits writes its rows."""
+        from ..rows.plan import Plan
+
+        return Plan()
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
-        largest: dict[str, Array] = {
-            limit.quantity: limit.largest(robot)
-            for limit in self.of(robot)
-            if isinstance(limit, (JointVelocityLimit, JointAccelerationLimit))
-        }
-        others = [limit.quantity for limit in self.of(robot) if limit.quantity != order]
+        limits = self.of(robot)
+        own = next((limit for limit in limits if limit.quantity == order), None)
+        others = [
+            limit.quantity for limit in limits if limit is not own and (order != "step" or limit.quantity == "position")
+        ]
         rest = f"{' or '.join(others)} limit" if others else "limit"
-        same = largest.get(order, np.full(robot.nv, np.inf))
         return [
-            Label(self.name, joint, unit + PER[order], Which(float(own), f"{order} limit", rest))
-            for joint, unit, own in zip(joint_names(robot), joint_units(robot), same, strict=True)
+            Label(
+                self.name,
+                joint,
+                unit + PER[order],
+                Which(inf if own is None else partial(_largest, own, robot, j), f"{order} limit", rest),
+            )
+            for j, (joint, unit) in enumerate(zip(joint_names(robot), joint_units(robot), strict=True))
         ]
 
     def __repr__(self) -> str:
@@ -95,11 +112,30 @@ class JointLimits(Part):
 
 @dataclass(frozen=True)
 class Which:
-    """Which limit a bound on x is: the constant one on x itself, or one of those that change from tick to tick."""
+    """Which limit a bound on x is: the constant one on x itself, or one of those that change from tick to tick.
 
-    constant: float
+    Attributes
+    ----------
+    constant : float or callable
+        The former, or what tells it: it may be set while the limit is at work. A copy has it as it was.
+    name, rest : str
+    """
+
+    constant: float | Callable[[], float]
     name: str
     rest: str
 
     def __call__(self, side: Side, bound: float) -> str:
-        return self.name if abs(abs(bound) - self.constant) <= SAME * self.constant < np.inf else self.rest
+        constant = self._now()
+        return self.name if abs(abs(bound) - constant) <= SAME * constant < inf else self.rest
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Which, (self._now(), self.name, self.rest)
+
+    def _now(self) -> float:
+        return self.constant() if callable(self.constant) else self.constant
+
+
+def _largest(limit: JointLimit, robot: Robot, joint: int) -> float:
+    """What a limit leaves one joint."""
+    return float(limit.ends(robot)[1, joint])

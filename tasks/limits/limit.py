@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar, Literal
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
 from .._checks import Array, not_negative, numbers, per_row, positive
+from ..live import number
 from ..part import PER, Order, Part
 from ..robots.robot import Quantity, Robot, joint_names, joint_units, limit_of
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
 
 
 class JointLimit(Part):
     """Base of the joint limits: one row a joint, without a matrix.
 
-    The limits of one stack know of each other, see :mod:`tasks.limits.envelope`.
+    The limits of one stack know of each other, see :mod:`tasks.rows.envelope`, and one loop writes all of them.
 
     Attributes
     ----------
@@ -28,6 +34,7 @@ class JointLimit(Part):
     """
 
     is_limit: ClassVar[bool] = True
+    limited: ClassVar[Literal["motion", "torque"] | None] = "motion"
     plain = True
     quantity: ClassVar[Quantity]
     unit: ClassVar[str]
@@ -42,8 +49,25 @@ class JointLimit(Part):
         joints = zip(joint_names(robot), joint_units(robot), strict=True)
         return [Label(part, joint, unit + PER[order]) for joint, unit in joints]
 
+    def ends(self, robot: Robot) -> Array:
+        """Lowest and highest value of the quantity in every joint, shape (2, nv)."""
+        raise NotImplementedError
+
+    def claim(self, site: Site) -> None:
+        site.shared.envelope.claim(self.label(), self.quantity, self.ends(site.shared.robot), site)
+
+    def plan(self, site: Site) -> Plan:
+        """Nothing: the loop of all joint limits writes its rows."""
+        from ..rows.plan import Plan
+
+        return Plan()
+
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        if dt is None and order != self.quantity:
+        if type(self).write is not Part.write:
+            raise InvalidInput(
+                f"{self.label()}: one loop writes all joint limits, and never calls write(); define ends(robot)"
+            )
+        if dt is None and order not in (self.quantity, "step"):
             raise InvalidInput(f"{self.label()}: at {order} order it needs the tick; give the controller dt in s")
 
 
@@ -66,8 +90,17 @@ class SymmetricLimit(JointLimit):
 
     def __init__(self, limit: ArrayLike | None = None, *, name: str | None = None) -> None:
         super().__init__(name)
+        self.limit = limit
+
+    @number
+    def limit(self, value: ArrayLike | None) -> Array | None:
+        """The largest value in each joint, shape () or (nv,), in the unit of the class; None for the robot's own."""
         checked = not_negative if self.zero_holds else positive
-        self.limit = None if limit is None else checked(limit, f"{self.label()}: limit", unit=self.unit)
+        return None if value is None else checked(value, f"{self.label()}: limit", unit=self.unit)
+
+    def ends(self, robot: Robot) -> Array:
+        largest = self.largest(robot)
+        return np.array([-largest, largest])
 
     def largest(self, robot: Robot) -> Array:
         """The limit of each joint of this robot, shape (nv,), in the unit of the class.
@@ -101,4 +134,12 @@ def largest(part: Part, given: Array | None, robot: Robot, quantity: Quantity, u
             f"{part.label()}: the robot has no {quantity} limit of its own;"
             f" give one in {unit}: {type(part).__name__}(3.0)"
         )
-    return per_row(limit, robot.nv, f"{part.label()}: limit", "joint")
+    return per_row(np.asarray(limit), robot.nv, f"{part.label()}: limit", "joint")
+
+
+def free(site: Site) -> Plan:
+    """The plan of a limit that says nothing at this order: its rows have no bounds."""
+    from ..rows.plan import Plan
+
+    site.lower[:], site.upper[:] = -np.inf, np.inf
+    return Plan()

@@ -23,26 +23,29 @@ D < 0 means that the joint is, or will be, outside. Then m = 0, and :math:`p \le
 
 to rest on the limit: from near it in one tick at velocity order, in two at acceleration order. As
 :math:`D + D' = q_{max} - q_{min} \ge 0`, at most one side is negative, and the two never exclude each other.
+
+A step of inverse kinematics may go from one end of the range to the other: :math:`q_{min} - q \le dq \le q_{max} - q`.
 """
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
-from .._checks import LARGEST, Array, numbers, position_range, positive_scalar
-from ..part import Order, Tick
-from ..robots.robot import Quantity, Robot, integration, joint_names, joint_positions, joint_units, limit_of, positioned
+from .._checks import Array, numbers, position_range, positive_scalar
+from ..live import number
+from ..part import Order
+from ..robots.robot import Quantity, Robot, integration, joint_names, joint_units, limit_of, positioned
 from .limit import JointLimit
+
+if TYPE_CHECKING:
+    from ..rows.site import Site
 
 #: How fast a joint that is outside is driven back, unless told otherwise [rad/s].
 RETURN_SPEED = 0.5
-#: The most that a joint without an acceleration limit changes its speed in a tick [rad/s].
-UNLIMITED = float(np.finfo(np.float64).max)
 
 
 class JointPositionLimit(JointLimit):
@@ -50,7 +53,7 @@ class JointPositionLimit(JointLimit):
 
     Velocity order: :math:`-p_{max}(D_{lower}) \le x \le p_{max}(D_{upper})`. Acceleration order:
     :math:`(-p_{max}(D_{lower}) - v)/dt \le a \le (p_{max}(D_{upper}) - v)/dt`. See :mod:`tasks.limits.position`
-    for :math:`p_{max}`, and :mod:`tasks.limits.envelope` for how the limits of one stack get on with each other.
+    for :math:`p_{max}`, and :mod:`tasks.rows.envelope` for how the limits of one stack get on with each other.
 
     The braking a_max is that of the acceleration limits in the stack, else the robot's own. With neither,
     braking is unlimited at velocity order, and refused at acceleration order.
@@ -84,11 +87,29 @@ class JointPositionLimit(JointLimit):
         name: str | None = None,
     ) -> None:
         super().__init__(name)
-        self.return_speed = positive_scalar(return_speed, f"{self.label()}: return speed", unit="rad/s")
-        self.lower = self.upper = None
+        self.return_speed = return_speed
+        self.lower, self.upper = lower, upper
+        self._renew()
+
+    @number
+    def lower(self, value: ArrayLike | None) -> Array | None:
+        """Lowest positions [rad], [m], shape () or (nv,); None for the robot's own."""
+        return None if value is None else numbers(value, f"{self.label()}: lower")
+
+    @number
+    def upper(self, value: ArrayLike | None) -> Array | None:
+        """Highest positions."""
+        return None if value is None else numbers(value, f"{self.label()}: upper")
+
+    @number
+    def return_speed(self, value: float) -> float:
+        """How fast, at most, the limit itself drives a joint back [rad/s]."""
+        return positive_scalar(value, f"{self.label()}: return speed", unit="rad/s")
+
+    def _renew(self) -> None:
+        lower, upper = self.lower, self.upper
         if lower is not None and upper is not None:
-            self.lower, self.upper = numbers(lower, f"{self.label()}: lower"), numbers(upper, f"{self.label()}: upper")
-            position_range((self.lower, self.upper), max(self.lower.size, self.upper.size), f"{self.label()}: range")
+            position_range((lower, upper), max(lower.size, upper.size), f"{self.label()}: range")
         elif lower is not None or upper is not None:
             missing = "upper" if upper is None else "lower"
             raise InvalidInput(f"{self.label()}: {missing} is missing; give both in rad, infinite where a side is free")
@@ -118,43 +139,15 @@ class JointPositionLimit(JointLimit):
         super().check(robot, order, dt)
         integration(robot)  # or there is no telling which position is whose
 
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        assert tick.dt is not None  # checked before the first tick
-        assert tick.envelope is not None
-        q, v, dt = joint_positions(tick.state), tick.state.v, tick.dt
-        accelerating = tick.order == "acceleration"
-        room = tick.envelope.ranges[self] - (q + 0.5 * dt * v if accelerating else q)
-        room[0] *= -1.0  # what is below the joint, and what is above it
-        p = largest_velocity(room, tick.envelope.acceleration, dt)
-        back = np.minimum(self.return_speed, tick.envelope.velocity)
-        # No limit drives the joint faster than r. Where it drives nothing, p is not negative and stays.
-        p = np.maximum(p, -np.minimum(back, np.maximum(p[::-1], 0.0)))
-        if accelerating:
-            lower[:], upper[:] = (-p[0] - v) / dt, (p[1] - v) / dt
-        else:
-            lower[:], upper[:] = -p[0], p[1]
+    def ends(self, robot: Robot) -> Array:
+        return self.range(robot)
+
+    def claim(self, site: Site) -> None:
+        values = self.ends(site.shared.robot)
+        site.shared.envelope.claim(self.label(), "position", values, site, return_speed=self.return_speed)
 
     def __repr__(self) -> str:
         parts = [] if self.lower is None or self.upper is None else [str(self.lower.tolist()), str(self.upper.tolist())]
         if self.return_speed != RETURN_SPEED:
             parts.append(f"return_speed={self.return_speed:g}")
         return f"{type(self).__name__}({', '.join(parts)})"
-
-
-def largest_velocity(room: Array, acceleration: Array, dt: float) -> Array:
-    """p_max of the module's docstring: the largest velocity [rad/s] from which a joint can stop in time.
-
-    Parameters
-    ----------
-    room : array, shape (..., nv)
-        D [rad]; infinite where a joint turns freely, negative outside.
-    acceleration : array, shape (nv,)
-        a_max [rad/s^2]; infinite if braking is unlimited.
-    dt : float
-        [s].
-    """
-    step = np.minimum(acceleration * dt, UNLIMITED)
-    rate = np.minimum(room, LARGEST) / dt
-    steps = np.floor(0.5 * (np.sqrt(1.0 + 8.0 * np.maximum(rate, 0.0) / step) - 1.0))
-    p = (rate + step * (0.5 * steps * (steps + 1.0))) / (steps + 1.0)
-    return np.where(room > LARGEST, np.inf, p)

@@ -17,7 +17,7 @@ M is invertible: some a always keeps all rows, alone. Beside other limits it may
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from numpy.typing import ArrayLike
 
@@ -25,9 +25,14 @@ from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
 from .._checks import Array, numbers, positive
-from ..part import Order, Part, Tick
+from ..live import number
+from ..part import Order, Part
 from ..robots.robot import Robot, check_dynamics, check_fixed_base, joint_names, joint_units
-from .limit import largest
+from .limit import free, largest
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
 
 
 class JointTorqueLimit(Part):
@@ -47,13 +52,18 @@ class JointTorqueLimit(Part):
     """
 
     is_limit: ClassVar[bool] = True
-
+    limited: ClassVar[Literal["motion", "torque"] | None] = "torque"
     rows = None
 
     def __init__(self, limit: ArrayLike | None = None, *, name: str = "torque") -> None:
         self.name = of_type(name, str, "name of a JointTorqueLimit")
         self.weight = numbers(1.0, "weight")
-        self.limit = None if limit is None else positive(limit, f"{self.label()}: limit", unit="N m")
+        self.limit = limit
+
+    @number
+    def limit(self, value: ArrayLike | None) -> Array | None:
+        """The largest torque of each joint [N m], [N], shape () or (nv,); None for the robot's own."""
+        return None if value is None else positive(value, f"{self.label()}: limit", unit="N m")
 
     def largest(self, robot: Robot) -> Array:
         """The limit of each joint of this robot [N m], [N], shape (nv,); infinite where it has none.
@@ -76,17 +86,23 @@ class JointTorqueLimit(Part):
                 f"{self.label()}: velocities tell no torques; the order of the controller must be 'torque' or"
                 " 'acceleration'"
             )
+        if order == "step":  # which takes none
+            return
         check_fixed_base(robot, self.label())
         check_dynamics(robot, self.label())
         self.largest(robot)
 
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        assert A is not None
-        robot, state = tick.robot, tick.state
-        A[:] = robot.mass_matrix(state.q)  # type: ignore[attr-defined]  # checked before the first tick
-        bias = robot.bias(state.q, state.v)  # type: ignore[attr-defined]
-        limit = self.largest(robot)
-        lower[:], upper[:] = -limit - bias, limit - bias
+    def plan(self, site: Site) -> Plan:
+        """One loop, from the mass matrix and the bias of the tick; a step of inverse kinematics takes no torques."""
+        from ..rows.plan import Call, Plan
+        from . import kernels as loops
+
+        if site.shared.order == "step":
+            return free(site)
+        blocks, limit = site.shared.blocks, self.largest(site.shared.robot)
+        assert site.A is not None
+        told = site.shared.n, site.A, site.lower, site.upper, blocks.mass_matrix(), blocks.bias(), limit
+        return Plan((Call(loops.write_torque_limit, *told),))
 
     def __repr__(self) -> str:
         return f"JointTorqueLimit({'' if self.limit is None else self.limit.tolist()})"

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from .._checks import Array
-from ..part import Tick
 from ..robots.robot import Quantity
 from .limit import SymmetricLimit
 
@@ -27,12 +25,3 @@ class JointVelocityLimit(SymmetricLimit):
     quantity: ClassVar[Quantity] = "velocity"
     zero_holds: ClassVar[bool] = True
     unit: ClassVar[str] = "rad/s"
-
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        limit = self.largest(tick.robot)
-        if tick.order == "velocity":
-            lower[:], upper[:] = -limit, limit
-        else:
-            assert tick.dt is not None  # checked before the first tick
-            lower[:] = (-limit - tick.state.v) / tick.dt
-            upper[:] = (limit - tick.state.v) / tick.dt

@@ -17,8 +17,6 @@ from hqp.guard import Guard
 
 from .._checks import Array, finite_scalar, numbers, positive_scalar, scalar
 from .._telling import tell
-from ..limits.joint_limits import JointLimits
-from ..limits.velocity import JointVelocityLimit
 from ..live import Live, structure
 from ..part import Command, Order, Part
 from ..robots.robot import (
@@ -166,8 +164,7 @@ class Controller(Live):
 
     def _tell_of_speed(self) -> None:
         """Tell once where nothing limits the speed: near a singularity it grows without end, and all tasks are met."""
-        parts = [own for part in self.stack for own in (part.limits if isinstance(part, JointLimits) else (part,))]
-        held = any(isinstance(part, JointVelocityLimit) for part in parts) or any(self.stack.damping)
+        held = self._rows.envelope.has_velocity or any(self.stack.damping)
         if limit_of(self.robot, "velocity") is None and not held:
             tell(
                 f"nothing limits the speed of {self.robot!r}: near a singularity joints turn as fast as tasks ask;"

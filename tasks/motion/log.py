@@ -11,9 +11,6 @@ from numpy.typing import NDArray
 from hqp import InvalidInput, Side, Solution, Status
 
 from .._checks import Array
-from ..limits.joint_limits import JointLimits
-from ..limits.limit import JointLimit
-from ..limits.torque import JointTorqueLimit
 from ..part import Part
 from ..robots.robot import RobotState, inverse_dynamics, manipulability, pose_reader
 from .controller import Controller
@@ -76,16 +73,16 @@ class Log:
         self.errors = [
             (name, part.error, np.empty((ticks + 1, len(part.error(first, 0.0))))) for name, part in _named(telling)
         ]
-        kinds = JointLimit | JointLimits | JointTorqueLimit
-        limits = list(_named(part for part in parts if isinstance(part, kinds)))
-        self.bounds = [
-            (name, part, np.empty((ticks, nv)), np.empty((ticks, nv)))
-            for name, part in limits
-            if not isinstance(part, JointTorqueLimit)
-        ]
-        self.torque_limits = [
-            (name, part.largest(controller.robot)) for name, part in limits if isinstance(part, JointTorqueLimit)
-        ]
+        limits = list(_named(part for part in parts if part.limited is not None))
+        #: Bounds on x, and on the torques that it takes, of every tick.
+        self.bounds, self.torque_bounds = (
+            [
+                (name, part, np.empty((ticks, nv)), np.empty((ticks, nv)))
+                for name, part in limits
+                if part.limited == what
+            ]
+            for what in ("motion", "torque")
+        )
         self.checked_t: list[float] = []
         self.certified = 0
         self.ranks: list[list[int]] = []
@@ -105,7 +102,7 @@ class Log:
         """What tick k did; the bounds are still those that it was given."""
         self.a[k] = a
         self.status.append(status)
-        for _, part, lowers, uppers in self.bounds:
+        for _, part, lowers, uppers in (*self.bounds, *self.torque_bounds):
             lowers[k], uppers[k] = self._controller.bounds(part) if part in self._controller.stack else FREE
 
     def check(self, t: float, solution: Solution, passed: bool) -> None:
@@ -122,10 +119,14 @@ class Log:
         x = v[1:] if self.order == "velocity" else a
         with np.errstate(all="ignore"):
             tau = None if self._torque is None else _frozen(self._torque(q[:-1], v[:-1], a))
+            bias = None if self._torque is None else self._torque(q[:-1], v[:-1], np.zeros_like(a))
             manipulability = None if self._manipulability is None else _frozen(self._manipulability(q))
         active = {name: _sides(x, low[: n - 1], high[: n - 1]) for name, _, low, high in self.bounds}
-        if tau is not None:
-            active |= {name: _sides(tau, -limit, limit) for name, limit in self.torque_limits}
+        if tau is not None and bias is not None:  # their rows bound what accelerations take beside the bias
+            active |= {
+                name: _sides(tau, low[: n - 1] + bias, high[: n - 1] + bias)
+                for name, _, low, high in self.torque_bounds
+            }
         return Record(
             t=_frozen(self.t[:n]),
             q=_frozen(q),

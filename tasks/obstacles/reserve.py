@@ -27,20 +27,16 @@ from __future__ import annotations
 import numpy as np
 
 from .._checks import Array
-from ..limits.acceleration import JointAccelerationLimit
-from ..limits.velocity import JointVelocityLimit
 from ..part import Tick
 from .links import Placed
 
 
 def fastest(tick: Tick) -> Array:
     """How fast each joint may turn in this tick, by the limits of the stack, shape (nv,) [rad/s]; infinite without."""
-    v, envelope = np.abs(tick.state.v), tick.envelope
-    limits = () if envelope is None else envelope.limits
-    w = np.full(len(v), np.inf)
-    if envelope is not None and any(isinstance(limit, JointVelocityLimit) for limit in limits):
+    v, envelope, w = np.abs(tick.state.v), tick.envelope, np.full(len(tick.state.v), np.inf)
+    if envelope is not None and envelope.has_velocity:
         w = envelope.velocity
-    if envelope is not None and any(isinstance(limit, JointAccelerationLimit) for limit in limits):
+    if envelope is not None and envelope.has_acceleration:
         assert tick.dt is not None  # checked before the first tick
         step = envelope.acceleration * tick.dt
         w = np.maximum(np.minimum(w, v + step), v - step)  # a joint that is too fast can only slow down so much

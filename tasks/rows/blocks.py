@@ -5,10 +5,9 @@ See :mod:`tasks.kernels.block` for what a block holds.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .._checks import Array
 from ..kernels import block as at
@@ -35,17 +34,6 @@ class Source(Protocol):
     def update(self, state: RobotState, drifts: bool) -> None:
         """Have ready what the loops read, at this state."""
         ...
-
-
-@runtime_checkable
-class HasSource(Protocol):
-    """A robot whose frames are written by loops, and which tells where in q its joints are; see its own words."""
-
-    def frame_source(self, q: Array, v: Array) -> Source: ...
-
-    def places(self, columns: NDArray[np.intp]) -> NDArray[np.int64]: ...
-
-    def circles(self, columns: NDArray[np.intp]) -> NDArray[np.int64]: ...
 
 
 class StateSource:

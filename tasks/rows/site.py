@@ -10,8 +10,11 @@ from numpy.typing import NDArray
 
 from .._checks import Array, per_row
 from ..motion.turns import stands_still
-from ..robots.robot import Robot, RobotState, is_flat, joint_positions
-from .blocks import Blocks, HasSource, Source, StateSource
+from ..robots import abilities as able
+from ..robots.answers import at_rest, joint_reader
+from ..robots.robot import Robot, RobotState, is_flat
+from .blocks import Blocks, Source, StateSource
+from .envelope import Envelope
 
 if TYPE_CHECKING:
     from ..part import Order
@@ -44,6 +47,8 @@ class Workspace:
         The largest rate [1/s] at which a bound may be neared, if the joints are to stop in time: infinite where nothing
         limits their accelerations; and dt.
     blocks : Blocks
+    envelope : Envelope
+        The joint limits of the stack.
     work : array, shape (64,)
         For loops to work in.
     kept : list
@@ -55,17 +60,18 @@ class Workspace:
         self.n = robot.nv
         self.q, self.v = np.zeros(robot.nq), np.zeros(robot.nv)
         self.braking = np.array([np.inf, np.nan if dt is None else dt])
-        self._joints: Array | None = None
         joints = np.arange(robot.nv)
-        source: Source = StateSource(robot)
+        self._joints: Callable[[RobotState], Array] | None = None
         self.positions, self.places, self.circles = self.q, joints, np.full(robot.nv, -1)
+        source: Source = StateSource(robot)
         self.numbered = is_flat(robot)
-        if isinstance(robot, HasSource):
+        if able.has(robot, able.Sourced):
             source, self.numbered = robot.frame_source(self.q, self.v), True
             self.places, self.circles = robot.places(joints), robot.circles(joints)
         elif robot.nq != robot.nv:
-            self._joints = self.positions = np.zeros(robot.nv)
+            self.positions, self._joints = np.zeros(robot.nv), joint_reader(at_rest(robot))
         self.blocks = Blocks(source, self.n)
+        self.envelope = Envelope(self.n)
         self.work = np.zeros(64)
         self.kept: list[object] = []
         if order == "acceleration":
@@ -75,8 +81,9 @@ class Workspace:
         """Be at this state."""
         self.q[:], self.v[:] = state.q, state.v
         if self._joints is not None:
-            self._joints[:] = joint_positions(state)
+            self.positions[:] = self._joints(state)
         self.blocks.update(state)
+        self.envelope.write()
 
 
 class Site:

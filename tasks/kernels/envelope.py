@@ -1,0 +1,156 @@
+r"""The limits of all joints of one stack, in one loop: what each asks for, relaxed by the harder ones.
+
+See :mod:`tasks.rows.envelope` for how they get on with each other, :mod:`tasks.limits.position` for how a joint keeps
+its range.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from hqp.kernels.compile import entry, inner, stamp
+from hqp.kernels.memory import floats, ints
+
+from . import law as of
+
+#: Of the whole: the order, the joints; the velocities, all positions, how many, and where each joint has its own (-1:
+#: nowhere); rate and tick; the tightest limits of velocity and acceleration (n,); least and most that is left of x (n,)
+#: each; the rows that are written, and the claims on them.
+ORDER, N, V, POSITIONS, NQ, PLACES, TICK = range(7)
+VELOCITY, ACCELERATION, LEFT, ROWS, ROWS_COUNT, CLAIMS, CLAIMS_COUNT = range(7, 14)
+LENGTH = 14
+#: Of a claim: what is limited; lowest and highest (2 n) and the speed of the way back; the rows where it counts.
+KIND, NUMBERS, LOWER, UPPER = range(4)
+FIELDS = 4
+#: The kinds, the harder first, and their names.
+ACCELERATIONS, RANGE, SPEED = range(3)
+KINDS = ("acceleration", "position", "velocity")
+#: Beyond it there is no end [rad]; the most that a joint without an acceleration limit changes its speed [rad/s].
+LARGEST, UNLIMITED = 1e15, 1.7976931348623157e308
+
+
+@inner
+def largest_velocity(room, acceleration, dt):
+    r"""p_max of :mod:`tasks.limits.position`: the largest velocity [rad/s] from which a joint can stop in time.
+
+    Parameters
+    ----------
+    room : float
+        D [rad]; infinite where a joint turns freely, negative outside.
+    acceleration : float
+        a_max [rad/s^2]; infinite if braking is unlimited.
+    dt : float
+        [s].
+    """
+    if room > LARGEST:
+        return math.inf
+    step, rate = min(acceleration * dt, UNLIMITED), room / dt
+    steps = np.floor(0.5 * (math.sqrt(1.0 + 8.0 * max(rate, 0.0) / step) - 1.0))
+    return (rate + step * (0.5 * steps * (steps + 1.0))) / (steps + 1.0)
+
+
+@inner
+def kept_range(order, q, v, low, high, return_speed, speed, acceleration, dt):
+    """Least and most x of a joint that keeps its range, or comes back to it."""
+    if order == of.STEP:
+        return low - q, high - q
+    if order == of.ACCELERATION:
+        q = q + 0.5 * dt * v
+    below, above = largest_velocity(q - low, acceleration, dt), largest_velocity(high - q, acceleration, dt)
+    # No limit drives the joint faster than this. Where it drives nothing, p is not negative and stays.
+    back = min(return_speed, speed)
+    least = -max(below, -min(back, max(above, 0.0)))
+    most = max(above, -min(back, max(below, 0.0)))
+    if order == of.ACCELERATION:
+        return (least - v) / dt, (most - v) / dt
+    return least, most
+
+
+@inner
+def claimed(kind, order, v, low, high, dt):
+    """Least and most x of a joint by a limit of its acceleration or its velocity."""
+    if kind == ACCELERATIONS and order == of.VELOCITY:
+        return v + low * dt, v + high * dt
+    if kind == SPEED and order == of.ACCELERATION:
+        return (low - v) / dt, (high - v) / dt
+    if order == of.STEP:
+        return -math.inf, math.inf
+    return low, high
+
+
+@inner
+def reach(told, least, most):
+    """What accelerations leave of x."""
+    n, order, dt = told[N], told[ORDER], floats(told[TICK], 1, 1)[0]
+    v, acceleration = floats(told[V], 0, n), floats(told[ACCELERATION], 0, n)
+    for j in range(n):
+        least[j], most[j] = -math.inf, math.inf
+        if acceleration[j] < math.inf and order == of.VELOCITY:
+            least[j], most[j] = v[j] - acceleration[j] * dt, v[j] + acceleration[j] * dt
+        elif order == of.ACCELERATION:
+            least[j], most[j] = -acceleration[j], acceleration[j]
+
+
+@inner
+def write_claim(told, claim, least, most):
+    """Cut the rows of one limit down to what it asks for, and what is left of x likewise."""
+    n, order, kind, dt = told[N], told[ORDER], claim[KIND], floats(told[TICK], 1, 1)[0]
+    v, q, places = floats(told[V], 0, n), floats(told[POSITIONS], 0, told[NQ]), ints(told[PLACES], 0, n)
+    speed, acceleration = floats(told[VELOCITY], 0, n), floats(told[ACCELERATION], 0, n)
+    number, lower, upper = floats(claim[NUMBERS], 0, 2 * n + 1), floats(claim[LOWER], 0, n), floats(claim[UPPER], 0, n)
+    for j in range(n):
+        low, high = -math.inf, math.inf
+        if kind != RANGE:
+            low, high = claimed(kind, order, v[j], number[j], number[n + j], dt)
+        elif places[j] >= 0:
+            position, back = q[places[j]], number[2 * n]
+            low, high = kept_range(order, position, v[j], number[j], number[n + j], back, speed[j], acceleration[j], dt)
+        low, high = min(low, most[j]), max(high, least[j])
+        least[j], most[j] = max(least[j], low), min(most[j], high)
+        lower[j], upper[j] = max(lower[j], low), min(upper[j], high)
+
+
+@inner
+def braking_rate(told):
+    """The largest rate [1/s] at which a bound may be neared; see :mod:`tasks.rows.envelope`."""
+    n, dt = told[N], floats(told[TICK], 1, 1)[0]
+    v, speed, acceleration = floats(told[V], 0, n), floats(told[VELOCITY], 0, n), floats(told[ACCELERATION], 0, n)
+    longest = -math.inf
+    for j in range(n):
+        if acceleration[j] < math.inf and told[ORDER] != of.STEP:
+            from_speed = speed[j] if speed[j] < math.inf else abs(v[j]) + acceleration[j] * dt
+            longest = max(longest, from_speed / acceleration[j])
+    return 1.0 / (longest + dt) if longest + dt > 0.0 else math.inf
+
+
+@stamp
+@entry
+def write_joint_limits(here):
+    """All limits of the joints, and the rate at which they brake."""
+    told = ints(here, 0, LENGTH)
+    n, rows, claims = told[N], told[ROWS_COUNT], told[CLAIMS_COUNT]
+    least, most = floats(told[LEFT], 0, n), floats(told[LEFT], n, n)
+    reach(told, least, most)
+    places = ints(told[ROWS], 0, 2 * rows)
+    for k in range(rows):
+        lower, upper = floats(places[2 * k], 0, n), floats(places[2 * k + 1], 0, n)
+        for j in range(n):
+            lower[j], upper[j] = -math.inf, math.inf
+    positioned = False
+    for k in range(claims):
+        claim = ints(told[CLAIMS], k * FIELDS, FIELDS)
+        positioned = positioned or claim[KIND] == RANGE
+        write_claim(told, claim, least, most)
+    # Comparisons lose what is no number: it is for the solver to report.
+    v, q, own = floats(told[V], 0, n), floats(told[POSITIONS], 0, told[NQ]), ints(told[PLACES], 0, n)
+    for j in range(n):
+        known = v[j]
+        if positioned and own[j] >= 0:
+            known = known + q[own[j]]
+        if known != known:
+            for k in range(rows):
+                floats(places[2 * k], 0, n)[j] = floats(places[2 * k + 1], 0, n)[j] = math.nan
+    floats(told[TICK], 0, 1)[0] = braking_rate(told)
+    return 0

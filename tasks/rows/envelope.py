@@ -1,0 +1,187 @@
+r"""What the joint limits of one stack know of each other, so that none asks for what another forbids.
+
+Each limit alone bounds x to an interval that is never empty. Two of them may contradict each other: a joint that
+comes too fast cannot keep both its range and its acceleration limit. The limits are therefore taken in an order of
+hardness, whatever their levels: acceleration, position, velocity; those of one kind as they stand in
+the stack. A softer limit is relaxed just so far that it meets what the harder ones leave,
+
+.. math::
+
+    [l, u] \;\leftarrow\; [\min(l, U),\ \max(u, L)], \qquad
+    [L, U] \;\leftarrow\; [L, U] \cap [l, u],
+
+beginning with :math:`[L, U] = \pm a_{max}` at acceleration order and :math:`v \pm a_{max} dt` at velocity order.
+Every intersection is nonempty, so all limits together can be kept at every tick, from any state. From a state
+within the velocity limit in which the joint can still stop inside its range, nothing is relaxed.
+
+*Braking.* Whatever the joints do, all of them can be slowed together, each by no more than its limit: along the same
+way, in the time :math:`T = \max_j v_j / a_j`, at first at the rate 1/T. A frame whose speed towards a bound is at most
+1/T times its distance then stops before it, whichever bounds there are. v is the limit of the velocity, and where there
+is none the velocity within reach.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from hqp import InvalidInput
+
+from .._checks import Array, per_row
+from ..robots.robot import Quantity, Robot, limit_of
+
+if TYPE_CHECKING:
+    from ..part import Tick
+    from .plan import Call, Entry
+    from .site import Site, Workspace
+
+
+class Claim(NamedTuple):
+    """What one limit asks of the joints.
+
+    Attributes
+    ----------
+    kind : {"position", "velocity", "acceleration"}
+    low, high : array, shape (nv,)
+        Lowest and highest value [rad], [rad/s], [rad/s^2].
+    lower, upper : array, shape (nv,)
+        The bounds where it counts. Claims on the same ones are kept together.
+    label : str
+        Whose it is, for messages.
+    return_speed : float
+        The most that a joint outside its range is driven back with [rad/s].
+    """
+
+    kind: Quantity
+    low: Array
+    high: Array
+    lower: Array
+    upper: Array
+    label: str
+    return_speed: float
+
+
+class Envelope:
+    """The joint limits of one stack at work on one robot: a ledger of claims, which one loop writes.
+
+    Where a stack has a position limit, but none of another kind, the robot's own counts for braking and for
+    the way back.
+
+    Attributes
+    ----------
+    velocity, acceleration : array, shape (nv,)
+        The tightest limits [rad/s], [rad/s^2]; infinite where there is none.
+    has_velocity, has_acceleration : bool
+        Whether the stack itself has such a limit.
+    """
+
+    def __init__(self, n: int) -> None:
+        self.velocity, self.acceleration = np.full((2, n), np.inf)
+        self.has_velocity = self.has_acceleration = False
+        #: Write the rows of all limits, and how fast the joints brake; every tick, before whoever asks for it.
+        self.write: Callable[[], object] = _nothing
+        self._claims: list[Claim] = []
+        self._braking = np.array([np.inf])
+
+    def claim(self, part: str, kind: Quantity, values: Array, site: Site, *, return_speed: float = np.inf) -> None:
+        """Ask for a limit of all joints, in the rows of a part.
+
+        Parameters
+        ----------
+        part : str
+            Its label.
+        kind : {"position", "velocity", "acceleration"}
+        values : array, shape (2, nv)
+            Lowest and highest.
+        site : Site
+            Where the rows are. What has several limits there keeps all of them.
+        return_speed : float
+            [rad/s].
+        """
+        self._claims.append(Claim(kind, values[0], values[1], site.lower, site.upper, part, return_speed))
+
+    def close(self, shared: Workspace) -> None:
+        """Have the loop ready, when all claims are there, and the rate of braking from rest.
+
+        Raises
+        ------
+        InvalidInput
+            If a position limit at acceleration order has nothing to brake with.
+        """
+        ranges = [claim for claim in self._claims if claim.kind == "position"]
+        self.has_velocity, self.has_acceleration = (self._has(kind) for kind in ("velocity", "acceleration"))
+        self.velocity[:] = self._tightest("velocity", shared.robot)
+        self.acceleration[:] = self._tightest("acceleration", shared.robot)
+        limited = np.any([np.isfinite(claim.low) | np.isfinite(claim.high) for claim in ranges], axis=0)
+        if ranges and shared.order == "acceleration" and np.isinf(self.acceleration[limited]).any():
+            raise InvalidInput(
+                f"{ranges[0].label}: at acceleration order it needs to know how hard the joints can"
+                " brake; add a JointAccelerationLimit(20.0), in rad/s^2, to the stack, or give the robot a limit"
+            )
+        self._braking = shared.braking
+        if self._claims:
+            loop = self._loop(shared)
+            shared.kept.append(loop)
+            self.write = loop.run
+            self.write()
+
+    @property
+    def brakes_blindly(self) -> bool:
+        """Whether some acceleration is limited, and not the velocity from which to brake."""
+        return bool((np.isfinite(self.acceleration) & np.isinf(self.velocity)).any())
+
+    def braking_rate(self, tick: Tick) -> float:
+        """The largest rate [1/s] at which a frame may near a bound in this tick, if the joints are to stop in time.
+
+        It is infinite where nothing limits the acceleration.
+        """
+        return float(self._braking[0])
+
+    def _has(self, kind: Quantity) -> bool:
+        return any(claim.kind == kind for claim in self._claims)
+
+    def _tightest(self, kind: Quantity, robot: Robot) -> Array:
+        """The smallest limit of this kind in every joint; the robot's own if there is none and it may stand in."""
+        limits = [claim.high for claim in self._claims if claim.kind == kind]
+        own = limit_of(robot, kind)
+        if not limits and self._has("position") and own is not None:
+            limits = [per_row(own, robot.nv, f"{robot!r}: {kind} limit", "joint")]
+        return np.asarray(np.min([np.full(robot.nv, np.inf), *limits], axis=0))
+
+    def _loop(self, shared: Workspace) -> Call:
+        """The loop, told of all claims, the harder first."""
+        from ..kernels import envelope as loop
+        from ..kernels.law import ORDERS
+        from .plan import Call, address
+
+        claims = sorted(self._claims, key=lambda claim: loop.KINDS.index(claim.kind))
+        numbers = [np.concatenate([claim.low, claim.high, [claim.return_speed]]) for claim in claims]
+        table = [
+            (loop.KINDS.index(claim.kind), address(own), address(claim.lower), address(claim.upper))
+            for claim, own in zip(claims, numbers, strict=True)
+        ]
+        rows = list(dict.fromkeys((lower, upper) for _, _, lower, upper in table))
+        told: dict[int, Entry] = {
+            loop.ORDER: ORDERS.index(shared.order),
+            loop.N: shared.n,
+            loop.V: shared.v,
+            loop.POSITIONS: shared.positions,
+            loop.NQ: len(shared.positions),
+            loop.PLACES: np.ascontiguousarray(shared.places, dtype=np.int64),
+            loop.TICK: shared.braking,
+            loop.VELOCITY: self.velocity,
+            loop.ACCELERATION: self.acceleration,
+            loop.LEFT: np.empty(2 * shared.n),
+            loop.ROWS: np.array(rows, dtype=np.int64),
+            loop.ROWS_COUNT: len(rows),
+            loop.CLAIMS: np.array(table, dtype=np.int64),
+            loop.CLAIMS_COUNT: len(claims),
+        }
+        shared.kept += [claims, numbers]
+        return Call(loop.write_joint_limits, *(told[k] for k in range(loop.LENGTH)))
+
+
+def _nothing() -> None:
+    """There are no limits."""
