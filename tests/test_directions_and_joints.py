@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pinocchio as pin
@@ -209,9 +210,7 @@ class Round:
     neutral = np.zeros(2)
 
     def at(self, q, v):
-        state = PlanarArm([0.5, 0.4]).at(q, v)
-        state.robot = self
-        return state
+        return SimpleNamespace(q=np.asarray(q), v=np.asarray(v), frame=PlanarArm([0.5, 0.4]).at(q, v).frame, robot=self)
 
     def integrate(self, q, step):
         return q + step
