@@ -138,9 +138,7 @@ class Reconstructed(Part):
             self._slow(tick, site, above)
 
         moves = tuple(move for plan in plans for move in plan.moves)
-        return Plan(
-            moves=moves, python=write, why="the gradient of its measure is taken from other states", kept=(site,)
-        )
+        return Plan(moves=moves, python=write, why="the gradient of its measure is taken from other states")
 
     def _slow(self, tick: Tick, site: Site, above: Site | None) -> None:
         """Write h' in the place of h."""

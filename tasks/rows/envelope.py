@@ -23,6 +23,7 @@ is none the velocity within reach.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -122,9 +123,7 @@ class Envelope:
             )
         self._braking = shared.braking
         if self._claims:
-            loop = self._loop(shared)
-            shared.kept.append(loop)
-            self.write = loop.run
+            self.write = self._loop(shared).run
             self.write()
 
     @property
@@ -154,15 +153,15 @@ class Envelope:
         """The loop, told of all claims, the harder first."""
         from ..kernels import envelope as loop
         from ..kernels.law import ORDERS
-        from .plan import Call, address
+        from .plan import Call, Table, address
 
         claims = sorted(self._claims, key=lambda claim: loop.KINDS.index(claim.kind))
         numbers = [np.concatenate([claim.low, claim.high, [claim.return_speed]]) for claim in claims]
-        table = [
-            (loop.KINDS.index(claim.kind), address(own), address(claim.lower), address(claim.upper))
+        told_of = [
+            (loop.KINDS.index(claim.kind), own, claim.lower, claim.upper)
             for claim, own in zip(claims, numbers, strict=True)
         ]
-        rows = list(dict.fromkeys((lower, upper) for _, _, lower, upper in table))
+        rows = {address(claim.lower): (claim.lower, claim.upper) for claim in claims}.values()
         told: dict[int, Entry] = {
             loop.ORDER: ORDERS.index(shared.order),
             loop.N: shared.n,
@@ -174,12 +173,11 @@ class Envelope:
             loop.VELOCITY: self.velocity,
             loop.ACCELERATION: self.acceleration,
             loop.LEFT: np.empty(2 * shared.n),
-            loop.ROWS: np.array(rows, dtype=np.int64),
+            loop.ROWS: Table(*chain.from_iterable(rows)),
             loop.ROWS_COUNT: len(rows),
-            loop.CLAIMS: np.array(table, dtype=np.int64),
+            loop.CLAIMS: Table(*chain.from_iterable(told_of)),
             loop.CLAIMS_COUNT: len(claims),
         }
-        shared.kept += [claims, numbers]
         return Call(loop.write_joint_limits, *(told[k] for k in range(loop.LENGTH)))
 
 

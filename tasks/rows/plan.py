@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numba import int64
@@ -34,26 +34,38 @@ LOOPS = (
     "..limits.kernels",
     "..criteria.kernels.measures",
 )
-#: What a loop is told of: a size, an address, or an array by its address.
-Entry = int | np.integer[Any] | NDArray[Any]
+#: What a loop is told of: a size, an address, or by its address an array or a table.
+Entry: TypeAlias = "int | np.integer[Any] | NDArray[Any] | Table"
+
+
+class Table:
+    """Sizes and addresses that a loop is told of, in one array; whoever has the table keeps what it tells of.
+
+    Parameters
+    ----------
+    *told : int, array or Table
+        Arrays and tables are told by their address.
+    """
+
+    def __init__(self, *told: Entry) -> None:
+        self.told = told
+        self.numbers = np.array([address(entry) for entry in told], dtype=np.int64)
 
 
 class Call:
-    """One loop, and the table of sizes and addresses that it is called with.
+    """One loop, and what it is told of.
 
     Parameters
     ----------
     kernel : callable
         See :func:`hqp.kernels.compile.entry`.
-    *told : int or array
-        Arrays are told by their address, and kept alive.
+    *told : int, array or Table
     """
 
     def __init__(self, kernel: Any, *told: Entry) -> None:
-        self.kernel = kernel
-        self.table = np.array([address(entry) for entry in told], dtype=np.int64)
+        self.kernel, self.table = kernel, Table(*told)
         self.run = partial(ready(kernel), address(self.table))
-        self.run.__dict__["kept"] = self.table, told  # whoever has the one has the others
+        self.run.__dict__["table"] = self.table  # whoever has the one has the other
 
 
 @dataclass(frozen=True)
@@ -76,7 +88,6 @@ class Plan:
     moves: tuple[Callable[[float], None], ...] = ()
     python: Callable[[Tick], None] | None = None
     why: str = ""
-    kept: tuple[Any, ...] = field(default=(), repr=False)
 
 
 def plan_of(part: Part, site: Site) -> Plan:
@@ -101,8 +112,10 @@ def overridden(kind: type[Part], says: tuple[str, ...], knows: str = "plan") -> 
 
 
 def address(entry: Entry) -> int:
-    """Where an array is; any other entry is itself."""
-    return int(entry.ctypes.data) if isinstance(entry, np.ndarray) else int(entry)
+    """Where an array is, or that of a table; a size is itself."""
+    if isinstance(entry, Table):
+        entry = entry.numbers
+    return int(entry.__array_interface__["data"][0]) if isinstance(entry, np.ndarray) else int(entry)
 
 
 @cache

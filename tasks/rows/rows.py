@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,9 +12,10 @@ from hqp import Hierarchy, Level
 from hqp.checks import of_type
 
 from .._checks import Array, per_row
-from ..live import Live, reachable, watch, watch_alone
+from ..live import Live, reachable, watch_alone
 from ..part import Order, Part, Tick
-from ..robots.robot import Robot, RobotState, neutral
+from ..robots.answers import at_rest
+from ..robots.robot import Robot, RobotState
 from .envelope import Envelope
 from .own_limits import OwnLimits
 from .plan import Plan, plan_of
@@ -31,7 +33,7 @@ class Rows:
     hierarchy : hqp.Hierarchy
         Refilled in place: nothing is stacked or copied per tick.
     plans : list of (Part, Plan)
-        How every part writes its rows.
+        How every part writes its rows, from the highest level down.
     compiled : bool
         Whether loops write all of them.
     envelope : Envelope
@@ -41,52 +43,72 @@ class Rows:
     def __init__(self, stack: Stack, robot: Robot, order: Order, dt: float | None) -> None:
         self._stack, self._robot, self._order, self._dt = stack, robot, order, dt
         self._check()
+        self._rest = at_rest(robot)
         self.hierarchy = Hierarchy([_empty_level(level, robot, order) for level in stack.levels], n=robot.nv)
         self._own_limits = None if isinstance(robot, Live) else OwnLimits(robot)
         self._take_up()
-        for part in stack:
-            watch(part, self)
         if isinstance(robot, Live):
             watch_alone(robot, self)
 
     def admit(self, part: Live, name: str) -> None:
         """Take up what was changed in a part or the robot, or refuse it; see :class:`tasks.live.Watcher`."""
-        for own in self._stack:
-            if id(part) == id(self._robot) or any(one is part for one in reachable(own)):
-                own.check(self._robot, self._order, self._dt)
-                watch(own, self)
-        self._take_up()
+        if id(part) == id(self._robot):
+            self._check()
+            self._take_up()
+            return
+        own = self._owners.get(id(part), [])
+        for changed in (self._views[k][0] for k in own):
+            changed.check(self._robot, self._order, self._dt)
+        if any(type(self._views[k][0]).claim is not Part.claim for k in own):
+            self._take_up()  # which others go by
+        else:
+            self._plan(own)
 
     def _check(self) -> None:
         for part in self._stack:
             part.check(self._robot, self._order, self._dt)
 
     def _take_up(self) -> None:
-        """Plan how all parts write their rows, with the numbers that they have now."""
+        """Begin anew with the numbers that all parts and the robot have now."""
         robot, order, dt = self._robot, self._order, self._dt
-        shared = Workspace(robot, order, dt)
-        views: list[tuple[Part, Site]] = []
-        unweighted: list[tuple[Array, Array, NDArray[np.intp]]] = []  # rows that ask for nothing
+        self._shared = shared = Workspace(robot, order, dt)
+        self._views: list[tuple[Part, Site]] = []
+        self._weights: list[tuple[Array, NDArray[np.intp]]] = []  # and which rows ask for nothing
+        self._owners: dict[int, list[int]] = {}  # of all that is reachable from a part: the parts
         for view, parts in zip(self.hierarchy.levels, self._stack.levels, strict=True):
             row = 0
             for part in parts:
                 own = slice(row, row + part.size(robot))
                 row = own.stop
                 site = Site(shared, None if view.A is None else view.A[own], view.lower[own], view.upper[own])
-                views.append((part, site))
                 part.claim(site)
-                view.weights[own] = weights = _weights(part, robot)
-                without = weights == 0.0
-                if without.any():
-                    view.weights[own][without] = 1.0
-                    unweighted.append((site.lower, site.upper, np.flatnonzero(without)))
+                self._views.append((part, site))
+                self._weights.append((view.weights[own], np.zeros(0, dtype=np.intp)))
         shared.envelope.close(shared)
-        rest = Tick(robot, robot.at(neutral(robot), np.zeros(robot.nv)), 0.0, order, dt, shared.envelope)
-        with np.errstate(all="ignore"):  # what is infinite is refused in words
-            for part in self._stack:
+        self.plans: list[tuple[Part, Plan]] = [(part, Plan()) for part, _ in self._views]
+        self._plan(range(len(self._views)))
+
+    def _plan(self, which: Iterable[int]) -> None:
+        """Plan how these parts write their rows."""
+        robot, shared = self._robot, self._shared
+        rest = Tick(robot, self._rest, 0.0, self._order, self._dt, shared.envelope)
+        for k in which:
+            part, site = self._views[k]
+            with np.errstate(all="ignore"):  # what is infinite is refused in words
                 part.check_beside(rest)
-        self.plans: list[tuple[Part, Plan]] = [(part, plan_of(part, site)) for part, site in views]
-        self._shared, self._views, self._unweighted = shared, views, unweighted
+            self.plans[k] = part, plan_of(part, site)
+            weights = per_row(part.weight, site.rows, f"{part.label()}: weight")
+            without = np.flatnonzero(weights == 0.0)
+            view, _ = self._weights[k]
+            view[:], view[without] = weights, 1.0
+            self._weights[k] = view, without
+            for held in reachable(part):  # also what came with the change
+                watch_alone(held, self)
+                owners = self._owners.setdefault(id(held), [])
+                if k not in owners:
+                    owners.append(k)
+        pairs = zip(self._views, self._weights, strict=True)
+        self._unweighted = [(site.lower, site.upper, without) for (_, site), (_, without) in pairs if without.size]
         self._moves = [move for _, plan in self.plans for move in plan.moves]
         self._python = [plan.python for _, plan in self.plans if plan.python is not None]
         self._calls = [call.run for _, plan in self.plans for call in plan.calls]
@@ -132,7 +154,3 @@ def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order) -> Level:
     identity = np.eye(robot.nv)
     A = [identity[p.variables(robot)] if p.plain else np.zeros((p.size(robot), robot.nv)) for p in parts]
     return Level(np.concatenate(A), zeros, zeros, weights=weights, name=name, labels=labels)
-
-
-def _weights(part: Part, robot: Robot) -> Array:
-    return per_row(part.weight, part.size(robot), f"{part.label()}: weight")

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .._checks import Array, per_row
 from ..motion.turns import stands_still
@@ -19,6 +18,7 @@ from .envelope import Envelope
 if TYPE_CHECKING:
     from ..part import Order
     from ..task import Task
+    from .plan import Table
 
 #: Brings a target up to date, by the time [s].
 Move = Callable[[float], None]
@@ -51,8 +51,6 @@ class Workspace:
         The joint limits of the stack.
     work : array, shape (64,)
         For loops to work in.
-    kept : list
-        What loops know by its address, and nobody else may keep.
     """
 
     def __init__(self, robot: Robot, order: Order, dt: float | None) -> None:
@@ -73,7 +71,6 @@ class Workspace:
         self.blocks = Blocks(source, self.n)
         self.envelope = Envelope(self.n)
         self.work = np.zeros(64)
-        self.kept: list[object] = []
         if order == "acceleration":
             self.blocks.drifts[0] = 1
 
@@ -132,33 +129,31 @@ class Site:
             self.shared.blocks.drifts[0] = 1
         return self.shared.blocks.center_of_mass(relative_to)
 
-    def law(self, task: Task) -> NDArray[np.int64]:
-        """What the law of a task is told: sizes and addresses, of arrays that the workspace keeps alive."""
+    def law(self, task: Task) -> Table:
+        """What the law of a task is told of; see :mod:`tasks.kernels.law`."""
         from ..kernels import law as of
+        from .plan import Table
 
-        rows, what = self.rows, task.label()
+        rows, what, shared = self.rows, task.label(), self.shared
         gain = per_row(task.gain, rows, f"{what}: gain")
         numbers = np.empty((of.FIELDS, rows))
         numbers[of.GAIN], numbers[of.C1], numbers[of.C2] = gain, 2.0 * task.damping_ratio * gain, gain**2
         numbers[of.BELOW] = per_row(self.below, rows, f"{what}: below")
         numbers[of.ABOVE] = per_row(self.above, rows, f"{what}: above")
-        told = {
-            of.ORDER: of.ORDERS.index(self.shared.order),
-            of.ROWS: rows,
-            of.N: self.shared.n,
-            of.MATRIX: 0 if self.A is None else self.A.ctypes.data,
-            of.LOWER: self.lower.ctypes.data,
-            of.UPPER: self.upper.ctypes.data,
-            of.NUMBERS: numbers.ctypes.data,
-            of.MEASURED: self.measured.ctypes.data,
-            of.V: self.shared.v.ctypes.data,
-            of.TICK: self.shared.braking.ctypes.data,
-            of.BOUNDS: self.bounds and not task.plain,
-            of.DRIFTS: self.drifts,
-        }
-        table = np.array([told[k] for k in range(of.LENGTH)], dtype=np.int64)
-        self.shared.kept += [self, numbers, table]
-        return table
+        return Table(
+            of.ORDERS.index(shared.order),
+            rows,
+            shared.n,
+            0 if self.A is None else self.A,
+            self.lower,
+            self.upper,
+            numbers,
+            self.measured,
+            shared.v,
+            shared.braking,
+            self.bounds and not task.plain,
+            self.drifts,
+        )
 
 
 def kept_up(trajectory: Callable[[float], Any], *places: Array) -> tuple[Move, ...]:
