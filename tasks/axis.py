@@ -9,8 +9,7 @@ say all of it,
 
 from __future__ import annotations
 
-from math import atan2
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,15 +18,57 @@ from hqp import InvalidInput
 
 from ._checks import Array, finite
 from .frame_task import FrameTask, Reading
+from .live import number
+from .loop_task import LoopTask
 from .motion.trajectories import Trajectory, as_trajectory
-from .robots.robot import Robot, RobotState
+from .robots.robot import Robot
 from .rotations import perpendicular
+from .rows.site import kept_up
 
-#: Below this sine a x d has no direction to speak of; at half a turn any is right.
-PARALLEL = 1e-9
+if TYPE_CHECKING:
+    from .rows.plan import Plan
+    from .rows.site import Site
 
 
-class AxisTask(FrameTask):
+class PointingTask(FrameTask, LoopTask):
+    """Base of the tasks that point an axis of a frame somewhere: two rows, and the third rotation stays free."""
+
+    rows = 2
+    spatial: ClassVar[bool] = True
+
+    @number
+    def axis(self, value: ArrayLike) -> Array:
+        """The axis, in the frame: a unit vector, of whatever length it is given."""
+        return unit(finite(value, f"{self.label()}: axis"), f"{self.label()}: axis")
+
+    @number
+    def target(self, value: ArrayLike | Trajectory) -> Trajectory:
+        """Where to: three coordinates, or a trajectory of them."""
+        return as_trajectory(value, 3, self.label())
+
+    @property
+    def _across(self) -> Array:
+        """The rows U."""
+        return perpendicular(self.axis)
+
+    def _pointing(self, site: Site, kernel: Any) -> Plan:
+        """One loop, told of the axis and its target."""
+        from .kernels.directions import work_size
+        from .rows.plan import Call, Plan
+
+        target, axis = np.zeros((3, 3)), np.vstack([self.axis, self._across])
+        moves = kept_up(self.target, *target)
+        call = Call(kernel, site.law(self), self.block(site), target, axis, np.zeros(work_size(site.shared.n)))
+        return Plan((call,), moves)
+
+    def row_names(self, robot: Robot) -> list[tuple[str, str]]:
+        return [("across 1", "rad"), ("across 2", "rad")]
+
+    def _shown(self) -> list[str]:
+        return [repr(self.target), f"axis={self.axis.tolist()}", *super()._shown()]
+
+
+class AxisTask(PointingTask):
     """Point an axis of a frame in a direction: two rows, and the third rotation stays free.
 
     Parameters
@@ -47,9 +88,6 @@ class AxisTask(FrameTask):
         If a direction is zero or not finite.
     """
 
-    rows = 2
-    spatial: ClassVar[bool] = True
-
     def __init__(
         self,
         direction: ArrayLike | Trajectory,
@@ -63,37 +101,30 @@ class AxisTask(FrameTask):
         name: str | None = None,
     ) -> None:
         self._call(name)
-        self.target = as_trajectory(direction, 3, self.label())
-        unit(self.target(0.0)[0], f"{self.label()}: direction")
-        self.axis = unit(finite(axis, f"{self.label()}: axis"), f"{self.label()}: axis")
-        self._across = perpendicular(self.axis)
+        self.target, self.axis = direction, axis
         super().__init__(frame, relative_to, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
 
-    def _direction(self, t: float) -> tuple[Array, Array, Array]:
-        """d, and the angular velocity and acceleration with which it turns by itself, in the world."""
-        d, velocity, acceleration = self.target(t)
-        square = d @ d
-        spin = np.cross(d, velocity) / square
-        return d / np.sqrt(square), spin, np.cross(d, acceleration) / square - 2.0 * (d @ velocity) / square * spin
+    @number
+    def target(self, value: ArrayLike | Trajectory) -> Trajectory:
+        """The direction d, of any length but 0, or a trajectory of it."""
+        trajectory = as_trajectory(value, 3, self.label())
+        unit(trajectory(0.0)[0], f"{self.label()}: direction")
+        return trajectory
 
-    def error(self, state: RobotState, t: float) -> Array:
-        direction = self.seen(state).rotation.T @ self._direction(t)[0]
-        turn = shortest_turn(self._across, self.axis, direction)
-        return half_a_turn(self.jacobian(state)) if turn is None else turn
+    @property
+    def direction(self) -> Trajectory:
+        """The same."""
+        return self.target
 
-    def jacobian(self, state: RobotState) -> Array:
-        frame = self.seen(state)
-        return np.asarray((self._across @ frame.rotation.T) @ frame.angular)
+    @direction.setter
+    def direction(self, value: ArrayLike | Trajectory) -> None:
+        self.target = value
 
-    def drift(self, state: RobotState) -> Array:
-        frame = self.seen(state)
-        return np.asarray((self._across @ frame.rotation.T) @ frame.angular_drift)
+    def plan(self, site: Site) -> Plan:
+        """One loop; the direction is written every tick where it moves."""
+        from .kernels.directions import write_axis
 
-    def rates(self, state: RobotState, t: float) -> tuple[Array, Array]:
-        frame = self.seen(state)
-        _, spin, change = self._direction(t)
-        across = self._across @ frame.rotation.T
-        return across @ spin, across @ (change - np.cross(frame.angular @ state.v, spin))
+        return self._pointing(site, write_axis)
 
     def reading(self) -> Reading:
         from .kernels.frames import LOCAL
@@ -101,34 +132,8 @@ class AxisTask(FrameTask):
         return Reading(LOCAL, np.hstack([np.zeros((2, 3)), self._across]))
 
     def desired_velocity(self, t: float) -> Array:
-        return np.concatenate([np.zeros(3), self._direction(t)[1]])
-
-    def row_names(self, robot: Robot) -> list[tuple[str, str]]:
-        return [("across 1", "rad"), ("across 2", "rad")]
-
-    def _shown(self) -> list[str]:
-        return [repr(self.target), f"axis={self.axis.tolist()}", *super()._shown()]
-
-
-def shortest_turn(across: Array, axis: Array, direction: Array) -> Array | None:
-    """The shortest turn from an axis to a direction along the two rows `across`, all in one frame [rad], shape (2,).
-
-    None at half a turn, where all ways round are as short.
-    """
-    turn = np.cross(axis, direction)
-    sine, cosine = float(np.linalg.norm(turn)), float(axis @ direction)
-    if sine < PARALLEL:
-        return np.zeros(2) if cosine > 0.0 else None
-    return np.asarray(across @ turn) * (atan2(sine, cosine) / sine)
-
-
-def half_a_turn(jacobian: Array) -> Array:
-    """Half a turn the way round that the joints turn best: along the long axis of what J can do [rad], shape (2,)."""
-    if not np.isfinite(jacobian).all():
-        return np.full(2, np.nan)
-    ways, _, _ = np.linalg.svd(jacobian)
-    way = ways[:, 0]
-    return np.asarray(np.pi * way * (1.0 if way[np.argmax(np.abs(way))] > 0.0 else -1.0))
+        d, velocity, _ = self.target(t)
+        return np.concatenate([np.zeros(3), np.cross(d, velocity) / (d @ d)])
 
 
 def unit(vector: Array, what: str) -> Array:

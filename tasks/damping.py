@@ -15,12 +15,17 @@ swing on, past the loss of reach. What brakes them is :class:`tasks.MinimumMotio
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from numpy.typing import ArrayLike
 
 from hqp.checks import of_type
 
-from ._checks import Array, not_negative
-from .part import Part, Tick
+from .part import Part
+
+if TYPE_CHECKING:
+    from .rows.plan import Plan
+    from .rows.site import Site
 
 
 class Damping(Part):
@@ -46,11 +51,14 @@ class Damping(Part):
 
     def __init__(self, weight: ArrayLike, *, name: str | None = None) -> None:
         self.name = "damping" if name is None else of_type(name, str, "name of a Damping")
-        self.weight = not_negative(weight, f"{self.label()}: weight")
+        self.weight = weight
 
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        lower.fill(0.0)  # the rows of A are those of the identity from the start
-        upper.fill(0.0)
+    def plan(self, site: Site) -> Plan:
+        """The bounds; the rows are those of the identity from the start."""
+        from .kernels.joints import write_rest
+        from .rows.plan import Call, Plan
+
+        return Plan((Call(write_rest, site.rows, site.lower, site.upper),))
 
     def __repr__(self) -> str:
         return f"Damping({self.weight.tolist()})"

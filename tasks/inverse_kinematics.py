@@ -200,7 +200,7 @@ def _search(
         if idle >= patience:
             if not restarts:
                 break
-            tries = [problem.visit(problem.random(start, rng)) for _ in range(CANDIDATES)]
+            tries = [problem.visit(q) for q in problem.random(start, rng, CANDIDATES)]
             here = problem.visit(min(tries, key=lambda visit: visit.error).q)
             best = min(best, here)
             radius, least, idle, begun = RADIUS, here.error, 0, begun + 1

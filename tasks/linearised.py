@@ -20,6 +20,7 @@ from .inequality import Inequality
 from .newton import Room, levels_of_steps, ranges
 from .part import Part
 from .posture import PostureTask
+from .robots.answers import integration
 from .robots.robot import Robot, base, integrate, joint_positions
 from .stack import Stack
 from .task import Task
@@ -37,8 +38,6 @@ class Visit:
     Attributes
     ----------
     q : array, shape (nq,)
-    joints : array, shape (nv,)
-        The position of each joint that has one.
     squares : array
         Of the errors, task by task and unit by unit.
     reached : bool
@@ -53,7 +52,6 @@ class Visit:
     """
 
     q: Array
-    joints: Array
     squares: Array
     reached: bool
     error: float
@@ -94,45 +92,49 @@ class Linearised:
         self.room = Room(*ranges(robot, stack))
         self._rows = Stack(self.room, *(reduce(add, level) for level in levels)).build(robot, "step")
         self.hierarchy, self._solver = self._rows.hierarchy, hqp.Solver(backend)
-        self._below, self._above = self.hierarchy.lower[robot.nv :], self.hierarchy.upper[robot.nv :]
-        bounds = self._rows.bounds(self.room)
-        assert bounds is not None
-        self._bounds, self._still = bounds, np.zeros(robot.nv)
+        self._still = np.zeros(robot.nv)
         self._measure(levels, wanted, tolerance)
+        low, high = self.room.low, self.room.high
+        self._from = np.maximum(low, np.minimum(high - 2.0 * HALF_TURN, -HALF_TURN))
+        self._to = np.minimum(high, np.maximum(low + 2.0 * HALF_TURN, HALF_TURN))
 
     def _measure(self, levels: list[list[Part]], wanted: list[Part], tolerance: Array) -> None:
-        """Which rows make up the error of a task in one unit, that of the goal and that of a level, and what is small.
+        """Which rows make up the error of a task in one unit, that of the goal and of a level, and what is small."""
+        from .kernels.steps import judge
+        from .rows.plan import Call
 
-        The sums of squares are one product with a matrix: nothing is looped over per step.
-        """
-        rows, first = len(self._below), 0
+        group, level_of, goal = list[int](), list[int](), list[bool]()
         self._names: list[tuple[str, str]] = []
-        groups, most, sums, small, self._levels = [], [], [], [], list[int]()
-        goal, calls = np.zeros(rows), dict[str, int]()
+        most, small, self._levels = [], [], list[int]()
+        calls = dict[str, int]()
         for k, level in enumerate(levels):
-            begin, allowed = first, []
+            allowed = []
             for part in level:
-                begin_part, first = first, first + part.size(self.robot)
+                rows = part.size(self.robot)
+                level_of += [k] * rows
+                goal += [part in wanted] * rows
                 if not isinstance(part, JUDGED):
+                    group += [-1] * rows
                     continue
                 calls[part.name] = calls.get(part.name, 0) + 1
                 name = part.name if calls[part.name] == 1 else f"{part.name} {calls[part.name]}"
                 units = [label.unit for label in part.labels(self.robot, "step")]
-                for unit in dict.fromkeys(units):
-                    group = np.zeros(rows)
-                    group[begin_part:first] = [own == unit for own in units]
+                kinds = list(dict.fromkeys(units))
+                group += [len(self._names) + kinds.index(unit) for unit in units]
+                for unit in kinds:
                     allowed.append(_tolerance(unit, tolerance))
                     most.append(allowed[-1] ** 2 if part in wanted else np.inf)
-                    goal += group * (part in wanted)
-                    groups.append(group)
                     self._names.append((name, unit))
                     self._levels.append(k + 1)  # below the room
-            total = np.zeros(rows)
-            total[begin:first] = self.hierarchy.weights[self.robot.nv :][begin:first] ** 2
-            sums.append(total)
             small.append(min(allowed, default=1.0))
-        self._sums = np.array([*groups, goal, *sums])
+        nv, h = self.robot.nv, self.hierarchy
+        self._below, self._above, squared = h.lower[nv:], h.upper[nv:], h.weights[nv:] ** 2
         self._most, self.small = np.array(most), np.array(small)
+        self._found = np.zeros(2 + len(most) + len(small))
+        of, at, of_goal = (np.array(own, dtype=np.int64) for own in (group, level_of, goal))
+        numbers = (self._below, self._above, of, at, of_goal, squared, self._most, self._found)
+        self._judge = Call(judge, len(of), len(most), len(small), *numbers).run
+        self._sums = np.array([squared * (at == k) for k in range(len(small))])
 
     def inside(self, q: Any) -> Array:
         """A configuration of this robot, its joints moved into their ranges."""
@@ -143,30 +145,26 @@ class Linearised:
         step = np.clip(joints, self.room.low, self.room.high) - joints
         return integrate(self.robot, given, step) if step.any() else given
 
-    def random(self, q: Array, rng: np.random.Generator) -> Array:
-        """Every joint anywhere in its range, but a floating base where it is at q."""
-        joints = joint_positions(self.robot.at(q, self._still))
-        low = np.maximum(self.room.low, np.minimum(self.room.high - 2.0 * HALF_TURN, -HALF_TURN))
-        high = np.minimum(self.room.high, np.maximum(self.room.low + 2.0 * HALF_TURN, HALF_TURN))
-        step = rng.uniform(low, high) - joints
-        step[: base(self.robot)] = 0.0
-        return integrate(self.robot, q, step)
+    def random(self, q: Array, rng: np.random.Generator, count: int) -> list[Array]:
+        """So many configurations with every joint anywhere in its range, but a floating base where it is at q."""
+        steps = rng.uniform(self._from, self._to, (count, self.robot.nv))
+        steps -= joint_positions(self.robot.at(q, self._still))
+        steps[:, : base(self.robot)] = 0.0
+        integrate = integration(self.robot)
+        return [integrate(q, step) for step in steps]
 
     def visit(self, q: Array) -> Visit:
         """Linearise at q, and judge it."""
-        state = self.robot.at(q, self._still)
-        self._rows.fill(state, 0.0)
-        self._joints = joint_positions(state)
-        missing = np.maximum(self._below, 0.0) + np.minimum(self._above, 0.0)
-        sums, k = self._sums @ (missing * missing), len(self._most)
-        reached, norms = bool((sums[:k] <= self._most).all()), np.sqrt(sums[k:])
-        levels = norms[1:]
-        rank = (not reached, *np.floor(levels / self.small).tolist(), *levels.tolist())
-        return Visit(q, self._joints, sums[:k], reached, float(norms[0]), levels, rank)
+        self._rows.fill(self.robot.at(q, self._still), 0.0)
+        self._judge()
+        found, k = self._found.copy(), 2 + len(self._most)
+        levels = found[k:]
+        rank = (found[0] == 0.0, *(levels // self.small).tolist(), *levels.tolist())
+        return Visit(q, found[2:k], bool(found[0]), float(found[1]), levels, rank)
 
     def solve(self, radius: float, share: float = 1.0) -> Solution:
         """The step from where the last visit was, within the radius and a share of the way to every limit."""
-        self.room.open(self._joints, radius, share, *self._bounds)
+        self.room.open(radius, share)
         self.solves += 1
         return self._solver.solve(self.hierarchy)
 
@@ -174,7 +172,7 @@ class Linearised:
         """The weighted norm of the errors of each level that the linearised rows leave after a step."""
         moved = self.hierarchy.dense()[self.robot.nv :] @ step
         missing = np.maximum(self._below - moved, 0.0) + np.minimum(self._above - moved, 0.0)
-        return np.asarray(np.sqrt(self._sums[len(self._most) + 1 :] @ (missing * missing)))
+        return np.asarray(np.sqrt(self._sums @ (missing * missing)))
 
     def unmet(self, visit: Visit) -> int:
         """The highest level of the hierarchy with a task of the goal that is not met there."""

@@ -249,8 +249,13 @@ def watch(root: object, watcher: Watcher) -> None:
     What becomes reachable by a change is to be watched anew.
     """
     for part in reachable(root):
-        others = (known for known in getattr(part, "_watchers", ()) if known() is not None and known() is not watcher)
-        part._watchers = (*others, ref(watcher))
+        watch_alone(part, watcher)
+
+
+def watch_alone(part: Live, watcher: Watcher) -> None:
+    """The same, in this one object."""
+    others = (known for known in getattr(part, "_watchers", ()) if known() is not None and known() is not watcher)
+    part._watchers = (*others, ref(watcher))
 
 
 def reachable(root: object) -> Iterator[Live]:

@@ -44,18 +44,14 @@ class Room(Part):
     ----------
     low, high : array, shape (nv,)
         The ranges [rad], [m].
-
-    Attributes
-    ----------
-    radius : float
-        Of the trust region [rad], [m].
     """
 
     plain = True
     rows = None
 
     def __init__(self, low: Array, high: Array) -> None:
-        self.low, self.high, self.radius = low, high, np.inf
+        self.low, self.high = np.ascontiguousarray(low), np.ascontiguousarray(high)
+        self._reach = np.array([np.inf, 1.0])
         self.name, self.weight = "joint limits", numbers(1.0, "weight")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
@@ -63,16 +59,26 @@ class Room(Part):
         return [Label("position limit", joint, unit, Which(self)) for joint, unit in joints]
 
     def plan(self, site: Site) -> Plan:
-        """Nothing: how far to go is known only when the state has been judged; see :meth:`open`."""
-        from .rows.plan import Plan
+        """Nothing every tick: how far to go is known only when the state has been judged; see :meth:`open`."""
+        from .kernels.steps import open_room
+        from .rows.plan import Call, Plan
 
+        shared = site.shared
+        places = shared.places.astype(np.int64)
+        self._call = Call(
+            open_room, shared.n, shared.positions, places, self.low, self.high, self._reach, site.lower, site.upper
+        )
         return Plan()
 
-    def open(self, joints: Array, radius: float, share: float, lower: Array, upper: Array) -> None:
-        """Write the bounds at these joint positions: a share of what is left to the limits, within the radius."""
-        self.radius = radius
-        np.minimum(np.maximum(share * (self.low - joints), -radius), 0.0, out=lower)
-        np.maximum(np.minimum(share * (self.high - joints), radius), 0.0, out=upper)
+    @property
+    def radius(self) -> float:
+        """Of the trust region [rad], [m]."""
+        return float(self._reach[0])
+
+    def open(self, radius: float, share: float) -> None:
+        """Write the bounds where the joints are: a share of what is left to the limits, within the radius."""
+        self._reach[:] = radius, share
+        self._call.run()
 
 
 @dataclass(frozen=True)

@@ -25,11 +25,11 @@ from hqp.errors import brief
 from ._checks import Array
 from .frame_task import FrameTask, Reading
 from .live import structure
+from .loop_task import LoopTask
 from .motion.trajectories import Spread
 from .motion.turns import AboutZ
 from .part import Order
-from .robots.robot import Robot, RobotState
-from .rows.alone import measured_alone
+from .robots.robot import Robot
 from .rows.site import Move, kept_up
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ Reference = Literal["world", "local", "local_world_aligned"]
 Mask = str | Sequence[bool]
 
 
-class PlaceTask(FrameTask):
+class PlaceTask(FrameTask, LoopTask):
     """Base of the tasks that bring a frame to a place.
 
     Parameters
@@ -85,19 +85,6 @@ class PlaceTask(FrameTask):
         self.reference: Reference = as_reference(reference, self.label())
         self.mask, self.rows = mask, len(mask)
         super().__init__(frame, relative_to, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
-
-    def error(self, state: RobotState, t: float) -> Array:
-        return measured_alone(self, state, t).error
-
-    def jacobian(self, state: RobotState) -> Array:
-        return measured_alone(self, state).jacobian
-
-    def drift(self, state: RobotState) -> Array:
-        return measured_alone(self, state, drifts=True).drift
-
-    def rates(self, state: RobotState, t: float) -> tuple[Array, Array]:
-        found = measured_alone(self, state, t, drifts=True)
-        return found.rate, found.change
 
     def plan(self, site: Site) -> Plan:
         """One loop; the target is written every tick where it moves."""

@@ -2,17 +2,26 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ._checks import Array, finite
 from .axis import unit
 from .frame_task import FrameTask
+from .live import number
+from .loop_task import LoopTask
 from .motion.trajectories import Trajectory, as_trajectory
-from .robots.robot import Robot, RobotState
+from .robots.robot import Robot
+from .rows.site import kept_up
+
+if TYPE_CHECKING:
+    from .rows.plan import Plan
+    from .rows.site import Site
 
 
-class PlaneTask(FrameTask):
+class PlaneTask(FrameTask, LoopTask):
     """Bring the origin of a frame to a distance from a plane: one row, n . p.
 
     ``AtLeast(PlaneTask([0, 0, 1], 0.02, gain=5.0))`` keeps the tip 2 cm above the floor.
@@ -47,22 +56,40 @@ class PlaneTask(FrameTask):
         name: str | None = None,
     ) -> None:
         self._call(name)
-        self.normal = unit(finite(normal, f"{self.label()}: normal"), f"{self.label()}: normal")
-        self.target = as_trajectory(distance, 1, self.label())
+        self.normal, self.target = normal, distance
         super().__init__(frame, relative_to, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
 
-    def error(self, state: RobotState, t: float) -> Array:
-        return self.target(t)[0] - self.normal @ self.seen(state).position
+    @number
+    def normal(self, value: ArrayLike) -> Array:
+        """n: a unit vector, of whatever length it is given."""
+        return unit(finite(value, f"{self.label()}: normal"), f"{self.label()}: normal")
 
-    def jacobian(self, state: RobotState) -> Array:
-        return np.asarray(self.normal @ self.seen(state).linear)[None]
+    @number
+    def target(self, value: ArrayLike | Trajectory) -> Trajectory:
+        """The distance from the plane [m], or a trajectory of it."""
+        return as_trajectory(value, 1, self.label())
 
-    def drift(self, state: RobotState) -> Array:
-        return np.asarray(self.normal @ self.seen(state).linear_drift)[None]
+    @property
+    def distance(self) -> Trajectory:
+        """The same."""
+        return self.target
+
+    @distance.setter
+    def distance(self, value: ArrayLike | Trajectory) -> None:
+        self.target = value
 
     def feedforward(self, t: float) -> tuple[Array, Array]:
         _, velocity, acceleration = self.target(t)
         return velocity, acceleration
+
+    def plan(self, site: Site) -> Plan:
+        """One loop; the distance is written every tick where it moves."""
+        from .kernels.directions import write_plane
+        from .rows.plan import Call, Plan
+
+        target = np.zeros((3, 1))
+        moves = kept_up(self.target, *target)
+        return Plan((Call(write_plane, site.law(self), self.block(site), target, self.normal),), moves)
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:
         return [("distance", "m")]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import lru_cache
 from numbers import Integral
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,26 +14,29 @@ from hqp import InvalidInput
 from hqp.checks import listed
 from hqp.errors import brief
 
-from ._checks import Array
-from .motion.trajectories import Fixed, Trajectory, as_trajectory
-from .part import Order
+from .live import number, structure
+from .loop_task import LoopTask
+from .motion.trajectories import Trajectory, as_trajectory
+from .motion.turns import stands_still
+from .part import Order, Tick
 from .robots.robot import (
     Robot,
-    RobotState,
     base,
     check_positioned,
     joint_index,
     joint_names,
-    joint_positions,
     joint_units,
-    numbered,
-    robot_of,
     towards,
 )
+from .rows.site import kept_up
 from .task import TargetTask, Task
 
+if TYPE_CHECKING:
+    from .rows.plan import Plan
+    from .rows.site import Site, Workspace
 
-class PostureTask(TargetTask):
+
+class PostureTask(LoopTask, TargetTask):
     """Bring joints to given positions (r2 = theta, Eq. 3.18): J = I, so all of them use up all freedom left.
 
     Parameters
@@ -52,6 +56,7 @@ class PostureTask(TargetTask):
     """
 
     plain = True
+    joints: tuple[str | int, ...] | None = structure()
 
     def __init__(
         self,
@@ -70,15 +75,20 @@ class PostureTask(TargetTask):
                 raise InvalidInput(f"{self.label()}: joint {brief(joint)} must be a name or a number")
         if self.joints is not None:
             self.rows = len(self.joints)
-        self._call(name)
-        self.target = as_trajectory(target, None, self.label())
-        size = len(self.target(0.0)[0])
+        self.target = target
+        Task.__init__(self, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+
+    @number
+    def target(self, value: ArrayLike | Trajectory) -> Trajectory:
+        """A configuration, or the positions of the named joints [rad], [m]; or a trajectory."""
+        trajectory = as_trajectory(value, None, self.label())
+        size = len(trajectory(0.0)[0])
         if self.joints is not None and size < len(self.joints):
             raise InvalidInput(
                 f"{self.label()}: target has shape ({size},); it must be ({len(self.joints)},), one number a joint,"
                 " or a configuration of the robot"
             )
-        Task.__init__(self, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+        return trajectory
 
     def size(self, robot: Robot) -> int:
         return len(self.variables(robot))
@@ -86,27 +96,54 @@ class PostureTask(TargetTask):
     def variables(self, robot: Robot) -> NDArray[np.intp]:
         return columns(self.joints, joint_names(robot), base(robot))
 
-    def error(self, state: RobotState, t: float) -> Array:
-        target, own = self.target(t)[0], self._own(state)
-        if self.joints is not None and len(target) == len(own):
-            return target - joint_positions(state)[own]
-        return towards(state, target)[own]
+    def plan(self, site: Site) -> Plan:
+        """One loop; Python measures the way of joints whose steps are no differences of numbers."""
+        from .kernels import joints as loops
+        from .rows.plan import Call, Plan
 
-    def jacobian(self, state: RobotState) -> Array:
-        return np.eye(len(state.v))[self._own(state)]
+        shared, own = site.shared, self.variables(site.shared.robot)
+        if site.A is not None:
+            site.A[:] = np.eye(shared.n)[own]
+        target, steps = np.zeros((3, len(self.target(0.0)[0]))), np.zeros(site.rows)
+        moves, joints = kept_up(self.target, *target), self._joints(shared, own)
+        call = Call(
+            loops.write_posture,
+            site.law(self),
+            shared.positions,
+            len(shared.positions),
+            steps,
+            target,
+            target.shape[1],
+            joints,
+        )
+        if not (joints[loops.KIND] == loops.MANIFOLD).any():
+            return Plan((call,), moves)
 
-    def rates(self, state: RobotState, t: float) -> tuple[Array | float, Array | float]:
-        if isinstance(self.target, Fixed):
-            return 0.0, 0.0
-        own = self._own(state)
-        _, velocity, acceleration = self.target(t)
-        return (velocity, acceleration) if len(velocity) == len(own) else (velocity[own], acceleration[own])
+        def measure(tick: Tick) -> None:
+            steps[:] = towards(tick.state, target[0])[own]
 
-    def _own(self, state: RobotState) -> NDArray[np.intp]:
-        robot = robot_of(state)
-        if robot is not None:
-            return self.variables(robot)
-        return columns(self.joints, numbered(len(state.v)), 0)
+        why = "some of its joints have no position of their own; the robot tells the way to a configuration"
+        return Plan((call,), moves, measure, why)
+
+    def _joints(self, shared: Workspace, own: NDArray[np.intp]) -> NDArray[np.int64]:
+        """What its loop is told of every row, shape (5, rows); see :mod:`tasks.kernels.joints`."""
+        from .kernels import joints as loops
+
+        size = len(self.target(0.0)[0])
+        told, rows = np.empty((loops.JOINT_FIELDS, len(own)), dtype=np.int64), np.arange(len(own))
+        positions = self.joints is not None and size == len(own)
+        places, circles = shared.places[own], shared.circles[own]
+        told[loops.COLUMN] = own
+        told[loops.RATE] = -1 if stands_still(self.target) else rows if size == len(own) else own
+        if positions:
+            check_positioned(shared.robot, own[places < 0], f"{self.label()}: joint")
+            told[loops.KIND], told[loops.PLACE], told[loops.GOAL] = loops.LINE, places, rows
+            return told
+        told[loops.KIND] = np.where(circles >= 0, loops.CIRCLE, np.where(places >= 0, loops.LINE, loops.MANIFOLD))
+        told[loops.PLACE] = told[loops.GOAL] = np.where(circles >= 0, circles, places)
+        if not shared.numbered:
+            told[loops.KIND] = loops.MANIFOLD
+        return told
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:
         names, units = joint_names(robot), joint_units(robot)
@@ -116,7 +153,7 @@ class PostureTask(TargetTask):
         rows = self.size(robot)
         size = np.shape(self.target(0.0)[0])
         allowed = {(rows,), (robot.nq,)} if self.joints is not None else {(robot.nq,)}
-        moving = not isinstance(self.target, Fixed)
+        moving = not stands_still(self.target)
         if size not in allowed or (moving and size not in {(rows,), (robot.nv,)}):
             shapes = " or ".join(map(str, sorted(allowed)))
             if size in allowed:

@@ -23,22 +23,30 @@ way out the same holds, and the task is as slow.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from hqp import InvalidInput, Label
 
 from ._checks import Array, positive_scalar
 from .criteria.gradient import STEP
+from .live import number, structure
 from .part import Order, Part, Tick
 from .robots.manipulability import RANK_TOLERANCE, manipulability
 from .robots.robot import Robot, RobotState, integrate
 from .task import Task
 
+if TYPE_CHECKING:
+    from .rows.plan import Plan
+    from .rows.site import Site
+
 
 class Reconstructed(Part):
     """`task`, slowed along the direction that changes its manipulability, where that is below a threshold.
 
-    ``position >> Reconstructed(orientation, 0.1, above=position)``; at velocity order.
+    ``position >> Reconstructed(orientation, 0.1, above=position)``; at velocity order, and in inverse kinematics.
 
     Parameters
     ----------
@@ -59,13 +67,30 @@ class Reconstructed(Part):
     central differences, two states of the robot a joint. A run should not start at a singularity: there it sees no way.
     """
 
+    task: Task = structure()
+    above: Task | None = structure()
+
     def __init__(self, task: Task, threshold: float, *, above: Task | None = None) -> None:
         for what, value in ("task", task), ("above", above):
             if not (isinstance(value, Task) or (value is None and what == "above")):
                 raise InvalidInput(f"Reconstructed: {what} must be a Task, not a {type(value).__name__}")
         self.task, self.above = task, above
-        self.name, self.weight, self.rows = task.name, task.weight, task.rows
-        self.threshold = positive_scalar(threshold, f"{self.label()}: threshold")
+        self.name, self.rows = task.name, task.rows
+        self.threshold = threshold
+
+    @number
+    def threshold(self, value: float) -> float:
+        """w_0, in the unit of w."""
+        return positive_scalar(value, f"{self.label()}: threshold")
+
+    @property
+    def weight(self) -> Array:
+        """That of the task."""
+        return self.task.weight
+
+    @weight.setter
+    def weight(self, value: ArrayLike) -> None:
+        self.task.weight = value
 
     def size(self, robot: Robot) -> int:
         return self.task.size(robot)
@@ -74,7 +99,7 @@ class Reconstructed(Part):
         return self.task.labels(robot, order)
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        if order != "velocity":
+        if order == "acceleration":
             raise InvalidInput(f"{self.label()}: takes order = 'velocity', not {order!r}")
         for task in (self.task, self.above) if self.above is not None else (self.task,):
             task.check(robot, order, dt)
@@ -94,17 +119,39 @@ class Reconstructed(Part):
         ahead, behind = ([self.measure(robot, integrate(robot, q, sign * s)) for s in steps] for sign in (1.0, -1.0))
         return np.asarray(np.subtract(ahead, behind) / (2.0 * STEP))
 
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        J, h = self.task.control(tick)
-        assert A is not None  # the rows are never plain
-        A[:] = J
-        lower[:] = upper[:] = h
+    def plan(self, site: Site) -> Plan:
+        """Both tasks as they plan it; then Python slows the rows of this one."""
+        from .rows.plan import Plan, plan_of, run_all
+        from .rows.site import Site
+
+        plans, above = [plan_of(self.task, site)], None
+        if self.above is not None:
+            rows = self.above.size(site.shared.robot)
+            above = Site(site.shared, np.zeros((rows, site.shared.n)), *np.zeros((2, rows)))
+            plans.append(plan_of(self.above, above))
+
+        def write(tick: Tick) -> None:
+            for plan in plans:
+                if plan.python is not None:
+                    plan.python(tick)
+                run_all(plan.calls)
+            self._slow(tick, site, above)
+
+        moves = tuple(move for plan in plans for move in plan.moves)
+        return Plan(
+            moves=moves, python=write, why="the gradient of its measure is taken from other states", kept=(site,)
+        )
+
+    def _slow(self, tick: Tick, site: Site, above: Site | None) -> None:
+        """Write h' in the place of h."""
+        J, h = site.A, site.lower.copy()
+        assert J is not None  # the rows are never plain
         if not (np.isfinite(J).all() and np.isfinite(h).all()):
             return  # for the solver to report
         moved, left = np.zeros(len(tick.state.v)), J
-        if self.above is not None:
-            J_above, h_above = self.above.control(tick)
-            moved, left = _inverse(J_above) @ h_above, self._left(J, tick.state)
+        if above is not None:
+            assert above.A is not None
+            moved, left = _inverse(above.A) @ above.lower, J - J @ _inverse(above.A) @ above.A
         share = float(manipulability(left)) / self.threshold
         if share >= 1.0:
             return
@@ -112,7 +159,7 @@ class Reconstructed(Part):
         n = inverse.T @ slope
         rate, square = float(slope @ (moved + inverse @ (h - J @ moved))), float(n @ n)
         if square > 0.0:
-            lower[:] = upper[:] = h - (1.0 - share * share) * rate / square * n
+            site.lower[:] = site.upper[:] = h - (1.0 - share * share) * rate / square * n
 
     def _left(self, J: Array, state: RobotState) -> Array:
         """J in the null space of the task above."""

@@ -340,7 +340,7 @@ def posture(s: Setting) -> Iterator[Case]:
 
 
 def coupling(s: Setting) -> Iterator[Case]:
-    live = {**GAINS, "target": 0.3, "factors": {0: 2.0, 2: 1.0}}
+    live = {**GAINS, "target": 0.3, "factors": {0: 2.0, 1: 0.5}}
     yield Case(Spec(JointCouplingTask, factors={0: 1.0, 1: -1.0}, gain=2.0), live, KEPT)
 
 

@@ -13,6 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import pinocchio as pin
 import pytest
+from asking import asked
 
 from tasks import (
     AxisTask,
@@ -25,7 +26,6 @@ from tasks import (
     PoseTask,
     PositionTask,
     PostureTask,
-    Tick,
     Turn,
     load_robot,
     quintic,
@@ -250,12 +250,11 @@ def check_law(name, order, seed):
         q, v, m = around(rng, robot, kind, size)
         task = m.task
         state = robot.at(q, v)
-        J = task.motion(Tick(robot, state, NOW, order, None))[0]
+        J, target = asked(task, state, NOW, order)
         rows = spinless(robot, q, task, J) if kind.spins else J
         if np.linalg.svd(rows, compute_uv=False)[-1] < 0.05:
             continue  # an arm of six joints near a singularity
         if order == "velocity":
-            _, target = task.control(Tick(robot, state, NOW, order, None))
             v = v + np.linalg.pinv(J) @ (target - J @ v)
             a = np.zeros(robot.nv)
         else:  # nearly as fast as the target
@@ -264,7 +263,7 @@ def check_law(name, order, seed):
                 rate[-1] = 0.0
             v = v + np.linalg.pinv(rows) @ (rate - rows @ v)
             state = robot.at(q, v)
-            _, target = task.control(Tick(robot, state, NOW, order, None))
+            _, target = asked(task, state, NOW, order)
             if kind.spins:  # and keep it from spinning
                 frame = task.seen(state)
                 target = np.append(target, -(frame.rotation @ task.axis) @ frame.angular_drift)
@@ -318,10 +317,10 @@ def test_it_does_not_matter_along_which_axes_a_whole_task_is_written(name, order
             lambda r, turn=turn: OrientationTask(turn, reference=r, **own),
             lambda r, to=to, turn=turn: PoseTask(to, turn, reference=r, **own),
         ):
-            asked = [make(reference).control(Tick(robot, state, NOW, order, None)) for reference in REFERENCES]
-            if np.linalg.svd(asked[0][0], compute_uv=False)[-1] < 0.05:
+            rows = [asked(make(reference), state, NOW, order) for reference in REFERENCES]
+            if np.linalg.svd(rows[0][0], compute_uv=False)[-1] < 0.05:
                 continue
-            motions = [np.linalg.pinv(J) @ h for J, h in asked]
+            motions = [np.linalg.pinv(J) @ h for J, h in rows]
             np.testing.assert_allclose(motions[1:], [motions[0]] * 2, rtol=1e-9, atol=1e-9)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hypothesis.strategies as st
 import numpy as np
 import pytest
+from asking import asked
 from hypothesis import given, settings
 
 import hqp
@@ -18,7 +19,6 @@ from tasks import (
     PositionTask,
     PostureTask,
     Task,
-    Tick,
     simulate,
 )
 
@@ -74,10 +74,10 @@ def test_rows_are_the_two_control_laws(seed, gain, zeta):
     (xd, xd_dot, xd_ddot), J = path(t), ARM.jacobian(q)[:2]
     e, e_dot = xd - ARM.pose(q)[:2], xd_dot - J @ v
 
-    rows, h = task.control(Tick(ARM, state, t, "velocity", None))
+    rows, h = asked(task, state, t, "velocity")
     np.testing.assert_allclose(rows, J, atol=1e-14)
     np.testing.assert_allclose(h, xd_dot + gain * e, rtol=1e-10, atol=1e-12)
-    _, h = task.control(Tick(ARM, state, t, "acceleration", None))
+    _, h = asked(task, state, t, "acceleration")
     expected = xd_ddot - ARM.jacobian_dot(q, v)[:2] @ v + 2 * zeta * gain * e_dot + gain**2 * e
     np.testing.assert_allclose(h, expected, rtol=1e-9, atol=1e-9)
 
@@ -87,7 +87,7 @@ def test_the_gains_of_the_thesis():
     arm, v = PlanarArm([1.0, 1.0]), np.array([0.3, 0.1])
     for K, c1, c2 in ((10.0, 20.0, 100.0), (50.0, 100.0, 2500.0)):
         state = arm.at(np.array([0.2, 0.3]), v)
-        _, h = OrientationTask(0.7, gain=K).control(Tick(arm, state, 0.0, "acceleration", None))
+        _, h = asked(OrientationTask(0.7, gain=K), state, 0.0, "acceleration")
         np.testing.assert_allclose(h, -c1 * 0.4 + c2 * (0.7 - 0.5))
 
 
@@ -133,7 +133,7 @@ def test_eq_4_8_is_the_hierarchy_with_joint_motion():
     for _ in range(20):
         q, v = RNG.uniform(-2, 2, (2, 4))
         J1, J2 = ARM.jacobian(q)[:2], ARM.jacobian(q)[2:]
-        h1, h2 = (task.control(Tick(ARM, ARM.at(q, v), 0.0, "acceleration", None))[1] for task in (tip, phi))
+        h1, h2 = (asked(task, ARM.at(q, v), 0.0, "acceleration")[1] for task in (tip, phi))
         eq_4_8 = np.linalg.pinv(J1) @ h1 + (np.eye(4) - np.linalg.pinv(J1) @ J1) @ np.linalg.pinv(J2) @ h2
         for controller in (formula, stack, qp):
             np.testing.assert_allclose(controller(q, v).a, eq_4_8, rtol=1e-9, atol=1e-9)

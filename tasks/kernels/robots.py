@@ -57,7 +57,10 @@ def joint_frame(here):
                 total += carried[r + 3 * k] * mounted[3 * k + c]
             block[at.ROTATION + 3 * r + c] = total
     column, velocity = ints(told[SUPPORT], 0, count), ints(told[SUPPORT], count, count)
-    J, rows = floats(told[JOINTS], 0, 1), floats(told[BLOCK], at.JACOBIAN, 6 * n)
+    last = -1
+    for s in range(count):
+        last = max(last, column[s])
+    J, rows = floats(told[JOINTS], 0, 6 * (last + 1)), floats(told[BLOCK], at.JACOBIAN, 6 * n)
     for s in range(count):
         for r in range(6):
             rows[r * n + velocity[s]] = 0.0

@@ -7,8 +7,10 @@ it is nobody's business.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from numbers import Integral
 from typing import Any, get_args
+from weakref import WeakSet
 
 import numpy as np
 
@@ -34,6 +36,8 @@ from .answers import (
 #: The sizes of bases: mounted, planar, floating.
 BASES = (0, 3, 6)
 UNITS = ("rad", "m")
+#: Robots that were looked at.
+_ADMITTED: WeakSet[Robot] = WeakSet()
 #: What is had together, or not at all: half of it would be passed over without a word.
 TOGETHER: dict[type, tuple[tuple[str, ...], tuple[str, ...]]] = {
     able.Manifold: (("integrate", "difference"), ("neutral", "integrate", "difference")),
@@ -57,8 +61,13 @@ def as_robot(value: Robot) -> Robot:
         If it has no nq, nv or at(q, v), a size is no positive integer, or an attribute of one of the protocols in
         :mod:`tasks.robots.abilities` holds something else; names the attribute, and what is allowed.
     """
+    try:
+        if value in _ADMITTED:
+            return value
+    except TypeError:  # one of a class whose objects are equal by their values, or cannot be told from others
+        pass
     for kind in able.Sized, Robot:
-        if not isinstance(value, kind):
+        if isinstance(value, type) or not able.has(value, kind):
             raise InvalidInput(f"robot = {brief(value)} is a {type(value).__name__}; a robot has nq, nv and at(q, v)")
         whole_number(value.nq, "nq of the robot", least=1)
         whole_number(value.nv, "nv of the robot", least=1)
@@ -73,6 +82,8 @@ def as_robot(value: Robot) -> Robot:
             check(value)
     for quantity in get_args(Quantity):
         _check_limit(value, quantity)
+    with suppress(TypeError):
+        _ADMITTED.add(value)
     return value
 
 
@@ -84,7 +95,7 @@ def check_states(robot: Robot) -> None:
     InvalidInput
     """
     state, what = at_rest(robot), "the state that at(q, v) of the robot gives"
-    if not isinstance(state, RobotState) or not callable(state.frame):
+    if not able.has(state, RobotState) or not callable(state.frame):
         raise InvalidInput(f"{what}, {brief(state)}, is a {type(state).__name__}; a state has q, v and frame(name)")
     own = state_abilities(state)
     _check_shape(state.q, (robot.nq,), f"q of {what}")
@@ -95,7 +106,7 @@ def check_states(robot: Robot) -> None:
     if pose.ndim != 1:
         raise InvalidInput(f"pose of {what} has shape {pose.shape}; it must be (k,)")
     owner = robot_of(state)
-    if able.Owned in own and not (isinstance(owner, Robot) and (owner.nq, owner.nv) == (robot.nq, robot.nv)):
+    if able.Owned in own and not (able.has(owner, Robot) and (owner.nq, owner.nv) == (robot.nq, robot.nv)):
         raise InvalidInput(f"robot of {what} = {brief(owner)}; it must be the robot whose state it is")
     if able.Manifold in abilities(robot):
         if able.Owned not in own:

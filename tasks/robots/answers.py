@@ -53,12 +53,12 @@ STATE_ABILITIES = (able.WithJoints, able.Owned, able.Posed, able.Massive)
 
 def abilities(robot: Robot) -> frozenset[type]:
     """The protocols of :mod:`tasks.robots.abilities` that a robot has all attributes of."""
-    return frozenset(kind for kind in ABILITIES if isinstance(robot, kind))
+    return frozenset(kind for kind in ABILITIES if able.has(robot, kind))
 
 
 def state_abilities(state: RobotState) -> frozenset[type]:
     """Those that a state has all attributes of."""
-    return frozenset(kind for kind in STATE_ABILITIES if isinstance(state, kind))
+    return frozenset(kind for kind in STATE_ABILITIES if able.has(state, kind))
 
 
 def on_pinocchio(robot: object) -> TypeGuard[PinocchioRobot]:
@@ -72,17 +72,17 @@ def on_pinocchio(robot: object) -> TypeGuard[PinocchioRobot]:
 
 def neutral(robot: Robot) -> Array:
     """A configuration to try tasks at, shape (nq,)."""
-    return np.asarray(robot.neutral) if isinstance(robot, able.Neutral) else np.zeros(robot.nq)
+    return np.asarray(robot.neutral) if able.has(robot, able.Neutral) else np.zeros(robot.nq)
 
 
 def home(robot: Robot) -> Array:
     """A configuration to start from, shape (nq,)."""
-    return np.asarray(robot.home) if isinstance(robot, able.Homed) else neutral(robot)
+    return np.asarray(robot.home) if able.has(robot, able.Homed) else neutral(robot)
 
 
 def base(robot: Robot) -> int:
     """How many velocities, the first, are those of a base that moves freely: 6, 3 in the plane, or 0."""
-    return int(robot.base) if isinstance(robot, able.Floating) else 0
+    return int(robot.base) if able.has(robot, able.Floating) else 0
 
 
 def integration(robot: Robot) -> Callable[[Array, Array], Array]:
@@ -93,7 +93,7 @@ def integration(robot: Robot) -> Callable[[Array, Array], Array]:
     InvalidInput
         If nq and nv differ, and the robot does not say how to integrate.
     """
-    if isinstance(robot, able.Manifold):
+    if able.has(robot, able.Manifold):
         return robot.integrate
     _check_flat(robot)
     return add
@@ -106,7 +106,7 @@ def integrate(robot: Robot, q: Array, step: Array) -> Array:
 
 def subtraction(robot: Robot) -> Callable[[Array, Array], Array]:
     """What gives the step of the joints, shape (nv,), from a first configuration to a second; see `integration`."""
-    if isinstance(robot, able.Manifold):
+    if able.has(robot, able.Manifold):
         return robot.difference
     _check_flat(robot)
     return lambda start, end: sub(end, start)
@@ -115,6 +115,11 @@ def subtraction(robot: Robot) -> Callable[[Array, Array], Array]:
 def difference(robot: Robot, start: Array, end: Array) -> Array:
     """The step of the joints that leads from one configuration to another, shape (nv,)."""
     return np.asarray(subtraction(robot)(start, end))
+
+
+def is_flat(robot: Robot) -> bool:
+    """Whether the step from one configuration to another is what their numbers differ by."""
+    return robot.nq == robot.nv and not isinstance(robot, able.Manifold)
 
 
 def _check_flat(robot: Robot) -> None:
@@ -132,7 +137,7 @@ def at_rest(robot: Robot) -> RobotState:
 
 def positioned(robot: Robot) -> NDArray[np.bool_]:
     """Which velocities are those of a joint with one position: no wheel on a circle, no floating base, shape (nv,)."""
-    if robot.nq == robot.nv or not isinstance(robot, able.Manifold):
+    if robot.nq == robot.nv or not able.has(robot, able.Manifold):
         return np.ones(robot.nv, dtype=np.bool_)
     here = at_rest(robot)
     there = robot.at(integrate(robot, here.q, np.full(robot.nv, 0.1)), here.v)
@@ -144,7 +149,7 @@ def positioned(robot: Robot) -> NDArray[np.bool_]:
 
 def joint_names(robot: Robot) -> tuple[str, ...]:
     """One name a joint velocity."""
-    return tuple(robot.joint_names) if isinstance(robot, able.Named) else numbered(robot.nv)
+    return tuple(robot.joint_names) if able.has(robot, able.Named) else numbered(robot.nv)
 
 
 def numbered(nv: int) -> tuple[str, ...]:
@@ -154,17 +159,17 @@ def numbered(nv: int) -> tuple[str, ...]:
 
 def joint_units(robot: Robot) -> tuple[str, ...]:
     """Unit of each joint position."""
-    return tuple(robot.joint_units) if isinstance(robot, able.Named) else ("rad",) * robot.nv
+    return tuple(robot.joint_units) if able.has(robot, able.Named) else ("rad",) * robot.nv
 
 
 def frame_names(robot: Robot) -> tuple[str, ...]:
     """The names of frames that the robot lists; none where it lists none."""
-    return tuple(robot.frame_names) if isinstance(robot, able.WithFrames) else ()
+    return tuple(robot.frame_names) if able.has(robot, able.WithFrames) else ()
 
 
 def has_frame(robot: Robot, name: str) -> bool:
     """Whether this names a frame, as far as the robot tells."""
-    if isinstance(robot, able.WithAliases):
+    if able.has(robot, able.WithAliases):
         return bool(robot.has_frame(name))
     names = frame_names(robot)
     return name in names or not names
@@ -172,12 +177,12 @@ def has_frame(robot: Robot, name: str) -> bool:
 
 def tells_tip(robot: Robot) -> bool:
     """Whether the robot says which frame its tip is, if any."""
-    return isinstance(robot, able.Tipped)
+    return able.has(robot, able.Tipped)
 
 
 def tip(robot: Robot) -> str | None:
     """The name of the frame that tasks mean which name none, where the robot tells it."""
-    return robot.tip if isinstance(robot, able.Tipped) else None
+    return robot.tip if able.has(robot, able.Tipped) else None
 
 
 # Limits and dynamics.
@@ -187,12 +192,12 @@ def limit_of(robot: Robot, quantity: Quantity) -> Array | None:
     """The robot's own limit, shape (2, nv) of positions, else (nv,); None if it has none."""
     own = None
     if quantity == "position":
-        own = robot.position_limit if isinstance(robot, able.PositionLimited) else None
+        own = robot.position_limit if able.has(robot, able.PositionLimited) else None
     elif quantity == "velocity":
-        own = robot.velocity_limit if isinstance(robot, able.VelocityLimited) else None
+        own = robot.velocity_limit if able.has(robot, able.VelocityLimited) else None
     elif quantity == "acceleration":
-        own = robot.acceleration_limit if isinstance(robot, able.AccelerationLimited) else None
-    elif isinstance(robot, able.TorqueLimited):
+        own = robot.acceleration_limit if able.has(robot, able.AccelerationLimited) else None
+    elif able.has(robot, able.TorqueLimited):
         own = robot.torque_limit
     return None if own is None else np.asarray(own)
 
@@ -211,32 +216,32 @@ def limits_reader(robot: Robot) -> Callable[[], tuple[ArrayLike | None, ...]]:
 
 def mass_matrix(robot: Robot) -> Callable[[Array], Array] | None:
     """M of q, or None if the robot does not know it."""
-    return robot.mass_matrix if isinstance(robot, able.Inertial) else None
+    return robot.mass_matrix if able.has(robot, able.Inertial) else None
 
 
 def bias(robot: Robot) -> Callable[[Array, Array], Array] | None:
     """b of q and v, or None if the robot does not know its equation of motion."""
-    return robot.bias if isinstance(robot, able.Dynamics) else None
+    return robot.bias if able.has(robot, able.Dynamics) else None
 
 
 def inverse_dynamics(robot: Robot) -> Callable[[Array, Array, Array], Array] | None:
     """Joint torques of q, v and a, or None if the robot does not know them."""
-    return robot.inverse_dynamics if isinstance(robot, able.InverseDynamics) else None
+    return robot.inverse_dynamics if able.has(robot, able.InverseDynamics) else None
 
 
 def manipulability(robot: Robot) -> Callable[[Array], Array] | None:
     """How well the tip can be moved at q, or None if the robot does not tell it."""
-    return robot.manipulability if isinstance(robot, able.Manipulable) else None
+    return robot.manipulability if able.has(robot, able.Manipulable) else None
 
 
 def points(robot: Robot) -> Callable[[Array], Array] | None:
     """Base, joints and tip at q, or None if the robot does not tell them."""
-    return robot.points if isinstance(robot, able.Drawn) else None
+    return robot.points if able.has(robot, able.Drawn) else None
 
 
 def workspace(robot: Robot) -> able.SharedWorkspace | None:
     """The robot as one whose states share a workspace; None if each has its own."""
-    if isinstance(robot, able.SharedWorkspace) and isinstance(robot.guard, Guard):
+    if able.has(robot, able.SharedWorkspace) and isinstance(robot.guard, Guard):
         return robot
     return None
 
@@ -246,17 +251,17 @@ def workspace(robot: Robot) -> able.SharedWorkspace | None:
 
 def joint_positions(state: RobotState) -> Array:
     """The position of each joint that has one, 0 elsewhere, shape (nv,)."""
-    return np.asarray(state.joints) if isinstance(state, able.WithJoints) else state.q
+    return np.asarray(state.joints) if able.has(state, able.WithJoints) else state.q
 
 
 def joint_reader(example: RobotState) -> Callable[[RobotState], Array]:
     """What gives the positions of the joints in states like this one, for loops that ask often."""
-    return attrgetter("joints" if isinstance(example, able.WithJoints) else "q")
+    return attrgetter("joints" if able.has(example, able.WithJoints) else "q")
 
 
 def robot_of(state: RobotState) -> Robot | None:
     """Whose state it is, where it tells."""
-    return state.robot if isinstance(state, able.Owned) else None
+    return state.robot if able.has(state, able.Owned) else None
 
 
 def towards(state: RobotState, q: Array) -> Array:
@@ -267,9 +272,9 @@ def towards(state: RobotState, q: Array) -> Array:
 
 def pose_reader(example: RobotState) -> Callable[[RobotState], Array]:
     """What gives the poses of states like this one, for a record to keep; empty ones, if it has none."""
-    return attrgetter("pose") if isinstance(example, able.Posed) else lambda state: np.zeros(0)
+    return attrgetter("pose") if able.has(example, able.Posed) else lambda state: np.zeros(0)
 
 
 def center_of_mass(state: RobotState) -> Frame | None:
     """The centre of mass, or None if the state does not tell it."""
-    return state.center_of_mass if isinstance(state, able.Massive) else None
+    return state.center_of_mass if able.has(state, able.Massive) else None

@@ -346,6 +346,10 @@ class PinocchioRobot(Live):
         places[self._columns] = self._places
         return places[columns]
 
+    def circles(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
+        """Where in q the cosines of these joints are, each before its sine, shape (k,); -1 for one on no circle."""
+        return np.array([self._axes[i].circle for i in columns], dtype=np.int64)
+
     def support(self, joint: int) -> list[tuple[int, int]]:
         """What moves that which a joint of the model carries: columns of Pinocchio's Jacobian of the joints, and the
         velocity of each. A joint that follows another one has a column of its own, and the velocity of that one."""

@@ -281,6 +281,10 @@ class PlanarArm(Live):
         """Where in q the positions of these velocities are."""
         return np.asarray(columns, dtype=np.int64)
 
+    def circles(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
+        """Where in q the cosines of these joints are: none has one."""
+        return np.full(len(columns), -1)
+
     def chain_order(self, frame: str | None, relative_to: str | None = None) -> NDArray[np.int64] | None:
         """The place of every joint in the chain to a frame; see :func:`tasks.robots.chain.chain_order`."""
         places = np.arange(self.nv)

@@ -10,6 +10,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from .._checks import Array
+from ..part import Tick
 from ..robots.robot import Robot, RobotState
 from ..robots.robot import robot_of as owner
 
@@ -57,18 +58,34 @@ class _Alone:
         rows = task.size(robot)
         self._shared = Workspace(robot, "acceleration" if drifts else "velocity", None)
         self._site = Site(self._shared, np.zeros((rows, robot.nv)), *np.zeros((2, rows)))
-        self._plan = task.plan(self._site)  # the loops of its class, whatever a subclass says beside them
-        self.robot = robot
+        self._plan = task.plan(self._site)  # of its own loops, also where a subclass says something else
+        self._robot, self._numbers = robot, _numbers(task)
+
+    def suits(self, task: Task, robot: Robot) -> bool:
+        """Whether it is at work on this robot, with what the task is now."""
+        now = _numbers(task)
+        return (
+            self._robot is robot
+            and now.keys() == self._numbers.keys()
+            and all(now[name] is value for name, value in self._numbers.items())
+        )
 
     def at(self, state: RobotState, t: float) -> Measured:
         for move in self._plan.moves:
             move(t)
         self._shared.update(state)
+        if self._plan.python is not None:
+            self._plan.python(Tick(self._robot, state, t, self._shared.order, None))
         for call in self._plan.calls:
             call.run()
         assert self._site.A is not None
         error, rate, change, drift, _ = self._site.measured.copy()
         return Measured(error, rate, change, drift, self._site.A.copy())
+
+
+def _numbers(task: Task) -> dict[str, object]:
+    """Its attributes: those that it declares are never written into, but replaced."""
+    return {name: value for name, value in vars(task).items() if name[0] != "_"}
 
 
 class _Kept(threading.local):
@@ -84,7 +101,7 @@ _kept = _Kept()
 def _at_work(task: Task, robot: Robot, drifts: bool) -> _Alone:
     own = _kept.of.setdefault(task, {})
     found = own.get(drifts)
-    if found is None or found.robot is not robot:
+    if found is None or not found.suits(task, robot):
         found = own[drifts] = _Alone(task, robot, drifts)
     return found
 

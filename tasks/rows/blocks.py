@@ -5,7 +5,7 @@ See :mod:`tasks.kernels.block` for what a block holds.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -34,13 +34,6 @@ class Source(Protocol):
     def update(self, state: RobotState, drifts: bool) -> None:
         """Have ready what the loops read, at this state."""
         ...
-
-
-@runtime_checkable
-class HasSource(Protocol):
-    """A robot whose frames are written by loops."""
-
-    def frame_source(self, q: Array, v: Array) -> Source: ...
 
 
 class StateSource:

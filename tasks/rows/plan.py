@@ -25,7 +25,10 @@ WHAT = "the rows of tasks"
 LOOPS = (
     "..kernels.law",
     "..kernels.frames",
+    "..kernels.directions",
+    "..kernels.joints",
     "..kernels.robots",
+    "..kernels.steps",
     "..kernels.joint_motion",
     "..kernels.envelope",
     "..limits.kernels",
@@ -47,9 +50,10 @@ class Call:
     """
 
     def __init__(self, kernel: Any, *told: Entry) -> None:
-        self.kernel, self._kept = kernel, told
+        self.kernel = kernel
         self.table = np.array([address(entry) for entry in told], dtype=np.int64)
-        self.run: Callable[[], object] = partial(ready(kernel), address(self.table))
+        self.run = partial(ready(kernel), address(self.table))
+        self.run.__dict__["kept"] = self.table, told  # whoever has the one has the others
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from hqp import Hierarchy, Level
 from hqp.checks import of_type
 
 from .._checks import Array, per_row
-from ..live import Live, reachable, watch
+from ..live import Live, reachable, watch, watch_alone
 from ..part import Order, Part, Tick
 from ..robots.robot import Robot, RobotState, neutral
 from .envelope import Envelope
@@ -44,8 +44,10 @@ class Rows:
         self.hierarchy = Hierarchy([_empty_level(level, robot, order) for level in stack.levels], n=robot.nv)
         self._own_limits = None if isinstance(robot, Live) else OwnLimits(robot)
         self._take_up()
-        for part in (robot, *stack):
+        for part in stack:
             watch(part, self)
+        if isinstance(robot, Live):
+            watch_alone(robot, self)
 
     def admit(self, part: Live, name: str) -> None:
         """Take up what was changed in a part or the robot, or refuse it; see :class:`tasks.live.Watcher`."""

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from .._checks import Array, per_row
 from ..motion.turns import stands_still
-from ..robots.robot import Robot, RobotState, joint_positions
-from .blocks import Blocks, HasSource, StateSource
+from ..robots import abilities as able
+from ..robots.answers import at_rest, joint_reader
+from ..robots.robot import Robot, RobotState, is_flat
+from .blocks import Blocks, Source, StateSource
 from .envelope import Envelope
 
 if TYPE_CHECKING:
@@ -37,6 +39,10 @@ class Workspace:
         Of this tick.
     positions, places : array, array of int, shape (nv,)
         Where the position of each joint is: ``positions[places[j]]``; -1 where it has none of its own.
+    circles : array of int, shape (nv,)
+        Where in q the cosine of each joint on a circle is, the sine being the next; -1 for all others.
+    numbered : bool
+        Whether these tell how the joints come from one configuration to another; else only the robot knows.
     braking : array, shape (2,)
         The largest rate [1/s] at which a bound may be neared, if the joints are to stop in time: infinite where nothing
         limits their accelerations; and dt.
@@ -54,15 +60,17 @@ class Workspace:
         self.n = robot.nv
         self.q, self.v = np.zeros(robot.nq), np.zeros(robot.nv)
         self.braking = np.array([np.inf, np.nan if dt is None else dt])
-        own = isinstance(robot, HasSource)
-        self.blocks = Blocks(robot.frame_source(self.q, self.v) if own else StateSource(robot), self.n)  # type: ignore[attr-defined]
-        self._joints: Array | None = None
-        if own or robot.nq == robot.nv:
-            self.positions = self.q
-            self.places = robot.places(np.arange(robot.nv)) if own else np.arange(robot.nv)  # type: ignore[attr-defined]
-        else:
-            self._joints = self.positions = np.zeros(robot.nv)
-            self.places = np.arange(robot.nv)
+        joints = np.arange(robot.nv)
+        self._joints: Callable[[RobotState], Array] | None = None
+        self.positions, self.places, self.circles = self.q, joints, np.full(robot.nv, -1)
+        source: Source = StateSource(robot)
+        self.numbered = is_flat(robot)
+        if able.has(robot, able.Sourced):
+            source, self.numbered = robot.frame_source(self.q, self.v), True
+            self.places, self.circles = robot.places(joints), robot.circles(joints)
+        elif robot.nq != robot.nv:
+            self.positions, self._joints = np.zeros(robot.nv), joint_reader(at_rest(robot))
+        self.blocks = Blocks(source, self.n)
         self.envelope = Envelope(self.n)
         self.work = np.zeros(64)
         self.kept: list[object] = []
@@ -73,7 +81,7 @@ class Workspace:
         """Be at this state."""
         self.q[:], self.v[:] = state.q, state.v
         if self._joints is not None:
-            self._joints[:] = joint_positions(state)
+            self.positions[:] = self._joints(state)
         self.blocks.update(state)
         self.envelope.write()
 
@@ -145,7 +153,7 @@ class Site:
             of.MEASURED: self.measured.ctypes.data,
             of.V: self.shared.v.ctypes.data,
             of.TICK: self.shared.braking.ctypes.data,
-            of.BOUNDS: self.bounds and self.A is not None,
+            of.BOUNDS: self.bounds and not task.plain,
             of.DRIFTS: self.drifts,
         }
         table = np.array([told[k] for k in range(of.LENGTH)], dtype=np.int64)
