@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -135,8 +136,8 @@ def test_a_limit_that_is_not_there_is_not_named():
     assert found == {"joint 1": (Side.UPPER, "position limit")}
     found = causes(velocity, arm, [0.0] * 3, [1.0, 0.0, 0.0], [9.0, 0.1, 0.1], "acceleration")
     assert found == {"joint 0": (Side.UPPER, "velocity limit")}
-    some = PlanarArm([0.5, 0.4, 0.3], position_limit=(-1.5, 1.5))
-    some.velocity_limit = np.array([1.0, np.inf, 2.0])  # as of a model that names some
+    speeds = np.array([1.0, np.inf, 2.0])  # as of a model that names some
+    some = SimpleNamespace(nq=3, nv=3, at=arm.at, position_limit=arm.position_limit, velocity_limit=speeds)
     found = causes(JointLimits(), some, [0.0, 1.5, 0.0], [0.0] * 3, [0.1, 2.0, 0.1])
     assert found == {"joint 1": (Side.UPPER, "position limit")}
 

@@ -22,6 +22,7 @@ from tasks import (
     JointTorqueLimit,
     JointVelocityLimit,
     PlanarArm,
+    PlaneLimit,
     PositionTask,
     PostureTask,
     load_robot,
@@ -222,6 +223,7 @@ CHANGES = {
     "acceleration": (lambda: JointAccelerationLimit(1.0), {"limit": 3.0}),
     "torque": (lambda: JointTorqueLimit(1.0), {"limit": 3.0}),
     "frame": (lambda: FrameVelocityLimit(1.0, mask="xy"), {"limit": 0.2}),
+    "plane": (lambda: PlaneLimit([0, 1, 0], 0.2, gain=2.0), {"normal": [1, 1, 0], "distance": 0.3}),
     "box": (lambda: BoxLimit([-1, -1], [1, 1], gain=2.0), {"lower": [-0.5, -0.6], "upper": [0.4, 0.5]}),
 }
 
