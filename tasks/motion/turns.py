@@ -203,6 +203,8 @@ def as_rotation(target: ArrayLike | RotationTrajectory | Trajectory, what: str) 
     InvalidInput
         If it is neither, or (at t = 0) gives no rotation.
     """
+    if isinstance(target, AboutZ):
+        return target
     if not callable(target):
         array = finite(target, f"{what}: target")
         if array.size == 1:
