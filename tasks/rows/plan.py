@@ -22,7 +22,14 @@ if TYPE_CHECKING:
 SIGNATURE = int64(int64)
 WHAT = "the rows of tasks"
 #: Where loops are.
-LOOPS = ("..kernels.law", "..kernels.frames", "..kernels.robots", "..criteria.kernels")
+LOOPS = (
+    "..kernels.law",
+    "..kernels.frames",
+    "..kernels.robots",
+    "..criteria.kernels",
+    "..obstacles.kernels.nearest",
+    "..obstacles.kernels.rows",
+)
 #: What a loop is told of: a size, an address, or an array by its address.
 Entry = int | np.integer[Any] | NDArray[Any]
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from hqp import Hierarchy, Level
+from hqp import Hierarchy, InvalidInput, Label, Level
 from hqp.checks import of_type
 
 from .._checks import Array, per_row
@@ -42,6 +42,7 @@ class Rows:
         for part in stack:
             part.check(robot, order, dt)
         self.hierarchy = Hierarchy([_empty_level(level, robot, order) for level in stack.levels], n=robot.nv)
+        self._labels = self._named()
         self._take_up()
         for part in stack:
             watch(part, self)
@@ -52,7 +53,13 @@ class Rows:
             if any(one is part for one in reachable(own)):
                 own.check(self._robot, self._order, self._dt)
                 watch(own, self)
+                if self._named() != self._labels:
+                    raise InvalidInput(f"{own.label()}: with another {name} it has other rows; {own._instead}")
         self._take_up()
+
+    def _named(self) -> list[Label]:
+        """What all rows are, which stays."""
+        return [label for part in self._stack for label in part.labels(self._robot, self._order)]
 
     def _take_up(self) -> None:
         """Plan how all parts write their rows, with the numbers that they have now."""
@@ -84,6 +91,7 @@ class Rows:
                 part.check_beside(rest)
         if np.isfinite(envelope.acceleration).any():
             shared.braking[0] = 1.0
+        shared.envelope = envelope
         self.plans: list[tuple[Part, Plan]] = [(part, plan_of(part, site)) for part, site in views]
         self._shared, self._views, self._envelope = shared, views, envelope
         self._unweighted, self._merged = unweighted, merged

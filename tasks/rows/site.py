@@ -14,6 +14,7 @@ from ..robots.robot import Robot, RobotState, joint_positions
 from .blocks import Blocks, HasSource, StateSource
 
 if TYPE_CHECKING:
+    from ..limits.envelope import Envelope
     from ..part import Order
     from ..task import Task
 
@@ -40,6 +41,8 @@ class Workspace:
         The largest rate [1/s] at which a bound may be neared, if the joints are to stop in time: infinite where nothing
         limits their accelerations; and dt.
     blocks : Blocks
+    envelope : Envelope or None
+        What the joint limits of the stack know of each other; None where a part is at work by itself.
     work : array, shape (64,)
         For loops to work in.
     kept : list
@@ -60,6 +63,7 @@ class Workspace:
         else:
             self._joints = self.positions = np.zeros(robot.nv)
             self.places = np.arange(robot.nv)
+        self.envelope: Envelope | None = None
         self.work = np.zeros(64)
         self.kept: list[object] = []
         if order == "acceleration":
