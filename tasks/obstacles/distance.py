@@ -119,6 +119,7 @@ class DistanceLimit(Part):
         return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
 
     def _renew(self) -> None:
+        assert self.rows is not None
         per_row(self.weight, self.rows, f"{self.label()}: weight")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
@@ -150,7 +151,7 @@ class DistanceLimit(Part):
 
     def distances(self, robot: Robot, state: RobotState, t: float = 0.0) -> Array:
         """Of the surfaces, one a pair [m], at time t [s]."""
-        return self.pairs.distances(robot, state, t)
+        return self.pairs.measure(robot, state, t)[:, 0]
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         assert A is not None

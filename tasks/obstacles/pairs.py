@@ -71,12 +71,16 @@ class Pairs(Live):
     def __getstate__(self) -> dict[str, Any]:
         return {**super().__getstate__(), "_bound": None}
 
-    def distances(self, robot: Robot, state: RobotState, t: float) -> Array:
-        """Of the surfaces, one a pair [m], at time t [s]."""
+    def measure(self, robot: Robot, state: RobotState, t: float = 0.0) -> Array:
+        """Of every pair at time t [s]: distance, normal and witness, shape (pairs, 7) [m].
+
+        The distance is that of the surfaces, negative where they overlap; the unit normal points from the obstacle to
+        the link, and the witness is the point of the link's core that is nearest.
+        """
         from ..kernels.block import size
         from ..rows.blocks import fill
         from ..rows.plan import Call
-        from .kernels import nearest as loops
+        from .kernels.nearest import measure_pairs
         from .scene import Scene
 
         def block(frame: str) -> Array:
@@ -85,5 +89,5 @@ class Pairs(Live):
             return own
 
         scene = Scene(self, robot, block, t)
-        Call(loops.measure_pairs, scene.table).run()
-        return scene.found[:, loops.DISTANCE].copy()
+        Call(measure_pairs, scene.table).run()
+        return scene.found

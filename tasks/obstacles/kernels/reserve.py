@@ -30,7 +30,7 @@ from hqp.kernels.compile import inner
 from hqp.kernels.memory import floats
 
 from ...kernels import block as at
-from .nearest import CORE, NORMAL, WITNESS, dot
+from .nearest import CORE, NORMAL, WITNESS
 
 #: A link that could turn by more than this may be anywhere [rad].
 QUARTER = 0.5 * math.pi
@@ -71,7 +71,7 @@ def columns(address, n, witness, w, dt, c, turns):
 
 @inner
 def bends(n, base, w, turn, c, turns):
-    """The acceleration b of the witness and its speed, into c[0] and c[1] of what is returned."""
+    """The acceleration b of the witness, and how fast it may be at the end of the tick."""
     longest, of_base = 0.0, 0.0
     for j in range(n):
         longest = max(longest, c[j])
