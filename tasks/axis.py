@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput
 
 from ._checks import Array, finite
-from .frame_task import FrameTask
+from .frame_task import FrameTask, Reading
 from .motion.trajectories import Trajectory, as_trajectory
 from .robots.robot import Robot, RobotState
 from .rotations import perpendicular
@@ -94,6 +94,14 @@ class AxisTask(FrameTask):
         _, spin, change = self._direction(t)
         across = self._across @ frame.rotation.T
         return across @ spin, across @ (change - np.cross(frame.angular @ state.v, spin))
+
+    def reading(self) -> Reading:
+        from .kernels.frames import LOCAL
+
+        return Reading(LOCAL, np.hstack([np.zeros((2, 3)), self._across]))
+
+    def desired_velocity(self, t: float) -> Array:
+        return np.concatenate([np.zeros(3), self._direction(t)[1]])
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:
         return [("across 1", "rad"), ("across 2", "rad")]

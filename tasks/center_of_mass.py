@@ -14,7 +14,7 @@ from .motion.trajectories import Trajectory
 from .place import Mask
 from .position import PositionTask
 from .robots.frame import Frame
-from .robots.robot import Robot, RobotState
+from .robots.robot import Robot, RobotState, center_of_mass
 
 if TYPE_CHECKING:
     from .rows.site import Site
@@ -59,16 +59,21 @@ class CenterOfMassTask(PositionTask):
         )
 
     def _itself(self, state: RobotState) -> Frame:
-        point: Frame = state.center_of_mass  # type: ignore[attr-defined]
+        point = center_of_mass(state)
+        assert point is not None  # checked
         return point
 
     def block(self, site: Site) -> Array:
         return site.center_of_mass(self.relative_to)
 
+    def reading(self) -> None:
+        """No joint carries the centre of mass as it carries a frame."""
+
     def check_frames(self, robot: Robot) -> None:
         state = self.at_rest(robot)
-        if not hasattr(state, "center_of_mass"):
+        point = center_of_mass(state)
+        if point is None:
             raise InvalidInput(f"{self.label()}: {robot!r} does not tell its centre of mass")
-        if not np.isfinite(state.center_of_mass.position).all():
+        if not np.isfinite(point.position).all():
             raise InvalidInput(f"{self.label()}: nothing that {robot!r} moves has a mass; it has no centre")
         self.check_names(robot)

@@ -21,6 +21,8 @@ from .robots.robot import (
     joint_names,
     joint_positions,
     joint_units,
+    numbered,
+    robot_of,
 )
 from .task import TargetTask
 
@@ -72,8 +74,8 @@ class JointCouplingTask(TargetTask):
         return self.jacobian(state) @ joint_positions(state)
 
     def jacobian(self, state: RobotState) -> Array:
-        robot = getattr(state, "robot", None)
-        names = tuple(f"joint {i}" for i in range(len(state.v))) if robot is None else joint_names(robot)
+        robot = robot_of(state)
+        names = numbered(len(state.v)) if robot is None else joint_names(robot)
         row = np.zeros((1, len(state.v)))
         for joint, factor in self.factors.items():
             row[0, joint_index(names, joint, f"{self.label()}: joint")] += factor

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from numpy.typing import ArrayLike
 
@@ -13,11 +13,26 @@ from ._checks import Array
 from .live import structure
 from .part import Order
 from .robots.frame import Frame, relative
-from .robots.robot import Robot, RobotState, check_frame
+from .robots.robot import Robot, RobotState, check_frame, tells_tip, tip
 from .task import Task
 
 if TYPE_CHECKING:
     from .rows.site import Site
+
+
+class Reading(NamedTuple):
+    """Which part of the motion of a frame the rows of a task are.
+
+    Attributes
+    ----------
+    axes : int
+        Along which its velocity is taken: WORLD, LOCAL or SPATIAL of :mod:`tasks.kernels.frames`.
+    rows : array, shape (rows, 6)
+        What each row takes of its linear and angular velocity along these axes.
+    """
+
+    axes: int
+    rows: Array
 
 
 class FrameTask(Task):
@@ -70,6 +85,14 @@ class FrameTask(Task):
         """The same for loops: its block, see :mod:`tasks.kernels.block`."""
         return site.frame(self.frame, self.relative_to)
 
+    def reading(self) -> Reading | None:
+        """What its rows take of the motion of the frame; None where that is no constant."""
+        return None
+
+    def desired_velocity(self, t: float) -> Array:
+        """The velocity of the target, linear and angular, along the axes of the world, shape (6,)."""
+        raise NotImplementedError(f"{type(self).__name__} must define desired_velocity(t), as it has a reading()")
+
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.check_frames(robot)
         super().check(robot, order, dt)
@@ -77,7 +100,7 @@ class FrameTask(Task):
     def check_frames(self, robot: Robot) -> None:
         """Refuse a frame that the robot has not, and what a planar arm has not."""
         self.check_names(robot)
-        if self.frame is None and getattr(robot, "tip", "") is None:
+        if self.frame is None and tells_tip(robot) and tip(robot) is None:
             raise InvalidInput(f"{self.label()}: {robot!r} has no tip; give the task a frame, or the robot a tip")
         if self.at_rest(robot).frame(self.frame).rotation.ndim == 1:
             if self.spatial:
@@ -90,7 +113,7 @@ class FrameTask(Task):
         for what, name in ("frame", self.frame), ("relative_to", self.relative_to):
             if name is not None:
                 check_frame(robot, name, f"{self.label()}: {what}")
-        own = getattr(robot, "tip", None) if self.frame is None else self.frame
+        own = tip(robot) if self.frame is None else self.frame
         if self.relative_to is not None and self.relative_to == own:
             raise InvalidInput(f"{self.label()}: relative_to = {own!r} is the frame itself; name another one")
 

@@ -33,7 +33,7 @@ from ._checks import Array, positive
 from .linearised import Linearised, Visit
 from .newton import TRUST_REGION
 from .part import Part
-from .robots.robot import Robot, as_robot, integrate, neutral
+from .robots.robot import Robot, as_robot, check_states, home, integrate
 from .stack import Stack
 
 #: Lengths [m] and angles [rad] up to which a task counts as met.
@@ -151,11 +151,12 @@ def solve_ik(
         iterations means nothing.
     """
     stack = stack if isinstance(stack, Stack) else Stack(stack)
-    problem = Linearised(as_robot(robot), stack, goal, _tolerances(tolerance), backend)
+    check_states(as_robot(robot))
+    problem = Linearised(robot, stack, goal, _tolerances(tolerance), backend)
     most = whole_number(iterations, "iterations", least=1)
     again, on = truth(restarts, "restarts"), truth(settle, "settle")
     rng = np.random.default_rng(whole_number(seed, "seed"))
-    start = problem.inside(getattr(robot, "home", neutral(robot)) if q0 is None else q0)
+    start = problem.inside(home(robot) if q0 is None else q0)
     best, begun = _search(problem, start, most - most // RESERVE if on else most, again, rng)
     best, at_rest = _settle(problem, best, most) if on else (best, False)
     spent = problem.solves

@@ -14,6 +14,7 @@ is at most :math:`\|h_2\| / 2 \lambda` (Chiaverini 1997: a task priority robust 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,16 +23,13 @@ from hqp import InvalidInput
 
 from ._checks import Array, finite_scalar, numbers
 from .live import number, structure
-from .part import Order, Part, Tick
+from .part import Order, Part
 from .robots.robot import Robot, RobotState
 from .task import Task
 
 if TYPE_CHECKING:
     from .rows.plan import Plan
     from .rows.site import Site
-
-#: Singular values up to this share of the largest count as zero.
-RANK_TOLERANCE = 1e-9
 
 
 class JointMotion(Part):
@@ -79,35 +77,18 @@ class JointMotion(Part):
 
     def plan(self, site: Site) -> Plan:
         """What the task asks for, as rows of its own; and the motion of least norm that does it."""
-        from .rows.plan import Plan, plan_of, run_all
+        from .kernels.joint_motion import work_size, write_alone
+        from .rows.plan import Call, plan_of
         from .rows.site import Site
 
         rows, n = self.task.size(site.shared.robot), site.shared.n
-        J, (h, same) = np.zeros((rows, n)), np.zeros((2, rows))
-        plan = plan_of(self.task, Site(site.shared, J, h, same))
-
-        def write(tick: Tick) -> None:
-            if plan.python is not None:
-                plan.python(tick)
-            run_all(plan.calls)
-            if self.damping == 0.0:
-                site.lower[:] = alone(J, h)
-            else:
-                site.lower[:] = J.T @ np.linalg.solve(J @ J.T + self.damping**2 * np.eye(rows), h)
-            site.upper[:] = site.lower
-
-        return Plan(moves=plan.moves, python=write, why="interim")
+        own = Site(site.shared, np.zeros((rows, n)), *np.zeros((2, rows)))
+        assert own.A is not None
+        damping, work = np.array([self.damping]), np.zeros(work_size(rows, n))
+        call = Call(write_alone, rows, n, own.A, own.lower, damping, work, site.lower, site.upper)
+        plan = plan_of(self.task, own)
+        return replace(plan, calls=(*plan.calls, call), kept=(*plan.kept, own))
 
     def __repr__(self) -> str:
         damping = f", damping={self.damping:g}" if self.damping else ""
         return f"JointMotion({self.task!r}{damping})"
-
-
-def alone(J: Array, h: Array) -> Array:
-    """``J# h`` by a truncated pseudoinverse; NaN where J or h is not finite, for the solver to report."""
-    if len(h) == 1:  # one row: J# = J^T / ||J||^2
-        square = float(J[0] @ J[0])
-        return J[0] * (h[0] / square) if square != 0.0 else np.zeros(J.shape[1])
-    if not np.isfinite(J).all():
-        return np.full(J.shape[1], np.nan)
-    return np.asarray(np.linalg.pinv(J, rcond=RANK_TOLERANCE) @ h)

@@ -20,7 +20,7 @@ from .inequality import Inequality
 from .newton import Room, levels_of_steps, ranges
 from .part import Part
 from .posture import PostureTask
-from .robots.robot import Robot, integrate, joint_positions
+from .robots.robot import Robot, base, integrate, joint_positions
 from .stack import Stack
 from .task import Task
 
@@ -145,11 +145,11 @@ class Linearised:
 
     def random(self, q: Array, rng: np.random.Generator) -> Array:
         """Every joint anywhere in its range, but a floating base where it is at q."""
-        joints, base = joint_positions(self.robot.at(q, self._still)), getattr(self.robot, "base", 0)
+        joints = joint_positions(self.robot.at(q, self._still))
         low = np.maximum(self.room.low, np.minimum(self.room.high - 2.0 * HALF_TURN, -HALF_TURN))
         high = np.minimum(self.room.high, np.maximum(self.room.low + 2.0 * HALF_TURN, HALF_TURN))
         step = rng.uniform(low, high) - joints
-        step[:base] = 0.0
+        step[: base(self.robot)] = 0.0
         return integrate(self.robot, q, step)
 
     def visit(self, q: Array) -> Visit:

@@ -26,8 +26,8 @@ Values are kept in ``vars(self)``, where reading them costs nothing more than it
 
 from __future__ import annotations
 
-from abc import ABCMeta
 from collections.abc import Callable, Iterator, Mapping
+from functools import wraps
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, Protocol, Self, TypeVar, overload
 from weakref import ref
 
@@ -37,7 +37,6 @@ from hqp import InvalidInput
 
 from ._checks import nearest
 
-T = TypeVar("T")
 Given = TypeVar("Given")
 Kept = TypeVar("Kept")
 
@@ -110,17 +109,25 @@ class Watcher(Protocol):
         """
 
 
-class _Sealing(ABCMeta):
-    """Seals an object when all of its construction is over, that of subclasses included."""
+def _sealing(begin: Callable[..., None]) -> Callable[..., None]:
+    """An `__init__` which seals the object when all of its construction is over, that of subclasses included.
 
-    def __call__(cls: type[T], *args: Any, **kwargs: Any) -> T:
-        made: T = super().__call__(*args, **kwargs)  # type: ignore[misc]
-        if isinstance(made, Live):
-            made._sealed = True
-        return made
+    A metaclass would do it too, and forbid classes that are also a Protocol.
+    """
+
+    @wraps(begin)
+    def __init__(self: Live, *args: Any, **kwargs: Any) -> None:  # noqa: N807
+        inner = vars(self).get("_sealed") is False
+        self._sealed = False
+        try:
+            begin(self, *args, **kwargs)
+        finally:
+            self._sealed = not inner
+
+    return __init__
 
 
-class Live(metaclass=_Sealing):
+class Live:
     """Base of what may be changed while it is at work; see :mod:`tasks.live`.
 
     Copies, by :mod:`copy` or pickle, are watched by nobody.
@@ -136,8 +143,16 @@ class Live(metaclass=_Sealing):
     _numbers: ClassVar[Mapping[str, Callable[[Any, Any], Any]]] = {}
     _structure: ClassVar[frozenset[str]] = frozenset()
 
+    if not TYPE_CHECKING:  # where it is that of `object`
+
+        @_sealing
+        def __init__(self, *args: Any, **kwargs: Any) -> None:
+            super().__init__(*args, **kwargs)
+
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
+        if "__init__" in vars(cls):
+            cls.__init__ = _sealing(cls.__init__)  # type: ignore[method-assign]
         numbers: dict[str, Callable[[Any, Any], Any]] = {}
         fixed: set[str] = set()
         for base in reversed(cls.__mro__):
@@ -221,8 +236,7 @@ class Live(metaclass=_Sealing):
             raise InvalidInput(f"{self.label()}: {name} is part of its structure, and stays; {self._instead}")
         if hasattr(type(self), name):
             raise InvalidInput(f"{self.label()}: {name} is given by its class, and stays; {self._instead}")
-        own = {*vars(self), *self._numbers, *self._structure, *_properties(type(self))}
-        known = sorted(other for other in own if not other.startswith("_"))
+        known = sorted(other for other in vars(self).keys() | _data(type(self)) if not other.startswith("_"))
         raise InvalidInput(f"{self.label()}: there is no attribute {name!r}{nearest(name, known)}")
 
     def __getstate__(self) -> dict[str, Any]:
@@ -263,8 +277,10 @@ def _kept(value: Any) -> Any:
     return value
 
 
-def _properties(cls: type) -> set[str]:
-    return {name for base in cls.__mro__ for name, value in vars(base).items() if isinstance(value, property)}
+def _data(cls: type) -> set[str]:
+    """What a class has but methods."""
+    own = {name: value for base in reversed(cls.__mro__) for name, value in vars(base).items()}
+    return {name for name, value in own.items() if not (callable(value) or isinstance(value, classmethod))}
 
 
 def _settable(cls: type, name: str) -> bool:

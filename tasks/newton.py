@@ -22,7 +22,7 @@ from .limits.joint_limits import JointLimits
 from .limits.limit import JointLimit
 from .limits.position import JointPositionLimit
 from .part import Order, Part
-from .robots.robot import Robot, joint_names, joint_units
+from .robots.robot import Robot, joint_names, joint_units, limit_of
 from .stack import Stack
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ def ranges(robot: Robot, stack: Stack) -> Array:
     InvalidInput
         If a joint is left no range.
     """
-    own = getattr(robot, "position_limit", None)
+    own = limit_of(robot, "position")
     low, high = np.array([[-np.inf], [np.inf]]).repeat(robot.nv, axis=1) if own is None else np.array(own)
     for part in stack:
         for limit in part.limits if isinstance(part, JointLimits) else (part,):

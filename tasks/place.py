@@ -23,7 +23,7 @@ from hqp.checks import one_of
 from hqp.errors import brief
 
 from ._checks import Array
-from .frame_task import FrameTask
+from .frame_task import FrameTask, Reading
 from .live import structure
 from .motion.trajectories import Spread
 from .motion.turns import AboutZ
@@ -112,13 +112,30 @@ class PlaceTask(FrameTask):
             self.block(site),
             target,
             site.shared.work,
-            loops.SPATIAL if self._spatial else loops.LOCAL if self.reference == "local" else loops.WORLD,
+            self._axes(),
             self.position is not None,
             self.rotation is not None,
             isinstance(self.rotation, AboutZ),
             np.array(self.mask, dtype=np.int64),
         )
         return Plan((call,), moves)
+
+    def reading(self) -> Reading | None:
+        first = 0 if self.position is not None else 3
+        return Reading(self._axes(), np.eye(6)[[first + i for i in self.mask]])
+
+    def desired_velocity(self, t: float) -> Array:
+        velocity = np.zeros(6)
+        for own, goal in (slice(0, 3), self.position), (slice(3, 6), self.rotation):
+            if goal is not None:
+                velocity[own] = goal(t)[1]
+        return velocity
+
+    def _axes(self) -> int:
+        """As of :mod:`tasks.kernels.frames`."""
+        from .kernels import frames as loops
+
+        return loops.SPATIAL if self._spatial else loops.LOCAL if self.reference == "local" else loops.WORLD
 
     def _keep_up(self, target: Array) -> tuple[Move, ...]:
         """Keep the target up to date; see :mod:`tasks.kernels.frames`."""

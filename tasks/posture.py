@@ -19,11 +19,14 @@ from .part import Order
 from .robots.robot import (
     Robot,
     RobotState,
+    base,
     check_positioned,
     joint_index,
     joint_names,
     joint_positions,
     joint_units,
+    numbered,
+    robot_of,
     towards,
 )
 from .task import TargetTask, Task
@@ -81,7 +84,7 @@ class PostureTask(TargetTask):
         return len(self.variables(robot))
 
     def variables(self, robot: Robot) -> NDArray[np.intp]:
-        return columns(self.joints, joint_names(robot), getattr(robot, "base", 0))
+        return columns(self.joints, joint_names(robot), base(robot))
 
     def error(self, state: RobotState, t: float) -> Array:
         target, own = self.target(t)[0], self._own(state)
@@ -100,10 +103,10 @@ class PostureTask(TargetTask):
         return (velocity, acceleration) if len(velocity) == len(own) else (velocity[own], acceleration[own])
 
     def _own(self, state: RobotState) -> NDArray[np.intp]:
-        robot = getattr(state, "robot", None)
+        robot = robot_of(state)
         if robot is not None:
             return self.variables(robot)
-        return columns(self.joints, tuple(f"joint {i}" for i in range(len(state.v))), 0)
+        return columns(self.joints, numbered(len(state.v)), 0)
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:
         names, units = joint_names(robot), joint_units(robot)

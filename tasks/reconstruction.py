@@ -29,9 +29,8 @@ from hqp import InvalidInput, Label
 
 from ._checks import Array, positive_scalar
 from .criteria.gradient import STEP
-from .joint_motion import RANK_TOLERANCE
 from .part import Order, Part, Tick
-from .robots.manipulability import manipulability
+from .robots.manipulability import RANK_TOLERANCE, manipulability
 from .robots.robot import Robot, RobotState, integrate
 from .task import Task
 

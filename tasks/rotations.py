@@ -3,7 +3,7 @@ r"""Rotations of space: a matrix R whose columns are the axes of a frame, and th
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -133,6 +133,16 @@ def from_xyzw(quaternion: ArrayLike) -> Array:
     return from_quaternion(*q.tolist())
 
 
+@runtime_checkable
+class RigidTransform(Protocol):
+    """A translation and a rotation, as a pinocchio.SE3 has."""
+
+    @property
+    def translation(self) -> ArrayLike: ...
+    @property
+    def rotation(self) -> ArrayLike: ...
+
+
 def transform(value: Any, what: str) -> tuple[Array, Array]:
     """Position [m] and rotation matrix of a transform: a 4 x 4 matrix, or an SE3 of Pinocchio.
 
@@ -141,7 +151,7 @@ def transform(value: Any, what: str) -> tuple[Array, Array]:
     InvalidInput
         If it is neither, its last row is not 0 0 0 1, or its rotation is none.
     """
-    if hasattr(value, "translation") and hasattr(value, "rotation"):
+    if isinstance(value, RigidTransform):
         position, rotation = finite(value.translation, f"{what}, translation"), value.rotation
     else:
         T = finite(value, what)

@@ -10,6 +10,7 @@ from hqp.checks import one_of
 from hqp.errors import brief
 
 from ._checks import positive_scalar
+from .live import Live, structure
 from .part import Order, Part
 from .robots.robot import Robot, as_robot
 
@@ -22,7 +23,7 @@ Ruled = tuple[tuple[Part, ...], DampingRule | None]
 ALLOWED = "a stack takes tasks, limits and stacks: a >> b puts b below a, a + b puts both on one level"
 
 
-class Stack:
+class Stack(Live):
     """Levels of tasks and limits, the highest first.
 
     ``limits >> position + orientation >> posture`` declares three levels; ``+`` binds tighter than
@@ -44,8 +45,9 @@ class Stack:
         If there is nothing in it, something is neither a task nor a limit, or one of them comes twice.
     """
 
-    levels: tuple[tuple[Part, ...], ...]
-    damping: tuple[DampingRule | None, ...]
+    levels: tuple[tuple[Part, ...], ...] = structure()
+    damping: tuple[DampingRule | None, ...] = structure()
+    _instead = "make a new one, and go over to it with controller.change(stack, duration=...)"
 
     def __init__(self, *parts: Part | Stack) -> None:
         if not parts:

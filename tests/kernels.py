@@ -1,11 +1,13 @@
-"""Loops of one module, both ways: compiled, and as plain Python."""
+"""Loops that other loops call, both ways: compiled, and as the interpreter runs them."""
 
 from __future__ import annotations
 
 import importlib.util
+import inspect
 import sys
 from collections.abc import Callable
-from types import ModuleType
+from functools import cache
+from types import ModuleType, SimpleNamespace
 from typing import Any
 from unittest import mock
 
@@ -14,21 +16,24 @@ from numba import njit
 from hqp.kernels import compile as compiling
 
 
-def compiled(kernel: Any, arguments: int) -> Callable[..., Any]:
-    """A kernel that other kernels call, to be called from Python."""
-    names = ", ".join(f"a{i}" for i in range(arguments))
+@cache
+def compiled(module: ModuleType, *names: str) -> SimpleNamespace:
+    """These kernels of a module, each with a door for Python."""
+    return SimpleNamespace(**{name: _door(getattr(module, name)) for name in names})
+
+
+def _door(kernel: Any) -> Callable[..., Any]:
+    arguments = ", ".join(inspect.signature(kernel.py_func).parameters)
     scope = {"kernel": kernel}
-    exec(f"def call({names}):\n    return kernel({names})", scope)
-    return njit(**compiling.ENTRY | {"_nrt": True})(scope["call"])
+    exec(f"def door({arguments}):\n    return kernel({arguments})", scope)
+    return njit(fastmath=compiling.FAST, error_model="numpy")(scope["door"])
 
 
-def plain(module: ModuleType, *below: ModuleType) -> ModuleType:
-    """The same module as the interpreter runs it, on others of which the same is true."""
+def plain(*modules: ModuleType) -> ModuleType:
+    """The last of these modules as plain Python, and the others, which it imports, too."""
     with mock.patch.dict(sys.modules), mock.patch.object(compiling, "inner", lambda function: function):
-        for one in (*below, module):
-            spec = importlib.util.spec_from_file_location(one.__name__, one.__file__)
-            made = importlib.util.module_from_spec(spec)
-            sys.modules[one.__name__] = made
+        for module in modules:
+            spec = importlib.util.spec_from_file_location(module.__name__, module.__file__)
+            made = sys.modules[module.__name__] = importlib.util.module_from_spec(spec)
             spec.loader.exec_module(made)
-            parent, _, name = one.__name__.rpartition(".")
         return made

@@ -6,7 +6,7 @@ import copy
 import gc
 import pickle
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 import pytest
@@ -137,6 +137,7 @@ REFUSED: list[tuple[str, str]] = [
     ("energy", r"energy is given by its class"),
     ("square", r"square is given by its class"),
     ("stifness", r"no attribute 'stifness'; did you mean 'stiffness'"),
+    ("plian", r"no attribute 'plian'; did you mean 'plain'"),
     ("complience", r"no attribute 'complience'; did you mean 'compliance'"),
 ]
 
@@ -180,6 +181,48 @@ def test_what_a_class_of_ones_own_puts_into_itself_is_free() -> None:
     for name, message in ("rows", "structure"), ("height", "class"), ("befor", "no attribute"), ("afer", "'after'"):
         with pytest.raises(InvalidInput, match=message):
             setattr(own, name, 1)
+
+
+class Loud(Protocol):
+    def shout(self) -> str: ...
+
+
+class Mixin:
+    def __init__(self, word: str) -> None:
+        self.word = word
+
+
+class Bare(Live, Mixin, Loud):
+    """Without an `__init__`, beside a class that has one, and a protocol."""
+
+    height = structure(0.5)
+
+    def shout(self) -> str:
+        return self.word.upper()
+
+
+class Failing(Spring):
+    def __init__(self) -> None:
+        self.early = 1
+        raise KeyError("early")
+
+
+def test_any_construction_ends_sealed() -> None:
+    bare = Bare("a")
+    assert bare.shout() == "A"
+    bare.word = "b"
+    for name, message in ("height", "structure"), ("wort", "'word'"):
+        with pytest.raises(InvalidInput, match=message):
+            setattr(bare, name, 1)
+    with pytest.raises(TypeError):
+        Spring(3.0, worst=1.0)  # type: ignore[call-arg]
+    with pytest.raises(KeyError):
+        Failing()
+    again = Spring(3.0)
+    Spring.__init__(again, 4.0, name="other")  # as __setstate__ may
+    assert (again.stiffness, again.name) == (4.0, "other")
+    with pytest.raises(InvalidInput, match="structure"):
+        again.name = "spring"
 
 
 def test_a_declaration_replaces_that_of_the_base() -> None:

@@ -100,7 +100,7 @@ if INTERPRETED:
 
 
 def _at(address, kind, count):
-    return np.ctypeslib.as_array((kind * count).from_address(address)) if count else np.empty(0, dtype=kind)
+    return np.ctypeslib.as_array((kind * int(count)).from_address(int(address))) if count else np.empty(0, dtype=kind)
 
 
 @intrinsic

@@ -7,20 +7,7 @@ import numpy as np
 from hqp import InvalidInput
 
 from .._checks import Array
-from ..robots.robot import Robot, integrate, neutral
-
-
-def check_methods(robot: Robot, what: str, *methods: str) -> None:
-    """Refuse a robot that lacks one of these methods.
-
-    Raises
-    ------
-    InvalidInput
-        Names the task and the method.
-    """
-    for method in methods:
-        if not hasattr(robot, method):
-            raise InvalidInput(f"{what}: takes a robot that has {method}, and {robot!r} has none")
+from ..robots.robot import Robot, base, integrate, mass_matrix, neutral
 
 
 def check_fixed(robot: Robot, what: str) -> None:
@@ -30,7 +17,7 @@ def check_fixed(robot: Robot, what: str) -> None:
     ------
     InvalidInput
     """
-    if getattr(robot, "base", 0):
+    if base(robot):
         raise InvalidInput(f"{what}: takes a robot with a fixed base; no torque moves the floating base of {robot!r}")
 
 
@@ -47,7 +34,9 @@ def check_definite(robot: Robot, what: str) -> None:
 
 def root(robot: Robot, q: Array) -> Array:
     """The upper triangles ``L^T`` of ``M = L L^T``, shape (..., nv, nv); NaN where an M is not positive definite."""
-    M = robot.mass_matrix(q)  # type: ignore[attr-defined]
+    inertia = mass_matrix(robot)
+    assert inertia is not None  # checked before the first tick
+    M = inertia(q)
     try:
         return np.asarray(np.linalg.cholesky(M).swapaxes(-1, -2))
     except np.linalg.LinAlgError:

@@ -14,7 +14,7 @@ to rest where the gradient lies in the row space of J.
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,8 +22,13 @@ from numpy.typing import ArrayLike, NDArray
 from hqp.checks import of_type
 
 from .._checks import Array, positive, positive_scalar
+from ..live import number
 from ..part import Part, Tick
-from ..robots.robot import Robot, integrate
+from ..robots.robot import Robot, base, integration
+
+if TYPE_CHECKING:
+    from ..rows.plan import Entry
+    from ..rows.site import Site
 
 #: Of the central differences [rad, m]: truncation and round-off are both about 1e-10 of H.
 STEP = 1e-5
@@ -56,6 +61,7 @@ class GradientTask(Part):
     """
 
     plain = True
+    says: ClassVar[tuple[str, ...]] = ("value", "values", "gradient", "variables", "write")
     #: Whether the value is a cost, which falls.
     descend: ClassVar[bool] = False
     rows = None
@@ -63,14 +69,23 @@ class GradientTask(Part):
     def __init__(self, *, gain: float, weight: ArrayLike = 1.0, name: str | None = None) -> None:
         default = type(self).__name__.removesuffix("Task").lower()
         self.name = default if name is None else of_type(name, str, "name of a task")
-        self.gain = positive_scalar(gain, f"{self.label()}: gain", unit="1/s")
-        self.weight = positive(weight, f"{self.label()}: weight")
+        self.gain, self.weight = gain, weight
+
+    @number
+    def gain(self, value: float) -> float:
+        """K [1/s]."""
+        return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
+
+    @number
+    def weight(self, value: ArrayLike) -> Array:
+        """Weight of the rows inside their level, shape () or (rows,)."""
+        return positive(value, f"{self.label()}: weight")
 
     def size(self, robot: Robot) -> int:
         return len(self.variables(robot))
 
     def variables(self, robot: Robot) -> NDArray[np.intp]:
-        return np.arange(getattr(robot, "base", 0), robot.nv)
+        return np.arange(base(robot), robot.nv)
 
     def value(self, robot: Robot, q: Array, t: float = 0.0) -> float:
         """H at the configuration q and time t [s]; NaN for what is not finite, for the solver to report."""
@@ -87,7 +102,8 @@ class GradientTask(Part):
         """
         own = self.variables(robot)
         steps = STEP * np.eye(robot.nv)[own]
-        around = np.array([integrate(robot, q, step) for step in (*steps, *-steps)])
+        integrate = integration(robot)
+        around = np.array([integrate(q, step) for step in (*steps, *-steps)])
         ahead, behind = np.reshape(self.values(robot, around, t), (2, -1))
         slope = np.zeros(robot.nv)
         slope[own] = (ahead - behind) / (2.0 * STEP)
@@ -98,11 +114,20 @@ class GradientTask(Part):
         climb = self.gradient(tick.robot, tick.state.q, tick.t)[own]
         if self.descend:
             climb = -climb
-        if tick.order == "velocity":
-            lower[:] = self.gain * climb
-        else:
+        if tick.order == "acceleration":
             lower[:] = self.gain**2 * climb - 2.0 * self.gain * tick.state.v[own]
+        else:
+            lower[:] = self.gain * climb
         upper[:] = lower
+
+    def law(self, site: Site) -> tuple[Entry, ...]:
+        """What every loop of a gradient is told first; see :mod:`tasks.criteria.kernels.joints`."""
+        from ..kernels.law import ORDERS
+
+        own, shared = self.variables(site.shared.robot), site.shared
+        numbers = np.array([self.gain, -1.0 if self.descend else 1.0])
+        order = ORDERS.index(shared.order)
+        return len(own), own.astype(np.int64), numbers, shared.n, shared.v, order, site.lower, site.upper
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({', '.join([*self._shown(), f'gain={self.gain:.4g}'])})"

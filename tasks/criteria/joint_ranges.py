@@ -14,7 +14,7 @@ beyond its range by the task above, unless :class:`~tasks.JointLimits` stand on 
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +23,12 @@ from hqp import InvalidInput
 
 from .._checks import Array
 from ..part import Order
-from ..robots.robot import Robot, check_positioned, joint_positions
+from ..robots.robot import Robot, check_positioned, joint_positions, limit_of
 from .gradient import GradientTask
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
 
 
 class JointCentringTask(GradientTask):
@@ -47,10 +51,10 @@ class JointCentringTask(GradientTask):
     descend: ClassVar[bool] = True
 
     def variables(self, robot: Robot) -> NDArray[np.intp]:
-        if robot.position_limit is None:
+        ranges = limit_of(robot, "position")
+        if ranges is None:
             return np.zeros(0, dtype=np.intp)
-        low, high = robot.position_limit
-        return np.flatnonzero(np.isfinite(robot.position_limit).all(axis=0) & (low < high))
+        return np.flatnonzero(np.isfinite(ranges).all(axis=0) & (ranges[0] < ranges[1]))
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         own = self.variables(robot)
@@ -71,11 +75,23 @@ class JointCentringTask(GradientTask):
         slope[own] = 2.0 * away / (len(own) * half)
         return slope
 
+    def plan(self, site: Site) -> Plan:
+        from ..rows.plan import Call, Plan
+        from .kernels.joints import write_centring
+
+        shared, own = site.shared, self.variables(site.shared.robot)
+        assert shared.robot.position_limit is not None  # checked
+        places, ends = shared.places[own].astype(np.int64), shared.robot.position_limit[:, own].copy()
+        slope = np.zeros(shared.n)
+        told = len(shared.positions), shared.positions, places, ends, slope
+        return Plan((Call(write_centring, *self.law(site), *told),))
+
     def _away(self, robot: Robot, q: Array) -> tuple[Array, Array]:
         """How far the joints are from the middle, in halves of their range; and these halves [rad, m]."""
         own = self.variables(robot)
-        assert robot.position_limit is not None  # checked
-        low, high = robot.position_limit[:, own]
+        ranges = limit_of(robot, "position")
+        assert ranges is not None  # checked
+        low, high = ranges[:, own]
         half = 0.5 * (high - low)
         here = joint_positions(robot.at(q, np.zeros(robot.nv)))[own]
         return (here - 0.5 * (high + low)) / half, half

@@ -17,18 +17,28 @@ A redundant arm can raise them, because motions that the task does not see chang
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import TYPE_CHECKING, ClassVar
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
 from .._checks import Array, finite
+from ..frame_task import FrameTask
+from ..live import number, structure
 from ..part import Order
+from ..robots.chain import chain_order
 from ..robots.manipulability import manipulability, velocity_ellipse
-from ..robots.robot import Robot
+from ..robots.robot import Robot, check_mass_matrix
 from ..task import Task
-from .dynamics import check_definite, check_fixed, check_methods, root
+from .dynamics import check_definite, check_fixed, root
 from .gradient import GradientTask
+
+if TYPE_CHECKING:
+    from ..rows.plan import Entry, Plan
+    from ..rows.site import Site
 
 #: Half axes [unit of J] below this count as this long: their inverse squares stay finite.
 SHORTEST = 1e-150
@@ -43,7 +53,8 @@ class _MeasureOfTask(GradientTask):
         Usually one of the levels above.
     """
 
-    measure: str
+    task: Task = structure()
+    measure: ClassVar[str]
 
     def __init__(self, task: Task, *, gain: float, weight: ArrayLike = 1.0, name: str | None = None) -> None:
         if not isinstance(task, Task):
@@ -61,6 +72,32 @@ class _MeasureOfTask(GradientTask):
         still = np.zeros(robot.nv)
         J = np.array([self.task.jacobian(robot.at(one, still)) for one in q])
         return self._of(J, robot, q, t) if np.isfinite(J).all() else np.full(len(q), np.nan)
+
+    def plan(self, site: Site) -> Plan:
+        """By loops where the gradient has a closed form; else by differences."""
+        told = self._frame(site)
+        if told is None:
+            return replace(self.python_plan(site), why=f"{self.label()}: its gradient is taken by differences")
+        return self._loops(site, told)
+
+    def _frame(self, site: Site) -> tuple[Entry, ...] | None:
+        """What its loops are told of the frame of the task; None where the gradient has no closed form."""
+        from ..rows.plan import overridden
+        from .kernels.measures import work_size
+
+        task, robot, n = self.task, site.shared.robot, site.shared.n
+        if not isinstance(task, FrameTask) or overridden(type(task), task.says, "reading") is not None:
+            return None
+        reading, order = task.reading(), chain_order(robot, task.frame, task.relative_to)
+        if reading is None or order is None:
+            return None
+        rows = len(reading.rows)
+        work, slope = np.zeros(work_size(n, rows)), np.zeros(n)
+        return n, task.block(site), reading.axes, reading.rows, rows, order, work, len(work), slope
+
+    def _loops(self, site: Site, told: tuple[Entry, ...]) -> Plan:
+        """The loops of this measure."""
+        raise NotImplementedError
 
     def _of(self, J: Array, robot: Robot, q: Array, t: float) -> Array:
         """The measure of Jacobians, shape (k, m, nv), at these configurations, shape (k, nq)."""
@@ -88,7 +125,13 @@ class ManipulabilityTask(_MeasureOfTask):
         If `task` is no Task, or a gain or a weight is not positive or larger than 1e15.
     """
 
-    measure = "manipulability"
+    measure: ClassVar[str] = "manipulability"
+
+    def _loops(self, site: Site, told: tuple[Entry, ...]) -> Plan:
+        from ..rows.plan import Call, Plan
+        from .kernels.measures import write_manipulability
+
+        return Plan((Call(write_manipulability, *self.law(site), *told),))
 
     def _of(self, J: Array, robot: Robot, q: Array, t: float) -> Array:
         return manipulability(J)
@@ -113,13 +156,16 @@ class DynamicManipulabilityTask(_MeasureOfTask):
         ``mass_matrix(q)``, links without mass, or a floating base, which no torque moves.
     """
 
-    measure = "dynamic manipulability"
+    measure: ClassVar[str] = "dynamic manipulability"
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         super().check(robot, order, dt)
-        check_methods(robot, self.label(), "mass_matrix")
+        check_mass_matrix(robot, self.label())
         check_fixed(robot, self.label())
         check_definite(robot, self.label())
+
+    def _frame(self, site: Site) -> None:
+        """It also hangs on how the mass matrix changes."""
 
     def _of(self, J: Array, robot: Robot, q: Array, t: float) -> Array:
         R = root(robot, q)  # M = R^T R
@@ -151,7 +197,7 @@ class VelocityRatioTask(_MeasureOfTask):
         positive or larger than 1e15.
     """
 
-    measure = "velocity ratio"
+    measure: ClassVar[str] = "velocity ratio"
 
     def __init__(
         self,
@@ -163,9 +209,17 @@ class VelocityRatioTask(_MeasureOfTask):
         name: str | None = None,
     ) -> None:
         super().__init__(task, gain=gain, weight=weight, name=name)
-        self.direction = None if direction is None else finite(direction, f"{self.label()}: direction")
-        if self.direction is not None and not self.direction.any():
-            raise InvalidInput(f"{self.label()}: direction = {self.direction.tolist()}; it must not be zero")
+        self.direction = direction
+
+    @number
+    def direction(self, value: ArrayLike | None) -> Array | None:
+        """u, shape (rows of the task,); None for the task's own desired velocity."""
+        if value is None:
+            return None
+        u = finite(value, f"{self.label()}: direction")
+        if not u.any():
+            raise InvalidInput(f"{self.label()}: direction = {u.tolist()}; it must not be zero")
+        return u
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         super().check(robot, order, dt)
@@ -175,6 +229,20 @@ class VelocityRatioTask(_MeasureOfTask):
                 f"{self.label()}: direction has shape {self.direction.shape}; it must be ({rows},), one number a row"
                 f" of {self.task.label()}"
             )
+
+    def _loops(self, site: Site, told: tuple[Entry, ...]) -> Plan:
+        from ..rows.plan import Call, Plan
+        from .kernels.measures import write_velocity_ratio
+
+        if self.direction is not None:
+            return Plan((Call(write_velocity_ratio, *self.law(site), *told, self.direction, 0),))
+        desired, task = np.zeros(6), self.task
+        assert isinstance(task, FrameTask)  # as it has a reading
+
+        def move(t: float) -> None:
+            desired[:] = task.desired_velocity(t)
+
+        return Plan((Call(write_velocity_ratio, *self.law(site), *told, desired, 1),), (move,))
 
     def _of(self, J: Array, robot: Robot, q: Array, t: float) -> Array:
         u = np.broadcast_to(self._direction(robot, q, t), J.shape[:-1])

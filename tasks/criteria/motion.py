@@ -13,7 +13,7 @@ stop. There the rows are :math:`L^T (\ddot q + K \dot q) = 0`, which brake it at
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,9 +22,14 @@ from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
 from .._checks import Array, positive, positive_scalar
+from ..live import number
 from ..part import Order, Part, Tick
-from ..robots.robot import Robot, joint_names
-from .dynamics import check_definite, check_methods, root
+from ..robots.robot import Robot, check_mass_matrix, joint_names
+from .dynamics import check_definite, root
+
+if TYPE_CHECKING:
+    from ..rows.plan import Entry, Plan
+    from ..rows.site import Site
 
 
 class _LeastMotion(Part):
@@ -35,7 +40,12 @@ class _LeastMotion(Part):
 
     def __init__(self, gain: float | None, name: str | None) -> None:
         self.name = self.default if name is None else of_type(name, str, "name of a task")
-        self.gain = None if gain is None else positive_scalar(gain, f"{self.label()}: gain", unit="1/s")
+        self.gain = gain
+
+    @number
+    def gain(self, value: float | None) -> float | None:
+        """K [1/s], at which motion is braked that nothing above asks for; None at velocity order."""
+        return None if value is None else positive_scalar(value, f"{self.label()}: gain", unit="1/s")
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if order == "acceleration" and self.gain is None:
@@ -46,9 +56,16 @@ class _LeastMotion(Part):
 
     def _wanted(self, tick: Tick) -> Array:
         """The x that would be best, shape (nv,)."""
-        if tick.order == "velocity" or self.gain is None:
+        if tick.order != "acceleration" or self.gain is None:
             return np.zeros(tick.robot.nv)
         return -self.gain * tick.state.v
+
+    def _law(self, site: Site) -> tuple[Entry, ...]:
+        """What its loops are told first; see :mod:`tasks.criteria.kernels.joints`."""
+        shared = site.shared
+        brakes = shared.order == "acceleration" and self.gain is not None
+        braking = np.array([self.gain if brakes else 0.0], dtype=np.float64)
+        return shared.n, braking, shared.v, site.lower, site.upper
 
     def _options(self) -> list[str]:
         """What the repr tells of the gain."""
@@ -79,7 +96,18 @@ class MinimumMotionTask(_LeastMotion):
 
     def __init__(self, weight: ArrayLike = 1.0, *, gain: float | None = None, name: str | None = None) -> None:
         super().__init__(gain, name)
-        self.weight = positive(weight, f"{self.label()}: weight")
+        self.weight = weight
+
+    @number
+    def weight(self, value: ArrayLike) -> Array:
+        """How dear each joint is, shape () or (nv,)."""
+        return positive(value, f"{self.label()}: weight")
+
+    def plan(self, site: Site) -> Plan:
+        from ..rows.plan import Call, Plan
+        from .kernels.joints import write_least_motion
+
+        return Plan((Call(write_least_motion, *self._law(site)),))
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         lower[:] = upper[:] = self._wanted(tick)  # the rows of A are those of the identity from the start
@@ -110,11 +138,23 @@ class KineticEnergyTask(_LeastMotion):
 
     def __init__(self, *, weight: float = 1.0, gain: float | None = None, name: str | None = None) -> None:
         super().__init__(gain, name)
-        self.weight = np.asarray(positive_scalar(weight, f"{self.label()}: weight"))
+        self.weight = weight
+
+    @number
+    def weight(self, value: float) -> Array:
+        """Of all rows inside their level."""
+        return np.asarray(positive_scalar(value, f"{self.label()}: weight"))
+
+    def plan(self, site: Site) -> Plan:
+        from ..rows.plan import Call, Plan
+        from .kernels.joints import write_kinetic_energy
+
+        assert site.A is not None  # its rows are not plain
+        return Plan((Call(write_kinetic_energy, *self._law(site), site.shared.blocks.mass_matrix(), site.A),))
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         super().check(robot, order, dt)
-        check_methods(robot, self.label(), "mass_matrix")
+        check_mass_matrix(robot, self.label())
         check_definite(robot, self.label())
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:

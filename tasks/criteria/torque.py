@@ -26,6 +26,8 @@ found. The remedy is a share of least motion on the same level (a balance as of 
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -34,9 +36,14 @@ from hqp.checks import of_type
 from hqp.errors import brief
 
 from .._checks import Array, finite, pair, per_row, positive
+from ..live import number, structure
 from ..part import Order, Part, Tick
-from ..robots.robot import Robot, joint_names, joint_units
-from .dynamics import check_fixed, check_methods
+from ..robots.robot import Robot, check_dynamics, joint_names, joint_units
+from .dynamics import check_fixed
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
 
 
 class MinimumTorqueTask(Part):
@@ -62,6 +69,8 @@ class MinimumTorqueTask(Part):
     """
 
     rows = None
+    torque_range: tuple[ArrayLike, ArrayLike] | None = structure()
+    middle: Array = structure()
 
     def __init__(
         self,
@@ -71,13 +80,11 @@ class MinimumTorqueTask(Part):
         name: str | None = None,
     ) -> None:
         self.name = "minimum torque" if name is None else of_type(name, str, "name of a task")
-        self.weight = positive(weight, f"{self.label()}: weight")
-        self.middle = np.zeros(())
-        self.torque_range = torque_range
+        self.torque_range, self.middle, self._half = torque_range, np.zeros(()), np.ones(())
         if torque_range is not None:
             what = f"{self.label()}: torque range"
             low, high = (finite(end, what) for end in pair(torque_range, what, "lowest and highest [N m]"))
-            shapes = {array.shape for array in (low, high, self.weight)} - {()}
+            shapes = {array.shape for array in (low, high, np.asarray(weight))} - {()}
             if len(shapes) > 1:
                 raise InvalidInput(
                     f"{what} and weight have shapes {', '.join(map(str, sorted(shapes)))}; they must agree"
@@ -86,19 +93,34 @@ class MinimumTorqueTask(Part):
                 raise InvalidInput(
                     f"{what} from {low.tolist()} to {high.tolist()}; the lowest must be below the highest"
                 )
-            self.middle = 0.5 * (low + high)
-            self.weight = self.weight / (0.5 * (high - low))
+            self.middle, self._half = 0.5 * (low + high), 0.5 * (high - low)
+        self.weight = weight
+
+    @number
+    def weight(self, value: ArrayLike) -> Array:
+        """Weight of the rows inside their level, over half the torque range, shape () or (nv,)."""
+        return positive(value, f"{self.label()}: weight") / self._half
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if order != "acceleration":
             raise InvalidInput(f"{self.label()}: order = {order!r}; torques belong to accelerations: 'acceleration'")
-        check_methods(robot, self.label(), "mass_matrix", "bias")
+        check_dynamics(robot, self.label())
         check_fixed(robot, self.label())
         per_row(self.middle, robot.nv, f"{self.label()}: torque range", "joint")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         rows = zip(joint_names(robot), joint_units(robot), strict=True)
         return [Label(self.name, name, "N" if unit == "m" else "N m") for name, unit in rows]
+
+    def plan(self, site: Site) -> Plan:
+        from ..rows.plan import Call, Plan
+        from .kernels.joints import write_minimum_torque
+
+        assert site.A is not None  # its rows are not plain
+        n, blocks = site.shared.n, site.shared.blocks
+        middle = np.ascontiguousarray(np.broadcast_to(self.middle, n))
+        law = n, np.zeros(1), site.shared.v, site.lower, site.upper
+        return Plan((Call(write_minimum_torque, *law, blocks.mass_matrix(), site.A, blocks.bias(), middle),))
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         assert A is not None  # its rows are not plain

@@ -16,11 +16,11 @@ import math
 
 from hqp.kernels.compile import inner
 
-#: As of :mod:`tasks.robots.manipulability`: singular values up to this share of the largest count as zero.
-RANK_TOLERANCE = 1e-9
+from ..robots.manipulability import RANK_TOLERANCE
+
 #: Cosine between two rows that counts as a right angle; the share of the longest row, squared, that is round-off.
 RIGHT_ANGLE, ROUND_OFF = 2e-15, 1e-31
-#: Convergence is quadratic, after 5 sweeps or so; rows of round-off, of which there may be more than columns, have none.
+#: Convergence is quadratic, after 5 sweeps or so; rows of round-off, if there are more than columns, have none.
 SWEEPS = 30
 #: Largest entries between which squares of squares may be taken.
 SMALL, LARGE = 1e-50, 1e50

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 from .._checks import Array
 from ..part import Tick
+from ..robots.robot import Quantity
 from .limit import SymmetricLimit
 
 
@@ -22,7 +23,7 @@ class JointAccelerationLimit(SymmetricLimit):
     name : str, optional
     """
 
-    quantity: ClassVar[str] = "acceleration"
+    quantity: ClassVar[Quantity] = "acceleration"
     unit: ClassVar[str] = "rad/s^2"
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:

@@ -25,7 +25,7 @@ from hqp import InvalidInput
 
 from .._checks import Array
 from ..part import Order, Part, Tick
-from ..robots.robot import Robot
+from ..robots.robot import Robot, limit_of
 from .acceleration import JointAccelerationLimit
 from .limit import JointLimit, SymmetricLimit
 from .position import JointPositionLimit
@@ -127,6 +127,6 @@ class Envelope:
 def _tightest(kind: type[SymmetricLimit], parts: list[Part], robot: Robot, *, or_own: bool) -> Array:
     """The smallest limit of this kind in every joint; the robot's own if there is none and it may stand in."""
     limits = [part for part in parts if isinstance(part, kind)]
-    if not limits and or_own and getattr(robot, f"{kind.quantity}_limit", None) is not None:
+    if not limits and or_own and limit_of(robot, kind.quantity) is not None:
         limits = [kind()]
     return np.min([limit.largest(robot) for limit in limits], axis=0) if limits else np.full(robot.nv, np.inf)

@@ -16,7 +16,7 @@ from hqp.checks import of_type
 
 from .._checks import Array, numbers
 from ..part import PER, Order, Part, Tick
-from ..robots.robot import Robot, joint_names, joint_units
+from ..robots.robot import Robot, joint_names, joint_units, limit_of
 from .acceleration import JointAccelerationLimit
 from .limit import JointLimit
 from .position import JointPositionLimit
@@ -61,7 +61,7 @@ class JointLimits(Part):
         """The limits that count on this robot."""
         if self.limits:
             return self.limits
-        own = tuple(limit for limit in self._each if getattr(robot, f"{limit.quantity}_limit", None) is not None)
+        own = tuple(part for part in self._each if limit_of(robot, part.quantity) is not None)
         if not own:
             raise InvalidInput(
                 f"{self.label()}: the robot has no limits of its own; give them: JointLimits(JointVelocityLimit(3.0))"
@@ -76,7 +76,7 @@ class JointLimits(Part):
         """Nothing: its limits are written by themselves, and merged."""
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
-        largest = {
+        largest: dict[str, Array] = {
             limit.quantity: limit.largest(robot)
             for limit in self.of(robot)
             if isinstance(limit, (JointVelocityLimit, JointAccelerationLimit))

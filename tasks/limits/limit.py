@@ -11,7 +11,7 @@ from hqp.checks import of_type
 
 from .._checks import Array, not_negative, numbers, per_row, positive
 from ..part import PER, Order, Part
-from ..robots.robot import Robot, joint_names, joint_units
+from ..robots.robot import Quantity, Robot, joint_names, joint_units, limit_of
 
 
 class JointLimit(Part):
@@ -29,7 +29,7 @@ class JointLimit(Part):
 
     is_limit: ClassVar[bool] = True
     plain = True
-    quantity: ClassVar[str]
+    quantity: ClassVar[Quantity]
     unit: ClassVar[str]
     rows = None
 
@@ -87,7 +87,7 @@ class SymmetricLimit(JointLimit):
         return f"{type(self).__name__}({'' if self.limit is None else self.limit.tolist()})"
 
 
-def largest(part: Part, given: Array | None, robot: Robot, quantity: str, unit: str) -> Array:
+def largest(part: Part, given: Array | None, robot: Robot, quantity: Quantity, unit: str) -> Array:
     """The limit of each joint, shape (nv,): the given one, or the robot's own of this quantity.
 
     Raises
@@ -95,7 +95,7 @@ def largest(part: Part, given: Array | None, robot: Robot, quantity: str, unit: 
     InvalidInput
         If there is neither, or not one number a joint.
     """
-    limit = given if given is not None else getattr(robot, f"{quantity}_limit", None)
+    limit = given if given is not None else limit_of(robot, quantity)
     if limit is None:
         raise InvalidInput(
             f"{part.label()}: the robot has no {quantity} limit of its own;"

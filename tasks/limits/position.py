@@ -36,7 +36,7 @@ from hqp import InvalidInput
 
 from .._checks import LARGEST, Array, numbers, position_range, positive_scalar
 from ..part import Order, Tick
-from ..robots.robot import Robot, joint_names, joint_positions, joint_units, positioned
+from ..robots.robot import Quantity, Robot, integration, joint_names, joint_positions, joint_units, limit_of, positioned
 from .limit import JointLimit
 
 #: How fast a joint that is outside is driven back, unless told otherwise [rad/s].
@@ -72,7 +72,7 @@ class JointPositionLimit(JointLimit):
         and, with a robot, if a range is given to a joint without a position.
     """
 
-    quantity: ClassVar[str] = "position"
+    quantity: ClassVar[Quantity] = "position"
     unit: ClassVar[str] = "rad"
 
     def __init__(
@@ -101,10 +101,11 @@ class JointPositionLimit(JointLimit):
         InvalidInput
             If neither this limit nor the robot has a range, or there is not one a joint.
         """
-        own = getattr(robot, "position_limit", None)
         if self.lower is not None and self.upper is not None:
             own = self.lower, self.upper
-        elif own is None:
+        elif (kept := limit_of(robot, "position")) is not None:
+            own = kept[0], kept[1]
+        else:
             raise InvalidInput(
                 f"{self.label()}: the robot has no position limit of its own;"
                 f" give one in {self.unit}: {type(self).__name__}(-2.0, 2.0)"
@@ -115,11 +116,7 @@ class JointPositionLimit(JointLimit):
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.range(robot)
         super().check(robot, order, dt)
-        if robot.nq != robot.nv and not hasattr(robot, "integrate"):
-            raise InvalidInput(
-                f"{self.label()}: the robot has {robot.nq} positions and {robot.nv} velocities;"
-                " a position limit needs one of each a joint, or a robot that integrates"
-            )
+        integration(robot)  # or there is no telling which position is whose
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         assert tick.dt is not None  # checked before the first tick

@@ -26,7 +26,7 @@ from hqp.checks import of_type
 
 from .._checks import Array, numbers, positive
 from ..part import Order, Part, Tick
-from ..robots.robot import Robot, check_fixed_base, joint_names, joint_units
+from ..robots.robot import Robot, check_dynamics, check_fixed_base, joint_names, joint_units
 from .limit import largest
 
 
@@ -77,9 +77,7 @@ class JointTorqueLimit(Part):
                 " 'acceleration'"
             )
         check_fixed_base(robot, self.label())
-        for method, arguments in ("mass_matrix", "q"), ("bias", "q, v"):
-            if not hasattr(robot, method):
-                raise InvalidInput(f"{self.label()}: {robot!r} has no {method}({arguments})")
+        check_dynamics(robot, self.label())
         self.largest(robot)
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:

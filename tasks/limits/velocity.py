@@ -6,6 +6,7 @@ from typing import ClassVar
 
 from .._checks import Array
 from ..part import Tick
+from ..robots.robot import Quantity
 from .limit import SymmetricLimit
 
 
@@ -23,7 +24,7 @@ class JointVelocityLimit(SymmetricLimit):
     name : str, optional
     """
 
-    quantity: ClassVar[str] = "velocity"
+    quantity: ClassVar[Quantity] = "velocity"
     zero_holds: ClassVar[bool] = True
     unit: ClassVar[str] = "rad/s"
 

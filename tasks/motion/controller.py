@@ -19,8 +19,19 @@ from .._checks import Array, finite_scalar, numbers, positive_scalar, scalar
 from .._telling import tell
 from ..limits.joint_limits import JointLimits
 from ..limits.velocity import JointVelocityLimit
+from ..live import Live, structure
 from ..part import Command, Order, Part
-from ..robots.robot import Robot, RobotState, as_robot, check_fixed_base, check_joints
+from ..robots.robot import (
+    Robot,
+    RobotState,
+    as_robot,
+    check_fixed_base,
+    check_joints,
+    check_states,
+    inverse_dynamics,
+    limit_of,
+    workspace,
+)
 from ..rows.rows import Rows
 from ..stack import Stack
 from .timing import Timing, cubic
@@ -87,7 +98,7 @@ class _Left:
         return self.before.blend(state, t, solution.x)[0], True
 
 
-class Controller:
+class Controller(Live):
     """Turns a stack of tasks into motion, tick by tick, warm from the last.
 
     A copy, by ``copy.deepcopy`` or pickle, is a controller of its own, with a robot and tasks of its own: one for each
@@ -117,6 +128,11 @@ class Controller:
         order, or of a robot that cannot tell them or has a base that moves freely.
     """
 
+    robot: Robot = structure()
+    order: Command = structure()
+    dt: float | None = structure()
+    _instead = "make a controller of its own; to another stack it goes over by controller.change(stack, duration=...)"
+
     def __init__(
         self,
         robot: Robot,
@@ -130,8 +146,8 @@ class Controller:
     ) -> None:
         one_of(order, get_args(Command), "order")
         self.robot = as_robot(robot)
-        self.stack = stack if isinstance(stack, Stack) else Stack(stack)
-        self.order: Command = order
+        self._stack = stack if isinstance(stack, Stack) else Stack(stack)
+        self.order = order
         self.dt = None if dt is None else positive_scalar(dt, "dt", unit="s")
         self._torque = self._inverse_dynamics() if truth(torque, "torque") or order == "torque" else None
         self._backend, self._settings = backend, settings
@@ -139,18 +155,20 @@ class Controller:
         self._transition: Transition | None = None
         self._limits: Limits | None = None
         # Where configurations lie on a manifold, the controller looks at them itself: a call never raises for a state.
-        self._on_manifold = getattr(robot, "on_manifold", None)
-        self._state: Callable[[Array, Array], RobotState] = getattr(robot, "state", self.robot.at)
         # A robot whose states share a workspace has a guard of its own, for all controllers that it has.
-        self._guard: Guard = getattr(robot, "guard", None) or Guard("the controller")
+        shared = workspace(robot)
+        self._on_manifold = None if shared is None else shared.on_manifold
+        self._state: Callable[[Array, Array], RobotState] = self.robot.at if shared is None else shared.state
+        self._guard = Guard("the controller") if shared is None else shared.guard
+        check_states(robot)
         self._rows, self._solver = self._prepare(self.stack)
         self._tell_of_speed()
 
     def _tell_of_speed(self) -> None:
         """Tell once where nothing limits the speed: near a singularity it grows without end, and all tasks are met."""
-        parts = [limit for part in self.stack for limit in (part.limits if isinstance(part, JointLimits) else (part,))]
+        parts = [own for part in self.stack for own in (part.limits if isinstance(part, JointLimits) else (part,))]
         held = any(isinstance(part, JointVelocityLimit) for part in parts) or any(self.stack.damping)
-        if getattr(self.robot, "velocity_limit", None) is None and not held:
+        if limit_of(self.robot, "velocity") is None and not held:
             tell(
                 f"nothing limits the speed of {self.robot!r}: near a singularity joints turn as fast as tasks ask;"
                 " add JointVelocityLimit(2.0), in rad/s, to the top of the stack, or give the robot a velocity_limit"
@@ -182,10 +200,15 @@ class Controller:
         if self.order == "velocity":
             raise InvalidInput(f"torque = True, but order = {self.order!r} gives no accelerations; it must be False")
         check_fixed_base(self.robot, asked)
-        method: Callable[[Array, Array, Array], Array] | None = getattr(self.robot, "inverse_dynamics", None)
+        method = inverse_dynamics(self.robot)
         if method is None:
             raise InvalidInput(f"{asked}, but {self.robot!r} has no inverse_dynamics(q, v, a)")
         return method
+
+    @property
+    def stack(self) -> Stack:
+        """What is wanted at present; :meth:`change` goes over to another one."""
+        return self._stack
 
     @property
     def backend(self) -> str:
@@ -287,7 +310,7 @@ class Controller:
         left = _Left(self.stack, self._rows, self._solver, self._transition)
         at_once = finite_scalar(duration, "duration of a change") == 0.0
         self._transition = None if at_once else Transition(left, duration, law)
-        self.stack, (self._rows, self._solver) = wanted, prepared
+        self._stack, (self._rows, self._solver) = wanted, prepared
         self._limits = None if at_once else Limits.of(wanted, self.hierarchy, self._backend)
 
     def _new_solver(self, stack: Stack) -> Solver:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from typing import TypeVar
+from typing import Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ from ..limits.joint_limits import JointLimits
 from ..limits.limit import JointLimit
 from ..limits.torque import JointTorqueLimit
 from ..part import Part
-from ..robots.robot import RobotState
+from ..robots.robot import RobotState, inverse_dynamics, manipulability, pose_reader
 from .controller import Controller
 from .record import Record, Stop
 
@@ -25,6 +25,20 @@ AT_BOUND = 1e-9
 FREE = (-np.inf, np.inf)
 
 Scalar = TypeVar("Scalar", bound=np.generic)
+
+
+@runtime_checkable
+class Erring(Protocol):
+    """A part that tells how far it is from what it wants: a task, an inequality."""
+
+    name: str
+
+    def error(self, state: RobotState, t: float) -> Array:
+        """Desired - actual."""
+        ...
+
+
+P = TypeVar("P", Part, Erring)
 
 
 class Log:
@@ -54,12 +68,13 @@ class Log:
         self.t = np.empty(ticks + 1)
         self.q, self.v = np.empty((ticks + 1, nq)), np.empty((ticks + 1, nv))
         self.a = np.empty((ticks, nv))
-        self.pose = np.empty((ticks + 1, len(_pose(first))))
+        self._pose = pose_reader(first)
+        self.pose = np.empty((ticks + 1, len(self._pose(first))))
         self.status: list[Status] = []
         self.states = 0
+        telling: list[Erring] = [part for part in parts if isinstance(part, Erring)]
         self.errors = [
-            (name, part.error, np.empty((ticks + 1, len(part.error(first, 0.0)))))  # type: ignore[attr-defined]
-            for name, part in _named(part for part in parts if hasattr(part, "error"))
+            (name, part.error, np.empty((ticks + 1, len(part.error(first, 0.0))))) for name, part in _named(telling)
         ]
         kinds = JointLimit | JointLimits | JointTorqueLimit
         limits = list(_named(part for part in parts if isinstance(part, kinds)))
@@ -75,13 +90,13 @@ class Log:
         self.certified = 0
         self.ranks: list[list[int]] = []
         q, v = first.q[None], first.v[None]
-        self._torque = _asked_at_once(controller.robot, "inverse_dynamics", (q, v, v), (1, nv))
-        self._manipulability = _asked_at_once(controller.robot, "manipulability", (q,), (1,))
+        self._torque = _asked_at_once(inverse_dynamics(controller.robot), "inverse_dynamics", (q, v, v), (1, nv))
+        self._manipulability = _asked_at_once(manipulability(controller.robot), "manipulability", (q,), (1,))
         self._levels = len(controller.stack)
 
     def state(self, k: int, t: float, state: RobotState) -> None:
         """Where tick k began."""
-        self.t[k], self.q[k], self.v[k], self.pose[k] = t, state.q, state.v, _pose(state)
+        self.t[k], self.q[k], self.v[k], self.pose[k] = t, state.q, state.v, self._pose(state)
         for _, error, values in self.errors:
             values[k] = error(state, t)
         self.states = k + 1
@@ -129,12 +144,7 @@ class Log:
         )
 
 
-def _pose(state: RobotState) -> Array:
-    """Of the tip; of a robot that has none, nothing."""
-    return np.asarray(getattr(state, "pose", np.zeros(0)))
-
-
-def _named(parts: Iterable[Part]) -> Iterator[tuple[str, Part]]:
+def _named(parts: Iterable[P]) -> Iterator[tuple[str, P]]:
     """Every part under its name; a second of the same name is numbered."""
     taken: set[str] = set()
     for part in parts:
@@ -147,10 +157,9 @@ def _named(parts: Iterable[Part]) -> Iterator[tuple[str, Part]]:
 
 
 def _asked_at_once(
-    robot: object, name: str, example: tuple[Array, ...], shape: tuple[int, ...]
+    method: Callable[..., Array] | None, name: str, example: tuple[Array, ...], shape: tuple[int, ...]
 ) -> Callable[..., Array] | None:
-    """The method of that name, if the robot has it. One that takes no leading axis is refused before the run."""
-    method: Callable[..., Array] | None = getattr(robot, name, None)
+    """The method, if the robot has it. One that takes no leading axis is refused before the run."""
     if method is None:
         return None
     asked = f"{name} of the robot, asked for arrays of one row,"

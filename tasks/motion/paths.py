@@ -16,7 +16,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from itertools import accumulate, pairwise
 from math import cos, pi, sin
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -153,6 +153,7 @@ class Circle(Path):
         return f"Circle({self.center.tolist()}, {self.radius:g}, {self.duration:g}{arc})"
 
 
+@runtime_checkable
 class Piece(Trajectory, Protocol):
     """What a chain is made of: a trajectory from t = 0 to its duration [s]."""
 
@@ -209,7 +210,7 @@ class Chain:
 
 def _places(piece: Any, what: str) -> Array:
     """Where a piece begins, some places on its way, and where it ends, shape (5, rows)."""
-    if not hasattr(piece, "duration"):
+    if not isinstance(piece, Piece):
         raise InvalidInput(f"{what}, {brief(piece)}, has no duration; it must be a trajectory with a duration [s]")
     duration = positive_scalar(piece.duration, f"{what}: duration", unit="s")
     trajectory = as_trajectory(piece, None, what)

@@ -62,7 +62,7 @@ class MujocoPlant:
         self.step = positive_scalar(step, "step", unit="s")
         if not on_pinocchio(robot):
             raise InvalidInput(f"robot = {brief(robot)}; the physics need the model of a PinocchioRobot")
-        model: Any = robot.model  # type: ignore[attr-defined]
+        model: Any = robot.model
         check_fixed_base(robot, "MujocoPlant")
         other = [name for joint, name in _joints(model) if not _known(joint)]
         if other:

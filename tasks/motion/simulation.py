@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,7 +30,7 @@ from hqp.checks import listed, of_type, whole_number
 from hqp.errors import brief
 
 from .._checks import Array, finite, finite_scalar, function, positive_scalar
-from ..robots.robot import Robot, check_joints, integrate, joint_names, joint_units
+from ..robots.robot import Robot, check_joints, integration, joint_names, joint_units
 from ..stack import Stack
 from .controller import Controller
 from .log import Log
@@ -66,6 +66,7 @@ class Change:
 MOST_TICKS = 10_000_000
 
 
+@runtime_checkable
 class Plant(Protocol):
     """What moves in place of the model."""
 
@@ -132,7 +133,7 @@ def simulate(
         raise InvalidInput("simulate needs the tick; give the controller dt in s")
     if plant is not None and controller.order != "torque":
         raise InvalidInput(f"a plant is moved by torques, but order = {controller.order!r}; it must be 'torque'")
-    if plant is not None and not callable(getattr(plant, "advance", None)):
+    if plant is not None and not (isinstance(plant, Plant) and callable(plant.advance)):
         raise InvalidInput(f"plant = {brief(plant)} is a {type(plant).__name__}; a plant has advance(q, v, tau, dt)")
     share = positive_scalar(duration, "duration", unit="s") / dt
     if share > MOST_TICKS:
@@ -156,7 +157,7 @@ def simulate(
     stacks = [controller.stack, *(change.stack for change in waiting)]
     parts = {id(part): part for stack in stacks for part in stack}
     log = Log(controller, ticks, robot.at(q, v), parts.values())
-    stopped = None
+    integrate, stopped = integration(robot), None
     for k in range(ticks):
         t = start + k * dt
         while waiting and t >= waiting[0].t:
@@ -178,13 +179,13 @@ def simulate(
             q, v = plant.advance(q, v, step.tau, dt)
         elif step.a is not None:
             a = step.a
-            q = integrate(robot, q, dt * v + (0.5 * dt * dt) * a)
+            q = integrate(q, dt * v + (0.5 * dt * dt) * a)
             v = v + dt * a
         else:
             assert step.v is not None
             a = (step.v - v) / dt
             v = step.v.copy()
-            q = integrate(robot, q, dt * v)
+            q = integrate(q, dt * v)
         q.flags.writeable = v.flags.writeable = False  # ours, and kept as they are: a robot need not copy them
         speed = float(np.abs(v).max(initial=0.0))
         if not speed <= cap:  # NaN too

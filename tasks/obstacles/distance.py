@@ -45,7 +45,7 @@ from ..limits.acceleration import JointAccelerationLimit
 from ..limits.velocity import JointVelocityLimit
 from ..live import number, structure
 from ..part import PER, Order, Part, Tick
-from ..robots.robot import Robot, RobotState
+from ..robots.robot import Robot, RobotState, base
 from ..rows.alone import write_alone
 from .links import LinkCapsule
 from .pairs import Pairs
@@ -170,7 +170,7 @@ class DistanceLimit(Part):
             *told(site, [self.margin, self.gain]),
             scene.table,
             *fastest(site),
-            int(getattr(robot, "base", 0)),
+            base(robot),
             np.zeros(3 * n),
             np.zeros(len(self.pairs), dtype=np.int64),
         )

@@ -12,7 +12,7 @@ from .._checks import Array, finite, not_negative, numbers, scalar
 from ..live import Live, number, structure
 from ..robots.frame import Frame
 from ..robots.planar import PlanarArm
-from ..robots.robot import Robot, check_frame, neutral
+from ..robots.robot import Robot, check_frame, integrate, neutral
 
 #: What "carried by a frame" may differ by when the joints move [m].
 RIGID = 1e-9
@@ -74,9 +74,8 @@ class LinkCapsule(Live):
         if not isinstance(self.end, str):
             return self.end
         q, step = neutral(robot), 0.3 * np.cos(np.arange(robot.nv))
-        own = getattr(robot, "integrate", np.add)
         local = []
-        for there in (q, np.asarray(own(q, step))):
+        for there in (q, integrate(robot, q, step)):
             state = robot.at(there, np.zeros(robot.nv))
             frame = state.frame(self.frame)
             local.append(axes(frame).T @ (state.frame(self.end).position - frame.position))

@@ -101,7 +101,7 @@ def _stands(obstacle: Obstacle) -> bool:
 
 
 @cache
-def _asked(kind: type[Obstacle]) -> bool:
+def _asked(kind: type) -> bool:
     """Whether a class of its own tells where it is, and not whether it moves: then it is asked at every tick."""
     for cls in kind.__mro__:
         if "moves" in vars(cls):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import pinocchio as pin
@@ -72,10 +72,16 @@ def unit_parts(model: pin.Model) -> list[tuple[str, int, int]]:
     return found
 
 
+def _parts(joint: Any) -> Iterable[Any]:
+    """The joints that a composite one is made of."""
+    composite = joint.extract() if isinstance(joint, pin.JointModel) else joint
+    return list(composite.joints)
+
+
 def _units(joint: Any) -> Iterator[tuple[int, int]]:
     what = kind(joint)
     if what == "Composite":
-        for part in joint.extract().joints if hasattr(joint, "extract") else joint.joints:
+        for part in _parts(joint):
             yield from _units(part)
     elif what.startswith(("RUB", "RevoluteUnbounded")):
         yield joint.idx_q, 2
@@ -100,7 +106,7 @@ def _axes(joint: Any) -> Iterator[tuple[str, int, int]]:
     if what == "Mimic":
         return
     if what == "Composite":
-        for part in joint.extract().joints if hasattr(joint, "extract") else joint.joints:
+        for part in _parts(joint):
             yield from _axes(part)
     elif what.startswith(("RUB", "RevoluteUnbounded")):
         yield "rad", NONE, joint.idx_q
@@ -117,13 +123,13 @@ def _axes(joint: Any) -> Iterator[tuple[str, int, int]]:
 def sequence(joint: Any) -> list[int] | None:
     """The place of each velocity of a joint among themselves; None where their axes are in no order.
 
-    One after the other, as those of a universal joint, of which each carries the next; or all in the first place, where
-    all are fixed to what the joint moves.
+    One after the other where each carries the next, as of a universal joint; all in the first place where all are fixed
+    to what the joint moves, as of a ball.
     """
     what = kind(joint)
     if what == "Composite":
         places: list[int] = []
-        for part in joint.extract().joints if hasattr(joint, "extract") else joint.joints:
+        for part in _parts(joint):
             own = sequence(part)
             if own is None:
                 return None
@@ -131,6 +137,6 @@ def sequence(joint: Any) -> list[int] | None:
         return places
     if what == "Ellipsoid":
         return None
-    if what in MANIFOLDS or what == "Translation":
+    if what in MANIFOLDS:
         return [0] * int(joint.nv)
     return list(range(int(joint.nvExtended)))

@@ -10,14 +10,12 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 from hqp.checks import listed, truth
 from hqp.errors import brief
 
-from .._checks import Array
 from .._telling import tell
 from .choices import Base, Mimic
 from .library import ROBOTS, Entry, available_robots, named
@@ -30,8 +28,6 @@ if TYPE_CHECKING:
 
 #: A limit of all joints, or of those that are named.
 Limit = ArrayLike | Mapping[str, float]
-#: What a model is told of a joint that is held by a speed of 0: by 0 it says that it knows nothing.
-HELD = 1e-300
 Range = tuple[ArrayLike, ArrayLike] | Mapping[str, tuple[float, float]]
 
 
@@ -107,17 +103,12 @@ def load_robot(
         model,
         tip=entry.tip if tip is None else tip,
         name=str(source) if entry.file else None,
-        position_limit=tuple(_within(model, others["position"], rooms, what)),
+        position_limit=others["position"],
         velocity_limit=others["velocity"],
         acceleration_limit=acceleration_limit,
         torque_limit=others["torque"],
+        rooms=rooms,
     )
-    if robot.velocity_limit is not None:
-        robot.velocity_limit[robot.velocity_limit <= HELD] = 0.0
-    for joint, room in rooms.items():
-        if robot.velocity_limit is not None:
-            column = robot.joint_names.index(joint)
-            robot.velocity_limit[column] = min(robot.velocity_limit[column], room.speed)
     robot.start_from(neutral)
     if entry.home or entry.height:
         robot.home = robot.near({joint: q for joint, q in entry.home.items() if joint in robot.joint_names})
@@ -135,7 +126,7 @@ def _limited(described: Description, named: Mapping[str, Any], what: str) -> Des
 
     from .axes import NONE, axes
     from .pinocchio import SPEED, TORQUE
-    from .ranges import largest, position_limit
+    from .ranges import HELD, largest, position_limit
 
     if not named:
         return described
@@ -178,30 +169,6 @@ def _arranged(described: Description, mimic: Mimic, positions: dict[str, float |
     if ties and mimic == "lock":
         tell(f"{what}: joints that follow others are held: {', '.join(tie.follower for tie in ties)}")
     return arrange(described.model, described.neutral, ties, mimic, positions, what)
-
-
-def _within(model: Any, given: Range | None, rooms: Mapping[str, Any], what: str) -> Array:
-    """Lowest and highest position of every joint, and what its followers allow if more is given by hand."""
-    from .axes import axes
-    from .ranges import position_limit
-
-    names = [axis.name for axis in axes(model)]
-    limits = position_limit(model, given, what, zero_is_none=False)
-    if limits is None:
-        limits = np.array([[-np.inf], [np.inf]]).repeat(len(names), axis=1)
-    for joint, room in rooms.items():
-        column = names.index(joint)
-        asked = limits[:, column].tolist()
-        low, high = max(asked[0], room.low), min(asked[1], room.high)
-        if given is not None and [low, high] != asked and np.isfinite(asked).all():
-            tell(f"{what}: position limit of {joint!r} is {low:g} .. {high:g}: those that are tied to it allow no more")
-        if low > high:
-            raise InvalidInput(
-                f"{what}: position limit of {joint!r} from {limits[0, column]:g} to {limits[1, column]:g}; those that"
-                f" follow it need {room.low:g} to {room.high:g}"
-            )
-        limits[:, column] = low, high
-    return limits
 
 
 def _find(source: Any) -> tuple[Entry, Any, str]:

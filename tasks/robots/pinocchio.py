@@ -20,6 +20,7 @@ from hqp.checks import of_type
 from hqp.guard import Guard
 
 from .._checks import Array, finite, finite_scalar, nearest, own_numbers
+from ..live import Live, number, structure
 from .robot import joint_index
 
 try:
@@ -30,12 +31,14 @@ except ImportError as error:  # pragma: no cover
 from . import pinocchio_dynamics as dynamics
 from .axes import NONE, axes, base_of, sequence, unit_parts
 from .chain import APART
+from .files.ties import Room
 from .files.xml import root_of
 from .frame_names import frame_numbers
 from .keeping import Kept, Recipe
+from .kinematics import Kinematics
 from .pinocchio_source import PinocchioSource
 from .pinocchio_state import PinocchioState
-from .ranges import SAME, both_ways, largest, no_position
+from .ranges import SAME, both_ways, largest, no_faster, no_position, within
 from .ranges import position_limit as limits_of
 from .verification import tell_of_inertias, verify
 
@@ -52,7 +55,7 @@ Limit = ArrayLike | Mapping[str, float]
 Range = tuple[ArrayLike, ArrayLike] | Mapping[str, tuple[float, float]]
 
 
-class PinocchioRobot:
+class PinocchioRobot(Live):
     """A robot with a Pinocchio model. One robot serves one thread; copies share the model.
 
     Parameters
@@ -72,6 +75,8 @@ class PinocchioRobot:
         Largest joint acceleration [rad/s^2], [m/s^2]; a model has none.
     torque_limit : float, array, shape (nv,), or dict of name to float, optional
         Largest joint torque [N m], force [N] (default: the model's).
+    rooms : dict of str to Room, optional
+        What those that follow a joint leave to it; its limits are no wider.
 
     Attributes
     ----------
@@ -87,6 +92,8 @@ class PinocchioRobot:
         The configuration from which the model counts, moved into the position limits where it lies outside.
     home : array, shape (nq,)
         A configuration to start from: that of the library, one that the file names "home", or the neutral one.
+    kinematics : Kinematics
+        The workspace that its states share, and whose it is at the moment.
     left_out : tuple of str
         What its file has that is no part of it.
     recipe : Recipe or None
@@ -101,6 +108,19 @@ class PinocchioRobot:
         model moves nothing or has names, axes or numbers that mean nothing; names the joint.
     """
 
+    model: pin.Model = structure()
+    name: str = structure()
+    nq: int = structure()
+    nv: int = structure()
+    base: int = structure()
+    joint_names: tuple[str, ...] = structure()
+    joint_units: tuple[str, ...] = structure()
+    frame_names: tuple[str, ...] = structure()
+    tip: str | None = structure()
+    kinematics: Kinematics = structure()
+    guard: Guard = structure()
+    _instead = "load or make another robot"
+
     def __init__(
         self,
         model: pin.Model,
@@ -111,36 +131,30 @@ class PinocchioRobot:
         velocity_limit: Limit | None = None,
         acceleration_limit: Limit | None = None,
         torque_limit: Limit | None = None,
+        rooms: Mapping[str, Room] | None = None,
     ) -> None:
         self.model = of_type(model, pin.Model, "model")
         self.name = str(model.name) if name is None else of_type(name, str, "name of a robot")
         self.nq, self.nv = int(model.nq), int(model.nv)
         verify(model, repr(self))
         tell_of_inertias(model, repr(self))
-        self.data = _data(model, repr(self))
+        self.kinematics = Kinematics(model, repr(self))
         self._base, self.base = base_of(model)
         self._axes = axes(model)
         self.joint_names = tuple(axis.name for axis in self._axes)
         self.joint_units = tuple(axis.unit for axis in self._axes)
         self._units = unit_parts(model)
-        self._numbers = frame_numbers(model)
+        self._frame_numbers = frame_numbers(model)
         self.frame_names = tuple(dict.fromkeys(frame.name for frame in model.frames))
         places = np.array([axis.place for axis in self._axes], dtype=np.intp)
         self._columns = np.flatnonzero(places != NONE)
         self._places = places[self._columns]
         self._frames: dict[str | None, int] = {}
         self.guard = Guard(f"the workspace of {self!r}")
-        self._state: PinocchioState | None = None  # whose kinematics the data holds
-        self._accelerated = False
-        what = repr(self)
-        names = self.joint_names
-        speeds = both_ways(model.lowerVelocityLimit, model.upperVelocityLimit, names, f"{what}: velocity limit")
-        torques = both_ways(model.lowerEffortLimit, model.upperEffortLimit, names, f"{what}: torque limit")
-        self.position_limit = limits_of(model, position_limit, what)
-        label = f"{what}: velocity limit"
-        self.velocity_limit = largest(model, velocity_limit, speeds, label, SPEED, zero_holds=True)
-        self.torque_limit = largest(model, torque_limit, torques, f"{what}: torque limit", TORQUE)
-        self.acceleration_limit = largest(model, acceleration_limit, None, f"{what}: acceleration limit", ACCELERATION)
+        self._rooms: Mapping[str, Room] = rooms or {}
+        self._loaded = rooms is not None
+        self.position_limit, self.velocity_limit = position_limit, velocity_limit
+        self.acceleration_limit, self.torque_limit = acceleration_limit, torque_limit
         self.tip = None if tip is None else self.check_frame(of_type(tip, str, "tip"))
         self.left_out: tuple[str, ...] = ()
         self.recipe: Recipe | None = None
@@ -148,10 +162,48 @@ class PinocchioRobot:
         self.source: Path | None = None
         self._geometry: pin.GeometryModel | None = None
 
+    @number
+    def position_limit(self, value: Range | None) -> Array | None:
+        """Lowest and highest joint positions [rad], [m], shape (2, nv); set to None, those of the model."""
+        limits = limits_of(self.model, value, repr(self), zero_is_none=not self._loaded)
+        return within(limits, self.joint_names, self._rooms, repr(self), told=value is not None)
+
+    @number
+    def velocity_limit(self, value: Limit | None) -> Array | None:
+        """Largest joint speeds [rad/s], [m/s], shape (nv,); set to None, those of the model."""
+        model, what = self.model, f"{self!r}: velocity limit"
+        own = both_ways(model.lowerVelocityLimit, model.upperVelocityLimit, self.joint_names, what)
+        return no_faster(largest(model, value, own, what, SPEED, zero_holds=True), self.joint_names, self._rooms)
+
+    @number
+    def acceleration_limit(self, value: Limit | None) -> Array | None:
+        """Largest joint accelerations [rad/s^2], [m/s^2], shape (nv,), or None."""
+        return largest(self.model, value, None, f"{self!r}: acceleration limit", ACCELERATION)
+
+    @number
+    def torque_limit(self, value: Limit | None) -> Array | None:
+        """Largest joint torques [N m], [N], shape (nv,); set to None, those of the model."""
+        model, what = self.model, f"{self!r}: torque limit"
+        return largest(
+            model,
+            value,
+            both_ways(model.lowerEffortLimit, model.upperEffortLimit, self.joint_names, what),
+            what,
+            TORQUE,
+        )
+
+    def _renew(self) -> None:
+        self._neutral, self.home = self._inside(self._begun), self._inside(self.home)
+
+    @property
+    def neutral(self) -> Array:
+        """The configuration from which the model counts, inside the position limits."""
+        return self._neutral
+
     def start_from(self, neutral: Array) -> None:
         """Take this configuration as neutral, and as home unless the model names one."""
-        self.neutral = self._inside(neutral)
-        self.home = self._named("home") if "home" in self.configurations else self.neutral
+        self._begun, self._neutral = neutral, self._inside(neutral)
+        self.home = self._named("home") if "home" in self.configurations else self._neutral
 
     def geometry(self) -> pin.GeometryModel:
         """The collision shapes of its file, read when first asked for; meshes become their convex hulls.
@@ -275,6 +327,19 @@ class PinocchioRobot:
         """The configuration whose base stands as in the first one, and whose joints stand as in the second."""
         return np.concatenate([base[: self._base], joints[self._base :]])
 
+    @property
+    def data(self) -> pin.Data:
+        """Pinocchio's data, which hold what was last computed."""
+        return self.kinematics.data
+
+    def positions(self, q: Array) -> Array:
+        """The position of each joint that has one, 0 elsewhere, shape (nv,)."""
+        if self.nq == self.nv:
+            return q
+        positions = np.zeros(self.nv)
+        positions[self._columns] = q[self._places]
+        return positions
+
     def places(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
         """Where in q the positions of these velocities are, shape (k,); -1 for one that has none of its own."""
         places = np.full(self.nv, -1, dtype=np.int64)
@@ -293,8 +358,8 @@ class PinocchioRobot:
         steps = [(joint, True) for joint in reversed(start) if joint not in end]
         steps += [(joint, False) for joint in end if joint not in start]
         places, free = np.full(self.nv, APART, dtype=np.int64), 0
-        for number, backwards in steps:
-            joint = self.model.joints[number]
+        for index, backwards in steps:
+            joint = self.model.joints[index]
             own = sequence(joint)
             if own is None or (backwards and len(own) > len(set(own))):
                 return None
@@ -313,7 +378,7 @@ class PinocchioRobot:
 
     def has_frame(self, name: str) -> bool:
         """Whether this names a frame, plainly or by kind, as in ``"joint:gripper"``."""
-        return name in self._numbers
+        return name in self._frame_numbers
 
     def check_frame(self, name: str) -> str:
         """`name`, which must be a frame of this robot.
@@ -333,7 +398,7 @@ class PinocchioRobot:
         if found is None:
             if name is None and self.tip is None:
                 raise InvalidInput(f"{self!r} has no tip; name a frame")
-            found = self._frames[name] = self._numbers[self.check_frame(name or str(self.tip))]
+            found = self._frames[name] = self._frame_numbers[self.check_frame(name or str(self.tip))]
         return found
 
     def on_manifold(self, q: Array) -> tuple[Array, str | None]:
@@ -390,46 +455,32 @@ class PinocchioRobot:
         """Its frames for loops; q and v hold the state of the tick."""
         return PinocchioSource(self, q, v)
 
-    def forget(self) -> None:
-        """The data holds the kinematics of no state any more: something else was written into it."""
-        self._state = None
-
     def compute_center_of_mass(self, q: Array) -> None:
         """Have the data hold the centre of mass at q, and its Jacobian."""
-        pin.jacobianCenterOfMass(self.model, self.data, q)
-        self._state = None  # the rest of the data was overwritten
+        self.kinematics.center_of_mass(q)
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """M(q) [kg m^2; kg m and kg where joints slide], symmetric, shape (..., nv, nv)."""
-        self._state = None  # the rest of the data is overwritten
-        return dynamics.mass_matrix(self.model, self.data, *dynamics.rows_of(self, q=q))
+        return dynamics.mass_matrix(self.model, self.kinematics.overwritten(), *dynamics.rows_of(self, q=q))
 
     def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
         """What torques [N m], forces [N] hold without acceleration: Coriolis, centripetal, gravity, shape (..., nv)."""
-        self._state = None
-        return dynamics.bias(self.model, self.data, *dynamics.rows_of(self, q=q, v=v))
+        return dynamics.bias(self.model, self.kinematics.overwritten(), *dynamics.rows_of(self, q=q, v=v))
 
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """Joint torques [N m], forces [N] for accelerations a, gravity included, shape (..., nv)."""
-        self._state = None
-        return dynamics.inverse_dynamics(self.model, self.data, *dynamics.rows_of(self, q=q, v=v, a=a))
+        return dynamics.inverse_dynamics(
+            self.model, self.kinematics.overwritten(), *dynamics.rows_of(self, q=q, v=v, a=a)
+        )
 
     def __getstate__(self) -> dict[str, Any]:
-        own = dict(self.__dict__, model=Kept(self.model, self.recipe), data=None, guard=None)
-        return dict(own, _state=None, _geometry=None)
+        own = dict(self.__dict__, model=Kept(self.model, self.recipe), kinematics=None, guard=None)
+        return dict(own, _geometry=None)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        self.model = state["model"].model
-        self.data = self.model.createData()
-        self.guard = Guard(f"the workspace of {self!r}")
+        own = vars(self)
+        own.update(state, model=state["model"].model)
+        own.update(kinematics=Kinematics(self.model, repr(self)), guard=Guard(f"the workspace of {self!r}"))
 
     def __repr__(self) -> str:
         return f"PinocchioRobot({self.name!r}, {self.nv} degrees of freedom)"
-
-
-def _data(model: pin.Model, what: str) -> pin.Data:
-    try:
-        return model.createData()
-    except MemoryError:
-        raise InvalidInput(f"{what} has {model.njoints - 1} joints; it is too large for Pinocchio") from None

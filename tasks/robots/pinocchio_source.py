@@ -93,7 +93,7 @@ class PinocchioSource:
         if self._centre:
             self._compute_centre(drifts)
         if self._biases or self._inertia or self._centre:
-            self._robot.forget()  # the rest of the data was overwritten
+            self._robot.kinematics.overwritten()
         if drifts:
             state.accelerated()
         else:

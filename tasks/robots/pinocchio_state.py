@@ -25,12 +25,7 @@ class PinocchioState:
     @cached_property
     def joints(self) -> Array:
         """The position of each joint that has one, 0 elsewhere, shape (nv,)."""
-        robot = self.robot
-        if robot.nq == robot.nv:
-            return self.q
-        joints = np.zeros(robot.nv)
-        joints[robot._columns] = self.q[robot._places]
-        return joints
+        return self.robot.positions(self.q)
 
     def frame(self, name: str | None = None) -> PinocchioFrame:
         """The frame of that name, by default the tip.
@@ -56,28 +51,21 @@ class PinocchioState:
     @cached_property
     def center_of_mass(self) -> FixedFrame:
         """The centre of mass: a frame along the axes of the world."""
-        model, data = self.robot.model, self.robot.data
+        model, kinematics = self.robot.model, self.robot.kinematics
+        data = kinematics.overwritten()
         pin.centerOfMass(model, data, self.q, self.v, np.zeros(model.nv))
         drift = np.array(data.acom[0])
-        self.robot.compute_center_of_mass(self.q)
+        kinematics.center_of_mass(self.q)
         position, linear = np.array(data.com[0]), np.array(data.Jcom).reshape(3, -1)
         return FixedFrame(position, np.eye(3), linear, np.zeros_like(linear), drift, np.zeros(3))
 
     def ready(self) -> pin.Data:
         """Pinocchio's data with the joint Jacobians of this state: computed once, while no other state is asked."""
-        robot = self.robot
-        if robot._state is not self:
-            pin.computeJointJacobians(robot.model, robot.data, self.q)
-            robot._state, robot._accelerated = self, False
-        return robot.data
+        return self.robot.kinematics.jacobians(self)
 
     def accelerated(self) -> pin.Data:
         """The same, and the accelerations while the joints do not accelerate."""
-        data, robot = self.ready(), self.robot
-        if not robot._accelerated:
-            pin.forwardKinematics(robot.model, data, self.q, self.v, np.zeros(robot.nv))
-            robot._accelerated = True
-        return data
+        return self.robot.kinematics.accelerations(self)
 
 
 class PinocchioFrame:

@@ -13,6 +13,7 @@ not 0. Positive angles turn counter-clockwise; the base frame has its origin in 
 from __future__ import annotations
 
 from functools import cached_property
+from math import cos, isfinite, sin
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +22,7 @@ from hqp import InvalidInput
 from hqp.checks import of_type
 
 from .._checks import Array, not_negative, numbers, own_numbers, per_row, position_range, positive
+from ..live import Live, number, structure
 from . import planar_dynamics as dynamics
 from .chain import APART
 from .frame import FixedFrame, planar_frame
@@ -61,7 +63,13 @@ class PlanarState:
 
     @cached_property
     def pose(self) -> Array:
-        return np.array([*self.points[-1], self.q.cumsum()[-1]])
+        x = y = angle = 0.0
+        for length, turn in zip(self.robot.lengths.tolist(), self.q.tolist(), strict=True):
+            angle += turn
+            if not isfinite(angle):
+                return np.full(3, np.nan)
+            x, y = x + length * cos(angle), y + length * sin(angle)
+        return np.array([x, y, angle])
 
     @cached_property
     def jacobian(self) -> Array:
@@ -97,7 +105,7 @@ class PlanarState:
         return planar_frame(pose, J, self._drift(end))
 
 
-class PlanarArm:
+class PlanarArm(Live):
     """A chain of links in the plane, each turning about the end of the one before.
 
     Methods of q, v and a take leading axes: a whole record at once, of shape (..., n).
@@ -126,14 +134,12 @@ class PlanarArm:
         joint angle is not below the highest.
     """
 
-    lengths: Array
-    masses: Array
-    nq: int
-    nv: int
-    position_limit: Array | None
-    velocity_limit: Array | None
-    acceleration_limit: Array | None
-    torque_limit: Array | None
+    lengths: Array = structure()
+    masses: Array = structure()
+    nq: int = structure()
+    nv: int = structure()
+    name: str = structure()
+    _instead = "make another arm"
 
     def __init__(
         self,
@@ -158,18 +164,31 @@ class PlanarArm:
         self.name = of_type(name, str, "name of an arm")
         self.masses = DENSITY * given if masses is None else self._per_joint(masses, "mass", "kg", "link")
         self._H = dynamics.inertia_constants(self.lengths, self.masses)
-        self.position_limit = (
-            None if position_limit is None else position_range(position_limit, self.nv, f"{self!r}: position limit")
-        )
-        self.velocity_limit = self.acceleration_limit = self.torque_limit = None
-        if velocity_limit is not None:
-            label = f"{self!r}: velocity limit"
-            speeds = not_negative(velocity_limit, label, unit="rad/s")  # 0 holds a joint
-            self.velocity_limit = per_row(speeds, self.nv, label, "joint")
-        if acceleration_limit is not None:
-            self.acceleration_limit = self._per_joint(acceleration_limit, "acceleration limit", "rad/s^2")
-        if torque_limit is not None:
-            self.torque_limit = self._per_joint(torque_limit, "torque limit", "N m")
+        self.position_limit, self.velocity_limit = position_limit, velocity_limit
+        self.acceleration_limit, self.torque_limit = acceleration_limit, torque_limit
+
+    @number
+    def position_limit(self, value: tuple[ArrayLike, ArrayLike] | None) -> Array | None:
+        """Lowest and highest joint angles [rad], shape (2, n), or None."""
+        return None if value is None else position_range(value, self.nv, f"{self!r}: position limit")
+
+    @number
+    def velocity_limit(self, value: ArrayLike | None) -> Array | None:
+        """Largest joint speeds [rad/s], shape (n,), or None; 0 holds a joint."""
+        if value is None:
+            return None
+        label = f"{self!r}: velocity limit"
+        return per_row(not_negative(value, label, unit="rad/s"), self.nv, label, "joint")
+
+    @number
+    def acceleration_limit(self, value: ArrayLike | None) -> Array | None:
+        """Largest joint accelerations [rad/s^2], shape (n,), or None."""
+        return None if value is None else self._per_joint(value, "acceleration limit", "rad/s^2")
+
+    @number
+    def torque_limit(self, value: ArrayLike | None) -> Array | None:
+        """Largest joint torques [N m], shape (n,), or None."""
+        return None if value is None else self._per_joint(value, "torque limit", "N m")
 
     @property
     def frame_names(self) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
@@ -15,6 +15,11 @@ from .._telling import tell
 from .axes import NONE, Axis, axes, kind
 from .robot import joint_index
 
+if TYPE_CHECKING:
+    from .files.ties import Room
+
+#: What a model is told of a joint that is held by a speed of 0: by 0 it says that it knows nothing.
+HELD = 1e-300
 #: Two joint positions as near as this are one [rad], [m].
 SAME = 1e-9
 
@@ -173,3 +178,51 @@ def _named(own: Sequence[Axis], given: Mapping[str, Any], what: str) -> Iterator
     names = [axis.name for axis in own]
     for name, value in given.items():
         yield joint_index(names, name, f"{what} joint"), value
+
+
+def within(
+    limits: Array | None, names: Sequence[str], rooms: Mapping[str, Room], what: str, *, told: bool
+) -> Array | None:
+    """Lowest and highest position of every joint, and no more than its followers allow.
+
+    Parameters
+    ----------
+    limits : array, shape (2, nv), or None
+    names : sequence of str
+    rooms : dict of str to Room
+    what : str
+    told : bool
+        Whether the limits are given by hand, and less is worth a word.
+
+    Raises
+    ------
+    InvalidInput
+        If nothing is left to a joint.
+    """
+    if limits is None:
+        if not rooms:
+            return None
+        limits = np.array([[-np.inf], [np.inf]]).repeat(len(names), axis=1)
+    for joint, room in rooms.items():
+        column = list(names).index(joint)
+        asked = limits[:, column].tolist()
+        low, high = max(asked[0], room.low), min(asked[1], room.high)
+        if told and [low, high] != asked and np.isfinite(asked).all():
+            tell(f"{what}: position limit of {joint!r} is {low:g} .. {high:g}: those that are tied to it allow no more")
+        if low > high:
+            raise InvalidInput(
+                f"{what}: position limit of {joint!r} from {limits[0, column]:g} to {limits[1, column]:g}; those that"
+                f" follow it need {room.low:g} to {room.high:g}"
+            )
+        limits[:, column] = low + 0.0, high + 0.0  # which makes 0 of -0
+    return limits
+
+
+def no_faster(limits: Array | None, names: Sequence[str], rooms: Mapping[str, Room]) -> Array | None:
+    """Largest speeds, and no more than the followers of each joint allow; a joint that is held has 0."""
+    if limits is not None:
+        limits[limits <= HELD] = 0.0
+        for joint, room in rooms.items():
+            column = list(names).index(joint)
+            limits[column] = min(limits[column], room.speed)
+    return limits

@@ -12,7 +12,7 @@ from hqp import InvalidInput
 from hqp.checks import listed, of_type
 
 from .._checks import Array, finite
-from .robot import Robot, as_robot, on_pinocchio
+from .robot import Robot, as_robot, on_pinocchio, points
 
 if TYPE_CHECKING:
     from .pinocchio import PinocchioRobot
@@ -27,7 +27,7 @@ def skeleton(robot: Robot, q: ArrayLike, *, frames: Iterable[str] = ()) -> Array
     Parameters
     ----------
     robot : Robot
-        A planar arm, or a robot of Pinocchio.
+        A planar arm, a robot of Pinocchio, or one that tells its points.
     q : array, shape (nq,)
         A configuration.
     frames : names of frames
@@ -49,13 +49,22 @@ def skeleton(robot: Robot, q: ArrayLike, *, frames: Iterable[str] = ()) -> Array
     if q.shape != (robot.nq,):
         raise InvalidInput(f"q has shape {q.shape}; the robot takes ({robot.nq},)")
     if on_pinocchio(robot):
-        segments = _spatial(robot, q, names)  # type: ignore[arg-type]
-    elif hasattr(robot, "points"):
-        points = np.pad(robot.points(q), ((0, 0), (0, 1)))
-        segments = np.stack([points[:-1], points[1:]], axis=1)
+        segments = _spatial(robot, q, names)
     else:
-        raise InvalidInput(f"{robot!r} tells neither points(q) nor a model; it has no skeleton")
+        line = _line(robot, q)
+        segments = np.stack([line[:-1], line[1:]], axis=1)
     return np.asarray(segments[np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1) > SHORT])
+
+
+def _line(robot: Robot, q: Array) -> Array:
+    """The points from the base to the tip, shape (k, 3)."""
+    own = points(robot)
+    if own is None or not callable(own):
+        raise InvalidInput(f"{robot!r} tells no points(q), and is no robot of Pinocchio; it has no skeleton")
+    line = finite(own(q), f"points(q) of {robot!r}")
+    if line.ndim != 2 or len(line) < 2 or line.shape[1] not in (2, 3):
+        raise InvalidInput(f"points(q) of {robot!r} has shape {line.shape}; it must be (k, 2) or (k, 3), k at least 2")
+    return np.pad(line, ((0, 0), (0, 3 - line.shape[1])))
 
 
 def _spatial(robot: PinocchioRobot, q: Array, frames: list[str]) -> Array:

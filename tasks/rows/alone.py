@@ -11,6 +11,7 @@ import numpy as np
 
 from .._checks import Array
 from ..robots.robot import Robot, RobotState
+from ..robots.robot import robot_of as owner
 
 if TYPE_CHECKING:
     from ..part import Part, Tick
@@ -55,7 +56,7 @@ class _Alone:
         from .site import Site, Workspace
 
         rows = task.size(robot)
-        self._shared = Workspace(robot, "acceleration" if drifts else "velocity", None, alone=True)
+        self._shared = Workspace(robot, "acceleration" if drifts else "velocity", None)
         self._site = Site(self._shared, np.zeros((rows, robot.nv)), *np.zeros((2, rows)))
         self._plan = task.plan(self._site)  # the loops of its class, whatever a subclass says beside them
         self.robot = robot
@@ -102,7 +103,7 @@ class Unknown:
 
 def robot_of(state: RobotState) -> Robot:
     """Whose state it is."""
-    robot = getattr(state, "robot", None)
+    robot = owner(state)
     return _unknown(len(state.q), len(state.v)) if robot is None else robot
 
 
@@ -122,7 +123,7 @@ def write_alone(part: Part, tick: Tick, A: Array, lower: Array, upper: Array) ->
     from .plan import run_all
     from .site import Site, Workspace
 
-    shared = Workspace(tick.robot, tick.order, tick.dt, alone=True)
+    shared = Workspace(tick.robot, tick.order, tick.dt)
     shared.envelope = tick.envelope
     if tick.envelope is not None:
         shared.braking[0] = tick.envelope.braking_rate(tick)

@@ -26,7 +26,8 @@ LOOPS = (
     "..kernels.law",
     "..kernels.frames",
     "..kernels.robots",
-    "..criteria.kernels",
+    "..kernels.joint_motion",
+    "..criteria.kernels.measures",
     "..obstacles.kernels.nearest",
     "..obstacles.kernels.rows",
 )
@@ -81,10 +82,13 @@ def plan_of(part: Part, site: Site) -> Plan:
 
 
 @cache
-def overridden(kind: type[Part], says: tuple[str, ...]) -> str | None:
-    """What a subclass says in Python, below the class that has the plan; None where the plan is right for it too."""
+def overridden(kind: type[Part], says: tuple[str, ...], knows: str = "plan") -> str | None:
+    """What a subclass says in Python, below the class that has the plan; None where the plan is right for it too.
+
+    So it is of any other method that `knows` what is said in Python.
+    """
     for cls in kind.__mro__:
-        if "plan" in vars(cls):
+        if knows in vars(cls):
             return None
         own = [name for name in says if name in vars(cls)]
         if own:

@@ -44,13 +44,13 @@ class Rows:
         self.hierarchy = Hierarchy([_empty_level(level, robot, order) for level in stack.levels], n=robot.nv)
         self._labels = self._named()
         self._take_up()
-        for part in stack:
+        for part in (robot, *stack):
             watch(part, self)
 
     def admit(self, part: Live, name: str) -> None:
         """Take up what was changed in a part, or refuse it; see :class:`tasks.live.Watcher`."""
         for own in self._stack:
-            if any(one is part for one in reachable(own)):
+            if part is self._robot or any(one is part for one in reachable(own)):
                 own.check(self._robot, self._order, self._dt)
                 watch(own, self)
                 if self._named() != self._labels:

@@ -49,12 +49,12 @@ class Workspace:
         What loops know by its address, and nobody else may keep.
     """
 
-    def __init__(self, robot: Robot, order: Order, dt: float | None, *, alone: bool = False) -> None:
+    def __init__(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.robot, self.order, self.dt = robot, order, dt
         self.n = robot.nv
         self.q, self.v = np.zeros(robot.nq), np.zeros(robot.nv)
         self.braking = np.array([np.inf, np.nan if dt is None else dt])
-        own = isinstance(robot, HasSource) and not alone
+        own = isinstance(robot, HasSource)
         self.blocks = Blocks(robot.frame_source(self.q, self.v) if own else StateSource(robot), self.n)  # type: ignore[attr-defined]
         self._joints: Array | None = None
         if own or robot.nq == robot.nv:

@@ -1,0 +1,295 @@
+"""What robots can be asked: two protocols that every robot answers, and its abilities, each a protocol of its own.
+
+A robot has an ability if it has all attributes of the protocol: there is nothing to inherit from, and nothing to
+register. :func:`tasks.robots.checks.as_robot` looks once at what each of them holds; :mod:`tasks.robots.robot` asks.
+The attributes named here mean what is said here, and no others mean anything: a robot may have a `model` of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol, runtime_checkable
+
+from hqp.guard import Guard
+
+from .._checks import Array
+from .frame import Frame
+
+# What every robot has.
+
+
+@runtime_checkable
+class RobotState(Protocol):
+    """One robot at one instant: everything that tasks of the same tick share, computed once.
+
+    Attributes
+    ----------
+    q : array, shape (nq,)
+        Configuration: joint positions [rad, m], and whatever else the robot needs to say where it is.
+    v : array, shape (nv,)
+        Joint velocities [rad/s, m/s].
+    """
+
+    @property
+    def q(self) -> Array: ...
+    @property
+    def v(self) -> Array: ...
+
+    def frame(self, name: str | None = None) -> Frame:
+        """The frame of that name, by default the tip of the robot."""
+        ...
+
+
+@runtime_checkable
+class Sized(Protocol):
+    """Has so many joints: nq numbers of a configuration, and nv joint velocities."""
+
+    @property
+    def nq(self) -> int: ...
+    @property
+    def nv(self) -> int: ...
+
+
+@runtime_checkable
+class Robot(Sized, Protocol):
+    """A robot: its sizes nq and nv, and its state at (q, v)."""
+
+    def at(self, q: Array, v: Array) -> RobotState:
+        """The state at joint positions q [rad], [m] and velocities v [rad/s], [m/s]."""
+        ...
+
+
+# Configurations.
+
+
+@runtime_checkable
+class Neutral(Protocol):
+    """Has a configuration to try tasks at, shape (nq,); without, they are tried at zero."""
+
+    @property
+    def neutral(self) -> Array: ...
+
+
+@runtime_checkable
+class Manifold(Neutral, Protocol):
+    """Its configurations lie on a manifold, where ``q + v dt`` means nothing: circles, quaternions, joints that wrap.
+
+    Its states tell `robot`, see :class:`Owned`, and, where nq and nv differ, `joints`, see :class:`WithJoints`.
+    """
+
+    def integrate(self, q: Array, step: Array, /) -> Array:
+        """The configuration, shape (nq,), after a step of the joints, shape (nv,); a step of zero leads nowhere."""
+        ...
+
+    def difference(self, start: Array, end: Array, /) -> Array:
+        """The step, shape (nv,), that leads from one configuration to another."""
+        ...
+
+
+@runtime_checkable
+class Homed(Protocol):
+    """Has a configuration to start from, shape (nq,): inverse kinematics does, and pairs of links that touch there may.
+
+    Without, it is the neutral one.
+    """
+
+    @property
+    def home(self) -> Array: ...
+
+
+@runtime_checkable
+class Floating(Protocol):
+    """Tells how many velocities, the first, are those of a base that moves freely: 6, 3 in the plane, or 0.
+
+    Postures and criteria leave these alone, and torques are refused where there are any. Without, it is mounted.
+    """
+
+    @property
+    def base(self) -> int: ...
+
+
+# Names.
+
+
+@runtime_checkable
+class Named(Protocol):
+    """Has a name and the unit of its position, "rad" or "m", for every joint velocity.
+
+    Tasks and limits take the names, messages and explanations tell them. Without, joints are "joint 0", ... in rad.
+    """
+
+    @property
+    def joint_names(self) -> Sequence[str]: ...
+    @property
+    def joint_units(self) -> Sequence[str]: ...
+
+
+@runtime_checkable
+class WithFrames(Protocol):
+    """Lists the names of its frames: one that is no frame's is refused, and the nearest told."""
+
+    @property
+    def frame_names(self) -> Sequence[str]: ...
+
+
+@runtime_checkable
+class WithAliases(WithFrames, Protocol):
+    """Knows frames by more names than it lists."""
+
+    def has_frame(self, name: str, /) -> bool:
+        """Whether this names a frame."""
+        ...
+
+
+@runtime_checkable
+class Tipped(Protocol):
+    """Tells which frame tasks mean that name none; None if they must name one."""
+
+    @property
+    def tip(self) -> str | None: ...
+
+
+# Limits: what limits of a stack take which name no numbers. Infinite where a joint has none; None if no joint has one.
+
+
+@runtime_checkable
+class PositionLimited(Protocol):
+    """Has lowest and highest joint positions [rad], [m], shape (2, nv)."""
+
+    @property
+    def position_limit(self) -> Array | None: ...
+
+
+@runtime_checkable
+class VelocityLimited(Protocol):
+    """Has largest joint speeds [rad/s], [m/s], shape (nv,); 0 holds a joint."""
+
+    @property
+    def velocity_limit(self) -> Array | None: ...
+
+
+@runtime_checkable
+class AccelerationLimited(Protocol):
+    """Has largest joint accelerations [rad/s^2], [m/s^2], shape (nv,)."""
+
+    @property
+    def acceleration_limit(self) -> Array | None: ...
+
+
+@runtime_checkable
+class TorqueLimited(Protocol):
+    """Has largest joint torques [N m], forces [N], shape (nv,)."""
+
+    @property
+    def torque_limit(self) -> Array | None: ...
+
+
+# Dynamics, tau = M(q) a + b(q, v), and what a record of a motion tells. All take leading axes: q of shape (..., nq).
+
+
+@runtime_checkable
+class Inertial(Protocol):
+    """Knows its mass matrix: criteria of kinetic energy and of dynamic manipulability ask for it."""
+
+    def mass_matrix(self, q: Array, /) -> Array:
+        """M [kg m^2], shape (..., nv, nv)."""
+        ...
+
+
+@runtime_checkable
+class Dynamics(Inertial, Protocol):
+    """Knows its equation of motion: limits and criteria of torque ask for it."""
+
+    def bias(self, q: Array, v: Array, /) -> Array:
+        """b [N m], shape (..., nv): Coriolis, centrifugal and gravity torques."""
+        ...
+
+
+@runtime_checkable
+class InverseDynamics(Protocol):
+    """Tells the torques that accelerations take: records have `tau`, and a controller can command torques."""
+
+    def inverse_dynamics(self, q: Array, v: Array, a: Array, /) -> Array:
+        """Joint torques [N m], shape (..., nv), for accelerations a [rad/s^2] (Eq. 4.1)."""
+        ...
+
+
+@runtime_checkable
+class Manipulable(Protocol):
+    """Tells how well its tip can be moved: records have `manipulability`."""
+
+    def manipulability(self, q: Array, /) -> Array:
+        """One number, shape (...), in a unit of the robot's own."""
+        ...
+
+
+@runtime_checkable
+class Drawn(Protocol):
+    """Can be drawn as one line from joint to joint."""
+
+    def points(self, q: Array, /) -> Array:
+        """Base, joints and tip [m], shape (k, 2) or (k, 3)."""
+        ...
+
+
+# Controllers.
+
+
+@runtime_checkable
+class SharedWorkspace(Protocol):
+    """Its states share one workspace, and its configurations are looked at before use.
+
+    A controller never raises for a configuration: it asks `on_manifold`, and then for the state. A `guard` that is no
+    :class:`hqp.guard.Guard` is something else, and so are the other two then.
+
+    Attributes
+    ----------
+    guard : hqp.guard.Guard
+        Held in every tick: all controllers of the robot share it.
+    """
+
+    @property
+    def guard(self) -> Guard: ...
+
+    def on_manifold(self, q: Array, /) -> tuple[Array, str | None]:
+        """q without round-off; and what is wrong with it, or None."""
+        ...
+
+    def state(self, q: Array, v: Array, /) -> RobotState:
+        """The same as `at`, for a q that has been looked at."""
+        ...
+
+
+# States.
+
+
+@runtime_checkable
+class WithJoints(Protocol):
+    """A state that tells the position of each joint that has one, 0 elsewhere, shape (nv,); without, it is q."""
+
+    @property
+    def joints(self) -> Array: ...
+
+
+@runtime_checkable
+class Owned(Protocol):
+    """A state that tells whose it is: postures and couplings then know the names of the joints, and the manifold."""
+
+    @property
+    def robot(self) -> Robot: ...
+
+
+@runtime_checkable
+class Posed(Protocol):
+    """A state with an array of any length, such as where the tip is, which a record of the motion keeps."""
+
+    @property
+    def pose(self) -> Array: ...
+
+
+@runtime_checkable
+class Massive(Protocol):
+    """A state that tells the centre of mass, as a frame along the axes of the world."""
+
+    @property
+    def center_of_mass(self) -> Frame: ...

@@ -1,0 +1,263 @@
+"""What a robot answers: every question once, with what holds for a robot that lacks the ability.
+
+The only place that asks whether a robot, or a state, has an ability. To ask takes microseconds: what is wanted tick
+after tick is a function that was asked for once, as by :func:`integration` and :func:`joint_reader`.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from operator import add, attrgetter, sub
+from typing import TYPE_CHECKING, Literal, TypeGuard
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hqp import InvalidInput
+from hqp.guard import Guard
+
+from .._checks import Array
+from . import abilities as able
+from .abilities import Robot, RobotState
+from .frame import Frame
+
+if TYPE_CHECKING:
+    from .pinocchio import PinocchioRobot
+
+#: What a robot may have limits of.
+Quantity = Literal["position", "velocity", "acceleration", "torque"]
+#: All that a robot, and a state, may be able to do beside what every one is.
+ABILITIES = (
+    able.Neutral,
+    able.Manifold,
+    able.Homed,
+    able.Floating,
+    able.Named,
+    able.WithFrames,
+    able.WithAliases,
+    able.Tipped,
+    able.PositionLimited,
+    able.VelocityLimited,
+    able.AccelerationLimited,
+    able.TorqueLimited,
+    able.Inertial,
+    able.Dynamics,
+    able.InverseDynamics,
+    able.Manipulable,
+    able.Drawn,
+    able.SharedWorkspace,
+)
+STATE_ABILITIES = (able.WithJoints, able.Owned, able.Posed, able.Massive)
+
+
+def abilities(robot: Robot) -> frozenset[type]:
+    """The protocols of :mod:`tasks.robots.abilities` that a robot has all attributes of."""
+    return frozenset(kind for kind in ABILITIES if isinstance(robot, kind))
+
+
+def state_abilities(state: RobotState) -> frozenset[type]:
+    """Those that a state has all attributes of."""
+    return frozenset(kind for kind in STATE_ABILITIES if isinstance(state, kind))
+
+
+def on_pinocchio(robot: object) -> TypeGuard[PinocchioRobot]:
+    """Whether this is a robot of Pinocchio, and not one of somebody's own that happens to have a model."""
+    module = sys.modules.get("tasks.robots.pinocchio")  # there is none without it
+    return module is not None and isinstance(robot, module.PinocchioRobot)
+
+
+# Configurations.
+
+
+def neutral(robot: Robot) -> Array:
+    """A configuration to try tasks at, shape (nq,)."""
+    return np.asarray(robot.neutral) if isinstance(robot, able.Neutral) else np.zeros(robot.nq)
+
+
+def home(robot: Robot) -> Array:
+    """A configuration to start from, shape (nq,)."""
+    return np.asarray(robot.home) if isinstance(robot, able.Homed) else neutral(robot)
+
+
+def base(robot: Robot) -> int:
+    """How many velocities, the first, are those of a base that moves freely: 6, 3 in the plane, or 0."""
+    return int(robot.base) if isinstance(robot, able.Floating) else 0
+
+
+def integration(robot: Robot) -> Callable[[Array, Array], Array]:
+    """What gives the configuration, shape (nq,), after a step of the joints, for loops that ask often.
+
+    Raises
+    ------
+    InvalidInput
+        If nq and nv differ, and the robot does not say how to integrate.
+    """
+    if isinstance(robot, able.Manifold):
+        return robot.integrate
+    _check_flat(robot)
+    return add
+
+
+def integrate(robot: Robot, q: Array, step: Array) -> Array:
+    """The configuration after a step of the joints, shape (nq,)."""
+    return np.asarray(integration(robot)(q, step))
+
+
+def subtraction(robot: Robot) -> Callable[[Array, Array], Array]:
+    """What gives the step of the joints, shape (nv,), from a first configuration to a second; see `integration`."""
+    if isinstance(robot, able.Manifold):
+        return robot.difference
+    _check_flat(robot)
+    return lambda start, end: sub(end, start)
+
+
+def difference(robot: Robot, start: Array, end: Array) -> Array:
+    """The step of the joints that leads from one configuration to another, shape (nv,)."""
+    return np.asarray(subtraction(robot)(start, end))
+
+
+def _check_flat(robot: Robot) -> None:
+    if robot.nq != robot.nv:
+        raise InvalidInput(
+            f"{robot!r} has {robot.nq} positions and {robot.nv} velocities: to say where a step leads it needs neutral,"
+            " integrate(q, step) and difference(start, end)"
+        )
+
+
+def at_rest(robot: Robot) -> RobotState:
+    """The state where tasks are tried: neutral, and at rest."""
+    return robot.at(neutral(robot), np.zeros(robot.nv))
+
+
+def positioned(robot: Robot) -> NDArray[np.bool_]:
+    """Which velocities are those of a joint with one position: no wheel on a circle, no floating base, shape (nv,)."""
+    if robot.nq == robot.nv or not isinstance(robot, able.Manifold):
+        return np.ones(robot.nv, dtype=np.bool_)
+    here = at_rest(robot)
+    there = robot.at(integrate(robot, here.q, np.full(robot.nv, 0.1)), here.v)
+    return np.asarray(joint_positions(there) != joint_positions(here), dtype=np.bool_)
+
+
+# Names.
+
+
+def joint_names(robot: Robot) -> tuple[str, ...]:
+    """One name a joint velocity."""
+    return tuple(robot.joint_names) if isinstance(robot, able.Named) else numbered(robot.nv)
+
+
+def numbered(nv: int) -> tuple[str, ...]:
+    """The names of so many joints that have none."""
+    return tuple(f"joint {i}" for i in range(nv))
+
+
+def joint_units(robot: Robot) -> tuple[str, ...]:
+    """Unit of each joint position."""
+    return tuple(robot.joint_units) if isinstance(robot, able.Named) else ("rad",) * robot.nv
+
+
+def frame_names(robot: Robot) -> tuple[str, ...]:
+    """The names of frames that the robot lists; none where it lists none."""
+    return tuple(robot.frame_names) if isinstance(robot, able.WithFrames) else ()
+
+
+def has_frame(robot: Robot, name: str) -> bool:
+    """Whether this names a frame, as far as the robot tells."""
+    if isinstance(robot, able.WithAliases):
+        return bool(robot.has_frame(name))
+    names = frame_names(robot)
+    return name in names or not names
+
+
+def tells_tip(robot: Robot) -> bool:
+    """Whether the robot says which frame its tip is, if any."""
+    return isinstance(robot, able.Tipped)
+
+
+def tip(robot: Robot) -> str | None:
+    """The name of the frame that tasks mean which name none, where the robot tells it."""
+    return robot.tip if isinstance(robot, able.Tipped) else None
+
+
+# Limits and dynamics.
+
+
+def limit_of(robot: Robot, quantity: Quantity) -> Array | None:
+    """The robot's own limit, shape (2, nv) of positions, else (nv,); None if it has none."""
+    own = None
+    if quantity == "position":
+        own = robot.position_limit if isinstance(robot, able.PositionLimited) else None
+    elif quantity == "velocity":
+        own = robot.velocity_limit if isinstance(robot, able.VelocityLimited) else None
+    elif quantity == "acceleration":
+        own = robot.acceleration_limit if isinstance(robot, able.AccelerationLimited) else None
+    elif isinstance(robot, able.TorqueLimited):
+        own = robot.torque_limit
+    return None if own is None else np.asarray(own)
+
+
+def mass_matrix(robot: Robot) -> Callable[[Array], Array] | None:
+    """M of q, or None if the robot does not know it."""
+    return robot.mass_matrix if isinstance(robot, able.Inertial) else None
+
+
+def bias(robot: Robot) -> Callable[[Array, Array], Array] | None:
+    """b of q and v, or None if the robot does not know its equation of motion."""
+    return robot.bias if isinstance(robot, able.Dynamics) else None
+
+
+def inverse_dynamics(robot: Robot) -> Callable[[Array, Array, Array], Array] | None:
+    """Joint torques of q, v and a, or None if the robot does not know them."""
+    return robot.inverse_dynamics if isinstance(robot, able.InverseDynamics) else None
+
+
+def manipulability(robot: Robot) -> Callable[[Array], Array] | None:
+    """How well the tip can be moved at q, or None if the robot does not tell it."""
+    return robot.manipulability if isinstance(robot, able.Manipulable) else None
+
+
+def points(robot: Robot) -> Callable[[Array], Array] | None:
+    """Base, joints and tip at q, or None if the robot does not tell them."""
+    return robot.points if isinstance(robot, able.Drawn) else None
+
+
+def workspace(robot: Robot) -> able.SharedWorkspace | None:
+    """The robot as one whose states share a workspace; None if each has its own."""
+    if isinstance(robot, able.SharedWorkspace) and isinstance(robot.guard, Guard):
+        return robot
+    return None
+
+
+# States.
+
+
+def joint_positions(state: RobotState) -> Array:
+    """The position of each joint that has one, 0 elsewhere, shape (nv,)."""
+    return np.asarray(state.joints) if isinstance(state, able.WithJoints) else state.q
+
+
+def joint_reader(example: RobotState) -> Callable[[RobotState], Array]:
+    """What gives the positions of the joints in states like this one, for loops that ask often."""
+    return attrgetter("joints" if isinstance(example, able.WithJoints) else "q")
+
+
+def robot_of(state: RobotState) -> Robot | None:
+    """Whose state it is, where it tells."""
+    return state.robot if isinstance(state, able.Owned) else None
+
+
+def towards(state: RobotState, q: Array) -> Array:
+    """The step of the joints that leads from here to a configuration, shape (nv,)."""
+    robot = robot_of(state)
+    return q - state.q if robot is None else difference(robot, state.q, q)
+
+
+def pose_reader(example: RobotState) -> Callable[[RobotState], Array]:
+    """What gives the poses of states like this one, for a record to keep; empty ones, if it has none."""
+    return attrgetter("pose") if isinstance(example, able.Posed) else lambda state: np.zeros(0)
+
+
+def center_of_mass(state: RobotState) -> Frame | None:
+    """The centre of mass, or None if the state does not tell it."""
+    return state.center_of_mass if isinstance(state, able.Massive) else None

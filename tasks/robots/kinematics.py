@@ -1,0 +1,69 @@
+"""Pinocchio's workspace for one robot, and whose kinematics it holds: all frames of a state share one pass."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pinocchio as pin
+
+from hqp import InvalidInput
+
+from .._checks import Array
+
+if TYPE_CHECKING:
+    from .abilities import RobotState
+
+
+class Kinematics:
+    """The data of a model, filled for one state at a time.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+    what : str
+        The robot, for messages.
+
+    Attributes
+    ----------
+    data : pinocchio.Data
+
+    Raises
+    ------
+    InvalidInput
+        If the model is too large.
+    """
+
+    def __init__(self, model: pin.Model, what: str) -> None:
+        self.model = model
+        try:
+            self.data = model.createData()
+        except MemoryError:
+            raise InvalidInput(f"{what} has {model.njoints - 1} joints; it is too large for Pinocchio") from None
+        self._holder: RobotState | None = None
+        self._accelerated = False
+
+    def jacobians(self, state: RobotState) -> pin.Data:
+        """The data with the joint Jacobians of this state: computed once, while no other state is asked."""
+        if self._holder is not state:
+            pin.computeJointJacobians(self.model, self.data, state.q)
+            self._holder, self._accelerated = state, False
+        return self.data
+
+    def accelerations(self, state: RobotState) -> pin.Data:
+        """The same, and the accelerations while the joints do not accelerate."""
+        data = self.jacobians(state)
+        if not self._accelerated:
+            pin.forwardKinematics(self.model, data, state.q, state.v, np.zeros(self.model.nv))
+            self._accelerated = True
+        return data
+
+    def center_of_mass(self, q: Array) -> pin.Data:
+        """The data with the centre of mass at q, and its Jacobian."""
+        pin.jacobianCenterOfMass(self.model, self.overwritten(), q)
+        return self.data
+
+    def overwritten(self) -> pin.Data:
+        """The data, for a computation that writes over what it holds."""
+        self._holder = None
+        return self.data

@@ -1,0 +1,118 @@
+"""Refusals of what a robot has not: each names the thing, and what is near."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from hqp import InvalidInput
+from hqp.checks import whole_number
+
+from .._checks import Array, nearest
+from .abilities import Robot
+from .answers import base, bias, frame_names, has_frame, joint_names, mass_matrix, neutral, positioned
+
+
+def joint_index(names: Sequence[str], joint: str | int, what: str) -> int:
+    """Which joint velocity of a robot with these joints a joint is, by name or by number.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no such joint; tells the nearest names.
+    """
+    if isinstance(joint, str):
+        if joint not in names:
+            raise InvalidInput(f"{what} {joint!r} is no joint of the robot{nearest(joint, names)}")
+        return list(names).index(joint)
+    index = whole_number(joint, what)
+    if index >= len(names):
+        raise InvalidInput(f"{what} = {index}; the robot has the joints 0 .. {len(names) - 1}")
+    return index
+
+
+def check_positioned(robot: Robot, columns: Iterable[int], what: str) -> None:
+    """Refuse joints without one position each.
+
+    Raises
+    ------
+    InvalidInput
+        Names the first.
+    """
+    single = positioned(robot)
+    for column in columns:
+        if not single[column]:
+            raise InvalidInput(
+                f"{what} {joint_names(robot)[column]!r} has no single position; it turns without end, or is a"
+                " part of a ball or of a floating or planar base"
+            )
+
+
+def check_frame(robot: Robot, name: str, what: str) -> None:
+    """Refuse a name that is no frame's, where the robot tells those of its frames.
+
+    Raises
+    ------
+    InvalidInput
+        Tells the nearest names.
+    """
+    if not has_frame(robot, name):
+        raise InvalidInput(f"{what} {name!r} is no frame of {robot!r}{nearest(str(name), frame_names(robot))}")
+
+
+def check_fixed_base(robot: Robot, what: str) -> None:
+    """Refuse a floating base: the torques of the joints alone do not say how it accelerates.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    if free := base(robot):
+        kind = "planar" if free == 3 else "floating"
+        raise InvalidInput(f"{what}: {robot!r} has a {kind} base, which no joint torque drives; it must be fixed")
+
+
+def check_mass_matrix(robot: Robot, what: str) -> None:
+    """Refuse a robot that does not tell its mass matrix, of shape (nv, nv) for one configuration.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    method = mass_matrix(robot)
+    given = None if method is None else method(neutral(robot))
+    _check_method(robot, what, "mass_matrix(q)", given, (robot.nv, robot.nv))
+
+
+def check_dynamics(robot: Robot, what: str) -> None:
+    """Refuse a robot that does not tell its mass matrix and its bias, of shape (nv,) for one configuration.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    check_mass_matrix(robot, what)
+    method = bias(robot)
+    given = None if method is None else method(neutral(robot), np.zeros(robot.nv))
+    _check_method(robot, what, "bias(q, v)", given, (robot.nv,))
+
+
+def _check_method(robot: Robot, what: str, method: str, given: Array | None, shape: tuple[int, ...]) -> None:
+    if given is None:
+        name = method.partition("(")[0]
+        raise InvalidInput(f"{what}: takes a robot that has {name}, and {robot!r} has no {method}")
+    if np.shape(given) != shape:
+        raise InvalidInput(f"{what}: {method} of {robot!r} gives shape {np.shape(given)}; it must be {shape}")
+
+
+def check_joints(robot: Robot, q: Array, v: Array) -> None:
+    """Refuse joint positions q and velocities v of another length than the robot's.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    for what, value, size in ("q", q, robot.nq), ("v", v, robot.nv):
+        if value.shape != (size,):
+            raise InvalidInput(f"{what} has shape {value.shape}; the robot takes ({size},), one number a joint")
