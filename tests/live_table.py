@@ -458,6 +458,8 @@ def distances(s: Setting) -> Iterator[Case]:
         "obstacles.0.radius": 0.07,
         "obstacles.0.centre": tip + np.array([0.15, 0.12, 0.0]),
         "obstacles.1.radius": 0.05,
+        "obstacles.1.start": tip + np.array([-0.25, 0.15, 0.0]),
+        "obstacles.1.end": tip + np.array([-0.1, 0.12, 0.0]),
     }
     inside = ("links.0.frame", "links.0.name", "links.0.end", "links", "obstacles", "pairs", "nearest")
     live = {**inner, "margin": 0.04, "gain": 3.0, "weight": 0.5}
