@@ -308,7 +308,7 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "Stack.without": made(mine.without, first, last),
         "Stack.swapped": made(mine.swapped, first, last),
         "Stack.inserted": made(mine.inserted, p, below=first),
-        "Stack.build": made(mine.build, a, "velocity", dt=0.01, compiled=True),
+        "Stack.build": made(mine.build, a, "velocity", dt=0.01),
         "Record.save": made(lambda path: record().save(path), folder / "out-record.npz"),
         "Record.load": made(Record.load, folder / "r.npz"),
         "PlanarArm.at": made(lambda q, v: arm().at(q, v), q, v),
@@ -332,8 +332,10 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         kind = type(result)
         if is_dataclass(kind):
             fields = {key: getattr(result, key) for key in inspect.signature(kind).parameters}
-        else:
+        elif hasattr(result, "_asdict"):
             fields = result._asdict()
+        else:
+            fields = {key: getattr(result, key) for key in inspect.signature(kind).parameters}
         table[kind.__name__] = made(kind, **fields)
     return table
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from hqp import Hierarchy, InvalidInput, Level
 from hqp.checks import of_type
 
-from .._checks import Array, per_row
+from .._checks import Array
 from ..live import Live, reachable, watch_alone
 from ..part import Order, Part, Tick
 from ..robots.answers import at_rest
@@ -101,7 +101,7 @@ class Rows:
             with np.errstate(all="ignore"):  # what is infinite is refused in words
                 part.check_beside(rest)
             self.plans[k] = part, plan_of(part, site)
-            weights = per_row(part.weight, site.rows, f"{part.label()}: weight")
+            weights = part.weights(robot)
             without = np.flatnonzero(weights == 0.0)
             view, _ = self._weights[k]
             view[:], view[without] = weights, 1.0
