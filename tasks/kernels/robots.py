@@ -18,10 +18,6 @@ from hqp.kernels.memory import floats, ints
 from . import block as at
 from .rotation import crossed, turned_back
 
-#: A joint that moves a frame by less than this [m/rad], [1] does not move it: it is round-off, and a row of it would be
-#: a task that none can meet, for which the joints would run to their limits.
-NOTHING = 1e-13
-
 #: Of a frame on a joint: unknowns; its block; whether drifts are asked for; where the joint is (R by columns, p), where
 #: the frame is on it (R by rows, p); the joint Jacobians (6 x columns, by columns), how many of them move it, which,
 #: and the velocity of each; the joint's velocity and acceleration (6,).
@@ -37,7 +33,7 @@ POINT, POINT_JACOBIAN, POINT_VELOCITY, POINT_DRIFT = range(3, 7)
 @inner
 def kept(entry):
     """The same number, and 0 in the place of round-off."""
-    return entry if abs(entry) >= NOTHING or entry != entry else 0.0
+    return entry if abs(entry) >= at.NOTHING or entry != entry else 0.0
 
 
 @stamp

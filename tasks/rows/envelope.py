@@ -157,7 +157,7 @@ class Envelope:
 
         claims = sorted(self._claims, key=lambda claim: loop.KINDS.index(claim.kind))
         numbers = [np.concatenate([claim.low, claim.high, [claim.return_speed]]) for claim in claims]
-        told_of = [
+        told_of: list[tuple[Entry, ...]] = [
             (loop.KINDS.index(claim.kind), own, claim.lower, claim.upper)
             for claim, own in zip(claims, numbers, strict=True)
         ]
