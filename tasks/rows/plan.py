@@ -11,8 +11,8 @@ import numpy as np
 from numba import int64
 from numpy.typing import NDArray
 
-from hqp.backends.native import make_ready
-from hqp.kernels.compile import INTERPRETED, entries
+from hqp.backends.native import door, make_ready
+from hqp.kernels.compile import entries
 
 from .._once import once
 
@@ -123,10 +123,8 @@ def address(entry: Entry) -> int:
 @once
 def ready(kernel: Any) -> Callable[[int], object]:
     """The compiled loop, from disk or compiled now; where the interpreter runs loops, the loop itself."""
-    if INTERPRETED:
-        return kernel  # type: ignore[no-any-return]
     make_ready(kernel, WHAT, SIGNATURE)
-    return kernel.get_overload(SIGNATURE)  # type: ignore[no-any-return]
+    return door(kernel, SIGNATURE)
 
 
 def run_all(calls: Iterable[Call]) -> None:
