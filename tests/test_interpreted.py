@@ -50,7 +50,8 @@ for task in tip, Damped(tip, FixedDamping(0.1)):
     for t in range(3):
         step = controller(np.array([0.3, 0.7, 0.4]) + 0.01 * t, np.zeros(3))
         assert step.ok and step.solution.certify().ok
-    assert not controller(np.full(3, np.nan), np.zeros(3)).ok
+    for nowhere in np.nan, np.inf:
+        assert not controller(np.full(3, nowhere), np.zeros(3)).ok
 for name in "vertex", "thin slab":
     solver = Solver("native")
     assert all(solver.solve(hierarchy).certify().ok for hierarchy in hierarchies(name, 3, seed=0))

@@ -287,8 +287,13 @@ def make_ready(function: Any, what: str, signature: Any = SIGNATURE) -> bool:
 
 
 def door(function: Any, signature: Any = SIGNATURE) -> Callable[..., Any]:
-    """A kernel that is ready, to be called by its addresses; where the interpreter runs loops, the loop itself."""
-    return function if INTERPRETED else function.get_overload(signature)  # type: ignore[no-any-return]
+    """A kernel that is ready, to be called by its addresses; where the interpreter runs loops, the loop itself.
+
+    No kernel warns: what is beyond all numbers is for a status to report.
+    """
+    found: Callable[..., Any]
+    found = np.errstate(all="ignore")(function) if INTERPRETED else function.get_overload(signature)
+    return found
 
 
 def make(name: str, settings: Settings) -> Native:

@@ -10,7 +10,7 @@ velocity (v, omega) and acceleration (a, alpha) along its axes, while the joints
 
 from __future__ import annotations
 
-import math
+import numpy as np
 
 from hqp.kernels.compile import entry, inner, stamp
 from hqp.kernels.memory import floats, ints
@@ -103,12 +103,12 @@ def planar_frame(here):
         rows[i], rows[n + i], rows[5 * n + i] = y, -x, 1.0  # where the joint is, until the end is known
         angle += q[i]
         spin += v[i]
-        dx, dy = lengths[i] * math.cos(angle), lengths[i] * math.sin(angle)
+        dx, dy = lengths[i] * np.cos(angle), lengths[i] * np.sin(angle)  # NumPy's take what is infinite
         x, y, vx, vy = x + dx, y + dy, vx - spin * dy, vy + spin * dx
         ax, ay = ax - spin * spin * dx, ay - spin * spin * dy
     for i in range(links):
         rows[i], rows[n + i] = kept(rows[i] - y), kept(x + rows[n + i])
-    cosine, sine = math.cos(angle), math.sin(angle)
+    cosine, sine = np.cos(angle), np.sin(angle)
     block[0], block[1], block[at.ANGLE], block[at.PLANAR] = x, y, angle, 1.0
     block[at.ROTATION], block[at.ROTATION + 1] = cosine, -sine
     block[at.ROTATION + 3], block[at.ROTATION + 4], block[at.ROTATION + 8] = sine, cosine, 1.0
