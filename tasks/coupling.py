@@ -96,7 +96,7 @@ class JointCouplingTask(LoopTask, TargetTask):
     @number
     def factors(self, value: Mapping[str | int, float]) -> Factors:
         """Joint -> factor; other factors of the same joints may be set, among them 0."""
-        given = of_type(value, Mapping, f"{self.label()}: factors")  # type: ignore[type-abstract]
+        given = of_type(value, Mapping, f"{self.label()}: factors")
         factors = Factors(
             {joint: finite_scalar(f, f"{self.label()}: factor of {joint!r}") for joint, f in given.items()}
         )

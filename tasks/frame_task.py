@@ -12,7 +12,8 @@ from hqp.checks import of_type
 from ._checks import Array
 from .live import structure
 from .part import Order
-from .robots.frame import Frame, relative
+from .robots.block import relative
+from .robots.frame import Frame
 from .robots.robot import Robot, RobotState, check_frame, tells_tip, tip
 from .task import Task
 

@@ -80,10 +80,10 @@ class OrientationTask(PlaceTask):
         return rotation.angle if isinstance(rotation, AboutZ) else rotation
 
     @property
-    def rotation(self) -> RotationTrajectory:  # type: ignore[override]
+    def rotation(self) -> RotationTrajectory:
         """The same as a rotation in time."""
         target: Any = self.target
-        return AboutZ(target) if self._about_z else target  # type: ignore[no-any-return]
+        return AboutZ(target) if self._about_z else target
 
     @rotation.setter
     def rotation(self, value: ArrayLike | RotationTrajectory | Trajectory) -> None:

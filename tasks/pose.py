@@ -12,7 +12,7 @@ from .live import number
 from .motion.trajectories import Trajectory, as_trajectory
 from .motion.turns import PoseSetpoint, RotationTrajectory, as_rotation
 from .place import Mask, PlaceTask, Reference, chosen
-from .robots.frame import relative
+from .robots.block import relative
 from .robots.robot import RobotState
 from .rotations import transform
 

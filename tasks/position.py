@@ -74,7 +74,7 @@ class PositionTask(PlaceTask):
         return trajectory
 
     @property
-    def position(self) -> Trajectory:  # type: ignore[override]
+    def position(self) -> Trajectory:
         """The same among three coordinates."""
         return self.target if len(self.target(0.0)[0]) == 3 else Spread(self.target, self.mask)
 

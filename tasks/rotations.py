@@ -3,6 +3,8 @@ r"""Rotations of space: a matrix R whose columns are the axes of a frame, and th
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import cache
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -65,31 +67,19 @@ def exp(vector: ArrayLike) -> Array:
 
 
 def log(R: Array) -> Array:
-    """The rotation vector of R [rad], shape (3,), of length 0 .. pi: ``exp(log(R)) = R``.
+    """The rotation vector of R [rad], shape (3,), of length 0 .. pi: ``exp(log(R)) = R``."""
+    out = [0.0, 0.0, 0.0]
+    _rotation_vector()(R.ravel().tolist(), out, 0)
+    return np.array(out)
 
-    Its quaternion (Shepperd's method) is exact at every angle; at half a turn either sign is right, and one is taken.
-    """
-    (a, b, c), (d, e, f), (g, h, i) = R.tolist()
-    trace = a + e + i
-    largest = max(trace, a, e, i)
-    if largest == trace:
-        w, x, y, z = 1.0 + trace, h - f, c - g, d - b
-    elif largest == a:
-        w, x, y, z = h - f, 1.0 + a - e - i, b + d, c + g
-    elif largest == e:
-        w, x, y, z = c - g, b + d, 1.0 + e - a - i, f + h
-    else:
-        w, x, y, z = d - b, c + g, f + h, 1.0 + i - a - e
-    sine = math.sqrt(x * x + y * y + z * z)
-    if w < 0.0:
-        sine, w = -sine, -w
-    if sine == 0.0:
-        return np.zeros(3)
-    if not abs(sine) > SMALL * w:
-        scale = 2.0 / w * (1.0 - (sine / w) ** 2 / 3.0)
-        return np.array([scale * x, scale * y, scale * z])
-    scale = 2.0 * math.atan2(abs(sine), w) / sine
-    return np.array([scale * x, scale * y, scale * z])
+
+@cache
+def _rotation_vector() -> Callable[[list[float], list[float], int], None]:
+    """The formula that loops have; nine numbers are too few for a call of a compiled one."""
+    from .kernels.rotation import rotation_vector
+
+    found: Callable[[list[float], list[float], int], None] = getattr(rotation_vector, "py_func", rotation_vector)
+    return found
 
 
 def about(axis: int, angle: float) -> Array:

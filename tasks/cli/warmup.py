@@ -11,12 +11,16 @@ def warmup() -> None:
     from time import perf_counter
 
     from hqp.backends import native
+    from hqp.kernels.compile import INTERPRETED
     from hqp.kernels.damped import solve_damped
     from hqp.kernels.solver import solve
 
     from ..kernels.law import write_law
     from ..rows import plan
 
+    if INTERPRETED:
+        print("the interpreter runs all kernels, as NUMBA_DISABLE_JIT asks for: nothing is compiled")
+        return
     kernels = (
         ("native", native.warm_up, solve),
         ("damped", native.warm_up_damped, solve_damped),

@@ -80,8 +80,9 @@ class JointCentringTask(GradientTask):
         from .kernels.joints import write_centring
 
         shared, own = site.shared, self.variables(site.shared.robot)
-        assert shared.robot.position_limit is not None  # checked
-        places, ends = shared.places[own].astype(np.int64), shared.robot.position_limit[:, own].copy()
+        ranges = limit_of(shared.robot, "position")
+        assert ranges is not None  # checked
+        places, ends = shared.places[own].astype(np.int64), ranges[:, own].copy()
         slope = np.zeros(shared.n)
         told = len(shared.positions), shared.positions, places, ends, slope
         return Plan((Call(write_centring, *self.law(site), *told),))

@@ -13,6 +13,9 @@ PLANAR = 13
 LINEAR_DRIFT, ANGULAR_DRIFT, LINEAR_VELOCITY, ANGULAR_VELOCITY = 14, 17, 20, 23
 #: J_p and J_omega, (6, n) by rows.
 JACOBIAN = 26
+#: A joint that moves a frame by less than this [m/rad], [1] does not move it: it is round-off, and a row of it would be
+#: a task that none can meet, for which the joints would run to their limits.
+NOTHING = 1e-13
 
 
 def size(n: int) -> int:

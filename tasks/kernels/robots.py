@@ -10,17 +10,13 @@ velocity (v, omega) and acceleration (a, alpha) along its axes, while the joints
 
 from __future__ import annotations
 
-import math
+import numpy as np
 
 from hqp.kernels.compile import entry, inner, stamp
 from hqp.kernels.memory import floats, ints
 
 from . import block as at
 from .rotation import crossed, turned_back
-
-#: A joint that moves a frame by less than this [m/rad], [1] does not move it: it is round-off, and a row of it would be
-#: a task that none can meet, for which the joints would run to their limits.
-NOTHING = 1e-13
 
 #: Of a frame on a joint: unknowns; its block; whether drifts are asked for; where the joint is (R by columns, p), where
 #: the frame is on it (R by rows, p); the joint Jacobians (6 x columns, by columns), how many of them move it, which,
@@ -37,7 +33,7 @@ POINT, POINT_JACOBIAN, POINT_VELOCITY, POINT_DRIFT = range(3, 7)
 @inner
 def kept(entry):
     """The same number, and 0 in the place of round-off."""
-    return entry if abs(entry) >= NOTHING or entry != entry else 0.0
+    return entry if abs(entry) >= at.NOTHING or entry != entry else 0.0
 
 
 @stamp
@@ -107,12 +103,12 @@ def planar_frame(here):
         rows[i], rows[n + i], rows[5 * n + i] = y, -x, 1.0  # where the joint is, until the end is known
         angle += q[i]
         spin += v[i]
-        dx, dy = lengths[i] * math.cos(angle), lengths[i] * math.sin(angle)
+        dx, dy = lengths[i] * np.cos(angle), lengths[i] * np.sin(angle)  # NumPy's take what is infinite
         x, y, vx, vy = x + dx, y + dy, vx - spin * dy, vy + spin * dx
         ax, ay = ax - spin * spin * dx, ay - spin * spin * dy
     for i in range(links):
         rows[i], rows[n + i] = kept(rows[i] - y), kept(x + rows[n + i])
-    cosine, sine = math.cos(angle), math.sin(angle)
+    cosine, sine = np.cos(angle), np.sin(angle)
     block[0], block[1], block[at.ANGLE], block[at.PLANAR] = x, y, angle, 1.0
     block[at.ROTATION], block[at.ROTATION + 1] = cosine, -sine
     block[at.ROTATION + 3], block[at.ROTATION + 4], block[at.ROTATION + 8] = sine, cosine, 1.0

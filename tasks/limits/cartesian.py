@@ -230,7 +230,7 @@ class PlaneLimit(Inequality):
 
     @normal.setter
     def normal(self, value: ArrayLike) -> None:
-        self.task.normal = value  # type: ignore[assignment]  # checked by the task
+        self.task.normal = value
 
     @property
     def distance(self) -> Trajectory:
@@ -239,4 +239,4 @@ class PlaneLimit(Inequality):
 
     @distance.setter
     def distance(self, value: ArrayLike | Trajectory) -> None:
-        self.task.target = value  # type: ignore[assignment]
+        self.task.target = value

@@ -30,6 +30,7 @@ from ..robots.robot import (
     limit_of,
     workspace,
 )
+from ..rows.description import Description
 from ..rows.rows import Rows
 from ..stack import Stack
 from .timing import Timing, cubic
@@ -337,6 +338,17 @@ class Controller(Live):
         if found is None:
             raise InvalidInput(f"{part!r} is not in the stack {self.stack!r}")
         return found
+
+    def describe(self) -> Description:
+        """Who writes the rows of each part every tick: a compiled loop, by its name, or Python, and why.
+
+        Returns
+        -------
+        Description
+            To be printed as a table, or iterated over: part by part, from the highest level down, with `level`, `part`,
+            `rows`, `loops`, `python` and `why`. Of the present stack; one that a change still comes from is not told.
+        """
+        return self._rows.describe()
 
     def _solve(self, state: RobotState, time: float, fault: str | None) -> Solution:
         if fault is None and isfinite(time):

@@ -8,7 +8,6 @@ The attributes named here mean what is said here, and no others mean anything: a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
 from typing import TYPE_CHECKING, Protocol, TypeGuard, TypeVar, runtime_checkable
 
 import numpy as np
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 from hqp.guard import Guard
 
 from .._checks import Array
+from .._once import once
 from .frame import Frame
 
 if TYPE_CHECKING:
@@ -340,7 +340,7 @@ def _there(value: object, name: str, method: bool) -> bool:
     return own is not ABSENT and not (method and own is None)
 
 
-@cache
+@once
 def _members(kind: type) -> tuple[tuple[str, bool], ...]:
     """The attributes of a protocol, and whether each is a method."""
     found: dict[str, bool] = {}

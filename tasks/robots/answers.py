@@ -137,7 +137,7 @@ def at_rest(robot: Robot) -> RobotState:
 
 def positioned(robot: Robot) -> NDArray[np.bool_]:
     """Which velocities are those of a joint with one position: no wheel on a circle, no floating base, shape (nv,)."""
-    if robot.nq == robot.nv or not able.has(robot, able.Manifold):
+    if robot.nq == robot.nv or able.Manifold not in abilities(robot):
         return np.ones(robot.nv, dtype=np.bool_)
     here = at_rest(robot)
     there = robot.at(integrate(robot, here.q, np.full(robot.nv, 0.1)), here.v)

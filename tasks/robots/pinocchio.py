@@ -119,6 +119,7 @@ class PinocchioRobot(Live):
     tip: str | None = structure()
     kinematics: Kinematics = structure()
     guard: Guard = structure()
+    home: Array
     _instead = "load or make another robot"
 
     def __init__(
@@ -263,7 +264,7 @@ class PinocchioRobot(Live):
                 raise InvalidInput(f"{joints!r} is no configuration of {self!r}{nearest(joints, self.configurations)}")
             return np.array(self._named(joints))
         q = np.array(self.neutral)
-        for name, position in of_type(joints, Mapping, "joints").items():  # type: ignore[type-abstract]
+        for name, position in of_type(joints, Mapping, "joints").items():
             column = joint_index(self.joint_names, name, "joint")
             axis, value = self._axes[column], finite_scalar(position, f"position of {name!r}")
             if axis.place != NONE:

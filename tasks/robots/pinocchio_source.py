@@ -10,6 +10,7 @@ import pinocchio as pin
 from .._checks import Array
 
 if TYPE_CHECKING:
+    from ..rows.blocks import Flag
     from ..rows.plan import Call
     from .pinocchio import PinocchioRobot
     from .pinocchio_state import PinocchioState
@@ -33,7 +34,7 @@ class PinocchioSource:
         self._biases: list[Array] = []
         self._kept: list[Any] = []
 
-    def frame(self, name: str | None, block: Array, drifts: Array) -> Call:
+    def frame(self, name: str | None, block: Array, drifts: Flag) -> Call:
         from ..kernels.robots import joint_frame
         from ..rows.plan import Call
 
@@ -59,7 +60,7 @@ class PinocchioSource:
             change.vector,
         )
 
-    def center_of_mass(self, block: Array, drifts: Array) -> Call:
+    def center_of_mass(self, block: Array, drifts: Flag) -> Call:
         from ..kernels.robots import point_frame
         from ..rows.plan import Call
 

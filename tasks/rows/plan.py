@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numba import int64
 from numpy.typing import NDArray
 
-from hqp.backends.native import make_ready
-from hqp.kernels.compile import INTERPRETED, entries
+from hqp.backends.native import door, make_ready
+from hqp.kernels.compile import entries
+
+from .._once import once
 
 if TYPE_CHECKING:
     from ..part import Part, Tick
@@ -98,7 +100,7 @@ def plan_of(part: Part, site: Site) -> Plan:
     return part.plan(site) if own is None else replace(part.python_plan(site), why=own)
 
 
-@cache
+@once
 def overridden(kind: type[Part], says: tuple[str, ...], knows: str = "plan") -> str | None:
     """What a subclass says in Python, below the class that has the plan; None where the plan is right for it too.
 
@@ -120,13 +122,11 @@ def address(entry: Entry) -> int:
     return int(entry.__array_interface__["data"][0]) if isinstance(entry, np.ndarray) else int(entry)
 
 
-@cache
+@once
 def ready(kernel: Any) -> Callable[[int], object]:
     """The compiled loop, from disk or compiled now; where the interpreter runs loops, the loop itself."""
-    if INTERPRETED:
-        return kernel  # type: ignore[no-any-return]
     make_ready(kernel, WHAT, SIGNATURE)
-    return kernel.get_overload(SIGNATURE)  # type: ignore[no-any-return]
+    return door(kernel, SIGNATURE)
 
 
 def run_all(calls: Iterable[Call]) -> None:

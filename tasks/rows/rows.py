@@ -16,6 +16,7 @@ from ..live import Live, reachable, watch_alone
 from ..part import Order, Part, Tick
 from ..robots.answers import at_rest
 from ..robots.robot import Robot, RobotState
+from .description import Description, WrittenPart
 from .envelope import Envelope
 from .own_limits import OwnLimits
 from .plan import Plan, plan_of
@@ -125,6 +126,17 @@ class Rows:
     def bounds(self, part: Part) -> tuple[Array, Array] | None:
         """Lower and upper bounds that a part writes (views), or None if it is not in the stack."""
         return next(((site.lower, site.upper) for own, site in self._views if own is part), None)
+
+    def describe(self) -> Description:
+        """Who writes the rows of each part, and why Python does where it does."""
+        robot, order, envelope = self._robot, self._order, self._shared.envelope
+        levels = (k for k, parts in enumerate(self._stack.levels) for _ in parts)
+        return Description(
+            tuple(
+                WrittenPart.of(level, part.label(), tuple(part.labels(robot, order)), plan, envelope.loops(site))
+                for level, (part, plan), (_, site) in zip(levels, self.plans, self._views, strict=True)
+            )
+        )
 
     def fill(self, state: RobotState, t: float) -> Hierarchy:
         """Let every part write its rows for this state and time t [s]; the hierarchy, for convenience."""
