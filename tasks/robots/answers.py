@@ -63,7 +63,7 @@ def state_abilities(state: RobotState) -> frozenset[type]:
 
 def on_pinocchio(robot: object) -> TypeGuard[PinocchioRobot]:
     """Whether this is a robot of Pinocchio, and not one of somebody's own that happens to have a model."""
-    module = sys.modules.get("tasks.robots.pinocchio")  # there is none without it
+    module = sys.modules.get(f"{__package__}.pinocchio")  # there is none without it
     return module is not None and isinstance(robot, module.PinocchioRobot)
 
 

@@ -147,4 +147,4 @@ def warm_up() -> bool:
 
     for name in LOOPS:
         import_module(name, __package__)
-    return sum(make_ready(kernel, WHAT, SIGNATURE) for kernel in entries("tasks")) > 0
+    return sum(make_ready(kernel, WHAT, SIGNATURE) for kernel in entries(__name__.partition(".")[0])) > 0
