@@ -121,7 +121,8 @@ class Reconstructed(Part):
 
     def plan(self, site: Site) -> Plan:
         """Both tasks as they plan it; then Python slows the rows of this one."""
-        from .rows.plan import Plan, plan_of, run_all
+        from .loops import run_all
+        from .rows.plan import Plan, plan_of
         from .rows.site import Site
 
         plans, above = [plan_of(self.task, site)], None

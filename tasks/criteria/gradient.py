@@ -27,7 +27,7 @@ from ..part import Part, Tick
 from ..robots.robot import Robot, base, integration
 
 if TYPE_CHECKING:
-    from ..rows.plan import Entry
+    from ..loops import Entry
     from ..rows.site import Site
 
 #: Of the central differences [rad, m]: truncation and round-off are both about 1e-10 of H.

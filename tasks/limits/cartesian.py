@@ -103,7 +103,8 @@ class FrameVelocityLimit(Part):
 
     def plan(self, site: Site) -> Plan:
         """One loop; a step of inverse kinematics has no speed."""
-        from ..rows.plan import Call, Plan
+        from ..loops import Call
+        from ..rows.plan import Plan
         from . import kernels as loops
 
         if site.shared.order == "step":

@@ -94,7 +94,8 @@ class JointTorqueLimit(Part):
 
     def plan(self, site: Site) -> Plan:
         """One loop, from the mass matrix and the bias of the tick; a step of inverse kinematics takes no torques."""
-        from ..rows.plan import Call, Plan
+        from ..loops import Call
+        from ..rows.plan import Plan
         from . import kernels as loops
 
         if site.shared.order == "step":

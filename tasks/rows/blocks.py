@@ -16,7 +16,7 @@ from ..robots.block import fill
 from ..robots.robot import Robot, RobotState
 
 if TYPE_CHECKING:
-    from .plan import Call
+    from ..loops import Call
 
 #: Whether drifts and velocities are asked for, of all frames: one number, 0 or not.
 Flag: TypeAlias = NDArray[np.int64]
@@ -133,7 +133,7 @@ class Blocks:
         if seen not in self._blocks:
             root, frame, out = self.frame(relative_to), self._blocks[key], np.zeros(at.size(self._n))
             from ..kernels.robots import relative_frame
-            from .plan import Call
+            from ..loops import Call
 
             self._blocks[seen] = out
             self._add(Call(relative_frame, self._n, out, self.drifts, root, frame))

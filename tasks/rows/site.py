@@ -16,9 +16,9 @@ from .blocks import Blocks, Source, StateSource
 from .envelope import Envelope
 
 if TYPE_CHECKING:
+    from ..loops import Table
     from ..part import Order
     from ..task import Task
-    from .plan import Table
 
 #: Brings a target up to date, by the time [s].
 Move = Callable[[float], None]
@@ -132,7 +132,7 @@ class Site:
     def law(self, task: Task) -> Table:
         """What the law of a task is told of; see :mod:`tasks.kernels.law`."""
         from ..kernels import law as of
-        from .plan import Table
+        from ..loops import Table
 
         rows, what, shared = self.rows, task.label(), self.shared
         gain = per_row(task.gain, rows, f"{what}: gain")
