@@ -31,10 +31,11 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 
 from ._checks import Array, positive_scalar
+from ._rank import RANK_TOLERANCE
 from .criteria.gradient import STEP
 from .live import number, structure
 from .part import Order, Part, Tick
-from .robots.manipulability import RANK_TOLERANCE, manipulability
+from .robots.manipulability import manipulability
 from .robots.robot import Robot, RobotState, integrate
 from .task import Task
 

@@ -79,7 +79,7 @@ class Pairs(Live):
         """
         from ..kernels.block import size
         from ..loops import Call
-        from ..rows.blocks import fill
+        from ..robots.block import fill
         from .kernels.nearest import measure_pairs
         from .scene import Scene
 

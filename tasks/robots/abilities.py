@@ -21,7 +21,7 @@ from .._once import once
 from .frame import Frame
 
 if TYPE_CHECKING:
-    from ..rows.blocks import Source
+    from .source import Source
 
 T = TypeVar("T")
 

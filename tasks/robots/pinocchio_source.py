@@ -11,9 +11,9 @@ from .._checks import Array
 
 if TYPE_CHECKING:
     from ..loops import Call
-    from ..rows.blocks import Flag
     from .pinocchio import PinocchioRobot
     from .pinocchio_state import PinocchioState
+    from .source import Flag
 
 
 class PinocchioSource:

@@ -14,8 +14,8 @@ from .robot import RobotState
 
 if TYPE_CHECKING:
     from ..loops import Call
-    from ..rows.blocks import Flag
     from .planar import PlanarArm
+    from .source import Flag
 
 
 class PlanarSource:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from math import inf
 from typing import TYPE_CHECKING
 
 from .._once import once
@@ -55,3 +56,9 @@ def overridden(kind: type[Part], says: tuple[str, ...], knows: str = "plan") -> 
         if own:
             return f"{cls.__name__} has its own {own[0]}()"
     raise AssertionError(kind)
+
+
+def free(site: Site) -> Plan:
+    """The plan of a limit that says nothing at this order: its rows have no bounds."""
+    site.lower[:], site.upper[:] = -inf, inf
+    return Plan()

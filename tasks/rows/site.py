@@ -12,7 +12,8 @@ from ..motion.turns import stands_still
 from ..robots import abilities as able
 from ..robots.answers import at_rest, joint_reader
 from ..robots.robot import Robot, RobotState, is_flat
-from .blocks import Blocks, Source, StateSource
+from ..robots.source import Source
+from .blocks import Blocks, StateSource
 from .envelope import Envelope
 
 if TYPE_CHECKING:
