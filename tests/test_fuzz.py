@@ -308,7 +308,7 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "Stack.without": made(mine.without, first, last),
         "Stack.swapped": made(mine.swapped, first, last),
         "Stack.inserted": made(mine.inserted, p, below=first),
-        "Stack.build": made(mine.build, a, "velocity", dt=0.01, compiled=True),
+        "Stack.build": made(mine.build, a, "velocity", dt=0.01),
         "Record.save": made(lambda path: record().save(path), folder / "out-record.npz"),
         "Record.load": made(Record.load, folder / "r.npz"),
         "PlanarArm.at": made(lambda q, v: arm().at(q, v), q, v),
