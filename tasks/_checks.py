@@ -109,6 +109,17 @@ def per_row(value: Array, rows: int, what: str, of: str = "row") -> Array:
     return value
 
 
+def per_joint(value: ArrayLike, joints: int, what: str, *, unit: str, zero_holds: bool = False) -> Array:
+    """`value` for each of so many joints: a positive number, 0 where that holds a joint; an array is infinite for a
+    joint that has no limit."""
+    array = numbers(value, what)
+    free = (array == np.inf) & (array.ndim > 0)
+    checked = not_negative if zero_holds else positive
+    limits = np.array(per_row(checked(np.where(free, 1.0, array), what, unit=unit), joints, what, "joint"))
+    limits[free] = np.inf
+    return limits
+
+
 def pair(value: tuple[T, T], what: str, of: str) -> tuple[T, T]:
     """`value` as two things, which must be a tuple, a list or an array of two."""
     if isinstance(value, tuple | list) or (isinstance(value, np.ndarray) and value.ndim):

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from hqp import Label
 from hqp.checks import whole_number
 
-from ._checks import Array, not_negative
+from ._checks import Array, not_negative, per_row
 from .live import Live, number, structure
 from .robots.robot import Robot, RobotState, joint_names
 
@@ -84,6 +84,10 @@ class Part(Live):
     def size(self, robot: Robot) -> int:
         """Number of rows on this robot."""
         return robot.nv if self.rows is None else whole_number(self.rows, f"{self.label()}: rows", least=1)
+
+    def weights(self, robot: Robot) -> Array:
+        """Weight of every row on this robot."""
+        return per_row(self.weight, self.size(robot), f"{self.label()}: weight")
 
     def variables(self, robot: Robot) -> NDArray[np.intp]:
         """The joint velocities that plain rows bound, shape (rows,)."""

@@ -20,7 +20,9 @@ AXES = ("x", "y", "z", "rx", "ry", "rz")
 
 
 def _parts(target: Any, what: str) -> tuple[Any, Any]:
-    """Position and rotation of a target that has both."""
+    """Position and rotation of a target that has both: a transform, a PoseSetpoint, or a pair."""
+    if isinstance(target, tuple) and len(target) == 2:
+        return target
     if isinstance(target, PoseSetpoint):
         return target.position, target.rotation
     return transform(target, what)
@@ -93,7 +95,7 @@ class PoseTask(PlaceTask):
 
     @property
     def target(self) -> tuple[Trajectory, RotationTrajectory]:
-        """Both; set by a transform or a PoseSetpoint."""
+        """Both; set by a pair, a transform or a PoseSetpoint."""
         return self.position, self.rotation
 
     @target.setter

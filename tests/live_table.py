@@ -301,7 +301,9 @@ def pose(s: Setting) -> Iterator[Case]:
     if not s.flat:
         R, other = exp(np.array([0.3, -0.2, 0.5])), exp(np.array([0.1, 0.9, 0.2]))
         options: dict[str, Any] = {"position": [0.4, 0.2, 0.5], "rotation": R, "gain": 2.0}
-        live = {**GAINS, "position": [0.3, 0.4, 0.4], "rotation": other}
+        both = np.block([[other, np.array([[0.3], [0.4], [0.4]])], [np.zeros((1, 3)), np.ones((1, 1))]])
+        whole = Made(both, {"position": [0.3, 0.4, 0.4], "rotation": other})
+        live = {**GAINS, "position": [0.3, 0.4, 0.4], "rotation": other, "target": whole}
         for reference in "local_world_aligned", "local", "world":
             yield Case(Spec(PoseTask, **options, reference=reference), live, PLACE)
         yield Case(Spec(PoseTask, **options, mask="x rz"), {**live, "gain": [1.0, 4.0], "weight": [0.0, 2.0]}, PLACE)
@@ -317,18 +319,20 @@ def center_of_mass(s: Setting) -> Iterator[Case]:
 
 def axis(s: Setting) -> Iterator[Case]:
     if not s.flat:
-        live = {**GAINS, "target": Made([0.0, 1.0, 0.3], {"direction": [0.0, 1.0, 0.3]}), "axis": [1.0, 0.0, 0.2]}
+        other = [0.0, 1.0, 0.3]
+        live = {**GAINS, "target": Made(other, {"direction": other}), "direction": other, "axis": [1.0, 0.0, 0.2]}
         yield Case(Spec(AxisTask, direction=[0.0, 0.3, -1.0], gain=2.0), {**live, "weight": 0.0}, FRAME)
 
 
 def look_at(s: Setting) -> Iterator[Case]:
     if not s.flat:
-        live = {**GAINS, "target": Made([0.0, 1.0, 0.3], {"point": [0.0, 1.0, 0.3]}), "axis": [1.0, 0.0, 0.2]}
+        other = [0.0, 1.0, 0.3]
+        live = {**GAINS, "target": Made(other, {"point": other}), "point": other, "axis": [1.0, 0.0, 0.2]}
         yield Case(Spec(LookAtTask, point=[0.5, 0.3, 0.0], gain=2.0, frame=s.frame), live, FRAME)
 
 
 def plane(s: Setting) -> Iterator[Case]:
-    live = {**GAINS, "target": Made(0.3, {"distance": 0.3}), "normal": [0.6, 0.9, 0.0]}
+    live = {**GAINS, "target": Made(0.3, {"distance": 0.3}), "distance": 0.3, "normal": [0.6, 0.9, 0.0]}
     yield Case(Spec(PlaneTask, normal=[0.0, 1.0, 0.0], distance=0.1, gain=2.0, frame=s.frame), live, FRAME)
 
 
@@ -386,9 +390,10 @@ def cartesian(s: Setting) -> Iterator[Case]:
     options: dict[str, Any] = {"lower": low, "upper": high, "gain": 2.0}
     less, more = s.point(-0.5, 0.1, 0.2), s.point(0.6, 0.6, 0.6)
     sides = {"below": Made(less, {"lower": less}), "above": Made(more, {"upper": more}), "weight": Made(HALF)}
-    yield Case(Spec(BoxLimit, **options), sides, (*KEPT, "plain", "task"))
+    yield Case(Spec(BoxLimit, **options), {**sides, "lower": less, "upper": more}, (*KEPT, "plain", "task"))
     sides = {"below": Made(np.array(-0.1)), "above": Made(np.array(0.2)), "weight": Made(HALF)}
-    yield Case(Spec(PlaneLimit, normal=[0.0, 1.0, 0.0], distance=0.1, gain=2.0), sides, (*KEPT, "plain", "task"))
+    live = {**sides, "normal": [0.6, 0.9, 0.0], "distance": 0.3}
+    yield Case(Spec(PlaneLimit, normal=[0.0, 1.0, 0.0], distance=0.1, gain=2.0), live, (*KEPT, "plain", "task"))
     live = {"limit": 0.05, "weight": Made(HALF)}
     yield Case(Spec(FrameVelocityLimit, limit=0.3, mask="x rz", frame=s.frame), live, (*KEPT, "place"))
 
@@ -433,8 +438,8 @@ def criteria(s: Setting) -> Iterator[Case]:
     yield Case(Spec(VelocityRatioTask, task=moving, gain=2.0), aim, (*KEPT, "task"))
     yield Case(Spec(MinimumMotionTask, gain=2.0), {**live, "weight": np.linspace(0.5, 2.0, len(s.q))}, KEPT)
     yield Case(Spec(KineticEnergyTask, gain=2.0), live, KEPT)
-    either = {"torque_range": (-1.0, 2.0), "middle": Made(0.5)}
-    yield Case(Spec(MinimumTorqueTask), {"weight": 0.5}, KEPT, either, ("acceleration",))
+    live = {"weight": 0.5, "torque_range": (-1.0, 2.0)}
+    yield Case(Spec(MinimumTorqueTask), live, KEPT, orders=("acceleration",))
 
 
 def reconstructed(s: Setting) -> Iterator[Case]:
@@ -458,6 +463,8 @@ def distances(s: Setting) -> Iterator[Case]:
         "obstacles.0.radius": 0.07,
         "obstacles.0.centre": tip + np.array([0.15, 0.12, 0.0]),
         "obstacles.1.radius": 0.05,
+        "obstacles.1.start": tip + np.array([-0.25, 0.15, 0.0]),
+        "obstacles.1.end": tip + np.array([-0.1, 0.12, 0.0]),
     }
     inside = ("links.0.frame", "links.0.name", "links.0.end", "links", "obstacles", "pairs", "nearest")
     live = {**inner, "margin": 0.04, "gain": 3.0, "weight": 0.5}

@@ -145,8 +145,9 @@ def of_the_class(owner: Any, name: str) -> bool:
 
 
 def misspelt(name: str) -> str:
-    """Two letters in each other's place; of a short name, one twice."""
-    return f"{name[:-3]}{name[-2]}{name[-3]}{name[-1]}" if len(name) > 4 else f"{name[:2]}{name[1:]}"
+    """Two letters in each other's place; of a short name, or where they are one, a letter twice."""
+    swapped = name[:-3] + name[-3:-1][::-1] + name[-1]
+    return swapped if len(name) > 4 and swapped != name else f"{name[:2]}{name[1:]}"
 
 
 def at_work(robot: str = "panda", order: Any = "velocity") -> SimpleNamespace:

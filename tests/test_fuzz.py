@@ -332,8 +332,10 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         kind = type(result)
         if is_dataclass(kind):
             fields = {key: getattr(result, key) for key in inspect.signature(kind).parameters}
-        else:
+        elif hasattr(result, "_asdict"):
             fields = result._asdict()
+        else:
+            fields = {key: getattr(result, key) for key in inspect.signature(kind).parameters}
         table[kind.__name__] = made(kind, **fields)
     return table
 

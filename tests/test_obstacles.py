@@ -27,10 +27,9 @@ from tasks import (
     planar_links,
     simulate,
 )
-from tasks.obstacles.links import Placed
+from tasks.obstacles.links import axes
 from tasks.obstacles.pairs import Pairs
-from tasks.obstacles.reserve import reserve
-from tasks.obstacles.shapes import nearest_points
+from tasks.rotations import cross
 
 KEPT = 1e-6
 MARGIN, DT, SPEED = 0.03, 0.01, 1.5
@@ -122,70 +121,92 @@ def test_without_it_links_go_through_obstacles():
 
 
 def scenery():
-    """Pairs of all kinds, at random states: of a planar arm, and of a Panda."""
+    """Links and obstacles of all kinds, at random states: of a planar arm, and of a Panda."""
     arm, rng = PlanarArm([0.5, 0.4, 0.3]), np.random.default_rng(3)
     circle, pole = Sphere([0.9, 0.5], 0.1), Capsule([-0.2, 0.8], [0.3, 0.9], 0.05)
     ball, rail = Sphere([0.6, 0.3, 0.4], 0.1), Capsule([0.5, -0.5, 0.2], [0.7, 0.5, 0.3], 0.04)
     chains = [LinkCapsule(frame, end, 0.06) for frame, end in PANDA]
     for robot, links, shapes in (arm, planar_links(arm, 0.02), [circle, pole]), (panda(), chains, [ball, rail]):
-        pairs = Pairs(links, shapes, "pairs")
         for _ in range(6):
             q = rng.uniform(-1.2, 1.2, arm.nv) if robot is arm else robot.random(rng)
-            yield robot, pairs, q, rng.uniform(-1.0, 1.0, robot.nv)
+            yield robot, links, shapes, q, rng.uniform(-1.0, 1.0, robot.nv)
 
 
-def test_gradients_and_drifts_are_those_of_finite_differences():
+def rows(robot, part, q, v, order="velocity", *, dt=DT, fastest=SPEED, t=0.0):
+    """A and the lower bounds of a part where no joint is faster than this."""
+    built = (JointVelocityLimit(fastest) >> part).build(robot, order, dt)
+    level = built.fill(robot.at(np.asarray(q), np.asarray(v)), t).levels[1]
+    return level.A.copy(), level.lower.copy()
+
+
+def test_gradients_are_those_of_finite_differences():
     h = 1e-5
-    for robot, pairs, q, v in scenery():
-        ends = pairs.bind(robot)
+    for robot, links, shapes, q, v in scenery():
+        limit = DistanceLimit(links, shapes, margin=0.0, gain=1.0)
 
-        def told(q, ends=ends, robot=robot, pairs=pairs):
-            return pairs.at(robot.at(q, np.zeros(robot.nv)), ends, 0.0)
+        def told(q, robot=robot, limit=limit):
+            return limit.distances(robot, robot.at(q, np.zeros(robot.nv)))
 
-        here = pairs.at(robot.at(q, v), ends, 0.0)
-        both = [[told(q + side * h * step) for side in (1, -1)] for step in np.eye(robot.nv)]
-        for k, pair in enumerate(here):
-            slope = [(ahead[k].distance - behind[k].distance) / (2 * h) for ahead, behind in both]
-            np.testing.assert_allclose(pair.gradient, slope, atol=1e-6)
-            # The point stays where it is on its link: its acceleration is that of the drift.
-            frame = pairs.links[k // len(pairs.obstacles)].frame
-            local = robot.at(q, v).frame(frame)
-            moved = []
+        slope = [(told(q + h * step) - told(q - h * step)) / (2 * h) for step in np.eye(robot.nv)]
+        np.testing.assert_allclose(rows(robot, limit, q, v)[0], np.transpose(slope), atol=1e-6)
+
+
+def test_drifts_are_those_of_the_nearest_point_on_its_link():
+    """Far away both orders ask for one velocity at the end of the tick: what differs is what the joints leave it."""
+    h, compared = 1e-5, 0
+    for robot, links, shapes, q, v in scenery():
+        limit = DistanceLimit(links, shapes, margin=0.0, gain=1.0 / DT)
+        (A, end), (_, least) = rows(robot, limit, q, v), rows(robot, limit, q, v, "acceleration")
+        for k, (_, *n, x, y, z) in enumerate(limit.pairs.measure(robot, robot.at(q, v))):
+            now = A[k] @ v
+            if end[k] > -5.0:  # there the mean velocity of the tick is what counts
+                continue
+            frame, point = links[k // len(shapes)].frame, np.array([x, y, z])
+            here = robot.at(q, v).frame(frame)
+            local = axes(here).T @ (point - here.position)
+            sides = []
             for side in (h, -h):
                 there = robot.at(q + side * v, v).frame(frame)
-                moved.append(carry(local, there, pair.witness))
-            jdot = (moved[0].jacobian - moved[1].jacobian) @ v / (2 * h)
-            np.testing.assert_allclose(pair.place.drift(v), jdot, atol=1e-5)
-
-
-def carry(old, new, point):
-    """The same point of the body after it moved."""
-    from tasks.obstacles.links import axes
-
-    return Placed(new, new.position + axes(new) @ axes(old).T @ (point - old.position))
+                sides.append(n @ (there.linear - cross(axes(there) @ local, there.angular)))
+            compared += 1
+            np.testing.assert_allclose((end[k] - now) / DT - least[k], (sides[0] - sides[1]) @ v / (2 * h), atol=1e-5)
+    assert compared > 20
 
 
 def test_the_reserve_is_never_less_than_what_a_tick_takes():
     rng, dt, w = np.random.default_rng(8), 0.02, 1.5
-    for robot, pairs, q, _ in scenery():
-        ends, rest = pairs.bind(robot), np.zeros(robot.nv)
-        here = pairs.at(robot.at(q, rest), ends, 0.0)
+    for robot, links, shapes, q, _ in scenery():
+        limit, rest = DistanceLimit(links, shapes, margin=0.0, gain=1.0 / dt), np.zeros(robot.nv)
+        A, least = rows(robot, limit, q, rest, dt=dt, fastest=w)
+        here = limit.distances(robot, robot.at(q, rest))
+        rho = here + dt * least  # with this gain and no margin the bound is (rho - d) / dt
+        radii = np.ravel([[link.radius + shape.radius for shape in shapes] for link in links])
         for v in rng.choice([-w, w], (20, robot.nv)):
-            there = pairs.at(robot.at(q + dt * v, rest), ends, 0.0)
-            for pair, after in zip(here, there, strict=True):
-                if min(np.linalg.norm(p.witness - p.other) for p in (pair, after)) > 1e-3:
-                    rho = reserve(pair.place, pair.normal, pair.witness - pair.core, np.full(robot.nv, w), dt)
-                    assert after.distance >= pair.distance + dt * pair.gradient @ v - rho - 1e-12
+            there = limit.distances(robot, robot.at(q + dt * v, rest))
+            clear = np.minimum(here, there) + radii > 1e-3  # of the cores
+            assert (there >= here + dt * A @ v - rho - 1e-12)[clear].all()
 
 
 def test_nearest_points_of_segments():
     rng, grid = np.random.default_rng(0), np.linspace(0.0, 1.0, 101)[:, None]
+    arm = PlanarArm([1.0])
     for _ in range(50):
-        first, second = rng.uniform(-1.0, 1.0, (2, 2, 3))
-        p, o = nearest_points(first, second)
+        q, own = rng.uniform(-1.0, 1.0, 1), rng.uniform(-1.0, 1.0, 3)
+        second = rng.uniform(-1.0, 1.0, (2, 3))
+        state = arm.at(q, np.zeros(1))
+        frame = state.frame("link1")
+        first = np.array([frame.position, frame.position + axes(frame) @ own])
+        d, *n, x, y, z = Pairs([LinkCapsule("link1", own, 0.1)], [Capsule(*second, 0.2)], "pairs").measure(arm, state)[
+            0
+        ]
         ways = [a + grid * (b - a) for a, b in (first, second)]
         best = np.linalg.norm(ways[0][:, None] - ways[1][None], axis=2).min()
-        assert best - 0.03 < np.linalg.norm(p - o) <= best + 1e-12
+        assert best - 0.03 < d + 0.3 <= best + 1e-12
+        other = [x, y, z] - (d + 0.3) * np.array(n)
+        for point, (a, b) in ([x, y, z], first), (other, second):  # both points are on their segments
+            s = (point - a) @ (b - a) / ((b - a) @ (b - a))
+            assert -1e-9 <= s <= 1.0 + 1e-9
+            np.testing.assert_allclose(a + s * (b - a), point, atol=1e-9)
 
 
 def test_an_obstacle_that_comes_drives_the_arm_away():
@@ -270,10 +291,7 @@ def test_gradients_of_pairs_of_bodies_are_those_of_finite_differences():
             return shapes.distances(robot.at(q, np.zeros(7)))
 
         slope = np.array([(told(q + h * step) - told(q - h * step)) / (2 * h) for step in np.eye(7)]).T
-        state = robot.at(q, np.zeros(7))
-        shapes.distances(state)
-        for k in range(2):
-            np.testing.assert_allclose(shapes.contact(state, k).gradient, slope[k], atol=1e-3)
+        np.testing.assert_allclose(rows(robot, body, q, np.zeros(7))[0], slope, atol=1e-3)
 
 
 def test_the_nearest_bodies_are_found_without_measuring_all():

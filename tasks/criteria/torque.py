@@ -36,7 +36,7 @@ from hqp.checks import of_type
 from hqp.errors import brief
 
 from .._checks import Array, finite, pair, per_row, positive
-from ..live import number, structure
+from ..live import number
 from ..part import Order, Part, Tick
 from ..robots.robot import Robot, check_dynamics, joint_names, joint_units
 from .dynamics import check_fixed
@@ -69,8 +69,6 @@ class MinimumTorqueTask(Part):
     """
 
     rows = None
-    torque_range: tuple[ArrayLike, ArrayLike] | None = structure()
-    middle: Array = structure()
 
     def __init__(
         self,
@@ -80,33 +78,45 @@ class MinimumTorqueTask(Part):
         name: str | None = None,
     ) -> None:
         self.name = "minimum torque" if name is None else of_type(name, str, "name of a task")
-        self.torque_range, self.middle, self._half = torque_range, np.zeros(()), np.ones(())
-        if torque_range is not None:
-            what = f"{self.label()}: torque range"
-            low, high = (finite(end, what) for end in pair(torque_range, what, "lowest and highest [N m]"))
-            shapes = {array.shape for array in (low, high, np.asarray(weight))} - {()}
-            if len(shapes) > 1:
-                raise InvalidInput(
-                    f"{what} and weight have shapes {', '.join(map(str, sorted(shapes)))}; they must agree"
-                )
-            if not np.all(low < high):
-                raise InvalidInput(
-                    f"{what} from {low.tolist()} to {high.tolist()}; the lowest must be below the highest"
-                )
-            self.middle, self._half = 0.5 * (low + high), 0.5 * (high - low)
         self.weight = weight
+        self.torque_range = torque_range
+        self._renew()
 
     @number
     def weight(self, value: ArrayLike) -> Array:
-        """Weight of the rows inside their level, over half the torque range, shape () or (nv,)."""
-        return positive(value, f"{self.label()}: weight") / self._half
+        """Weight of the rows inside their level, shape () or (nv,), besides the inverse of half the range."""
+        return positive(value, f"{self.label()}: weight")
+
+    @number
+    def torque_range(self, value: tuple[ArrayLike, ArrayLike] | None) -> tuple[Array, Array] | None:
+        """Lowest and highest joint torques [N m], forces [N], or None."""
+        if value is None:
+            return None
+        what = f"{self.label()}: torque range"
+        low, high = (finite(end, what) for end in pair(value, what, "lowest and highest [N m]"))
+        return low, high
+
+    def _renew(self) -> None:
+        self._middle, self._half = np.zeros(()), np.ones(())
+        if self.torque_range is None:
+            return
+        what, (low, high) = f"{self.label()}: torque range", self.torque_range
+        shapes = {array.shape for array in (low, high, self.weight)} - {()}
+        if len(shapes) > 1:
+            raise InvalidInput(f"{what} and weight have shapes {', '.join(map(str, sorted(shapes)))}; they must agree")
+        if not np.all(low < high):
+            raise InvalidInput(f"{what} from {low.tolist()} to {high.tolist()}; the lowest must be below the highest")
+        self._middle, self._half = 0.5 * (low + high), 0.5 * (high - low)
+
+    def weights(self, robot: Robot) -> Array:
+        return per_row(self.weight / self._half, robot.nv, f"{self.label()}: weight", "joint")
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if order != "acceleration":
             raise InvalidInput(f"{self.label()}: order = {order!r}; torques belong to accelerations: 'acceleration'")
         check_dynamics(robot, self.label())
         check_fixed(robot, self.label())
-        per_row(self.middle, robot.nv, f"{self.label()}: torque range", "joint")
+        per_row(self._middle, robot.nv, f"{self.label()}: torque range", "joint")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         rows = zip(joint_names(robot), joint_units(robot), strict=True)
@@ -118,7 +128,7 @@ class MinimumTorqueTask(Part):
 
         assert site.A is not None  # its rows are not plain
         n, blocks = site.shared.n, site.shared.blocks
-        middle = np.ascontiguousarray(np.broadcast_to(self.middle, n))
+        middle = np.ascontiguousarray(np.broadcast_to(self._middle, n))
         law = n, np.zeros(1), site.shared.v, site.lower, site.upper
         return Plan((Call(write_minimum_torque, *law, blocks.mass_matrix(), site.A, blocks.bias(), middle),))
 
@@ -126,9 +136,10 @@ class MinimumTorqueTask(Part):
         assert A is not None  # its rows are not plain
         robot, state = tick.robot, tick.state
         A[:] = robot.mass_matrix(state.q)  # type: ignore[attr-defined]
-        lower[:] = self.middle - robot.bias(state.q, state.v)  # type: ignore[attr-defined]
+        lower[:] = self._middle - robot.bias(state.q, state.v)  # type: ignore[attr-defined]
         upper[:] = lower
 
     def __repr__(self) -> str:
-        shown = "" if self.torque_range is None else f"torque_range={brief(self.torque_range)}"
+        ends = None if self.torque_range is None else tuple(end.tolist() for end in self.torque_range)
+        shown = "" if ends is None else f"torque_range={brief(ends)}"
         return f"MinimumTorqueTask({shown})"

@@ -200,7 +200,7 @@ def write_plane(here):
     target, normal = floats(told[TARGET], 0, 3), floats(told[NORMAL], 0, 3)
     measured, A = floats(law[of.MEASURED], 0, of.KINDS), floats(law[of.MATRIX], 0, n)
     measured[of.ERROR] = target[0] - dot(normal, 0, block, 0)
-    measured[of.RATE], measured[of.ACCELERATION_OF_TARGET] = target[1], target[2]
+    measured[of.RATE], measured[of.CHANGE] = target[1], target[2]
     for j in range(n):
         A[j] = normal[0] * J[j] + normal[1] * J[n + j] + normal[2] * J[2 * n + j]
     if law[of.DRIFTS] != 0:

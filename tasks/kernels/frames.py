@@ -45,7 +45,7 @@ def along(axes, block, given, first, out, begin):
 
 @inner
 def to_go(block, target, linear, angular, about_z, work):
-    """What is left to go, in the axes of the world, into work[:6]; work[6:] is overwritten."""
+    """What is left to go, in the axes of the world, into work[:6]; work[6:15] is overwritten."""
     for k in range(6):
         work[k] = 0.0
     if linear:
@@ -67,18 +67,18 @@ def to_go(block, target, linear, angular, about_z, work):
 
 
 @inner
-def place_moves(axes, block, target, linear, angular, work):
-    """What the target does by itself, in the axes of the world: velocities into work[:6], accelerations into [6:12]."""
-    for k in range(12):
+def place_moves(block, target, linear, angular, work):
+    """What the target does by itself, in the axes of the world: velocities into work[6:12], accelerations after."""
+    for k in range(6, 18):
         work[k] = 0.0
     if linear:
         for k in range(3):
-            work[k], work[6 + k] = target[3 + k], target[6 + k]
+            work[6 + k], work[12 + k] = target[3 + k], target[6 + k]
     if angular:
         for k in range(3):
-            work[3 + k], work[9 + k] = target[OMEGA + k], target[ALPHA + k]
+            work[9 + k], work[15 + k] = target[OMEGA + k], target[ALPHA + k]
         w = block[at.ANGULAR_VELOCITY : at.ANGULAR_VELOCITY + 3]
-        crossed(target[OMEGA], target[OMEGA + 1], target[OMEGA + 2], w[0], w[1], w[2], 1.0, work, 9)
+        crossed(target[OMEGA], target[OMEGA + 1], target[OMEGA + 2], w[0], w[1], w[2], 1.0, work, 15)
 
 
 @inner
@@ -121,20 +121,28 @@ def write_place(here):
     measured = floats(law[of.MEASURED], 0, of.KINDS * rows)
     A = floats(law[of.MATRIX], 0, rows * n)
     to_go(block, target, linear, angular, told[ABOUT_Z] != 0, work)
-    along(axes, block, work, 0, work, 16)
-    place_moves(axes, block, target, linear, angular, work)
-    along(axes, block, work, 0, work, 24)
-    for r in range(rows):
-        measured[r], measured[rows + r] = work[16 + first + mask[r]], work[24 + first + mask[r]]
-    jacobian(axes, block, J, n, mask, first, rows, A, work)
+    place_moves(block, target, linear, angular, work)
+    count = 4 if law[of.DRIFTS] != 0 else 2
+    for k in range(6):
+        work[18 + k] = block[at.LINEAR_DRIFT + k]
+    # What is left to go, the motion of the target, the drift; and how all of it follows the joints.
+    for s in range(count + n):
+        for k in range(6):
+            work[24 + k] = work[6 * s + k] if s < count else J[k * n + s - count]
+        along(axes, block, work, 24, work, 30)
+        for r in range(rows):
+            entry = work[30 + first + mask[r]]
+            if s < count:
+                measured[s * rows + r] = entry
+            else:
+                A[r * n + s - count] = entry
     if law[of.DRIFTS] != 0:
-        along(axes, block, work, 6, work, 24)
-        along(axes, block, block, at.LINEAR_DRIFT, work, 32)
+        for k in range(6):
+            work[k] = 0.0
         turning(axes, block, work)
         for r in range(rows):
-            k = first + mask[r]
-            measured[2 * rows + r] = work[24 + k] + work[k]
-            measured[3 * rows + r] = work[32 + k] + work[k]
+            for s in range(of.CHANGE, of.DRIFT + 1):
+                measured[s * rows + r] += work[first + mask[r]]
         of.moving(told[LAW])
     of.law(told[LAW])
     return 0

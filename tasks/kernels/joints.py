@@ -79,7 +79,7 @@ def write_coupling(here):
         if factors[j] != 0.0 and places[j] >= 0:
             total += factors[j] * q[places[j]]
     measured[of.ERROR] = target[0] - total
-    measured[of.RATE], measured[of.ACCELERATION_OF_TARGET] = target[1], target[2]
+    measured[of.RATE], measured[of.CHANGE] = target[1], target[2]
     of.moving(told[LAW])
     of.law(told[LAW])
     return 0

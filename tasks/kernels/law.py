@@ -31,7 +31,7 @@ ORDERS = ("velocity", "acceleration", "step")
 GAIN, C1, C2, BELOW, ABOVE = range(5)
 FIELDS = 5
 #: What is measured of every row.
-ERROR, RATE, ACCELERATION_OF_TARGET, DRIFT, NOW = range(5)
+ERROR, RATE, CHANGE, DRIFT, NOW = range(5)
 KINDS = 5
 
 

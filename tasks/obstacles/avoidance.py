@@ -13,25 +13,34 @@ dynamically varying environments", International Journal of Robotics Research 4(
 
 Unlike :class:`tasks.DistanceLimit` it keeps no margin: it pushes when there is room, knows one pair, and between two
 ticks another pair may be the nearest. Scaled rows fade in beside others of their level, such as a Damping; strictly
-above a task the row takes its degree of freedom, however small its scale.
+above a task the row takes its degree of freedom, however small its scale. As a step of the joints it asks for the way
+of one second.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import Label
 from hqp.checks import of_type
 
-from .._checks import Array, positive, positive_scalar
+from .._checks import Array, per_row, positive_scalar
+from ..live import number, structure
 from ..part import PER, Order, Part, Tick
 from ..robots.robot import Robot
+from ..rows.alone import write_alone
+from .distance import told
 from .links import LinkCapsule
 from .pairs import Pairs
+from .scene import Scene
 from .shapes import Obstacle
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
 
 
 class AvoidanceTask(Part):
@@ -57,6 +66,7 @@ class AvoidanceTask(Part):
     """
 
     rows = 1
+    pairs: Pairs = structure()
 
     def __init__(
         self,
@@ -71,10 +81,26 @@ class AvoidanceTask(Part):
     ) -> None:
         self.name = of_type(name, str, "name of an AvoidanceTask")
         self.pairs = Pairs(links, obstacles, self.label())
-        self.influence = positive_scalar(influence, f"{self.label()}: influence", unit="m")
-        self.speed = positive_scalar(speed, f"{self.label()}: speed", unit="m/s")
-        self.gain = positive_scalar(gain, f"{self.label()}: gain", unit="1/s")
-        self.weight = positive(weight, f"{self.label()}: weight")
+        self.influence, self.speed, self.gain, self.weight = influence, speed, gain, weight
+        self._renew()
+
+    @number
+    def influence(self, value: float) -> float:
+        """d_i: the distance at which it begins [m]."""
+        return positive_scalar(value, f"{self.label()}: influence", unit="m")
+
+    @number
+    def speed(self, value: float) -> float:
+        """v_0: how fast it moves away where it touches [m/s]."""
+        return positive_scalar(value, f"{self.label()}: speed", unit="m/s")
+
+    @number
+    def gain(self, value: float) -> float:
+        """At acceleration order, the rate [1/s] at which that speed is reached."""
+        return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
+
+    def _renew(self) -> None:
+        per_row(self.weight, 1, f"{self.label()}: weight")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         return [Label(self.name, "nearest", "m" + PER[order])]
@@ -84,17 +110,16 @@ class AvoidanceTask(Part):
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         assert A is not None
-        pairs = self.pairs.at(tick.state, self.pairs.bind(tick.robot), tick.t)
-        k = int(np.argmin([pair.distance for pair in pairs]))
-        pair, obstacle, v = pairs[k], self.pairs.obstacles[k % len(self.pairs.obstacles)], tick.state.v
-        s = min(max(1.0 - pair.distance / self.influence, 0.0), 1.0)
-        fade = s * s * (3.0 - 2.0 * s)
-        J, n = pair.gradient, pair.normal
-        wanted = float(n @ obstacle.velocity(tick.t)) + fade * self.speed
-        if tick.order == "acceleration":
-            wanted = self.gain * (wanted - float(J @ v))
-            wanted -= float(n @ (pair.place.drift(v) - obstacle.acceleration(tick.t)))
-        A[0], lower[0], upper[0] = fade * J, fade * wanted, fade * wanted
+        write_alone(self, tick, A, lower, upper)
+
+    def plan(self, site: Site) -> Plan:
+        """One loop: all pairs, and the row of the nearest; obstacles are asked where they move."""
+        from ..rows.plan import Call, Plan
+        from .kernels import rows as loops
+
+        scene = Scene(self.pairs, site.shared.robot, site.frame, rates=True)
+        numbers = [self.influence, self.speed, self.gain]
+        return Plan((Call(loops.write_avoidance, *told(site, numbers), scene.table),), scene.moves)
 
     def __repr__(self) -> str:
         return f"AvoidanceTask({len(self.pairs)} pairs, influence={self.influence:g}, speed={self.speed:g})"

@@ -2,7 +2,7 @@ r"""Links stay away from obstacles: one linear inequality a pair, safe within th
 
 With the distance d of a link to an obstacle, n the unit normal from the obstacle to the link and J the Jacobian of the
 witness, :math:`\dot d = n^T (J \dot q - \dot o)`. That is linear now, not at the end of the tick: what the turn of the
-link and the bend of its way can take is at most a reserve :math:`\rho` (:mod:`tasks.obstacles.reserve`). With
+link and the bend of its way can take is at most a reserve :math:`\rho` (:mod:`tasks.obstacles.kernels.reserve`). With
 :math:`e = d - d_{min} - \rho` and the way :math:`\Delta o` of the obstacle within the tick,
 
 .. math::
@@ -21,6 +21,9 @@ velocity of the tick its strictest form b', that of K = 1/dt, so that the next d
 
 .. math:: n^T J a \ge \max\left( (b - \dot d) / dt - n^T \dot J v,\ 2 (b' - \dot d) / dt \right).
 
+As a step of the joints, for inverse kinematics, there is neither gain nor reserve:
+:math:`n^T J\, dq \ge -(d - d_{min})`.
+
 What is proved is one tick. Whether the row can be met is a matter of the levels above it: acceleration limits may
 leave too little to brake with, in the order of K times the speed, and then a smaller K keeps farther away.
 """
@@ -28,7 +31,7 @@ leave too little to brake with, in the order of K times the speed, and then a sm
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,14 +39,20 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type, whole_number
 
-from .._checks import Array, finite_scalar, per_row, positive, positive_scalar
+from .._checks import Array, not_negative, per_row, positive_scalar, scalar
 from .._telling import tell
+from ..live import number, structure
 from ..part import PER, Order, Part, Tick
 from ..robots.robot import Robot, RobotState, base
+from ..rows.alone import write_alone
 from .links import LinkCapsule
-from .pairs import Distance, Pairs
-from .reserve import fastest, reserve
+from .pairs import Pairs
+from .scene import Scene
 from .shapes import Obstacle
+
+if TYPE_CHECKING:
+    from ..rows.plan import Entry, Plan
+    from ..rows.site import Site
 
 
 class DistanceLimit(Part):
@@ -75,6 +84,7 @@ class DistanceLimit(Part):
     """
 
     is_limit: ClassVar[bool] = True
+    pairs: Pairs = structure()
 
     def __init__(
         self,
@@ -89,14 +99,25 @@ class DistanceLimit(Part):
     ) -> None:
         self.name = of_type(name, str, "name of a DistanceLimit")
         self.pairs = Pairs(links, obstacles, self.label())
-        self.margin = finite_scalar(margin, f"{self.label()}: margin")
-        if self.margin < 0.0:
-            raise InvalidInput(f"{self.label()}: margin = {self.margin:g} m must not be negative")
-        self.gain = positive_scalar(gain, f"{self.label()}: gain", unit="1/s")
+        self.margin, self.gain = margin, gain
         self.rows = len(self.pairs)
         if nearest is not None:
             self.rows = min(whole_number(nearest, f"{self.label()}: nearest", least=1), self.rows)
-        self.weight = positive(weight, f"{self.label()}: weight")
+        self.weight = weight
+        self._renew()
+
+    @number
+    def margin(self, value: float) -> float:
+        """The least distance of the surfaces [m]; not negative."""
+        return scalar(not_negative(value, f"{self.label()}: margin", unit="m"), f"{self.label()}: margin")
+
+    @number
+    def gain(self, value: float) -> float:
+        """K [1/s]: the rate at which the margin is neared."""
+        return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
+
+    def _renew(self) -> None:
+        assert self.rows is not None
         per_row(self.weight, self.rows, f"{self.label()}: weight")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
@@ -105,10 +126,12 @@ class DistanceLimit(Part):
         return [Label(self.name, row, "m" + PER[order]) for row in rows]
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        check_rate(self.label(), self.gain, dt)
+        check_rate(self.label(), self.gain, order, dt)
         self.pairs.bind(robot)
 
     def check_beside(self, tick: Tick) -> None:
+        if tick.order == "step":
+            return
         assert tick.envelope is not None
         rate = tick.envelope.braking_rate(tick)
         if rate < np.inf and any(obstacle.moves for obstacle in self.pairs.obstacles):
@@ -116,67 +139,71 @@ class DistanceLimit(Part):
                 f"{self.label()}: an obstacle moves, and the joints take up to {1.0 / rate:.3g} s to stop: where it"
                 f" comes nearer by 1 m/s the margin may be passed by up to {0.5 / rate:.3g} m"
             )
-        pairs = self.pairs.at(tick.state, self.pairs.bind(tick.robot), tick.t)
-        for k, pair in enumerate(pairs):
-            if np.isnan(self._least(tick, pair, self.pairs.obstacles[k % len(self.pairs.obstacles)])):
-                raise InvalidInput(
-                    f"{self.label()}: nothing keeps the joints from turning a link by a quarter within a tick of"
-                    f" {tick.dt:g} s; add a JointVelocityLimit(2.0), in rad/s, to the stack, above it or on its level"
-                )
+        lower, upper = np.zeros((2, len(self.pairs)))
+        write_alone(self, tick, np.zeros((len(lower), tick.robot.nv)), lower, upper)
+        if np.isnan(lower).any():
+            raise InvalidInput(
+                f"{self.label()}: nothing keeps the joints from turning a link by a quarter within a tick of"
+                f" {tick.dt:g} s; add a JointVelocityLimit(2.0), in rad/s, to the stack, above it or on its level"
+            )
 
     def distances(self, robot: Robot, state: RobotState, t: float = 0.0) -> Array:
         """Of the surfaces, one a pair [m], at time t [s]."""
-        return np.array([pair.distance for pair in self.pairs.at(state, self.pairs.bind(robot), t)])
+        return self.pairs.measure(robot, state, t)[:, 0]
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         assert A is not None
-        pairs = self.pairs.at(tick.state, self.pairs.bind(tick.robot), tick.t)
-        chosen = range(len(pairs))
-        if len(lower) < len(pairs):  # in their own order, so that rows seldom change places
-            order = np.argsort([pair.distance for pair in pairs], kind="stable")
-            chosen = sorted(order[: len(lower)].tolist())  # type: ignore[assignment]
-        for row, k in enumerate(chosen):
-            A[row] = pairs[k].gradient
-            lower[row] = self._least(tick, pairs[k], self.pairs.obstacles[k % len(self.pairs.obstacles)])
-        upper[:] = np.inf
+        write_alone(self, tick, A, lower, upper)
 
-    def _least(self, tick: Tick, pair: Distance, obstacle: Obstacle) -> float:
-        """The least n^T J x [m/s], [m/s^2]."""
-        dt, n, v = tick.dt, pair.normal, tick.state.v
-        assert dt is not None  # checked before the first tick
-        w = fastest(tick)
-        if tick.order == "acceleration":
-            w = np.where(np.isfinite(w), np.maximum(w, np.abs(v)), np.abs(v))
-        shift = obstacle.core(tick.t + dt)[0] - obstacle.core(tick.t)[0]
-        gaps = pair.witness - pair.core
-        rho = reserve(pair.place, n, gaps, w, dt, shift=float(np.linalg.norm(shift)), base=base(tick.robot))
-        if not rho < np.inf:
-            return np.nan  # a link may be anywhere: the solver says that nothing is known
-        e, along = pair.distance - self.margin - rho, float(n @ shift) / dt
-        gain = self.gain
-        if tick.envelope is not None and (rate := tick.envelope.braking_rate(tick)) < np.inf:
-            gain = min(gain, rate)  # and what the bend of the way takes until the joints stand
-            bend = 0.5 * max(-float(n @ pair.place.drift(v)), 0.0) * (1.0 / gain + dt) / gain
-            e = max(e - bend, min(e, 0.0))
-        back = min(max(-e, 0.0), rho) / dt + gain * max(-e - rho, 0.0)
-        end = along + back - gain * max(e, 0.0)
-        if tick.order == "velocity":
-            return end
-        now = float(pair.gradient @ v)
-        mean = along + back - max(e, 0.0) / dt
-        return max((end - now) / dt - float(n @ pair.place.drift(v)), 2.0 * (mean - now) / dt)
+    def plan(self, site: Site) -> Plan:
+        """One loop: all pairs, the nearest of them, and their rows; obstacles are asked where they move."""
+        from ..rows.plan import Call, Plan
+        from .kernels import rows as loops
+
+        robot, n = site.shared.robot, site.shared.n
+        site.bounds = True
+        scene = Scene(self.pairs, robot, site.frame, dt=site.shared.dt)
+        call = Call(
+            loops.write_limit,
+            *told(site, [self.margin, self.gain]),
+            scene.table,
+            *fastest(site),
+            base(robot),
+            np.zeros(3 * n),
+            np.zeros(len(self.pairs), dtype=np.int64),
+        )
+        return Plan((call,), scene.moves)
 
     def __repr__(self) -> str:
         return f"DistanceLimit({len(self.pairs)} pairs, margin={self.margin:g}, gain={self.gain:g})"
 
 
-def check_rate(what: str, gain: float, dt: float | None) -> None:
-    """Refuse a rate that passes the margin within a tick, and a tick that is not known.
+def told(site: Site, given: Sequence[float]) -> tuple[Entry, ...]:
+    """What the loops of all parts of distances are told first: see :mod:`tasks.obstacles.kernels.rows`."""
+    from ..kernels.law import ORDERS
+
+    assert site.A is not None
+    shared = site.shared
+    sizes = ORDERS.index(shared.order), site.rows, shared.n
+    return *sizes, site.A, site.lower, site.upper, np.array(given), shared.braking, shared.v
+
+
+def fastest(site: Site) -> tuple[Entry, Entry]:
+    """The tightest limits [rad/s], [rad/s^2] that the stack itself has for the joints, 0 where it has none."""
+    envelope = site.shared.envelope
+    velocity = envelope.velocity if envelope.has_velocity else 0
+    return velocity, envelope.acceleration if envelope.has_acceleration else 0
+
+
+def check_rate(what: str, gain: float, order: Order, dt: float | None) -> None:
+    """Refuse a rate that passes the margin within a tick, and a tick that is not known; a step of the joints has none.
 
     Raises
     ------
     InvalidInput
     """
+    if order == "step":
+        return
     if dt is None:
         raise InvalidInput(f"{what}: it needs the tick; give the controller dt in s")
     if gain * dt > 1.0 + 1e-9:

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 from hqp.checks import of_type
 
-from .._checks import Array, finite, finite_scalar
+from .._checks import Array, finite, not_negative, numbers, scalar
+from ..live import Live, number, structure
 from ..robots.frame import Frame
 from ..robots.planar import PlanarArm
 from ..robots.robot import Robot, check_frame, integrate, neutral
-from ..rotations import cross
 
 #: What "carried by a frame" may differ by when the joints move [m].
 RIGID = 1e-9
 
 
-class LinkCapsule:
+class LinkCapsule(Live):
     """All points within a radius of the segment from one frame to another, carried by the first.
 
     Parameters
@@ -41,20 +39,26 @@ class LinkCapsule:
         If the radius is negative or the end neither a name nor a point.
     """
 
+    frame: str = structure()
+    end: str | Array = structure()
+    name: str = structure()
+
     def __init__(self, frame: str, end: str | ArrayLike, radius: float, *, name: str | None = None) -> None:
         self.frame = of_type(frame, str, "LinkCapsule: frame")
         self.name = frame if name is None else of_type(name, str, "LinkCapsule: name")
-        self.radius = finite_scalar(radius, f"LinkCapsule {frame!r}: radius")
-        if self.radius < 0.0:
-            raise InvalidInput(f"LinkCapsule {frame!r}: radius = {radius:g} m must not be negative")
-        self.end: str | Array
+        self.radius = radius
         if isinstance(end, str):
             self.end = end
         else:
             point = finite(end, f"LinkCapsule {frame!r}: end")
             if point.shape not in {(2,), (3,)}:
                 raise InvalidInput(f"LinkCapsule {frame!r}: end has shape {point.shape}; it must be (3,), or a frame")
-            self.end = np.append(point, np.zeros(3 - len(point)))
+            self.end = numbers(np.append(point, np.zeros(3 - len(point))), "end")
+
+    @number
+    def radius(self, value: float) -> float:
+        """About the segment [m]; not negative."""
+        return scalar(not_negative(value, f"{self.label()}: radius", unit="m"), f"{self.label()}: radius")
 
     def bind(self, robot: Robot) -> Array:
         """Where the segment ends in the coordinates of the frame, shape (3,) [m].
@@ -92,25 +96,6 @@ def planar_links(arm: PlanarArm, radius: float) -> tuple[LinkCapsule, ...]:
     return tuple(
         LinkCapsule(f"link{i + 1}", [-length, 0.0], radius, name=f"link {i + 1}") for i, length in enumerate(lengths)
     )
-
-
-@dataclass(frozen=True, slots=True)
-class Placed:
-    """A point that a frame carries, at one instant: its Jacobian, shape (3, nv), and what its joints leave it."""
-
-    frame: Frame
-    point: Array
-
-    @property
-    def jacobian(self) -> Array:
-        r = self.point - self.frame.position
-        return self.frame.linear - cross(r, self.frame.angular)
-
-    def drift(self, v: Array) -> Array:
-        """``Jdot v``, shape (3,) [m/s^2]."""
-        r, spin = self.point - self.frame.position, self.frame.angular @ v
-        turning = np.cross(self.frame.angular_drift, r) + np.cross(spin, np.cross(spin, r))
-        return self.frame.linear_drift + turning
 
 
 def axes(frame: Frame) -> Array:

@@ -1,9 +1,8 @@
-"""Links and obstacles, pair by pair: how far apart, where, and how that follows the joints."""
+"""Links and obstacles, pair by pair."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,43 +12,13 @@ from hqp.checks import listed
 from hqp.errors import brief
 
 from .._checks import Array
+from ..live import Live, structure
 from ..robots.robot import Robot, RobotState
-from .links import LinkCapsule, Placed, axes
-from .shapes import TOUCHING, Obstacle, nearest_points
+from .links import LinkCapsule
+from .shapes import Obstacle
 
 
-@dataclass(frozen=True, slots=True)
-class Distance:
-    """One pair at one instant.
-
-    Attributes
-    ----------
-    distance : float
-        Of the surfaces [m]; negative where they overlap.
-    normal : array, shape (3,)
-        Unit vector from the obstacle to the link.
-    witness, other : array, shape (3,)
-        The points of both cores that are nearest [m].
-    place : Placed
-        The witness, carried by its link.
-    core : array, shape (k, 3)
-        The points of the obstacle's core [m].
-    """
-
-    distance: float
-    normal: Array
-    witness: Array
-    other: Array
-    place: Placed
-    core: Array
-
-    @property
-    def gradient(self) -> Array:
-        """How the distance follows the joints while the obstacle stands still, n^T J, shape (nv,)."""
-        return np.asarray(self.normal @ self.place.jacobian)
-
-
-class Pairs:
+class Pairs(Live):
     """Every link against every obstacle, the obstacles of the first link first.
 
     Parameters
@@ -64,6 +33,9 @@ class Pairs:
     InvalidInput
         If one of them is no link or no obstacle, or there is none.
     """
+
+    links: tuple[LinkCapsule, ...] = structure()
+    obstacles: tuple[Obstacle, ...] = structure()
 
     def __init__(self, links: Sequence[LinkCapsule], obstacles: Sequence[Obstacle], what: str) -> None:
         self._what = what
@@ -84,7 +56,10 @@ class Pairs:
         return [f"{link.name} - obstacle {j + 1}" for link in self.links for j in range(len(self.obstacles))]
 
     def bind(self, robot: Robot) -> list[Array]:
-        """Where the links end, in the coordinates of their frames; refuses what the robot has not."""
+        """Where the links end, in the coordinates of their frames; refuses what the robot has not.
+
+        It hangs on structure alone, which stays, and is computed once a robot.
+        """
         bound = self._bound
         if bound is None or bound[0] is not robot:
             try:
@@ -94,23 +69,25 @@ class Pairs:
         return bound[1]
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_bound": None}
+        return {**super().__getstate__(), "_bound": None}
 
-    def at(self, state: RobotState, ends: list[Array], t: float) -> list[Distance]:
-        """All pairs in this state, at time t [s]."""
-        cores = [obstacle.core(t) for obstacle in self.obstacles]
-        found = []
-        for link, end in zip(self.links, ends, strict=True):
-            frame = state.frame(link.frame)
-            segment = np.array([frame.position, frame.position + axes(frame) @ end])
-            for obstacle, core in zip(self.obstacles, cores, strict=True):
-                witness, other = nearest_points(segment, core)
-                gap = witness - other
-                D = float(np.sqrt(gap @ gap))
-                # Where the cores cross no direction leads out; from middle to middle is as good as any.
-                way = gap if D > TOUCHING else segment.mean(axis=0) - core.mean(axis=0)
-                size = float(np.sqrt(way @ way))
-                normal = way / size if size > TOUCHING else np.array([1.0, 0.0, 0.0])
-                place = Placed(frame, witness)
-                found.append(Distance(D - link.radius - obstacle.radius, normal, witness, other, place, core))
-        return found
+    def measure(self, robot: Robot, state: RobotState, t: float = 0.0) -> Array:
+        """Of every pair at time t [s]: distance, normal and witness, shape (pairs, 7) [m].
+
+        The distance is that of the surfaces, negative where they overlap; the unit normal points from the obstacle to
+        the link, and the witness is the point of the link's core that is nearest.
+        """
+        from ..kernels.block import size
+        from ..robots.block import fill
+        from ..rows.plan import Call
+        from .kernels.nearest import measure_pairs
+        from .scene import Scene
+
+        def block(frame: str) -> Array:
+            own = np.zeros(size(robot.nv))
+            fill(own, state.frame(frame), state.v, drifts=False)
+            return own
+
+        scene = Scene(self, robot, block, t)
+        Call(measure_pairs, scene.table).run()
+        return scene.found

@@ -16,19 +16,23 @@ from __future__ import annotations
 
 from bisect import insort
 from collections.abc import Iterable
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from hqp import InvalidInput, Label
 from hqp.checks import listed, of_type, whole_number
 
-from .._checks import Array, finite_scalar, nearest, numbers, pair, positive_scalar
+from .._checks import Array, nearest, not_negative, pair, positive_scalar, scalar
+from ..live import number, structure
 from ..part import PER, Order, Part, Tick
 from ..robots.robot import Robot, RobotState, on_pinocchio
-from .distance import check_rate
-from .links import Placed
+from ..rows.alone import write_alone
+from .distance import check_rate, told
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
 
 
 class SelfCollisionLimit(Part):
@@ -55,6 +59,7 @@ class SelfCollisionLimit(Part):
     """
 
     is_limit: ClassVar[bool] = True
+    asked: tuple[tuple[str, str], ...] | None = structure()
 
     def __init__(
         self,
@@ -67,13 +72,20 @@ class SelfCollisionLimit(Part):
     ) -> None:
         self.name = of_type(name, str, "name of a SelfCollisionLimit")
         self.asked = None if pairs is None else self._pairs(pairs)
-        self.margin = finite_scalar(margin, f"{self.label()}: margin")
-        if self.margin < 0.0:
-            raise InvalidInput(f"{self.label()}: margin = {self.margin:g} m must not be negative")
-        self.gain = positive_scalar(gain, f"{self.label()}: gain", unit="1/s")
+        self.margin, self.gain = margin, gain
         self.rows = whole_number(rows, f"{self.label()}: rows", least=1)
-        self.weight = numbers(1.0, "weight")
-        self._bound: tuple[Robot, Shapes] | None = None
+        self.weight = 1.0
+        self._bound: tuple[Robot, float, Shapes] | None = None
+
+    @number
+    def margin(self, value: float) -> float:
+        """The least distance [m]; not negative."""
+        return scalar(not_negative(value, f"{self.label()}: margin", unit="m"), f"{self.label()}: margin")
+
+    @number
+    def gain(self, value: float) -> float:
+        """K [1/s]: the rate at which the margin is neared."""
+        return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
 
     def _pairs(self, pairs: Iterable[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
         what, found = f"{self.label()}: pairs", list[tuple[str, str]]()
@@ -84,13 +96,13 @@ class SelfCollisionLimit(Part):
 
     def shapes(self, robot: Robot) -> Shapes:
         """The pairs of this robot."""
-        bound = self._bound
-        if bound is None or bound[0] is not robot:
-            bound = self._bound = robot, Shapes(robot, self.asked, self.margin, self.label())
-        return bound[1]
+        bound = self._bound  # of this margin: what is nearer at home is left out
+        if bound is None or bound[0] is not robot or bound[1] != self.margin:
+            bound = self._bound = robot, self.margin, Shapes(robot, self.asked, self.margin, self.label())
+        return bound[2]
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_bound": None}
+        return {**super().__getstate__(), "_bound": None}
 
     def size(self, robot: Robot) -> int:
         assert self.rows is not None
@@ -103,7 +115,7 @@ class SelfCollisionLimit(Part):
         return [Label(self.name, row, "m" + PER[order]) for row in rows]
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        check_rate(self.label(), self.gain, dt)
+        check_rate(self.label(), self.gain, order, dt)
         self.shapes(robot)
 
     def distances(self, robot: Robot, state: RobotState) -> Array:
@@ -112,46 +124,40 @@ class SelfCollisionLimit(Part):
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         assert A is not None
-        shapes, v = self.shapes(tick.robot), tick.state.v
-        for row, k in enumerate(sorted(shapes.nearest(tick.state, len(lower)))):
-            contact = shapes.contact(tick.state, k)
-            A[row] = J = contact.gradient
-            room, gain = contact.distance - self.margin, self.gain
-            assert tick.dt is not None  # checked before the first tick
-            if tick.envelope is not None and (rate := tick.envelope.braking_rate(tick)) < np.inf:
-                gain = min(gain, rate)  # and what the bend of the way takes until the joints stand
-                bend = 0.5 * max(-contact.drift(v), 0.0) * (1.0 / gain + tick.dt) / gain
-                room = max(room - bend, min(room, 0.0))
-            lower[row] = -gain * room
-            if tick.order == "acceleration":
-                lower[row] = (lower[row] - float(J @ v)) / tick.dt - contact.drift(v)
-        upper[:] = np.inf
+        write_alone(self, tick, A, lower, upper)
+
+    def plan(self, site: Site) -> Plan:
+        """Coal finds the contacts, and a loop makes rows of them."""
+        from ..rows.plan import Call, Plan
+        from .kernels import rows as loops
+
+        site.bounds = True
+        shapes, rows = self.shapes(site.shared.robot), site.rows
+        contacts, bodies = np.zeros((rows, loops.CONTACT)), np.zeros((rows, 2), dtype=np.int64)
+        blocks = {name: site.frame(name) for name in dict.fromkeys(name for pair in shapes.pairs for name in pair)}
+        sides = [tuple(blocks[name].ctypes.data for name in pair) for pair in shapes.pairs]
+
+        def measure(tick: Tick) -> None:
+            for row, k in enumerate(sorted(shapes.nearest(tick.state, rows))):
+                bodies[row] = sides[k]
+                shapes.contact(k, contacts[row])
+
+        call = Call(loops.write_bodies, *told(site, [self.margin, self.gain]), contacts, bodies)
+        return Plan((call,), python=measure, why="the distances of its shapes come from Coal")
 
     def __repr__(self) -> str:
         return f"SelfCollisionLimit(margin={self.margin:g}, gain={self.gain:g}, rows={self.rows})"
 
 
-@dataclass(frozen=True, slots=True)
-class Contact:
-    """A pair of bodies at one instant: distance [m], the unit normal to the first, and both witnesses."""
-
-    distance: float
-    normal: Array
-    first: Placed
-    second: Placed
-
-    @property
-    def gradient(self) -> Array:
-        """How the distance follows the joints, shape (nv,)."""
-        return np.asarray(self.normal @ (self.first.jacobian - self.second.jacobian))
-
-    def drift(self, v: Array) -> float:
-        """Along the normal, while the joints do not accelerate [m/s^2]."""
-        return float(self.normal @ (self.first.drift(v) - self.second.drift(v)))
-
-
 class Shapes:
-    """The shapes of one robot, and which pairs of them are watched."""
+    """The shapes of one robot, and which pairs of them are watched.
+
+    Attributes
+    ----------
+    geometry : pinocchio.GeometryModel
+    pairs : list of (str, str)
+        The frames of the bodies of each pair.
+    """
 
     def __init__(self, robot: Any, asked: tuple[tuple[str, str], ...] | None, margin: float, what: str) -> None:
         if not on_pinocchio(robot):
@@ -178,7 +184,7 @@ class Shapes:
             self._data = pin.GeometryData(self.geometry)
         if not len(self):
             raise InvalidInput(f"{what}: no pair of {robot!r} is left to be kept apart; name some in pairs")
-        self._bodies = bodies
+        self.pairs = [(bodies[pair.first], bodies[pair.second]) for pair in self.geometry.collisionPairs]
         for shape in shapes:
             shape.geometry.computeLocalAABB()
         self._centres = [np.array(shape.geometry.aabb_center) for shape in shapes]
@@ -190,7 +196,7 @@ class Shapes:
 
     def names(self) -> list[str]:
         """One a pair: ``"panda_hand - panda_link0"``."""
-        return [" - ".join(self._bodies[i] for i in (p.first, p.second)) for p in self.geometry.collisionPairs]
+        return [" - ".join(pair) for pair in self.pairs]
 
     def distances(self, state: RobotState) -> Array:
         """Of all pairs [m]; negative where two overlap."""
@@ -216,13 +222,9 @@ class Shapes:
             del found[count:]
         return [k for _, k in found]
 
-    def contact(self, state: RobotState, k: int) -> Contact:
-        """One of them, as the last look at the distances found it."""
-        d, first, second, normal = self._witnesses(self._data.distanceResults[k])
-        pair, model = self.geometry.collisionPairs[k], self._robot.model
-        frames = (model.frames[self.geometry.geometryObjects[i].parentFrame].name for i in (pair.first, pair.second))
-        carried = [Placed(state.frame(name), point) for name, point in zip(frames, (first, second), strict=True)]
-        return Contact(d, normal, *carried)
+    def contact(self, k: int, out: Array) -> None:
+        """One of them, as the last look at the distances found it: the distance, the normal, and both witnesses."""
+        out[0], out[4:7], out[7:], out[1:4] = self._witnesses(self._data.distanceResults[k])
 
     def _place(self, state: RobotState) -> None:
         """Put the shapes where the joints are, whose places come with the joint Jacobians of a state."""

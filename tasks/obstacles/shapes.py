@@ -1,4 +1,4 @@
-r"""Shapes of obstacles, and where two of them are nearest.
+r"""Shapes of obstacles.
 
 Every shape is a core, the convex hull of a few points, and a radius about it: a sphere has one point, a capsule two.
 The distance of two shapes is that of their cores less both radii. In the plane z = 0 a sphere is a circle.
@@ -11,15 +11,16 @@ from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
-from .._checks import Array, finite, positive_scalar
+from .._checks import Array, finite, not_negative, positive_scalar, scalar
+from ..live import Live, number
 from ..motion.trajectories import Fixed, Trajectory, as_trajectory
 
-#: Cores nearer than this have no direction that leads from one to the other [m].
-TOUCHING = 1e-12
 
-
-class Obstacle:
+class Obstacle(Live):
     """A shape in the world.
+
+    One of your own tells its `core`, and its velocity and acceleration where it moves; it is asked at every tick,
+    unless it says by `moves` that it stands still.
 
     Attributes
     ----------
@@ -27,7 +28,10 @@ class Obstacle:
         About the core [m].
     """
 
-    radius: float
+    @number
+    def radius(self, value: float) -> float:
+        """About the core [m]; not negative."""
+        return scalar(not_negative(value, f"{self.label()}: radius", unit="m"), f"{self.label()}: radius")
 
     @property
     def moves(self) -> bool:
@@ -64,10 +68,20 @@ class Sphere(Obstacle):
     """
 
     def __init__(self, centre: ArrayLike | Trajectory, radius: float) -> None:
-        self.radius = positive_scalar(radius, "Sphere: radius", unit="m")
-        given = centre if callable(centre) else _point(centre, "Sphere: centre", flat=True)
-        self.centre = as_trajectory(given, None, "Sphere: centre")
-        _point(self.centre(0.0)[0], "Sphere: centre", flat=True)
+        self.radius, self.centre = radius, centre
+
+    @number
+    def radius(self, value: float) -> float:
+        """[m]."""
+        return positive_scalar(value, f"{self.label()}: radius", unit="m")
+
+    @number
+    def centre(self, value: ArrayLike | Trajectory) -> Trajectory:
+        """Where it is [m]."""
+        what = f"{self.label()}: centre"
+        trajectory = as_trajectory(value if callable(value) else _point(value, what, flat=True), None, what)
+        _point(trajectory(0.0)[0], what, flat=True)
+        return trajectory
 
     @property
     def moves(self) -> bool:
@@ -103,31 +117,32 @@ class Capsule(Obstacle):
     """
 
     def __init__(self, start: ArrayLike, end: ArrayLike, radius: float) -> None:
-        self.radius = positive_scalar(radius, "Capsule: radius", unit="m")
-        self._ends = np.array([_point(start, "Capsule: start"), _point(end, "Capsule: end")])
+        self.radius, self.start, self.end = radius, start, end
+
+    @number
+    def radius(self, value: float) -> float:
+        """[m]."""
+        return positive_scalar(value, f"{self.label()}: radius", unit="m")
+
+    @number
+    def start(self, value: ArrayLike) -> Array:
+        """Where the segment begins [m], shape (3,)."""
+        return _point(value, f"{self.label()}: start")
+
+    @number
+    def end(self, value: ArrayLike) -> Array:
+        """Where it ends [m], shape (3,)."""
+        return _point(value, f"{self.label()}: end")
+
+    @property
+    def moves(self) -> bool:
+        return False
 
     def core(self, t: float) -> Array:
-        return self._ends
+        return np.array([self.start, self.end])
 
     def __repr__(self) -> str:
-        return f"Capsule({self._ends[0].tolist()}, {self._ends[1].tolist()}, {self.radius:g})"
-
-
-def nearest_points(first: Array, second: Array) -> tuple[Array, Array]:
-    """Where two cores of one or two points each are nearest, a point of each, shapes (3,).
-
-    A point of the first segment that is nearest to the second is at an end, or both are inside their segments;
-    C. Ericson, Real-Time Collision Detection (2005), 5.1.9, minimises the same square in s and t.
-    """
-    a, c = first[0], second[0]
-    u, w, gap = first[-1] - a, second[-1] - c, a - c
-    uu, uw, ww, ug, wg = u @ u, u @ w, w @ w, u @ gap, w @ gap
-    across = uu * ww - uw * uw
-    # Parallel segments are nearest along a whole piece: begin in the middle of the first.
-    s = float(np.clip((uw * wg - ug * ww) / across, 0.0, 1.0)) if across > 1e-12 * uu * ww else 0.5
-    t = float(np.clip((uw * s + wg) / ww, 0.0, 1.0)) if ww > 0.0 else 0.0
-    s = float(np.clip((uw * t - ug) / uu, 0.0, 1.0)) if uu > 0.0 else 0.0
-    return a + s * u, c + t * w
+        return f"Capsule({self.start.tolist()}, {self.end.tolist()}, {self.radius:g})"
 
 
 def _point(value: ArrayLike, what: str, *, flat: bool = False) -> Array:

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from hqp import InvalidInput
 from hqp.checks import of_type
 
-from .._checks import Array, not_negative, numbers, own_numbers, per_row, position_range, positive
+from .._checks import Array, numbers, own_numbers, per_joint, per_row, position_range, positive
 from ..kernels import block as at
 from ..live import Live, number, structure
 from . import planar_dynamics as dynamics
@@ -152,7 +152,7 @@ class PlanarArm(Live):
         self.lengths = given
         self.nq = self.nv = len(given)
         self.name = of_type(name, str, "name of an arm")
-        self.masses = DENSITY * given if masses is None else self._per_joint(masses, "mass", "kg", "link")
+        self.masses = DENSITY * given if masses is None else self._per_link(masses, "mass", "kg")
         self._H = dynamics.inertia_constants(self.lengths, self.masses)
         self.position_limit, self.velocity_limit = position_limit, velocity_limit
         self.acceleration_limit, self.torque_limit = acceleration_limit, torque_limit
@@ -165,28 +165,26 @@ class PlanarArm(Live):
     @number
     def velocity_limit(self, value: ArrayLike | None) -> Array | None:
         """Largest joint speeds [rad/s], shape (n,), or None; 0 holds a joint."""
-        if value is None:
-            return None
         label = f"{self!r}: velocity limit"
-        return per_row(not_negative(value, label, unit="rad/s"), self.nv, label, "joint")
+        return None if value is None else per_joint(value, self.nv, label, unit="rad/s", zero_holds=True)
 
     @number
     def acceleration_limit(self, value: ArrayLike | None) -> Array | None:
         """Largest joint accelerations [rad/s^2], shape (n,), or None."""
-        return None if value is None else self._per_joint(value, "acceleration limit", "rad/s^2")
+        return None if value is None else per_joint(value, self.nv, f"{self!r}: acceleration limit", unit="rad/s^2")
 
     @number
     def torque_limit(self, value: ArrayLike | None) -> Array | None:
         """Largest joint torques [N m], shape (n,), or None."""
-        return None if value is None else self._per_joint(value, "torque limit", "N m")
+        return None if value is None else per_joint(value, self.nv, f"{self!r}: torque limit", unit="N m")
 
     @property
     def frame_names(self) -> tuple[str, ...]:
         """``"tip"``, and ``"link1"``, ...: the ends of the links."""
         return (TIP, *_link_names(self.nv))
 
-    def _per_joint(self, value: ArrayLike, what: str, unit: str, of: str = "joint") -> Array:
-        return per_row(positive(value, f"{self!r}: {what}", unit=unit), self.nv, f"{self!r}: {what}", of)
+    def _per_link(self, value: ArrayLike, what: str, unit: str) -> Array:
+        return per_row(positive(value, f"{self!r}: {what}", unit=unit), self.nv, f"{self!r}: {what}", "link")
 
     def points(self, q: ArrayLike) -> Array:
         """Base, joints and tip [m], shape (..., n + 1, 2)."""

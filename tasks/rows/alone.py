@@ -1,4 +1,4 @@
-"""A task that is measured by itself: for whoever asks for its error or its Jacobian at some state."""
+"""A part that is at work by itself: for whoever asks what it measures, or for its rows, at some state."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from ..robots.robot import Robot, RobotState
 from ..robots.robot import robot_of as owner
 
 if TYPE_CHECKING:
+    from ..part import Part, Tick
     from ..task import Task
 
 
@@ -124,3 +125,28 @@ def robot_of(state: RobotState) -> Robot:
 
 
 _unknown = lru_cache(maxsize=16)(Unknown)
+
+
+def write_alone(part: Part, tick: Tick, A: Array, lower: Array, upper: Array) -> None:
+    """Write the rows of a part for one tick by its own loops, in a workspace that nobody shares.
+
+    Parameters
+    ----------
+    part : Part
+    tick : Tick
+    A : array, shape (rows, nv)
+    lower, upper : array, shape (rows,)
+    """
+    from .plan import run_all
+    from .site import Site, Workspace
+
+    shared = Workspace(tick.robot, tick.order, tick.dt)
+    if tick.envelope is not None:
+        shared.envelope, shared.braking[0] = tick.envelope, tick.envelope.braking_rate(tick)
+    plan = part.plan(Site(shared, A, lower, upper))
+    for move in plan.moves:
+        move(tick.t)
+    shared.update(tick.state)
+    if plan.python is not None:
+        plan.python(tick)
+    run_all(plan.calls)

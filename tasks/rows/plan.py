@@ -35,6 +35,8 @@ LOOPS = (
     "..kernels.envelope",
     "..limits.kernels",
     "..criteria.kernels.measures",
+    "..obstacles.kernels.nearest",
+    "..obstacles.kernels.rows",
 )
 #: What a loop is told of: a size, an address, or by its address an array or a table.
 Entry: TypeAlias = "int | np.integer[Any] | NDArray[Any] | Table"

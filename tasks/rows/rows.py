@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from hqp import Hierarchy, Level
+from hqp import Hierarchy, InvalidInput, Level
 from hqp.checks import of_type
 
-from .._checks import Array, per_row
+from .._checks import Array
 from ..live import Live, reachable, watch_alone
 from ..part import Order, Part, Tick
 from ..robots.answers import at_rest
@@ -47,6 +47,7 @@ class Rows:
         self._rest = at_rest(robot)
         self.hierarchy = Hierarchy([_empty_level(level, robot, order) for level in stack.levels], n=robot.nv)
         self._own_limits = None if isinstance(robot, Live) else OwnLimits(robot)
+        self._names = [_row_names(part, robot, order) for part in stack]
         self._take_up()
         if isinstance(robot, Live):
             watch_alone(robot, self)
@@ -58,8 +59,11 @@ class Rows:
             self._take_up()
             return
         own = self._owners.get(id(part), [])
-        for changed in (self._views[k][0] for k in own):
+        for k in own:
+            changed = self._views[k][0]
             changed.check(self._robot, self._order, self._dt)
+            if _row_names(changed, self._robot, self._order) != self._names[k]:
+                raise InvalidInput(f"{changed.label()}: with another {name} it has other rows; {changed._instead}")
         if any(type(self._views[k][0]).claim is not Part.claim for k in own):
             self._take_up()  # which others go by
         else:
@@ -98,7 +102,7 @@ class Rows:
             with np.errstate(all="ignore"):  # what is infinite is refused in words
                 part.check_beside(rest)
             self.plans[k] = part, plan_of(part, site)
-            weights = per_row(part.weight, site.rows, f"{part.label()}: weight")
+            weights = part.weights(robot)
             without = np.flatnonzero(weights == 0.0)
             view, _ = self._weights[k]
             view[:], view[without] = weights, 1.0
@@ -166,3 +170,7 @@ def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order) -> Level:
     identity = np.eye(robot.nv)
     A = [identity[p.variables(robot)] if p.plain else np.zeros((p.size(robot), robot.nv)) for p in parts]
     return Level(np.concatenate(A), zeros, zeros, weights=weights, name=name, labels=labels)
+
+
+def _row_names(part: Part, robot: Robot, order: Order) -> list[str]:
+    return [label.row for label in part.labels(robot, order)]

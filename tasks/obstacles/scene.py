@@ -1,0 +1,109 @@
+"""Links and obstacles as loops read them: arrays, which those that move are written into at every tick."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hqp import InvalidInput
+
+from .._checks import Array
+from .._once import once
+from ..robots.robot import Robot
+from .shapes import Obstacle
+
+if TYPE_CHECKING:
+    from ..rows.site import Move
+    from .pairs import Pairs
+
+
+class Scene:
+    """All pairs of one robot.
+
+    Parameters
+    ----------
+    pairs : Pairs
+    robot : Robot
+    block : callable
+        Gives the block of a frame.
+    t : float
+        When the obstacles are where they are [s].
+    dt : float, optional
+        If their way within the next tick is asked for [s].
+    rates : bool
+        Whether their velocities and accelerations are.
+
+    Attributes
+    ----------
+    table : Table
+        What :mod:`tasks.obstacles.kernels.nearest` is told.
+    found : array, shape (pairs, 7)
+        Of each pair the distance, the normal and the witness.
+    moves : tuple of callable
+        Bring the obstacles up to date, by the time [s].
+    """
+
+    def __init__(
+        self,
+        pairs: Pairs,
+        robot: Robot,
+        block: Callable[[str], Array],
+        t: float = 0.0,
+        *,
+        dt: float | None = None,
+        rates: bool = False,
+    ) -> None:
+        from ..rows.plan import Table
+        from .kernels import nearest as of
+
+        blocks = Table(*(block(link.frame) for link in pairs.links))
+        ends = zip(pairs.bind(robot), pairs.links, strict=True)
+        capsules = np.array([[*end, link.radius] for end, link in ends])
+        shapes, work = np.zeros((len(pairs.obstacles), of.SHAPE)), np.zeros(21)
+        self.found = np.zeros((len(pairs), of.PAIR))
+        followed = [_follow(*own, dt, rates) for own in zip(pairs.obstacles, shapes, strict=True)]
+        for move in followed:
+            move(t)
+        self.moves: tuple[Move, ...] = tuple(
+            move for move, obstacle in zip(followed, pairs.obstacles, strict=True) if not _stands(obstacle)
+        )
+        self.table = Table(len(pairs.links), len(pairs.obstacles), blocks, capsules, shapes, self.found, work)
+
+
+def _follow(obstacle: Obstacle, shape: Array, dt: float | None, rates: bool) -> Move:
+    """What writes an obstacle into its array at a time."""
+    from .kernels import nearest as of
+
+    core = shape[of.CORE : of.VELOCITY].reshape(2, 3)
+    shift, velocity = shape[of.SHIFT : of.SHAPE], shape[of.VELOCITY : of.ACCELERATION]
+    acceleration = shape[of.ACCELERATION : of.SHIFT]
+
+    def move(t: float) -> None:
+        points = np.asarray(obstacle.core(t))
+        if points.shape not in {(1, 3), (2, 3)}:
+            raise InvalidInput(f"{obstacle.label()}: core({t:g}) has shape {points.shape}; it must be (1, 3) or (2, 3)")
+        shape[of.RADIUS], core[:] = obstacle.radius, points  # one point stands for both ends
+        if dt is not None:
+            with np.errstate(invalid="ignore", over="ignore"):  # the solver tells of it
+                shift[:] = obstacle.core(t + dt)[0] - points[0]
+        if rates:
+            velocity[:], acceleration[:] = obstacle.velocity(t), obstacle.acceleration(t)
+
+    return move
+
+
+def _stands(obstacle: Obstacle) -> bool:
+    return not (_asked(type(obstacle)) or obstacle.moves)
+
+
+@once
+def _asked(kind: type) -> bool:
+    """Whether a class of its own tells where it is, and not whether it moves: then it is asked at every tick."""
+    for cls in kind.__mro__:
+        if "moves" in vars(cls):
+            return False
+        if any(name in vars(cls) for name in ("core", "velocity", "acceleration", "radius")):
+            return True
+    raise AssertionError(kind)
