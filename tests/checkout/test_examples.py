@@ -82,7 +82,7 @@ def test_example(path: Path, tmp_path: Path):
     )
     assert done.returncode == 0, done.stderr
     assert SAYS[path.stem] in done.stdout
-    assert set(told.read_text(encoding="utf-8").splitlines()) <= IN_PYTHON.get(path.stem, set())
+    assert set(told.read_text(encoding="utf-8").splitlines()) == IN_PYTHON.get(path.stem, set())
     left = sorted(file.name for file in tmp_path.iterdir())
     assert left == pictures, "an example leaves its pictures alone, where it was told to"
     for picture in pictures:
