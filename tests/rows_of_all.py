@@ -13,7 +13,7 @@ import numpy as np
 from live_table import GROUPS, SETTINGS, Setting
 
 from hqp import InvalidInput
-from tasks import Part, Stack, load_robot
+from tasks import JointVelocityLimit, Part, load_robot
 
 DT = 0.01
 ORDERS: tuple[Any, ...] = ("velocity", "acceleration", "step")
@@ -48,7 +48,7 @@ def rows_of_all() -> dict[str, np.ndarray]:
     for name, setting, part in parts():
         for order in ORDERS:
             try:
-                rows = Stack(part).build(setting.robot, order, DT)
+                rows = (JointVelocityLimit(2.0) >> part).build(setting.robot, order, DT)
             except InvalidInput:  # it does not fit the robot or the order
                 continue
             said = " ".join(plan.why for _, plan in rows.plans)

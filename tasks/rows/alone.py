@@ -141,9 +141,8 @@ def write_alone(part: Part, tick: Tick, A: Array, lower: Array, upper: Array) ->
     from .site import Site, Workspace
 
     shared = Workspace(tick.robot, tick.order, tick.dt)
-    shared.envelope = tick.envelope
     if tick.envelope is not None:
-        shared.braking[0] = tick.envelope.braking_rate(tick)
+        shared.envelope, shared.braking[0] = tick.envelope, tick.envelope.braking_rate(tick)
     plan = part.plan(Site(shared, A, lower, upper))
     for move in plan.moves:
         move(tick.t)
