@@ -8,7 +8,6 @@ The attributes named here mean what is said here, and no others mean anything: a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import TYPE_CHECKING, Protocol, TypeGuard, TypeVar, runtime_checkable
 
 import numpy as np
@@ -334,7 +333,7 @@ def has(value: object, kind: type[T]) -> TypeGuard[T]:
     return _by_class(type(value), kind) or all(_there(value, name, method) for name, method in _members(kind))
 
 
-@lru_cache(maxsize=1024)
+@once
 def _by_class(of: type, kind: type) -> bool:
     """Whether a class has them all, so that there is nothing to ask of its objects."""
     own = [(getattr(of, name, ABSENT), method) for name, method in _members(kind)]
