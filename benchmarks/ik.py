@@ -15,8 +15,8 @@ from rich.progress import Progress
 
 from hqp import InvalidInput
 from tasks import load_robot
-from tasks._checks import writable
-from tasks._terminal import console
+from tasks.base.checks import writable
+from tasks.base.terminal import console
 from tasks.cli.command import path
 
 from .ik_methods import METHODS, TOLERANCE, Method, Outcome, Target, missing

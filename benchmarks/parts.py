@@ -14,8 +14,8 @@ from rich.console import Console
 from rich.progress import Progress
 
 from hqp import InvalidInput
-from tasks._checks import writable
-from tasks._terminal import console
+from tasks.base.checks import writable
+from tasks.base.terminal import console
 from tasks.cli.command import path
 
 from .registry import select

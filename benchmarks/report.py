@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 from hqp import InvalidInput
-from tasks._checks import writable
-from tasks._terminal import console
+from tasks.base.checks import writable
+from tasks.base.terminal import console
 from tasks.cli.command import path
 
 from .extra import required_packages

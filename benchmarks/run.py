@@ -12,8 +12,8 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from hqp import InvalidInput
-from tasks._checks import writable
-from tasks._terminal import console
+from tasks.base.checks import writable
+from tasks.base.terminal import console
 from tasks.cli.command import path
 
 from .extra import required_packages

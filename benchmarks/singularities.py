@@ -10,7 +10,7 @@ import numpy as np
 import typer
 
 from tasks import Controller, Record, simulate
-from tasks._terminal import console
+from tasks.base.terminal import console
 
 from .singular_scenes import METHODS, Scene, scenes
 from .tables import Row, show, terminal

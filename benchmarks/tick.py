@@ -12,8 +12,8 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from tasks._checks import writable
-from tasks._terminal import console
+from tasks.base.checks import writable
+from tasks.base.terminal import console
 from tasks.cli.command import path
 
 from .registry import select

@@ -9,7 +9,8 @@ from hypothesis import settings
 
 from hqp import available_backends, backend_info
 from hqp.backends import native
-from tasks import _telling, loops
+from tasks.base import loops
+from tasks.base import telling as _telling
 
 # The machines are shared: no deadline. Derandomised: a red run is red again.
 settings.register_profile("hqp", deadline=None, derandomize=True, max_examples=60)

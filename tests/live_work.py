@@ -13,7 +13,7 @@ from live_table import GROUPS, SETTINGS, Case, Made, Setting
 
 from hqp import InvalidInput
 from tasks import AtMost, Controller, JointVelocityLimit, Part, PositionTask, PostureTask
-from tasks.live import number
+from tasks.base.live import number
 
 DT = 0.01
 

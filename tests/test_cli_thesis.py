@@ -10,7 +10,7 @@ import pytest
 
 import hqp
 from tasks import cli
-from tasks._terminal import console
+from tasks.base.terminal import console
 from tasks.thesis import scenarios
 
 

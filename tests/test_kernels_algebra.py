@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from kernels import compiled, plain
 
-from tasks.kernels import algebra
+from tasks.base.kernels import algebra
 
 NAMES = ("decompose", "alone", "best_way", "root", "solve_upper", "solve_lower", "times")
 

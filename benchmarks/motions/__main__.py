@@ -10,7 +10,7 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from tasks._checks import writable
+from tasks.base.checks import writable
 from tasks.cli.command import path, run
 
 from .data import FOLDER

@@ -8,7 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from hqp import InvalidInput
-from tasks._checks import writable
+from tasks.base.checks import writable
 from tasks.cli.command import INTERRUPTED
 
 from ..checkout import HERE, front

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .._terminal import console
+from ..base.terminal import console
 
 
 def backends() -> None:

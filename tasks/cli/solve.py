@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from .._terminal import console
+from ..base.terminal import console
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .._terminal import console
+from ..base.terminal import console
 from .command import path
 
 OUTSIDE_ITS_CLASS = 1
@@ -41,7 +41,7 @@ def validate(
     from hqp import available_backends, backend_info
     from hqp.errors import InvalidInput
 
-    from .._checks import writable
+    from ..base.checks import writable
     from ..validation import report, tables
     from ..validation.results import run
 

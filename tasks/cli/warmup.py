@@ -15,8 +15,8 @@ def warmup() -> None:
     from hqp.kernels.damped import solve_damped
     from hqp.kernels.solver import solve
 
-    from .. import loops
-    from ..kernels.law import write_law
+    from ..base import loops
+    from ..rows.kernels.law import write_law
 
     if INTERPRETED:
         print("the interpreter runs all kernels, as NUMBA_DISABLE_JIT asks for: nothing is compiled")

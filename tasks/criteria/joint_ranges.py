@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 
 from hqp import InvalidInput
 
-from .._checks import Array
-from ..part import Order
+from ..base.checks import Array
 from ..robots.robot import Robot, check_positioned, joint_positions, limit_of
+from ..rows.part import Order
 from .gradient import GradientTask
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ class JointCentringTask(GradientTask):
         return slope
 
     def plan(self, site: Site) -> Plan:
-        from ..loops import Call
+        from ..base.loops import Call
         from ..rows.plan import Plan
         from .kernels.joints import write_centring
 

@@ -25,19 +25,19 @@ from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
-from .._checks import Array, finite
-from ..frame_task import FrameTask
-from ..live import number, structure
-from ..part import Order
+from ..base.checks import Array, finite
+from ..base.live import number, structure
+from ..frames.frame_task import FrameTask
 from ..robots.chain import chain_order
 from ..robots.manipulability import manipulability, velocity_ellipse
 from ..robots.robot import Robot, check_mass_matrix
-from ..task import Task
+from ..rows.part import Order
+from ..rows.task import Task
 from .dynamics import check_definite, check_fixed, root
 from .gradient import GradientTask
 
 if TYPE_CHECKING:
-    from ..loops import Entry
+    from ..base.loops import Entry
     from ..rows.plan import Plan
     from ..rows.site import Site
 
@@ -129,7 +129,7 @@ class ManipulabilityTask(_MeasureOfTask):
     measure: ClassVar[str] = "manipulability"
 
     def _loops(self, site: Site, told: tuple[Entry, ...]) -> Plan:
-        from ..loops import Call
+        from ..base.loops import Call
         from ..rows.plan import Plan
         from .kernels.measures import write_manipulability
 
@@ -233,7 +233,7 @@ class VelocityRatioTask(_MeasureOfTask):
             )
 
     def _loops(self, site: Site, told: tuple[Entry, ...]) -> Plan:
-        from ..loops import Call
+        from ..base.loops import Call
         from ..rows.plan import Plan
         from .kernels.measures import write_velocity_ratio
 

@@ -21,14 +21,14 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
-from .._checks import Array, positive, positive_scalar
-from ..live import number
-from ..part import Order, Part, Tick
+from ..base.checks import Array, positive, positive_scalar
+from ..base.live import number
 from ..robots.robot import Robot, check_mass_matrix, joint_names
+from ..rows.part import Order, Part, Tick
 from .dynamics import check_definite, root
 
 if TYPE_CHECKING:
-    from ..loops import Entry
+    from ..base.loops import Entry
     from ..rows.plan import Plan
     from ..rows.site import Site
 
@@ -105,7 +105,7 @@ class MinimumMotionTask(_LeastMotion):
         return positive(value, f"{self.label()}: weight")
 
     def plan(self, site: Site) -> Plan:
-        from ..loops import Call
+        from ..base.loops import Call
         from ..rows.plan import Plan
         from .kernels.joints import write_least_motion
 
@@ -148,7 +148,7 @@ class KineticEnergyTask(_LeastMotion):
         return np.asarray(positive_scalar(value, f"{self.label()}: weight"))
 
     def plan(self, site: Site) -> Plan:
-        from ..loops import Call
+        from ..base.loops import Call
         from ..rows.plan import Plan
         from .kernels.joints import write_kinetic_energy
 

@@ -1,4 +1,4 @@
-"""What the motors may do: rows of limits on torques. Limits of joint motion are in :mod:`tasks.kernels.envelope`."""
+"""Rows of torque limits. Those of joint motion are in :mod:`tasks.rows.kernels.envelope`."""
 
 from __future__ import annotations
 

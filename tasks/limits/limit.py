@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
-from .._checks import Array, not_negative, numbers, per_row, positive
-from ..live import number
-from ..part import PER, Order, Part
+from ..base.checks import Array, not_negative, numbers, per_row, positive
+from ..base.live import number
 from ..robots.robot import Quantity, Robot, joint_names, joint_units, limit_of
+from ..rows.part import PER, Order, Part
 
 if TYPE_CHECKING:
     from ..rows.plan import Plan

@@ -9,8 +9,8 @@ import numpy as np
 
 from hqp import InvalidInput
 
-from .._checks import Array
-from .._once import once
+from ..base.checks import Array
+from ..base.once import once
 from ..robots.robot import Robot
 from .shapes import Obstacle
 
@@ -55,7 +55,7 @@ class Scene:
         dt: float | None = None,
         rates: bool = False,
     ) -> None:
-        from ..loops import Table
+        from ..base.loops import Table
         from .kernels import nearest as of
 
         blocks = Table(*(block(link.frame) for link in pairs.links))

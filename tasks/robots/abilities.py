@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from hqp.guard import Guard
 
-from .._checks import Array
-from .._once import once
+from ..base.checks import Array
+from ..base.once import once
 from .frame import Frame
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from hqp import InvalidInput
 from hqp.checks import whole_number
 from hqp.errors import brief
 
-from .._checks import finite, numbers, position_range
+from ..base.checks import finite, numbers, position_range
 from . import abilities as able
 from .abilities import Robot, RobotState
 from .answers import (

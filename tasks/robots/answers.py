@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from hqp import InvalidInput
 from hqp.guard import Guard
 
-from .._checks import Array
+from ..base.checks import Array
 from . import abilities as able
 from .abilities import Robot, RobotState
 from .frame import Frame

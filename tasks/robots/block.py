@@ -1,12 +1,12 @@
-"""Frames as blocks of numbers, which loops read and write; see :mod:`tasks.kernels.block` for what is where."""
+"""Frames as blocks of numbers, which loops read and write; see :mod:`tasks.robots.kernels.block` for what is where."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from .._checks import Array
-from ..kernels import block as at
+from ..base.checks import Array
 from .frame import FixedFrame, Frame
+from .kernels import block as at
 
 
 def fill(block: Array, frame: Frame, v: Array, drifts: bool) -> None:
@@ -48,9 +48,9 @@ def told_by(block: Array) -> FixedFrame:
 
 
 def relative(root: Frame, frame: Frame, v: Array) -> FixedFrame:
-    """`frame` as an observer sees it who rides on `root`; see :func:`tasks.kernels.robots.relative_frame`."""
-    from ..kernels.robots import relative_frame
-    from ..loops import Call
+    """`frame` as an observer sees it who rides on `root`; see :func:`tasks.robots.kernels.frames.relative_frame`."""
+    from ..base.loops import Call
+    from .kernels.frames import relative_frame
 
     n = len(v)
     first, second, seen = np.zeros((3, at.size(n)))

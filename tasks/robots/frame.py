@@ -13,8 +13,8 @@ from typing import Protocol
 
 import numpy as np
 
-from .._checks import Array
-from ..kernels.block import NOTHING
+from ..base.checks import Array
+from .kernels.block import NOTHING
 
 
 class Frame(Protocol):

@@ -22,8 +22,8 @@ from numpy.typing import ArrayLike, NDArray
 from hqp import InvalidInput
 from hqp.checks import positive_number
 
-from .._checks import Array, finite
-from .._rank import RANK_TOLERANCE
+from ..base.checks import Array, finite
+from ..base.rank import RANK_TOLERANCE
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,8 +19,8 @@ from hqp import InvalidInput, MissingPackage
 from hqp.checks import of_type
 from hqp.guard import Guard
 
-from .._checks import Array, finite, finite_scalar, nearest, own_numbers
-from ..live import Live, number, structure
+from ..base.checks import Array, finite, finite_scalar, nearest, own_numbers
+from ..base.live import Live, number, structure
 from .robot import joint_index
 
 try:

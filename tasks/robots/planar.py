@@ -20,13 +20,13 @@ from numpy.typing import ArrayLike, NDArray
 from hqp import InvalidInput
 from hqp.checks import of_type
 
-from .._checks import Array, numbers, own_numbers, per_joint, per_row, position_range, positive
-from ..kernels import block as at
-from ..live import Live, number, structure
+from ..base.checks import Array, numbers, own_numbers, per_joint, per_row, position_range, positive
+from ..base.live import Live, number, structure
 from . import planar_dynamics as dynamics
 from .block import told_by
 from .chain import APART
 from .frame import FixedFrame
+from .kernels import block as at
 from .manipulability import manipulability
 from .planar_source import PlanarSource, block_of
 

@@ -8,12 +8,12 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from .._checks import Array
-from ..kernels import block as at
+from ..base.checks import Array
+from .kernels import block as at
 from .robot import RobotState
 
 if TYPE_CHECKING:
-    from ..loops import Call
+    from ..base.loops import Call
     from .planar import PlanarArm
     from .source import Flag
 
@@ -75,7 +75,7 @@ def block_of(arm: PlanarArm, q: Array, v: Array, name: str | None) -> Array:
 
 
 def _written(arm: PlanarArm, block: Array, drifts: Flag, q: Array, v: Array, links: int) -> Call:
-    from ..kernels.robots import planar_frame
-    from ..loops import Call
+    from ..base.loops import Call
+    from .kernels.frames import planar_frame
 
     return Call(planar_frame, arm.nv, block, drifts, arm.lengths, q, v, links)

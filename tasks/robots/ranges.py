@@ -10,8 +10,8 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
-from .._checks import LARGEST, Array, not_negative, per_joint, position_range, positive, scalar
-from .._telling import tell
+from ..base.checks import LARGEST, Array, not_negative, per_joint, position_range, positive, scalar
+from ..base.telling import tell
 from .axes import NONE, Axis, axes, kind
 from .robot import joint_index
 

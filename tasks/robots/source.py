@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from .._checks import Array
+from ..base.checks import Array
 
 if TYPE_CHECKING:
-    from ..loops import Call
+    from ..base.loops import Call
     from .abilities import RobotState
 
 #: Whether drifts and velocities are asked for, of all frames: one number, 0 or not.

@@ -1,6 +1,6 @@
 """Frame blocks of one robot, each written once a tick: by loops where the robot has some, else from its states.
 
-See :mod:`tasks.kernels.block` for what a block holds.
+See :mod:`tasks.robots.kernels.block` for what a block holds.
 """
 
 from __future__ import annotations
@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._checks import Array
-from ..kernels import block as at
+from ..base.checks import Array
 from ..robots.block import fill
+from ..robots.kernels import block as at
 from ..robots.robot import Robot, RobotState
 from ..robots.source import Flag, Source
 
 if TYPE_CHECKING:
-    from ..loops import Call
+    from ..base.loops import Call
 
 
 class StateSource:
@@ -111,8 +111,8 @@ class Blocks:
         seen = (*key, relative_to)
         if seen not in self._blocks:
             root, frame, out = self.frame(relative_to), self._blocks[key], np.zeros(at.size(self._n))
-            from ..kernels.robots import relative_frame
-            from ..loops import Call
+            from ..base.loops import Call
+            from ..robots.kernels.frames import relative_frame
 
             self._blocks[seen] = out
             self._add(Call(relative_frame, self._n, out, self.drifts, root, frame))

@@ -30,12 +30,12 @@ import numpy as np
 
 from hqp import InvalidInput
 
-from .._checks import Array, per_row
+from ..base.checks import Array, per_row
 from ..robots.robot import Quantity, Robot, limit_of
 
 if TYPE_CHECKING:
-    from ..loops import Call, Entry
-    from ..part import Tick
+    from ..base.loops import Call, Entry
+    from .part import Tick
     from .site import Site, Workspace
 
 
@@ -158,9 +158,9 @@ class Envelope:
 
     def _loop(self, shared: Workspace) -> Call:
         """The loop, told of all claims, the harder first."""
-        from ..kernels import envelope as loop
-        from ..kernels.law import ORDERS
-        from ..loops import Call, Table, address
+        from ..base.loops import Call, Table, address
+        from .kernels import envelope as loop
+        from .kernels.law import ORDERS
 
         claims = sorted(self._claims, key=lambda claim: loop.KINDS.index(claim.kind))
         numbers = [np.concatenate([claim.low, claim.high, [claim.return_speed]]) for claim in claims]

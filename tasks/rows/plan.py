@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING
 
-from .._once import once
+from ..base.once import once
 
 if TYPE_CHECKING:
-    from ..loops import Call
-    from ..part import Part, Tick
+    from ..base.loops import Call
+    from .part import Part, Tick
     from .site import Site
 
 

@@ -11,19 +11,19 @@ from numpy.typing import NDArray
 from hqp import Hierarchy, InvalidInput, Label, Level
 from hqp.checks import of_type
 
-from .._checks import Array
-from ..live import Live, reachable, watch_alone
-from ..part import Order, Part, Tick
+from ..base.checks import Array
+from ..base.live import Live, reachable, watch_alone
 from ..robots.answers import at_rest
 from ..robots.robot import Robot, RobotState
 from .description import Description, WrittenPart
 from .envelope import Envelope
 from .own_limits import OwnLimits
+from .part import Order, Part, Tick
 from .plan import Plan, plan_of
 from .site import Site, Workspace
 
 if TYPE_CHECKING:
-    from ..stack import Stack
+    from .stack import Stack
 
 
 class Rows:
@@ -53,7 +53,7 @@ class Rows:
             watch_alone(robot, self)
 
     def admit(self, part: Live, name: str) -> None:
-        """Take up what was changed in a part or the robot, or refuse it; see :class:`tasks.live.Watcher`."""
+        """Take up what was changed in a part or the robot, or refuse it; see :class:`tasks.base.live.Watcher`."""
         if id(part) == id(self._robot):
             self._check()
             self._take_up()

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import hqp
 from hqp.checks import whole_number
 
-from .._checks import writable
-from .._terminal import console
-from ..motion.record import Record
+from ..base.checks import writable
+from ..base.terminal import console
+from ..simulation.record import Record
 from .findings import Finding, measure, to_csv
 from .laws import NAMES
 from .pictures import Picture, make, pictures, refusals, subjects
