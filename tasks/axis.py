@@ -54,7 +54,8 @@ class PointingTask(FrameTask, LoopTask):
     def _pointing(self, site: Site, kernel: Any) -> Plan:
         """One loop, told of the axis and its target."""
         from .kernels.directions import work_size
-        from .rows.plan import Call, Plan
+        from .loops import Call
+        from .rows.plan import Plan
 
         target, axis = np.zeros((3, 3)), np.vstack([self.axis, self._across])
         moves = kept_up(self.target, *target)

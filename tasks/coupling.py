@@ -116,7 +116,8 @@ class JointCouplingTask(LoopTask, TargetTask):
     def plan(self, site: Site) -> Plan:
         """One loop; the target is written every tick where it moves."""
         from .kernels import joints as loops
-        from .rows.plan import Call, Plan
+        from .loops import Call
+        from .rows.plan import Plan
 
         shared, target = site.shared, np.zeros((3, 1))
         moves = kept_up(self.target, *target)

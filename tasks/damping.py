@@ -56,7 +56,8 @@ class Damping(Part):
     def plan(self, site: Site) -> Plan:
         """The bounds; the rows are those of the identity from the start."""
         from .kernels.joints import write_rest
-        from .rows.plan import Call, Plan
+        from .loops import Call
+        from .rows.plan import Plan
 
         return Plan((Call(write_rest, site.rows, site.lower, site.upper),))
 

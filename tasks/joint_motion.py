@@ -78,7 +78,8 @@ class JointMotion(Part):
     def plan(self, site: Site) -> Plan:
         """What the task asks for, as rows of its own; and the motion of least norm that does it."""
         from .kernels.joint_motion import work_size, write_alone
-        from .rows.plan import Call, plan_of
+        from .loops import Call
+        from .rows.plan import plan_of
         from .rows.site import Site
 
         rows, n = self.task.size(site.shared.robot), site.shared.n

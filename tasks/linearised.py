@@ -101,7 +101,7 @@ class Linearised:
     def _measure(self, levels: list[list[Part]], wanted: list[Part], tolerance: Array) -> None:
         """Which rows make up the error of a task in one unit, that of the goal and of a level, and what is small."""
         from .kernels.steps import judge
-        from .rows.plan import Call
+        from .loops import Call
 
         group, level_of, goal = list[int](), list[int](), list[bool]()
         self._names: list[tuple[str, str]] = []

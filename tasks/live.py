@@ -42,6 +42,8 @@ Kept = TypeVar("Kept")
 
 #: The default of structure that has none.
 NONE_GIVEN: Any = object()
+#: What most attributes are, and no live object is in.
+HOLD_NOTHING = frozenset({np.ndarray, str, float, int, bool, type(None)})
 
 
 class number(Generic[Given, Kept]):  # noqa: N801  # a decorator, like property
@@ -264,14 +266,17 @@ def reachable(root: object) -> Iterator[Live]:
     rest: list[object] = [root]
     while rest:
         value = rest.pop()
-        if isinstance(value, tuple | list):
+        if type(value) in HOLD_NOTHING:
+            continue
+        if isinstance(value, Live):
+            if id(value) not in seen:
+                seen.add(id(value))
+                yield value
+                rest.extend(reversed(list(vars(value).values())))
+        elif isinstance(value, tuple | list):
             rest.extend(reversed(value))
         elif isinstance(value, Mapping):
             rest.extend(reversed(list(value.values())))
-        elif isinstance(value, Live) and id(value) not in seen:
-            seen.add(id(value))
-            yield value
-            rest.extend(reversed(list(vars(value).values())))
 
 
 def _kept(value: Any) -> Any:

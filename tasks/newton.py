@@ -61,7 +61,8 @@ class Room(Part):
     def plan(self, site: Site) -> Plan:
         """Nothing every tick: how far to go is known only when the state has been judged; see :meth:`open`."""
         from .kernels.steps import open_room
-        from .rows.plan import Call, Plan
+        from .loops import Call
+        from .rows.plan import Plan
 
         shared = site.shared
         places = shared.places.astype(np.int64)

@@ -89,7 +89,8 @@ class PlaceTask(FrameTask, LoopTask):
     def plan(self, site: Site) -> Plan:
         """One loop; the target is written every tick where it moves."""
         from .kernels import frames as loops
-        from .rows.plan import Call, Plan
+        from .loops import Call
+        from .rows.plan import Plan
 
         target = np.zeros(loops.TARGET_SIZE)
         moves = self._keep_up(target)

@@ -85,7 +85,8 @@ class PlaneTask(FrameTask, LoopTask):
     def plan(self, site: Site) -> Plan:
         """One loop; the distance is written every tick where it moves."""
         from .kernels.directions import write_plane
-        from .rows.plan import Call, Plan
+        from .loops import Call
+        from .rows.plan import Plan
 
         target = np.zeros((3, 1))
         moves = kept_up(self.target, *target)

@@ -99,7 +99,8 @@ class PostureTask(LoopTask, TargetTask):
     def plan(self, site: Site) -> Plan:
         """One loop; Python measures the way of joints whose steps are no differences of numbers."""
         from .kernels import joints as loops
-        from .rows.plan import Call, Plan
+        from .loops import Call
+        from .rows.plan import Plan
 
         shared, own = site.shared, self.variables(site.shared.robot)
         if site.A is not None:

@@ -31,10 +31,11 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 
 from ._checks import Array, positive_scalar
+from ._rank import RANK_TOLERANCE
 from .criteria.gradient import STEP
 from .live import number, structure
 from .part import Order, Part, Tick
-from .robots.manipulability import RANK_TOLERANCE, manipulability
+from .robots.manipulability import manipulability
 from .robots.robot import Robot, RobotState, integrate
 from .task import Task
 
@@ -121,7 +122,8 @@ class Reconstructed(Part):
 
     def plan(self, site: Site) -> Plan:
         """Both tasks as they plan it; then Python slows the rows of this one."""
-        from .rows.plan import Plan, plan_of, run_all
+        from .loops import run_all
+        from .rows.plan import Plan, plan_of
         from .rows.site import Site
 
         plans, above = [plan_of(self.task, site)], None

@@ -123,7 +123,8 @@ class Task(Part):
         if type(self).write is not Part.write:
             return super().python_plan(site)
         from .kernels.law import write_law
-        from .rows.plan import Call, Plan
+        from .loops import Call
+        from .rows.plan import Plan
 
         error, rate, change, drift, now = site.measured
 

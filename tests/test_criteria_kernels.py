@@ -33,12 +33,12 @@ from tasks.criteria.kernels import joints, measures
 from tasks.criteria.kernels.joints import write_kinetic_energy
 from tasks.kernels import algebra, block, frames, gradient, law, rotation
 from tasks.kernels.frames import LOCAL, SPATIAL, WORLD
+from tasks.loops import Call
 from tasks.part import Tick
 from tasks.robots.block import fill, relative
 from tasks.robots.chain import APART, chain_order, closed_form
 from tasks.robots.robot import integrate
 from tasks.rotations import exp
-from tasks.rows.plan import Call
 from tasks.rows.rows import Rows
 
 pin = pytest.importorskip("pinocchio")

@@ -16,7 +16,7 @@ from live_work import Alive, as_it_is, seen
 
 from hqp import InvalidInput
 from tasks import Controller, JointVelocityLimit, PostureTask
-from tasks.rows.plan import Call
+from tasks.loops import Call
 
 #: A number that no row has.
 POISON = 1.2345678e77

@@ -15,8 +15,8 @@ def warmup() -> None:
     from hqp.kernels.damped import solve_damped
     from hqp.kernels.solver import solve
 
+    from .. import loops
     from ..kernels.law import write_law
-    from ..rows import plan
 
     if INTERPRETED:
         print("the interpreter runs all kernels, as NUMBA_DISABLE_JIT asks for: nothing is compiled")
@@ -24,7 +24,7 @@ def warmup() -> None:
     kernels = (
         ("native", native.warm_up, solve),
         ("damped", native.warm_up_damped, solve_damped),
-        ("rows", plan.warm_up, write_law),
+        ("rows", loops.warm_up, write_law),
     )
     for name, warm_up, kernel in kernels:
         start = perf_counter()

@@ -27,7 +27,8 @@ from ..part import Part, Tick
 from ..robots.robot import Robot, base, integration
 
 if TYPE_CHECKING:
-    from ..rows.plan import Entry, Plan
+    from ..loops import Entry
+    from ..rows.plan import Plan
     from ..rows.site import Site
 
 #: Of the central differences [rad, m]: truncation and round-off are both about 1e-10 of H.
@@ -113,7 +114,8 @@ class GradientTask(Part):
         """Its gradient by the methods above; the law is that of all gradients."""
         if type(self).write is not Part.write:
             return super().python_plan(site)
-        from ..rows.plan import Call, Plan
+        from ..loops import Call
+        from ..rows.plan import Plan
         from .kernels.joints import write_gradient
 
         slope = np.zeros(site.shared.n)

@@ -81,7 +81,8 @@ class JointCentringTask(GradientTask):
         return slope
 
     def plan(self, site: Site) -> Plan:
-        from ..rows.plan import Call, Plan
+        from ..loops import Call
+        from ..rows.plan import Plan
         from .kernels.joints import write_centring
 
         shared, own = site.shared, self.variables(site.shared.robot)

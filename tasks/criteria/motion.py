@@ -28,7 +28,8 @@ from ..robots.robot import Robot, check_mass_matrix, joint_names
 from .dynamics import check_definite, root
 
 if TYPE_CHECKING:
-    from ..rows.plan import Entry, Plan
+    from ..loops import Entry
+    from ..rows.plan import Plan
     from ..rows.site import Site
 
 
@@ -104,7 +105,8 @@ class MinimumMotionTask(_LeastMotion):
         return positive(value, f"{self.label()}: weight")
 
     def plan(self, site: Site) -> Plan:
-        from ..rows.plan import Call, Plan
+        from ..loops import Call
+        from ..rows.plan import Plan
         from .kernels.joints import write_least_motion
 
         return Plan((Call(write_least_motion, *self._law(site)),))
@@ -146,7 +148,8 @@ class KineticEnergyTask(_LeastMotion):
         return np.asarray(positive_scalar(value, f"{self.label()}: weight"))
 
     def plan(self, site: Site) -> Plan:
-        from ..rows.plan import Call, Plan
+        from ..loops import Call
+        from ..rows.plan import Plan
         from .kernels.joints import write_kinetic_energy
 
         assert site.A is not None  # its rows are not plain

@@ -123,7 +123,8 @@ class MinimumTorqueTask(Part):
         return [Label(self.name, name, "N" if unit == "m" else "N m") for name, unit in rows]
 
     def plan(self, site: Site) -> Plan:
-        from ..rows.plan import Call, Plan
+        from ..loops import Call
+        from ..rows.plan import Plan
         from .kernels.joints import write_minimum_torque
 
         assert site.A is not None  # its rows are not plain

@@ -16,7 +16,7 @@ import math
 
 from hqp.kernels.compile import inner
 
-from ..robots.manipulability import RANK_TOLERANCE
+from .._rank import RANK_TOLERANCE
 
 #: Cosine between two rows that counts as a right angle; the share of the longest row, squared, that is round-off.
 RIGHT_ANGLE, ROUND_OFF = 2e-15, 1e-31

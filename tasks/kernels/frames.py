@@ -137,8 +137,6 @@ def write_place(here):
             else:
                 A[r * n + s - count] = entry
     if law[of.DRIFTS] != 0:
-        for k in range(6):
-            work[k] = 0.0
         turning(axes, block, work)
         for r in range(rows):
             for s in range(of.CHANGE, of.DRIFT + 1):

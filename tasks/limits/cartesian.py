@@ -20,7 +20,6 @@ from ..plane import PlaneTask
 from ..pose import PoseTask
 from ..position import PositionTask
 from ..robots.robot import Robot
-from .limit import free
 
 if TYPE_CHECKING:
     from ..rows.plan import Plan
@@ -103,8 +102,9 @@ class FrameVelocityLimit(Part):
 
     def plan(self, site: Site) -> Plan:
         """One loop; a step of inverse kinematics has no speed."""
-        from ..rows.plan import Call, Plan
-        from . import kernels as loops
+        from ..kernels import speed as loops
+        from ..loops import Call
+        from ..rows.plan import Plan, free
 
         if site.shared.order == "step":
             return free(site)

@@ -135,11 +135,3 @@ def largest(part: Part, given: Array | None, robot: Robot, quantity: Quantity, u
             f" give one in {unit}: {type(part).__name__}(3.0)"
         )
     return per_row(np.asarray(limit), robot.nv, f"{part.label()}: limit", "joint")
-
-
-def free(site: Site) -> Plan:
-    """The plan of a limit that says nothing at this order: its rows have no bounds."""
-    from ..rows.plan import Plan
-
-    site.lower[:], site.upper[:] = -np.inf, np.inf
-    return Plan()

@@ -114,7 +114,8 @@ class AvoidanceTask(Part):
 
     def plan(self, site: Site) -> Plan:
         """One loop: all pairs, and the row of the nearest; obstacles are asked where they move."""
-        from ..rows.plan import Call, Plan
+        from ..loops import Call
+        from ..rows.plan import Plan
         from .kernels import rows as loops
 
         scene = Scene(self.pairs, site.shared.robot, site.frame, rates=True)

@@ -51,7 +51,8 @@ from .scene import Scene
 from .shapes import Obstacle
 
 if TYPE_CHECKING:
-    from ..rows.plan import Entry, Plan
+    from ..loops import Entry
+    from ..rows.plan import Plan
     from ..rows.site import Site
 
 
@@ -157,7 +158,8 @@ class DistanceLimit(Part):
 
     def plan(self, site: Site) -> Plan:
         """One loop: all pairs, the nearest of them, and their rows; obstacles are asked where they move."""
-        from ..rows.plan import Call, Plan
+        from ..loops import Call
+        from ..rows.plan import Plan
         from .kernels import rows as loops
 
         robot, n = site.shared.robot, site.shared.n

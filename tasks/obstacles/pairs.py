@@ -78,8 +78,8 @@ class Pairs(Live):
         the link, and the witness is the point of the link's core that is nearest.
         """
         from ..kernels.block import size
+        from ..loops import Call
         from ..robots.block import fill
-        from ..rows.plan import Call
         from .kernels.nearest import measure_pairs
         from .scene import Scene
 

@@ -55,7 +55,7 @@ class Scene:
         dt: float | None = None,
         rates: bool = False,
     ) -> None:
-        from ..rows.plan import Table
+        from ..loops import Table
         from .kernels import nearest as of
 
         blocks = Table(*(block(link.frame) for link in pairs.links))

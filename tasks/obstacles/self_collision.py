@@ -128,7 +128,8 @@ class SelfCollisionLimit(Part):
 
     def plan(self, site: Site) -> Plan:
         """Coal finds the contacts, and a loop makes rows of them."""
-        from ..rows.plan import Call, Plan
+        from ..loops import Call
+        from ..rows.plan import Plan
         from .kernels import rows as loops
 
         site.bounds = True

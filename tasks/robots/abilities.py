@@ -8,6 +8,7 @@ The attributes named here mean what is said here, and no others mean anything: a
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING, Protocol, TypeGuard, TypeVar, runtime_checkable
 
 import numpy as np
@@ -20,7 +21,7 @@ from .._once import once
 from .frame import Frame
 
 if TYPE_CHECKING:
-    from ..rows.blocks import Source
+    from .source import Source
 
 T = TypeVar("T")
 
@@ -330,7 +331,14 @@ def has(value: object, kind: type[T]) -> TypeGuard[T]:
 
     As ``isinstance`` says, which takes microseconds where Python is old, and asks properties for their values.
     """
-    return all(_there(value, name, method) for name, method in _members(kind))
+    return _by_class(type(value), kind) or all(_there(value, name, method) for name, method in _members(kind))
+
+
+@lru_cache(maxsize=1024)
+def _by_class(of: type, kind: type) -> bool:
+    """Whether a class has them all, so that there is nothing to ask of its objects."""
+    own = [(getattr(of, name, ABSENT), method) for name, method in _members(kind)]
+    return all(value is not ABSENT and not (method and value is None) for value, method in own)
 
 
 def _there(value: object, name: str, method: bool) -> bool:

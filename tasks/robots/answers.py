@@ -63,7 +63,7 @@ def state_abilities(state: RobotState) -> frozenset[type]:
 
 def on_pinocchio(robot: object) -> TypeGuard[PinocchioRobot]:
     """Whether this is a robot of Pinocchio, and not one of somebody's own that happens to have a model."""
-    module = sys.modules.get("tasks.robots.pinocchio")  # there is none without it
+    module = sys.modules.get(f"{__package__}.pinocchio")  # there is none without it
     return module is not None and isinstance(robot, module.PinocchioRobot)
 
 
@@ -119,7 +119,7 @@ def difference(robot: Robot, start: Array, end: Array) -> Array:
 
 def is_flat(robot: Robot) -> bool:
     """Whether the step from one configuration to another is what their numbers differ by."""
-    return robot.nq == robot.nv and not isinstance(robot, able.Manifold)
+    return robot.nq == robot.nv and not able.has(robot, able.Manifold)
 
 
 def _check_flat(robot: Robot) -> None:
@@ -210,7 +210,7 @@ def limits_reader(robot: Robot) -> Callable[[], tuple[ArrayLike | None, ...]]:
         "acceleration_limit": able.AccelerationLimited,
         "torque_limit": able.TorqueLimited,
     }
-    readers = [attrgetter(name) for name, kind in kinds.items() if isinstance(robot, kind)]
+    readers = [attrgetter(name) for name, kind in kinds.items() if able.has(robot, kind)]
     return lambda: tuple(read(robot) for read in readers)
 
 

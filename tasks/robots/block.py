@@ -50,7 +50,7 @@ def told_by(block: Array) -> FixedFrame:
 def relative(root: Frame, frame: Frame, v: Array) -> FixedFrame:
     """`frame` as an observer sees it who rides on `root`; see :func:`tasks.kernels.robots.relative_frame`."""
     from ..kernels.robots import relative_frame
-    from ..rows.plan import Call
+    from ..loops import Call
 
     n = len(v)
     first, second, seen = np.zeros((3, at.size(n)))

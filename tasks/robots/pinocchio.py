@@ -151,6 +151,7 @@ class PinocchioRobot(Live):
         self._columns = np.flatnonzero(places != NONE)
         self._places = places[self._columns]
         self._frames: dict[str | None, int] = {}
+        self._support: dict[int, list[tuple[int, int]]] = {}
         self.guard = Guard(f"the workspace of {self!r}")
         self._rooms: Mapping[str, Room] = rooms or {}
         self._loaded = rooms is not None
@@ -354,8 +355,12 @@ class PinocchioRobot(Live):
     def support(self, joint: int) -> list[tuple[int, int]]:
         """What moves that which a joint of the model carries: columns of Pinocchio's Jacobian of the joints, and the
         velocity of each. A joint that follows another one has a column of its own, and the velocity of that one."""
-        joints = [self.model.joints[i] for i in self.model.supports[joint]][1:]
-        return [(joint.idx_vExtended + i, joint.idx_v + i) for joint in joints for i in range(joint.nvExtended)]
+        found = self._support.get(joint)
+        if found is None:
+            joints = [self.model.joints[i] for i in self.model.supports[joint]][1:]
+            found = [(joint.idx_vExtended + i, joint.idx_v + i) for joint in joints for i in range(joint.nvExtended)]
+            self._support[joint] = found
+        return found
 
     def chain_order(self, frame: str | None, relative_to: str | None = None) -> NDArray[np.int64] | None:
         """The place of every velocity in the chain to a frame; see :func:`tasks.robots.chain.chain_order`."""

@@ -10,10 +10,10 @@ import pinocchio as pin
 from .._checks import Array
 
 if TYPE_CHECKING:
-    from ..rows.blocks import Flag
-    from ..rows.plan import Call
+    from ..loops import Call
     from .pinocchio import PinocchioRobot
     from .pinocchio_state import PinocchioState
+    from .source import Flag
 
 
 class PinocchioSource:
@@ -36,7 +36,7 @@ class PinocchioSource:
 
     def frame(self, name: str | None, block: Array, drifts: Flag) -> Call:
         from ..kernels.robots import joint_frame
-        from ..rows.plan import Call
+        from ..loops import Call
 
         robot, data = self._robot, self._data
         frame = self._model.frames[robot.frame_index(name)]
@@ -62,7 +62,7 @@ class PinocchioSource:
 
     def center_of_mass(self, block: Array, drifts: Flag) -> Call:
         from ..kernels.robots import point_frame
-        from ..rows.plan import Call
+        from ..loops import Call
 
         self._centre = True
         self._compute_centre(True)  # which lays out the arrays
@@ -74,7 +74,7 @@ class PinocchioSource:
             self._matrices.append(M)
             return None
         from ..kernels.robots import symmetric
-        from ..rows.plan import Call
+        from ..loops import Call
 
         self._inertia = True
         pin.crba(self._model, self._data, self._robot.neutral)

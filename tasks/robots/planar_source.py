@@ -13,9 +13,9 @@ from ..kernels import block as at
 from .robot import RobotState
 
 if TYPE_CHECKING:
-    from ..rows.blocks import Flag
-    from ..rows.plan import Call
+    from ..loops import Call
     from .planar import PlanarArm
+    from .source import Flag
 
 
 class PlanarSource:
@@ -76,6 +76,6 @@ def block_of(arm: PlanarArm, q: Array, v: Array, name: str | None) -> Array:
 
 def _written(arm: PlanarArm, block: Array, drifts: Flag, q: Array, v: Array, links: int) -> Call:
     from ..kernels.robots import planar_frame
-    from ..rows.plan import Call
+    from ..loops import Call
 
     return Call(planar_frame, arm.nv, block, drifts, arm.lengths, q, v, links)

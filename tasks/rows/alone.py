@@ -137,7 +137,7 @@ def write_alone(part: Part, tick: Tick, A: Array, lower: Array, upper: Array) ->
     A : array, shape (rows, nv)
     lower, upper : array, shape (rows,)
     """
-    from .plan import run_all
+    from ..loops import run_all
     from .site import Site, Workspace
 
     shared = Workspace(tick.robot, tick.order, tick.dt)

@@ -5,39 +5,18 @@ See :mod:`tasks.kernels.block` for what a block holds.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .._checks import Array
 from ..kernels import block as at
 from ..robots.block import fill
 from ..robots.robot import Robot, RobotState
+from ..robots.source import Flag, Source
 
 if TYPE_CHECKING:
-    from .plan import Call
-
-#: Whether drifts and velocities are asked for, of all frames: one number, 0 or not.
-Flag: TypeAlias = NDArray[np.int64]
-
-
-class Source(Protocol):
-    """Where the numbers of frames come from, tick after tick."""
-
-    def frame(self, name: str | None, block: Array, drifts: Flag) -> Call | None:
-        """Begin to keep the block of a frame; the loop that does, or None if :meth:`update` does it itself."""
-        ...
-
-    def center_of_mass(self, block: Array, drifts: Flag) -> Call | None: ...
-
-    def mass_matrix(self, M: Array) -> Call | None: ...
-
-    def bias(self, b: Array) -> None: ...
-
-    def update(self, state: RobotState, drifts: bool) -> None:
-        """Have ready what the loops read, at this state."""
-        ...
+    from ..loops import Call
 
 
 class StateSource:
@@ -133,7 +112,7 @@ class Blocks:
         if seen not in self._blocks:
             root, frame, out = self.frame(relative_to), self._blocks[key], np.zeros(at.size(self._n))
             from ..kernels.robots import relative_frame
-            from .plan import Call
+            from ..loops import Call
 
             self._blocks[seen] = out
             self._add(Call(relative_frame, self._n, out, self.drifts, root, frame))

@@ -34,8 +34,8 @@ from .._checks import Array, per_row
 from ..robots.robot import Quantity, Robot, limit_of
 
 if TYPE_CHECKING:
+    from ..loops import Call, Entry
     from ..part import Tick
-    from .plan import Call, Entry
     from .site import Site, Workspace
 
 
@@ -160,7 +160,7 @@ class Envelope:
         """The loop, told of all claims, the harder first."""
         from ..kernels import envelope as loop
         from ..kernels.law import ORDERS
-        from .plan import Call, Table, address
+        from ..loops import Call, Table, address
 
         claims = sorted(self._claims, key=lambda claim: loop.KINDS.index(claim.kind))
         numbers = [np.concatenate([claim.low, claim.high, [claim.return_speed]]) for claim in claims]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from hqp import Hierarchy, InvalidInput, Level
+from hqp import Hierarchy, InvalidInput, Label, Level
 from hqp.checks import of_type
 
 from .._checks import Array
@@ -162,7 +162,10 @@ def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order) -> Level:
     """One level without numbers yet: plain bounds if all its parts are plain, rows otherwise."""
     name = " + ".join(of_type(part.name, str, f"name of a {type(part).__name__}") for part in parts)
     weights = np.ones(sum(part.size(robot) for part in parts))
-    labels = [label for part in parts for label in part.labels(robot, order)]
+
+    def labels() -> list[Label]:
+        return [label for part in parts for label in part.labels(robot, order)]
+
     zeros = np.zeros(len(weights))
     if all(part.plain for part in parts):
         indices = np.concatenate([p.variables(robot) for p in parts])

@@ -12,13 +12,14 @@ from ..motion.turns import stands_still
 from ..robots import abilities as able
 from ..robots.answers import at_rest, joint_reader
 from ..robots.robot import Robot, RobotState, is_flat
-from .blocks import Blocks, Source, StateSource
+from ..robots.source import Source
+from .blocks import Blocks, StateSource
 from .envelope import Envelope
 
 if TYPE_CHECKING:
+    from ..loops import Table
     from ..part import Order
     from ..task import Task
-    from .plan import Table
 
 #: Brings a target up to date, by the time [s].
 Move = Callable[[float], None]
@@ -132,7 +133,7 @@ class Site:
     def law(self, task: Task) -> Table:
         """What the law of a task is told of; see :mod:`tasks.kernels.law`."""
         from ..kernels import law as of
-        from .plan import Table
+        from ..loops import Table
 
         rows, what, shared = self.rows, task.label(), self.shared
         gain = per_row(task.gain, rows, f"{what}: gain")

@@ -7,7 +7,8 @@ import math
 from hqp.kernels.compile import entry, inner, stamp
 from hqp.kernels.memory import floats, ints
 
-from ...kernels.algebra import RANK_TOLERANCE, decompose, fill
+from ..._rank import RANK_TOLERANCE
+from ...kernels.algebra import decompose, fill
 from ...kernels.block import JACOBIAN
 from ...kernels.frames import LOCAL, WORLD, along
 from ...kernels.gradient import add_outer, gradient, jacobian
