@@ -296,7 +296,12 @@ def check_rows(robot, part, order, atol):
         rows.fill(state, 0.7)
         A = None if level.A is None else np.zeros_like(level.A)
         lower, upper = np.zeros((2, len(level.lower)))
-        part.write(Tick(robot, state, 0.7, order, None), A, lower, upper)
+        if isinstance(part, GradientTask):
+            K, slope = part.gain, part.gradient(robot, q, 0.7)[part.variables(robot)] * (-1.0 if part.descend else 1.0)
+            v = state.v[part.variables(robot)]
+            lower[:] = K * slope if order == "velocity" else K**2 * slope - 2.0 * K * v
+        else:
+            part.write(Tick(robot, state, 0.7, order, None), A, lower, upper)
         np.testing.assert_allclose(level.lower, lower, rtol=atol, atol=atol)
         np.testing.assert_array_equal(level.upper, level.lower)
         if A is not None:

@@ -27,7 +27,6 @@ from tasks import (
     planar_links,
     simulate,
 )
-from tasks.base.rotations import cross
 from tasks.obstacles.links import axes
 from tasks.obstacles.pairs import Pairs
 
@@ -167,7 +166,7 @@ def test_drifts_are_those_of_the_nearest_point_on_its_link():
             sides = []
             for side in (h, -h):
                 there = robot.at(q + side * v, v).frame(frame)
-                sides.append(n @ (there.linear - cross(axes(there) @ local, there.angular)))
+                sides.append(n @ (there.linear - np.cross(axes(there) @ local, there.angular, axisb=0).T))
             compared += 1
             np.testing.assert_allclose((end[k] - now) / DT - least[k], (sides[0] - sides[1]) @ v / (2 * h), atol=1e-5)
     assert compared > 20

@@ -32,6 +32,11 @@ inner = njit(fastmath=FAST, error_model="numpy", nogil=True, no_cpython_wrapper=
 step = njit(inline="always", fastmath=FAST, error_model="numpy", nogil=True, _nrt=False)
 
 
+def plain(kernel):
+    """The loop for the interpreter, which on a few numbers is quicker; it must not call others."""
+    return getattr(kernel, "py_func", kernel)
+
+
 def entry(function):
     """For what Python calls: kept on disk, if anywhere, and run without the interpreter's lock."""
     try:

@@ -90,4 +90,4 @@ def warm_up() -> bool:
     home = Path(__file__).parents[1]
     for path in sorted({*home.rglob("kernels.py"), *home.rglob("kernels/*.py")}):
         import_module(".".join((package, *path.relative_to(home).with_suffix("").parts)).removesuffix(".__init__"))
-    return sum(make_ready(kernel, WHAT, SIGNATURE) for kernel in entries(package)) > 0  # type: ignore[no-untyped-call]
+    return sum(make_ready(kernel, WHAT, SIGNATURE) for kernel in entries(package)) > 0

@@ -76,9 +76,11 @@ def log(R: Array) -> Array:
 @cache
 def _rotation_vector() -> Callable[[list[float], list[float], int], None]:
     """The formula that loops have; nine numbers are too few for a call of a compiled one."""
+    from hqp.kernels.compile import plain
+
     from .kernels.rotation import rotation_vector
 
-    found: Callable[[list[float], list[float], int], None] = getattr(rotation_vector, "py_func", rotation_vector)
+    found: Callable[[list[float], list[float], int], None] = plain(rotation_vector)  # type: ignore[no-untyped-call]
     return found
 
 
@@ -177,13 +179,6 @@ def from_quaternion(x: float, y: float, z: float, w: float) -> Array:
             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
         ]
     )
-
-
-def cross(vector: Array, columns: Array) -> Array:
-    """``vector x column`` for every column, shape (3, k)."""
-    x, y, z = vector
-    a, b, c = columns
-    return np.array([y * c - z * b, z * a - x * c, x * b - y * a])
 
 
 def perpendicular(axis: Array) -> Array:

@@ -28,6 +28,7 @@ from ..rows.part import Part, Tick
 
 if TYPE_CHECKING:
     from ..base.loops import Entry
+    from ..rows.plan import Plan
     from ..rows.site import Site
 
 #: Of the central differences [rad, m]: truncation and round-off are both about 1e-10 of H.
@@ -109,16 +110,21 @@ class GradientTask(Part):
         slope[own] = (ahead - behind) / (2.0 * STEP)
         return slope
 
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        own = self.variables(tick.robot)
-        climb = self.gradient(tick.robot, tick.state.q, tick.t)[own]
-        if self.descend:
-            climb = -climb
-        if tick.order == "acceleration":
-            lower[:] = self.gain**2 * climb - 2.0 * self.gain * tick.state.v[own]
-        else:
-            lower[:] = self.gain * climb
-        upper[:] = lower
+    def python_plan(self, site: Site) -> Plan:
+        """Its gradient by the methods above; the law is that of all gradients."""
+        if type(self).write is not Part.write:
+            return super().python_plan(site)
+        from ..base.loops import Call
+        from ..rows.plan import Plan
+        from .kernels.joints import write_gradient
+
+        slope = np.zeros(site.shared.n)
+
+        def measure(tick: Tick) -> None:
+            slope[:] = self.gradient(tick.robot, tick.state.q, tick.t)
+
+        call = Call(write_gradient, *self.law(site), slope)
+        return Plan((call,), python=measure, why=f"{type(self).__name__} is measured in Python")
 
     def law(self, site: Site) -> tuple[Entry, ...]:
         """What every loop of a gradient is told first; see :mod:`tasks.criteria.kernels.joints`."""

@@ -64,15 +64,20 @@ class JointCentringTask(GradientTask):
 
     def value(self, robot: Robot, q: Array, t: float = 0.0) -> float:
         """H, between 0 and 1 inside the ranges."""
-        away, _ = self._away(robot, q)
-        return float(np.mean(away**2))
+        low, high = self._ends(robot)
+        here = joint_positions(robot.at(q, np.zeros(robot.nv)))[self.variables(robot)]
+        return float(np.mean(((2.0 * here - high - low) / (high - low)) ** 2))
 
     def gradient(self, robot: Robot, q: Array, t: float = 0.0) -> Array:
         """dH/dq [1/rad, 1/m], shape (nv,), in closed form."""
+        from hqp.kernels.compile import plain
+
+        from .kernels.joints import centring
+
         own = self.variables(robot)
-        away, half = self._away(robot, q)
-        slope = np.zeros(robot.nv)
-        slope[own] = 2.0 * away / (len(own) * half)
+        positions, slope = joint_positions(robot.at(q, np.zeros(robot.nv))), np.zeros(robot.nv)
+        loop = plain(centring)  # type: ignore[no-untyped-call]
+        loop(len(own), own, own, positions, self._ends(robot).ravel(), slope)
         return slope
 
     def plan(self, site: Site) -> Plan:
@@ -81,19 +86,13 @@ class JointCentringTask(GradientTask):
         from .kernels.joints import write_centring
 
         shared, own = site.shared, self.variables(site.shared.robot)
-        ranges = limit_of(shared.robot, "position")
-        assert ranges is not None  # checked
-        places, ends = shared.places[own].astype(np.int64), ranges[:, own].copy()
+        places, ends = shared.places[own].astype(np.int64), self._ends(shared.robot)
         slope = np.zeros(shared.n)
         told = len(shared.positions), shared.positions, places, ends, slope
         return Plan((Call(write_centring, *self.law(site), *told),))
 
-    def _away(self, robot: Robot, q: Array) -> tuple[Array, Array]:
-        """How far the joints are from the middle, in halves of their range; and these halves [rad, m]."""
-        own = self.variables(robot)
+    def _ends(self, robot: Robot) -> Array:
+        """Lowest and highest position of each row, shape (2, rows)."""
         ranges = limit_of(robot, "position")
         assert ranges is not None  # checked
-        low, high = ranges[:, own]
-        half = 0.5 * (high - low)
-        here = joint_positions(robot.at(q, np.zeros(robot.nv)))[own]
-        return (here - 0.5 * (high + low)) / half, half
+        return ranges[:, self.variables(robot)].copy()

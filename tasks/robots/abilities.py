@@ -330,7 +330,8 @@ def has(value: object, kind: type[T]) -> TypeGuard[T]:
 
     As ``isinstance`` says, which takes microseconds where Python is old, and asks properties for their values.
     """
-    return _by_class(type(value), kind) or all(_there(value, name, method) for name, method in _members(kind))
+    by_class = _by_class(type(value), kind)
+    return by_class or all(_there(value, name, method) for name, method in _members(kind))
 
 
 @once

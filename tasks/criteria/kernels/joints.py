@@ -38,16 +38,31 @@ def climb(here, slope):
 
 @stamp
 @entry
-def write_centring(here):
+def write_gradient(here):
+    """Any gradient, which somebody has measured."""
+    told = ints(here, 0, CLIMB + 1)
+    climb(here, floats(told[CLIMB], 0, told[UNKNOWNS]))
+    return 0
+
+
+@inner
+def centring(count, columns, places, positions, ends, slope):
     r"""The gradient of the mean squared distance from the middle of the ranges: :math:`2 (q - m) / (n h^2)`."""
+    for k in range(count):
+        half, middle = 0.5 * (ends[count + k] - ends[k]), 0.5 * (ends[count + k] + ends[k])
+        slope[columns[k]] = 2.0 * ((positions[places[k]] - middle) / half) / (count * half)
+
+
+@stamp
+@entry
+def write_centring(here):
+    """The way to the middle of the ranges."""
     told = ints(here, 0, SLOPE + 1)
     count = told[COUNT]
     columns, places = ints(told[COLUMNS], 0, count), ints(told[PLACES], 0, count)
     positions, ends = floats(told[POSITIONS], 0, told[POSITIONS_SIZE]), floats(told[RANGE], 0, 2 * count)
     slope = floats(told[SLOPE], 0, told[UNKNOWNS])
-    for k in range(count):
-        half, middle = 0.5 * (ends[count + k] - ends[k]), 0.5 * (ends[count + k] + ends[k])
-        slope[columns[k]] = 2.0 * ((positions[places[k]] - middle) / half) / (count * half)
+    centring(count, columns, places, positions, ends, slope)
     climb(here, slope)
     return 0
 
