@@ -1,4 +1,4 @@
-r"""Do the rows above a level balance its forces?
+r"""Stationarity of one level: whether multipliers of the rows above balance its gradient.
 
 Row i of a level pulls at x with the force :math:`\|a_i\| d_i^2 w_i` along its unit normal. Rows of the levels above
 push back: equalities and violated rows either way, rows at a bound only inward. So the free normals are projected

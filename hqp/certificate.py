@@ -1,4 +1,4 @@
-r"""Is this x lexicographically optimal, whoever computed it?
+r"""The certificate: proves or refutes that an x is lexicographically optimal, whoever computed it.
 
 With :math:`w_k = A_k x - \operatorname{clip}(A_k x, l_k, u_k)`, x is optimal **iff** every level k
 has multipliers :math:`\lambda_{kj}` (j < k) with

@@ -1,4 +1,4 @@
-"""Input that is no array: one number, a name, an object of ours. Each refusal says what, its value, what is allowed."""
+"""Checks of scalar input: numbers, names, objects. A refusal names the argument, its value and what is allowed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""One damped level as plain ones: with the rows of damping joined to it, and frozen at what it reached."""
+r"""A damped level written as undamped levels: first with its damping rows, then frozen at the values it reached."""
 
 from __future__ import annotations
 

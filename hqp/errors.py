@@ -1,4 +1,4 @@
-"""What can go wrong with the *input*.
+"""Exceptions: errors of the *input*.
 
 Wrong input raises one of these, at once, and says where and what is allowed. What a solver makes
 of a valid hierarchy is never an exception: it is a :class:`hqp.Status`.

@@ -1,4 +1,4 @@
-"""One thread at a time: who comes while another is inside is told so, instead of both being given wrong numbers."""
+"""A guard that admits one thread at a time: a second one gets an exception instead of wrong numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a row is called, by those who wrote it."""
+"""A label: the name of a row, given by the part that wrote it."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ SYMMETRY = 1e-10
 
 
 def nearest(x_ref: ArrayLike, M: ArrayLike, *, name: str = "nearest") -> Level:
-    """The level ``min ||x - x_ref||_M``, which takes up all freedom that is left: put it last.
+    """The level ``min ||x - x_ref||_M``, which uses up the whole null space of the levels above: put it last.
 
     Parameters
     ----------

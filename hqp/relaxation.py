@@ -1,4 +1,4 @@
-"""Where strictness was relaxed, and by how much."""
+"""The damped levels of a solution: the damping used, and how much residual it cost."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the rows of a hierarchy stand at a point x: slacks, sides, and how much round-off is forgiven."""
+"""The rows of a hierarchy at a point x: slacks, sides, and the tolerance of each row."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def pull(slack: Array, norms: Array, cuts: Sequence[int] = (0,)) -> float:
     """How far the slacks of a level, weighted like its norms, would take x, row by row: the largest step of any level.
 
     A row that is short beside others of its level has little say in x, however far its own bound is away. A row alone
-    gets what it asks for, or has no say at all. `cuts` are the first rows of the levels that have any.
+    gets what it asks for, or cannot move x at all. `cuts` are the first rows of the levels that have any.
     """
     if not len(norms):
         return 0.0

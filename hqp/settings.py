@@ -1,4 +1,4 @@
-"""How exactly to solve: tolerances and iteration limits, in one frozen place."""
+"""Settings of a solve: tolerances, iteration and time limits."""
 
 from __future__ import annotations
 

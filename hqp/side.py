@@ -1,4 +1,4 @@
-"""Where a row stands between its bounds."""
+"""The side of a row: free between its bounds, at the lower one, at the upper one, or an equality."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What came out of a solve: x, a status, and everything that can be said of every level."""
+"""The solution of a hierarchy: x, a status, and slacks, active rows, rank and multipliers of every level."""
 
 from __future__ import annotations
 

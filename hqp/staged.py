@@ -1,4 +1,4 @@
-r"""Damping where it is asked for, without taking freedom from the levels below.
+r"""Damped levels, solved in stages, so that the levels below keep their null space.
 
 A damped level k minimises, within what the levels above it leave,
 

@@ -1,4 +1,4 @@
-"""Row spaces and least squares straight from LAPACK: of matrices this small, numpy's wrappers are most of the time."""
+"""Row spaces and least squares by direct calls of LAPACK: for small matrices numpy's wrappers take most of the time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""The thesis's closed forms, as short as they can be said: slow, equalities only, obviously right.
+r"""The thesis's closed forms, for equalities only: short and slow, to compare with.
 
 Eq. 3.17, for tasks :math:`J_1 \dot\theta = \dot r_1` before :math:`J_2 \dot\theta = \dot r_2`:
 

@@ -1,4 +1,4 @@
-"""How kernels are compiled: one decorator, so that all agree.
+"""Compilation of the kernels: one decorator, so that all are compiled alike.
 
 Plain loops over rows, which are one-dimensional slices that start at 0: this is what LLVM vectorises.
 Sums may be reordered (``reassoc``), NaN and infinities keep their meaning. No allocation, no

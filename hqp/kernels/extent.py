@@ -1,4 +1,4 @@
-"""How long x is, for tolerances that are relative to it: not shorter than the round-off of where it comes from."""
+"""The length of x that tolerances are relative to, not shorter than the round-off of the way x came."""
 
 from __future__ import annotations
 

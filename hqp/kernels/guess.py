@@ -1,4 +1,4 @@
-"""A guess from nothing: which rows are active, from one problem that is weighted instead of strict.
+"""A cold guess of the active set, from one weighted problem in place of the strict hierarchy.
 
 The answer is not exact, but which rows are active it mostly gets right, where at most the last level is out of reach;
 the sweep decides. Where others are, those below move them by more than decades of softness hide.

@@ -1,4 +1,4 @@
-"""What Numba does not offer as it is needed here: views of raw memory, and the clock.
+"""Views of raw memory and the clock, in a form that Numba compiles.
 
 Views are arrays without an owner, so that no reference is ever counted.
 

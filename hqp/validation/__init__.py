@@ -1,4 +1,4 @@
-"""Whether the solvers can be trusted: their answers against others, come by in another way.
+"""Validation of the solvers: their answers against answers found in another way.
 
 * :mod:`.closed_forms`: random equality stacks in every rank case, against Eq. 3.17 and Eq. 4.8.
 * :mod:`.conditioning`: the same where a singular value goes to zero, decade by decade.

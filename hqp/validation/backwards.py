@@ -122,5 +122,5 @@ def _multipliers(rng: np.random.Generator, rows: Rows, able: NDArray[np.bool_]) 
     return multipliers
 
 
-#: One a size; x_ref has a say in both.
+#: One problem a size; the answers of both depend on x_ref.
 BACKWARDS = (backwards(7, (4, 1, 0), seed=1), backwards(30, (8, 4, 3, 3, 2, 2, 1, 1), seed=1))
