@@ -22,7 +22,6 @@ is none the velocity within reach.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -81,8 +80,8 @@ class Envelope:
     def __init__(self, n: int) -> None:
         self.velocity, self.acceleration = np.full((2, n), np.inf)
         self.has_velocity = self.has_acceleration = False
-        #: Write the rows of all limits, and how fast the joints brake; every tick, before whoever asks for it.
-        self.write: Callable[[], object] = _nothing
+        #: Writes the rows of all limits, and how fast the joints brake; every tick, before whoever asks for it.
+        self.calls: tuple[Call, ...] = ()
         self._claims: list[Claim] = []
         self._braking = np.array([np.inf])
 
@@ -123,8 +122,8 @@ class Envelope:
             )
         self._braking = shared.braking
         if self._claims:
-            self.write = self._loop(shared).run
-            self.write()
+            self.calls = (self._loop(shared),)
+            self.calls[0].run()
 
     @property
     def brakes_blindly(self) -> bool:
@@ -179,7 +178,3 @@ class Envelope:
             loop.CLAIMS_COUNT: len(claims),
         }
         return Call(loop.write_joint_limits, *(told[k] for k in range(loop.LENGTH)))
-
-
-def _nothing() -> None:
-    """There are no limits."""

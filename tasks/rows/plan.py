@@ -24,6 +24,7 @@ SIGNATURE = int64(int64)
 WHAT = "the rows of tasks"
 #: Where loops are.
 LOOPS = (
+    "..kernels.chain",
     "..kernels.law",
     "..kernels.frames",
     "..kernels.directions",
@@ -137,6 +138,25 @@ def run_all(calls: Iterable[Call]) -> None:
     """One after the other."""
     for call in calls:
         call.run()
+
+
+def chained(calls: Iterable[Call]) -> Callable[[], object]:
+    """What runs them, one after the other, at the price of one call from Python."""
+    kept = tuple(calls)
+    if INTERPRETED or len(kept) < 2:
+        return partial(run_all, kept)
+    from ..kernels.chain import run_chain
+
+    chain = Call(run_chain, len(kept), *(told for call in kept for told in (compiled(call.kernel), call.table)))
+    return chain.run
+
+
+@cache
+def compiled(kernel: Any) -> int:
+    """The address of a compiled loop."""
+    ready(kernel)
+    found = kernel.overloads[SIGNATURE.args]
+    return int(found.library.get_pointer_to_function(found.fndesc.llvm_cfunc_wrapper_name))
 
 
 def warm_up() -> bool:

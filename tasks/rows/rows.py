@@ -18,7 +18,7 @@ from ..robots.answers import at_rest
 from ..robots.robot import Robot, RobotState
 from .envelope import Envelope
 from .own_limits import OwnLimits
-from .plan import Plan, plan_of
+from .plan import Plan, chained, plan_of
 from .site import Site, Workspace
 
 if TYPE_CHECKING:
@@ -111,8 +111,10 @@ class Rows:
         self._unweighted = [(site.lower, site.upper, without) for (_, site), (_, without) in pairs if without.size]
         self._moves = [move for _, plan in self.plans for move in plan.moves]
         self._python = [plan.python for _, plan in self.plans if plan.python is not None]
-        self._calls = [call.run for _, plan in self.plans for call in plan.calls]
+        own = [call for _, plan in self.plans for call in plan.calls]
         self.compiled = not self._python
+        self._before = chained(shared.calls) if self._python else None  # what Python may ask for
+        self._run = chained(own if self._python else [*shared.calls, *own])
 
     @property
     def envelope(self) -> Envelope:
@@ -130,13 +132,13 @@ class Rows:
             self._own_limits.note()
         for move in self._moves:
             move(t)
-        self._shared.update(state)
-        if self._python:
+        self._shared.come_to(state)
+        if self._before is not None:
+            self._before()
             tick = Tick(self._robot, state, t, self._order, self._dt, self._shared.envelope)
             for write in self._python:
                 write(tick)
-        for run in self._calls:
-            run()
+        self._run()
         for lower, upper, rows in self._unweighted:
             lower[rows], upper[rows] = -np.inf, np.inf
         return self.hierarchy

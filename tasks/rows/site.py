@@ -18,7 +18,7 @@ from .envelope import Envelope
 if TYPE_CHECKING:
     from ..part import Order
     from ..task import Task
-    from .plan import Table
+    from .plan import Call, Table
 
 #: Brings a target up to date, by the time [s].
 Move = Callable[[float], None]
@@ -74,13 +74,23 @@ class Workspace:
         if order == "acceleration":
             self.blocks.drifts[0] = 1
 
+    @property
+    def calls(self) -> list[Call]:
+        """What writes all that is shared, when it has come to a state."""
+        return [*self.blocks.calls, *self.envelope.calls]
+
     def update(self, state: RobotState) -> None:
         """Be at this state."""
+        self.come_to(state)
+        for call in self.calls:
+            call.run()
+
+    def come_to(self, state: RobotState) -> None:
+        """The same, but for what :attr:`calls` write."""
         self.q[:], self.v[:] = state.q, state.v
         if self._joints is not None:
             self.positions[:] = self._joints(state)
         self.blocks.update(state)
-        self.envelope.write()
 
 
 class Site:
