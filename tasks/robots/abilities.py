@@ -330,7 +330,9 @@ def has(value: object, kind: type[T]) -> TypeGuard[T]:
 
     As ``isinstance`` says, which takes microseconds where Python is old, and asks properties for their values.
     """
-    return _by_class(type(value), kind) or all(_there(value, name, method) for name, method in _members(kind))
+    return _by_class(type(value), kind) or all(  # type: ignore[arg-type]  # classes have hashes
+        _there(value, name, method) for name, method in _members(kind)
+    )
 
 
 @lru_cache(maxsize=1024)
