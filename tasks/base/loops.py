@@ -18,7 +18,7 @@ from numba import int64
 from numpy.typing import NDArray
 
 from hqp.backends.native import door, make_ready
-from hqp.kernels.compile import entries
+from hqp.kernels.compile import INTERPRETED, entries
 
 from .once import once
 
@@ -82,6 +82,24 @@ def run_all(calls: Iterable[Call]) -> None:
     """One after the other."""
     for call in calls:
         call.run()
+
+
+def chained(calls: Iterable[Call]) -> Callable[[], object]:
+    """What runs them, one after the other, at the price of one call from Python."""
+    kept = tuple(calls)
+    if INTERPRETED or len(kept) < 2:
+        return partial(run_all, kept)
+    from .kernels.chain import run_chain
+
+    return Call(run_chain, len(kept), *(told for call in kept for told in (compiled(call.kernel), call.table))).run
+
+
+@once
+def compiled(kernel: Any) -> int:
+    """The address of a compiled loop."""
+    ready(kernel)
+    found = kernel.overloads[SIGNATURE.args]
+    return int(found.library.get_pointer_to_function(found.fndesc.llvm_cfunc_wrapper_name))
 
 
 def warm_up() -> bool:

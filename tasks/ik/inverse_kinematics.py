@@ -30,7 +30,7 @@ from hqp import InvalidInput, Solution
 from hqp.checks import truth, whole_number
 
 from ..base.checks import Array, positive
-from ..robots.robot import Robot, as_robot, check_states, home, integrate
+from ..robots.robot import Robot, as_robot, check_states, home
 from ..rows.part import Part
 from ..rows.stack import Stack
 from .linearised import Linearised, Visit
@@ -192,7 +192,7 @@ def _search(
         step = problem.solve(radius, SHARE if here.error > NEAR else 1.0)
         if not step.ok:
             break
-        before, here = here, problem.visit(integrate(problem.robot, here.q, step.x))
+        before, here = here, problem.visit(problem.integrate(here.q, step.x))
         best = min(best, here)
         radius = min(2.0 * radius, RADIUS) if here.error < before.error else max(SHRINK * radius, LEAST_RADIUS)
         idle = 0 if here.error < FALL * least else idle + 1
@@ -219,7 +219,7 @@ def _settle(problem: Linearised, best: Visit, most: int) -> tuple[Visit, bool]:
         decisive = np.flatnonzero(promised > PROMISE * problem.small)
         if not decisive.size or radius <= REST:
             return best, True
-        here = problem.visit(integrate(problem.robot, best.q, step.x))
+        here = problem.visit(problem.integrate(best.q, step.x))
         k, gained = int(decisive[0]), best.levels - here.levels
         kept = here.reached >= best.reached and bool((gained[:k] >= -LOSS * problem.small[:k]).all())
         if kept and gained[k] >= KEPT * promised[k]:

@@ -15,10 +15,10 @@ from hqp import InvalidInput, Solution
 from hqp.checks import listed
 from hqp.errors import brief
 
-from ..base.checks import Array, finite
+from ..base.checks import Array, finite, numbers
 from ..joints.posture import PostureTask
 from ..robots.answers import integration
-from ..robots.robot import Robot, base, integrate, joint_positions
+from ..robots.robot import Robot, base, joint_positions
 from ..rows.inequality import Inequality
 from ..rows.part import Part
 from ..rows.stack import Stack
@@ -92,7 +92,8 @@ class Linearised:
         self.room = Room(*ranges(robot, stack))
         self._rows = Stack(self.room, *(reduce(add, level) for level in levels)).build(robot, "step")
         self.hierarchy, self._solver = self._rows.hierarchy, hqp.Solver(backend)
-        self._still = np.zeros(robot.nv)
+        self._still = numbers(np.zeros(robot.nv), "v")
+        self.integrate = integration(robot)
         self._measure(levels, wanted, tolerance)
         low, high = self.room.low, self.room.high
         self._from = np.maximum(low, np.minimum(high - 2.0 * HALF_TURN, -HALF_TURN))
@@ -143,15 +144,14 @@ class Linearised:
             raise InvalidInput(f"q0 has shape {given.shape}; the robot takes ({self.robot.nq},), one number a joint")
         joints = joint_positions(self.robot.at(given, self._still))
         step = np.clip(joints, self.room.low, self.room.high) - joints
-        return integrate(self.robot, given, step) if step.any() else given
+        return np.asarray(self.integrate(given, step)) if step.any() else given
 
     def random(self, q: Array, rng: np.random.Generator, count: int) -> list[Array]:
         """So many configurations with every joint anywhere in its range, but a floating base where it is at q."""
         steps = rng.uniform(self._from, self._to, (count, self.robot.nv))
         steps -= joint_positions(self.robot.at(q, self._still))
         steps[:, : base(self.robot)] = 0.0
-        integrate = integration(self.robot)
-        return [integrate(q, step) for step in steps]
+        return [self.integrate(q, step) for step in steps]
 
     def visit(self, q: Array) -> Visit:
         """Linearise at q, and judge it."""

@@ -66,7 +66,8 @@ class Blocks:
     def __init__(self, source: Source, n: int) -> None:
         self._source, self._n = source, n
         self._blocks: dict[object, Array] = {}
-        self._calls: list[Call] = []
+        #: What writes them, when the source is at the state.
+        self.calls: list[Call] = []
         self.drifts: Flag = np.zeros(1, dtype=np.int64)
 
     def frame(self, name: str | None, relative_to: str | None = None) -> Array:
@@ -92,10 +93,8 @@ class Blocks:
         return self._blocks["b"]
 
     def update(self, state: RobotState) -> None:
-        """Write all of them for this state."""
+        """Have all of them ready to be written for this state."""
         self._source.update(state, self.drifts[0] != 0)
-        for call in self._calls:
-            call.run()
 
     def _of(self, key: tuple[str, str | None], relative_to: str | None) -> Array:
         if key not in self._blocks:
@@ -120,4 +119,4 @@ class Blocks:
 
     def _add(self, call: Call | None) -> None:
         if call is not None:
-            self._calls.append(call)
+            self.calls.append(call)

@@ -22,7 +22,6 @@ is none the velocity within reach.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -81,10 +80,9 @@ class Envelope:
     def __init__(self, n: int) -> None:
         self.velocity, self.acceleration = np.full((2, n), np.inf)
         self.has_velocity = self.has_acceleration = False
-        #: Write the rows of all limits, and how fast the joints brake; every tick, before whoever asks for it.
-        self.write: Callable[[], object] = _nothing
+        #: Writes the rows of all limits, and how fast the joints brake; every tick, before whoever asks for it.
+        self.calls: tuple[Call, ...] = ()
         self._claims: list[Claim] = []
-        self._call: Call | None = None
         self._braking = np.array([np.inf])
 
     def claim(self, part: str, kind: Quantity, values: Array, site: Site, *, return_speed: float = np.inf) -> None:
@@ -124,14 +122,13 @@ class Envelope:
             )
         self._braking = shared.braking
         if self._claims:
-            self._call = self._loop(shared)
-            self.write = self._call.run
-            self.write()
+            self.calls = (self._loop(shared),)
+            self.calls[0].run()
 
     def loops(self, site: Site) -> tuple[str, ...]:
         """The name of the loop that writes the rows of a part, if there are limits in them."""
-        own = self._call is not None and any(claim.lower is site.lower for claim in self._claims)
-        return (self._call.kernel.__name__,) if own and self._call is not None else ()
+        own = any(claim.lower is site.lower for claim in self._claims)
+        return tuple(call.kernel.__name__ for call in self.calls) if own else ()
 
     @property
     def brakes_blindly(self) -> bool:
@@ -186,7 +183,3 @@ class Envelope:
             loop.CLAIMS_COUNT: len(claims),
         }
         return Call(loop.write_joint_limits, *(told[k] for k in range(loop.LENGTH)))
-
-
-def _nothing() -> None:
-    """There are no limits."""

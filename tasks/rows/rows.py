@@ -95,6 +95,8 @@ class Rows:
 
     def _plan(self, which: Iterable[int]) -> None:
         """Plan how these parts write their rows."""
+        from ..base.loops import chained
+
         robot, shared = self._robot, self._shared
         rest = Tick(robot, self._rest, 0.0, self._order, self._dt, shared.envelope)
         for k in which:
@@ -116,8 +118,10 @@ class Rows:
         self._unweighted = [(site.lower, site.upper, without) for (_, site), (_, without) in pairs if without.size]
         self._moves = [move for _, plan in self.plans for move in plan.moves]
         self._python = [plan.python for _, plan in self.plans if plan.python is not None]
-        self._calls = [call.run for _, plan in self.plans for call in plan.calls]
+        own = [call for _, plan in self.plans for call in plan.calls]
         self.compiled = not self._python
+        self._before = chained(shared.calls) if self._python else None  # what Python may ask for
+        self._run = chained(own if self._python else [*shared.calls, *own])
 
     @property
     def envelope(self) -> Envelope:
@@ -146,13 +150,13 @@ class Rows:
             self._own_limits.note()
         for move in self._moves:
             move(t)
-        self._shared.update(state)
-        if self._python:
+        self._shared.come_to(state)
+        if self._before is not None:
+            self._before()
             tick = Tick(self._robot, state, t, self._order, self._dt, self._shared.envelope)
             for write in self._python:
                 write(tick)
-        for run in self._calls:
-            run()
+        self._run()
         for lower, upper, rows in self._unweighted:
             lower[rows], upper[rows] = -np.inf, np.inf
         return self.hierarchy

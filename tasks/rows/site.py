@@ -17,7 +17,7 @@ from .blocks import Blocks, StateSource
 from .envelope import Envelope
 
 if TYPE_CHECKING:
-    from ..base.loops import Table
+    from ..base.loops import Call, Table
     from .part import Order
     from .task import Task
 
@@ -75,13 +75,23 @@ class Workspace:
         if order == "acceleration":
             self.blocks.drifts[0] = 1
 
+    @property
+    def calls(self) -> list[Call]:
+        """What writes all that is shared, when it has come to a state."""
+        return [*self.blocks.calls, *self.envelope.calls]
+
     def update(self, state: RobotState) -> None:
         """Be at this state."""
+        self.come_to(state)
+        for call in self.calls:
+            call.run()
+
+    def come_to(self, state: RobotState) -> None:
+        """The same, but for what :attr:`calls` write."""
         self.q[:], self.v[:] = state.q, state.v
         if self._joints is not None:
             self.positions[:] = self._joints(state)
         self.blocks.update(state)
-        self.envelope.write()
 
 
 class Site:
