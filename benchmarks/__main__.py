@@ -6,7 +6,7 @@ import sys
 
 import typer
 
-from tasks.cli.command import run
+from hqp.commands.command import run
 
 from .batch import batch
 from .compare import compare
