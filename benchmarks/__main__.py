@@ -48,7 +48,7 @@ def _root(context: typer.Context) -> None:
 
 
 def main() -> None:
-    """Run, and leave with the exit code; see :func:`tasks.cli.command.run`."""
+    """Run, and leave with the exit code; see :func:`hqp.commands.command.run`."""
     sys.exit(run(app, "python -m benchmarks"))
 
 

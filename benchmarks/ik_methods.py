@@ -21,9 +21,9 @@ import numpy as np
 
 from hqp.arrays import Array
 from tasks import OrientationTask, PoseTask, PositionTask, PostureTask, Stack, solve_ik
-from tasks.inverse_kinematics import CANDIDATES, FALL, PATIENCE
+from tasks.base.rotations import log
+from tasks.ik.inverse_kinematics import CANDIDATES, FALL, PATIENCE
 from tasks.robots.library import ROBOTS, data_folder
-from tasks.rotations import log
 
 if TYPE_CHECKING:
     from tasks.robots.pinocchio import PinocchioRobot

@@ -4,16 +4,7 @@ import sys
 
 import numpy as np
 
-from tasks import (
-    Controller,
-    Line,
-    MinimumMotionTask,
-    MinimumTorqueTask,
-    PlanarArm,
-    PositionTask,
-    quintic,
-    simulate,
-)
+from tasks import Controller, Line, MinimumMotionTask, MinimumTorqueTask, PlanarArm, PositionTask, quintic, simulate
 
 arm = PlanarArm([1.0, 1.0, 1.0], masses=[10.0, 10.0, 10.0])  # [m], [kg]
 start = [2.6, -1.0, -1.4]  # [rad]

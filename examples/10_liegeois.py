@@ -4,17 +4,7 @@ import sys
 
 import numpy as np
 
-from tasks import (
-    Chain,
-    Controller,
-    JointCentringTask,
-    JointLimits,
-    Line,
-    PositionTask,
-    load_robot,
-    quintic,
-    simulate,
-)
+from tasks import Chain, Controller, JointCentringTask, JointLimits, Line, PositionTask, load_robot, quintic, simulate
 
 ROUNDS, SIDE = 6, 1.5  # how many, and how long one side takes [s]
 robot = load_robot("panda", lock=["panda_finger_joint1"])

@@ -4,48 +4,38 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .axis import AxisTask
-from .center_of_mass import CenterOfMassTask
-from .coupling import JointCouplingTask
+from .base.rotations import from_rpy, from_xyzw
+from .control.controller import Controller, Step
 from .criteria.gradient import GradientTask
 from .criteria.joint_ranges import JointCentringTask
 from .criteria.manipulability import DynamicManipulabilityTask, ManipulabilityTask, VelocityRatioTask
 from .criteria.motion import KineticEnergyTask, MinimumMotionTask
+from .criteria.reconstruction import Reconstructed
 from .criteria.torque import MinimumTorqueTask
-from .damped import Damped
-from .damping import Damping
-from .frame_task import FrameTask
-from .inequality import AtLeast, AtMost, Within
-from .inverse_kinematics import IkResult, solve_ik
-from .joint_motion import JointMotion
+from .frames.axis import AxisTask
+from .frames.center_of_mass import CenterOfMassTask
+from .frames.frame_task import FrameTask
+from .frames.limits import BoxLimit, FrameVelocityLimit, PlaneLimit
+from .frames.look_at import LookAtTask
+from .frames.orientation import OrientationTask
+from .frames.plane import PlaneTask
+from .frames.pose import PoseTask
+from .frames.position import PositionTask
+from .ik.inverse_kinematics import IkResult, solve_ik
+from .joints.coupling import JointCouplingTask
+from .joints.damping import Damping
+from .joints.joint_motion import JointMotion
+from .joints.posture import PostureTask
 from .limits.acceleration import JointAccelerationLimit
-from .limits.cartesian import BoxLimit, FrameVelocityLimit, PlaneLimit
 from .limits.joint_limits import JointLimits
 from .limits.position import JointPositionLimit
 from .limits.torque import JointTorqueLimit
 from .limits.velocity import JointVelocityLimit
-from .look_at import LookAtTask
-from .motion.controller import Controller, Step
-from .motion.paths import Chain, Circle, Line, Polygon
-from .motion.physics import MujocoPlant
-from .motion.polynomial import Polynomial
-from .motion.record import Record, Stop
-from .motion.simulation import Change, Plant, simulate
-from .motion.timing import cubic, cycloid, harmonic, quintic
-from .motion.trajectories import Fixed, Setpoint, Trajectory
-from .motion.turns import FixedRotation, PoseSetpoint, RotationSetpoint, RotationTrajectory, Turn
 from .obstacles.avoidance import AvoidanceTask
 from .obstacles.distance import DistanceLimit
 from .obstacles.links import LinkCapsule, planar_links
 from .obstacles.self_collision import SelfCollisionLimit
 from .obstacles.shapes import Capsule, Sphere
-from .orientation import OrientationTask
-from .part import Command, Order, Part, Tick
-from .plane import PlaneTask
-from .pose import PoseTask
-from .position import PositionTask
-from .posture import PostureTask
-from .reconstruction import Reconstructed
 from .robots.frame import Frame
 from .robots.library import available_robots
 from .robots.loading import load_robot
@@ -53,9 +43,19 @@ from .robots.manipulability import Degrees, VelocityEllipse, manipulability, tas
 from .robots.planar import PlanarArm, PlanarState
 from .robots.robot import Robot, RobotState
 from .robots.skeleton import skeleton
-from .rotations import from_rpy, from_xyzw
-from .stack import Stack
-from .task import TargetTask, Task
+from .rows.damped import Damped
+from .rows.inequality import AtLeast, AtMost, Within
+from .rows.part import Command, Order, Part, Tick
+from .rows.stack import Stack
+from .rows.task import TargetTask, Task
+from .simulation.physics import MujocoPlant
+from .simulation.record import Record, Stop
+from .simulation.simulation import Change, Plant, simulate
+from .targets.paths import Chain, Circle, Line, Polygon
+from .targets.polynomial import Polynomial
+from .targets.timing import cubic, cycloid, harmonic, quintic
+from .targets.trajectories import Fixed, Setpoint, Trajectory
+from .targets.turns import FixedRotation, PoseSetpoint, RotationSetpoint, RotationTrajectory, Turn
 
 if TYPE_CHECKING:
     from .robots.pinocchio import PinocchioRobot

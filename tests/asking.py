@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from tasks import Stack
-from tasks.part import Order
 from tasks.robots.robot import RobotState
-from tasks.task import Task
+from tasks.rows.part import Order
+from tasks.rows.task import Task
 
 
 def asked(task: Task, state: RobotState, t: float, order: Order) -> tuple[np.ndarray, np.ndarray]:

@@ -9,8 +9,8 @@ from hypothesis import settings
 
 from hqp import available_backends, backend_info
 from hqp.backends import native
-from tasks import _telling
-from tasks.rows import plan
+from tasks.base import loops
+from tasks.base import telling as _telling
 
 # The machines are shared: no deadline. Derandomised: a red run is red again.
 settings.register_profile("hqp", deadline=None, derandomize=True, max_examples=60)
@@ -26,7 +26,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     if not hasattr(session.config, "workerinput"):
         native.warm_up()
         native.warm_up_damped()
-        plan.warm_up()
+        loops.warm_up()
 
 
 #: Backends which take any hierarchy and promise its optimum.

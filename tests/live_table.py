@@ -63,7 +63,7 @@ from tasks import (
     Within,
     load_robot,
 )
-from tasks.rotations import exp
+from tasks.base.rotations import exp
 
 Order = Literal["velocity", "acceleration"]
 

@@ -13,7 +13,7 @@ from live_table import GROUPS, SETTINGS, Case, Made, Setting
 
 from hqp import InvalidInput
 from tasks import AtMost, Controller, JointVelocityLimit, Part, PositionTask, PostureTask
-from tasks.live import number
+from tasks.base.live import number
 
 DT = 0.01
 
@@ -146,7 +146,7 @@ def of_the_class(owner: Any, name: str) -> bool:
 
 def misspelt(name: str) -> str:
     """Two letters in each other's place; of a short name, or where they are one, a letter twice."""
-    swapped = f"{name[:-3]}{name[-2]}{name[-3]}{name[-1]}"
+    swapped = name[:-3] + name[-3:-1][::-1] + name[-1]
     return swapped if len(name) > 4 and swapped != name else f"{name[:2]}{name[1:]}"
 
 

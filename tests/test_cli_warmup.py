@@ -13,7 +13,7 @@ import pytest
 
 from hqp.kernels import damped, solver
 from tasks.cli import run
-from tasks.kernels import law
+from tasks.rows.kernels import law
 
 
 def test_what_is_compiled_is_found_and_its_place_is_told(capsys: pytest.CaptureFixture[str]) -> None:

@@ -33,8 +33,8 @@ from tasks import (
     Within,
     load_robot,
 )
+from tasks.base.rotations import exp
 from tasks.robots.pinocchio import PinocchioRobot
-from tasks.rotations import exp
 
 DT = 0.005
 BRAKING = JointLimits(JointPositionLimit(), JointVelocityLimit(1.0), JointAccelerationLimit(20.0))

@@ -29,17 +29,19 @@ from tasks import (
     load_robot,
     velocity_ellipse,
 )
-from tasks.criteria.kernels import joints, measures
+from tasks.base.kernels import algebra, rotation
+from tasks.base.loops import Call
+from tasks.base.rotations import exp
+from tasks.criteria.kernels import gradient, joints, measures
 from tasks.criteria.kernels.joints import write_kinetic_energy
-from tasks.kernels import algebra, block, frames, gradient, law, rotation
-from tasks.kernels.frames import LOCAL, SPATIAL, WORLD
-from tasks.part import Tick
+from tasks.frames.kernels import place as frames
+from tasks.frames.kernels.place import LOCAL, SPATIAL, WORLD
+from tasks.robots.block import fill, relative
 from tasks.robots.chain import APART, chain_order, closed_form
-from tasks.robots.frame import relative
+from tasks.robots.kernels import block
 from tasks.robots.robot import integrate
-from tasks.rotations import exp
-from tasks.rows.blocks import fill
-from tasks.rows.plan import Call
+from tasks.rows.kernels import law
+from tasks.rows.part import Tick
 from tasks.rows.rows import Rows
 
 pin = pytest.importorskip("pinocchio")

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -287,34 +284,3 @@ def test_a_reconstructed_task_says_that_python_writes_it_and_is_taken_by_steps_t
     assert by_order["step"] != pytest.approx(exact)
     slowed.threshold = 1e-6
     np.testing.assert_array_equal(Stack(slowed).build(arm, "step").fill(state, 0.0).lower, exact)
-
-
-# Interpreted.
-
-DUMP = """
-import sys
-import numpy as np
-sys.path.insert(0, sys.argv[2])
-from test_directions_and_joints import MADE, NOW, PANDA, TIAGO, states
-from tasks import Damping, PostureTask, Stack
-found = []
-for order in "velocity", "acceleration", "step":
-    rows = Stack(*(make() for make in MADE.values()), Damping(0.1)).build(PANDA, order)
-    wheels = Stack(PostureTask(TIAGO.home, gain=2.0)).build(TIAGO, order)
-    for robot, own in (PANDA, rows), (TIAGO, wheels):
-        for state in states(robot, 2):
-            filled = own.fill(state, NOW)
-            found += [filled.dense().ravel().copy(), filled.lower.copy(), filled.upper.copy()]
-np.save(sys.argv[1], np.concatenate(found))
-"""
-
-
-def test_the_interpreter_writes_the_same_rows(tmp_path):
-    folder = os.path.dirname(__file__)
-    answers = []
-    for name, disable in ("compiled", "0"), ("interpreted", "1"):
-        path = tmp_path / f"{name}.npy"
-        command = [sys.executable, "-c", DUMP, str(path), folder]
-        subprocess.run(command, check=True, env=dict(os.environ, NUMBA_DISABLE_JIT=disable), timeout=300)
-        answers.append(np.load(path))
-    np.testing.assert_allclose(answers[1], answers[0], rtol=1e-12, atol=1e-12)

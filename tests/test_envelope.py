@@ -16,8 +16,8 @@ from stopping import path_of_stop, slow_down
 
 from hqp import InvalidInput
 from tasks import JointAccelerationLimit, JointPositionLimit, JointVelocityLimit, PlanarArm, Stack
-from tasks.kernels import envelope as loops
 from tasks.limits.position import RETURN_SPEED
+from tasks.rows.kernels import envelope as loops
 
 ORDERS = ["velocity", "acceleration"]
 

@@ -27,7 +27,7 @@ from tasks import (
     load_robot,
     solve_ik,
 )
-from tasks.rotations import from_rpy, log
+from tasks.base.rotations import from_rpy, log
 
 ARMS = ("panda", "ur5", "kinova", "planar")
 

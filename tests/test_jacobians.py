@@ -30,7 +30,7 @@ from tasks import (
     load_robot,
     quintic,
 )
-from tasks.rotations import exp, log
+from tasks.base.rotations import exp, log
 
 #: The frame that is looked at, one that stands for the world, and two joints.
 ROBOTS = {

@@ -13,8 +13,8 @@ import pytest
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
-from tasks._checks import Array, positive, positive_scalar
-from tasks.live import Live, number, reachable, structure, watch
+from tasks.base.checks import Array, positive, positive_scalar
+from tasks.base.live import Live, number, reachable, structure, watch
 
 
 class Spring(Live):

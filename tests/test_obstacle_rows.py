@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from functools import cache
 
 import numpy as np
@@ -29,7 +26,7 @@ from tasks import (
     solve_ik,
 )
 from tasks.obstacles.shapes import Obstacle
-from tasks.stack import Stack
+from tasks.rows.stack import Stack
 
 DT, FAST = 0.01, 1.5
 ORDERS = ["velocity", "acceleration"]
@@ -325,20 +322,3 @@ def test_inverse_kinematics_goes_around_obstacles():
     assert free.reached
     assert kept.reached
     assert limit.distances(ARM, ARM.at(kept.q, np.zeros(3))).min() > 0.03 - 1e-4
-
-
-def sample():
-    """Rows of all kinds of parts at both orders, for one state."""
-    state, found = next(states("arm")), []
-    for order in ORDERS:
-        built = [stack_of(made(kind), braked=True).build(ARM, order, DT) for kind in ("limit", "task")]
-        found += [rows(own, state, 0.4).ravel() for own in built]
-    return np.concatenate(found)
-
-
-def test_the_interpreter_runs_the_same_loops():
-    code = "import test_obstacle_rows as own; print(*map(float.hex, own.sample().tolist()))"
-    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
-    environment["PYTHONPATH"] = os.pathsep.join([*sys.path, os.path.dirname(__file__)])
-    told = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
-    np.testing.assert_allclose([float.fromhex(x) for x in told.stdout.split()], sample(), rtol=1e-12, atol=1e-13)

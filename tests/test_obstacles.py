@@ -27,9 +27,9 @@ from tasks import (
     planar_links,
     simulate,
 )
+from tasks.base.rotations import cross
 from tasks.obstacles.links import axes
 from tasks.obstacles.pairs import Pairs
-from tasks.rotations import cross
 
 KEPT = 1e-6
 MARGIN, DT, SPEED = 0.03, 0.01, 1.5

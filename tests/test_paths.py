@@ -23,7 +23,7 @@ from tasks import (
     harmonic,
     quintic,
 )
-from tasks.motion.paths import Path
+from tasks.targets.paths import Path
 
 LAWS = [cubic, quintic, harmonic, cycloid]
 

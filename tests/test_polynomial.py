@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
-import tasks.motion.polynomial
+import tasks.targets.polynomial
 from hqp import InvalidInput
 from tasks import Polynomial, Trajectory, cubic, quintic
 
@@ -161,7 +161,7 @@ def test_one_row_needs_no_second_axis():
 
 
 def test_the_examples_of_the_module_are_true():
-    assert doctest.testmod(tasks.motion.polynomial) == (0, 2)
+    assert doctest.testmod(tasks.targets.polynomial) == (0, 2)
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import example, given
 
 from hqp import InvalidInput
-from tasks.motion.turns import FixedRotation, Turn, as_rotation
-from tasks.rotations import about, cross, exp, from_quaternion, from_rpy, log, perpendicular, rotation_matrix
+from tasks.base.rotations import about, cross, exp, from_quaternion, from_rpy, log, perpendicular, rotation_matrix
+from tasks.targets.turns import FixedRotation, Turn, as_rotation
 
 PI = np.pi
 AXES = [

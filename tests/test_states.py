@@ -41,7 +41,7 @@ from tasks import (
     simulate,
     solve_ik,
 )
-from tasks.rotations import exp, from_quaternion, log
+from tasks.base.rotations import exp, from_quaternion, log
 
 pytestmark = pytest.mark.usefixtures("nothing_told")
 

@@ -10,17 +10,7 @@ from hypothesis import given, settings
 
 import hqp
 from hqp import InvalidInput
-from tasks import (
-    Controller,
-    JointMotion,
-    Line,
-    OrientationTask,
-    PlanarArm,
-    PositionTask,
-    PostureTask,
-    Task,
-    simulate,
-)
+from tasks import Controller, JointMotion, Line, OrientationTask, PlanarArm, PositionTask, PostureTask, Task, simulate
 
 ARM = PlanarArm([0.5, 0.4, 0.3, 0.2])
 RNG = np.random.default_rng(7)

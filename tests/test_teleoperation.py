@@ -12,16 +12,8 @@ import numpy as np
 import pytest
 
 from hqp import Hierarchy, Solver
-from tasks import (
-    AtLeast,
-    Controller,
-    JointLimits,
-    OrientationTask,
-    PositionTask,
-    PostureTask,
-    load_robot,
-)
-from tasks.rotations import exp
+from tasks import AtLeast, Controller, JointLimits, OrientationTask, PositionTask, PostureTask, load_robot
+from tasks.base.rotations import exp
 
 DT = 0.005
 KEPT = 1e-9

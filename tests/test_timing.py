@@ -9,7 +9,7 @@ from hypothesis import given
 
 from hqp import InvalidInput
 from tasks import Line, cubic, cycloid, harmonic, quintic
-from tasks.motion.timing import as_timing
+from tasks.targets.timing import as_timing
 
 LAWS = [cubic, quintic, harmonic, cycloid]
 every_law = pytest.mark.parametrize("law", LAWS, ids=lambda law: law.__name__)

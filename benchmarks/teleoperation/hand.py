@@ -8,7 +8,7 @@ import numpy as np
 
 from hqp.arrays import Array
 from tasks import quintic
-from tasks.rotations import exp
+from tasks.base.rotations import exp
 
 Vector = tuple[float, float, float]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from hqp.arrays import Array
 from tasks import PositionTask, solve_ik
-from tasks.rotations import log
+from tasks.base.rotations import log
 
 from ..ticks.stream import Stream
 

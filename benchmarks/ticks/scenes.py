@@ -10,8 +10,8 @@ import numpy as np
 
 from hqp.arrays import Array
 from tasks import load_robot
+from tasks.base.rotations import exp
 from tasks.robots.robot import joint_index
-from tasks.rotations import exp
 
 if TYPE_CHECKING:
     from tasks.robots.pinocchio import PinocchioRobot

@@ -15,7 +15,7 @@ import numpy as np
 
 from hqp import InvalidInput
 from hqp.arrays import Array
-from tasks.rotations import exp, log
+from tasks.base.rotations import exp, log
 
 from .driver import Driver
 from .scenes import COM

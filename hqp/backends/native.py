@@ -25,6 +25,7 @@ from ..kernels import damping_rules as kinds
 from ..kernels import layout as at
 from ..kernels import solver as kernel
 from ..kernels.active_set import OPTIMAL, STALLED, SUBOPTIMAL
+from ..kernels.compile import INTERPRETED
 from ..settings import Settings
 from ..solution import Counts, Status
 from .base import Answer
@@ -195,7 +196,7 @@ class Memory:
         self.head[at.WARM] = 0
         # The compiled function itself: there is one, and nothing to dispatch.
         entry = kernel_damped.solve_damped if damped else kernel.solve
-        self.run = partial(entry.get_overload(SIGNATURE), int(self._directory.ctypes.data))
+        self.run = partial(door(entry), int(self._directory.ctypes.data))
 
     def share(self, entries: NDArray[np.int64]) -> int:
         """Have the weighted rows where they are in another directory; the address of this one."""
@@ -273,7 +274,7 @@ def warm_up_damped() -> bool:
 
 def make_ready(function: Any, what: str, signature: Any = SIGNATURE) -> bool:
     """The same for any kernel, by default of two addresses, see :func:`hqp.kernels.compile.entry`."""
-    if function.signatures:
+    if INTERPRETED or function.signatures:
         return False
     listener = _Announcement(what)
     try:
@@ -283,6 +284,16 @@ def make_ready(function: Any, what: str, signature: Any = SIGNATURE) -> bool:
         if not function.signatures:
             raise
     return listener.said
+
+
+def door(function: Any, signature: Any = SIGNATURE) -> Callable[..., Any]:
+    """A kernel that is ready, to be called by its addresses; where the interpreter runs loops, the loop itself.
+
+    No kernel warns: what is beyond all numbers is for a status to report.
+    """
+    found: Callable[..., Any]
+    found = np.errstate(all="ignore")(function) if INTERPRETED else function.get_overload(signature)
+    return found
 
 
 def make(name: str, settings: Settings) -> Native:

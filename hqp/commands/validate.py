@@ -7,8 +7,7 @@ from typing import Annotated
 
 import typer
 
-from hqp.commands.command import path
-
+from .command import path
 from .terminal import console
 
 OUTSIDE_ITS_CLASS = 1

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, TypeAlias, overload
 
 from ..checks import of_type
 from ..errors import InvalidInput, brief
@@ -70,10 +72,52 @@ def side_in_words(side: Side) -> str:
     return "equal" if side is Side.EQUALITY else side.name.lower()
 
 
-def labels_of(value: Iterable[Label] | None, m: int, what: str) -> tuple[Label, ...] | None:
+#: The labels of some rows, or what gives them when they are asked for.
+Labels: TypeAlias = "Iterable[Label] | Callable[[], Iterable[Label]]"
+
+
+class LateLabels(Sequence[Label]):
+    """Labels that are made, and looked at, when first asked for: most hierarchies are solved and never explained.
+
+    Parameters
+    ----------
+    make : callable
+        Gives them. A copy by pickle has the labels themselves.
+    m : int
+        Rows.
+    what : str
+        For messages.
+    """
+
+    def __init__(self, make: Callable[[], Iterable[Label]], m: int, what: str) -> None:
+        self._make, self._m, self._what = make, m, what
+
+    @cached_property
+    def _labels(self) -> tuple[Label, ...]:
+        return _checked(self._make(), self._m, self._what)
+
+    @overload
+    def __getitem__(self, row: int) -> Label: ...
+    @overload
+    def __getitem__(self, row: slice) -> Sequence[Label]: ...
+    def __getitem__(self, row: int | slice) -> Label | Sequence[Label]:
+        return self._labels[row]
+
+    def __len__(self) -> int:
+        return self._m
+
+    def __reduce__(self) -> tuple[type, tuple[Any, ...]]:
+        return tuple, (self._labels,)
+
+
+def labels_of(value: Labels | None, m: int, what: str) -> Sequence[Label] | None:
     """A label for each of m rows, or None; InvalidInput that names `what` otherwise."""
     if value is None:
         return None
+    return LateLabels(value, m, what) if callable(value) else _checked(value, m, what)
+
+
+def _checked(value: Iterable[Label], m: int, what: str) -> tuple[Label, ...]:
     try:
         labels = None if isinstance(value, str) else tuple(value)
     except TypeError:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, Indices, index_vector, real_array
 from ..checks import of_type
 from ..errors import InvalidInput
-from .label import Label, labels_of
+from .label import Label, Labels, labels_of
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
@@ -30,8 +30,8 @@ class Level:
         weights: no weight makes a lower level touch this one.
     name : str
         Used in messages, tables and explanations.
-    labels : sequence of Label, optional
-        What each row is called in explanations.
+    labels : sequence of Label, or function that gives it, optional
+        What each row is called in explanations. A function is called when the first of them is asked for.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Level:
     weights: Array
     indices: Indices | None
     name: str
-    labels: tuple[Label, ...] | None
+    labels: Sequence[Label] | None
 
     def __init__(
         self,
@@ -68,7 +68,7 @@ class Level:
         *,
         weights: ArrayLike | None = None,
         name: str = "",
-        labels: Iterable[Label] | None = None,
+        labels: Labels | None = None,
     ) -> None:
         rows = real_array(A, f"{_label(name)}: A")
         if rows.ndim != 2:
@@ -84,7 +84,7 @@ class Level:
         *,
         weights: ArrayLike | None = None,
         name: str = "",
-        labels: Iterable[Label] | None = None,
+        labels: Labels | None = None,
     ) -> Level:
         """The level ``A x = b``: equality rows, met in the least-squares sense where they conflict."""
         return cls(A, b, b, weights=weights, name=name, labels=labels)
@@ -98,7 +98,7 @@ class Level:
         indices: ArrayLike | None = None,
         weights: ArrayLike | None = None,
         name: str = "",
-        labels: Iterable[Label] | None = None,
+        labels: Labels | None = None,
     ) -> Level:
         """The level ``lower <= x[indices] <= upper``, without dense rows.
 
@@ -133,7 +133,7 @@ class Level:
         weights: ArrayLike | None,
         indices: Indices | None,
         name: str,
-        labels: Iterable[Label] | None,
+        labels: Labels | None,
     ) -> None:
         m = len(lower)
         scale = np.ones(m) if weights is None else _column(weights, m, "weights", name)
@@ -144,7 +144,7 @@ class Level:
         called = labels_of(labels, m, f"{_label(name)}: labels")
         self._hold(A, lower, upper, scale, indices, name, called)
 
-    def _hold(self, *values: Array | Indices | str | tuple[Label, ...] | None) -> Level:
+    def _hold(self, *values: Array | Indices | str | Sequence[Label] | None) -> Level:
         """Take these arrays as they are, unchecked and uncopied, in the order of the fields."""
         for field, value in zip(self.__dataclass_fields__, values, strict=True):
             object.__setattr__(self, field, value)

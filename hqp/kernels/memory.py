@@ -88,21 +88,6 @@ def ints(typing, address, first, count):
     return _raw(types.int64)
 
 
-if INTERPRETED:
-
-    def floats(address, first, count):
-        """The same, for the interpreter."""
-        return _at(address + 8 * first, ctypes.c_double, count)
-
-    def ints(address, first, count):
-        """The same, for the interpreter."""
-        return _at(address + 8 * first, ctypes.c_int64, count)
-
-
-def _at(address, kind, count):
-    return np.ctypeslib.as_array((kind * int(count)).from_address(int(address))) if count else np.empty(0, dtype=kind)
-
-
 @intrinsic
 def given(typing, here, numbers):
     """Let the arrays of the hierarchy be those at this address: A, lower, upper, weights, one after the other."""
@@ -141,3 +126,36 @@ def clock(typing):
         return builder.add(builder.mul(seconds, long(1_000_000_000)), rest)
 
     return types.int64(), build
+
+
+if INTERPRETED:
+
+    def floats(address, first, count):
+        return _at(address + 8 * first, ctypes.c_double, count)
+
+    def ints(address, first, count):
+        return _at(address + 8 * first, ctypes.c_int64, count)
+
+    def vector(here, place):
+        address, count, _ = ints(here, HEAD + 3 * place, 3)
+        return floats(address, 0, count)
+
+    def matrix(here, place):
+        address, rows, columns = ints(here, HEAD + 3 * place, 3)
+        return floats(address, 0, rows * columns).reshape(rows, columns)
+
+    def marks(here, place):
+        address, count, _ = ints(here, HEAD + 3 * place, 3)
+        return ints(address, 0, count)
+
+    def given(here, numbers):
+        for place in (A, LOWER, UPPER, WEIGHTS):
+            entry = ints(here, HEAD + 3 * place, 3)
+            entry[0], numbers = numbers, numbers + 8 * entry[1] * entry[2]
+
+    def clock():
+        return 0 if MONOTONIC is None else time.clock_gettime_ns(MONOTONIC)
+
+    def _at(address, kind, count):
+        """The numbers there; NumPy's own, as 1 / 0 is to be infinite."""
+        return np.ctypeslib.as_array((kind * int(count)).from_address(int(address))) if count else np.empty(0, kind)

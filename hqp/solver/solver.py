@@ -27,6 +27,7 @@ from ..solution import Counts, Solution, Stages, Status
 DEFAULT_BACKEND = "native"
 
 
+_DEFAULT = Settings()
 OPTIMAL = Status.OPTIMAL
 new = object.__new__
 
@@ -73,7 +74,7 @@ class Solver:
         damping: Mapping[int | str, DampingRule | float] | None = None,
     ) -> None:
         self.backend = backend
-        self.settings = Settings() if settings is None else of_type(settings, Settings, "settings")
+        self.settings = _DEFAULT if settings is None else of_type(settings, Settings, "settings")
         self.damping = {} if damping is None else rules_of(damping)
         self._backend = make_backend(backend, self.settings)
         self._staged = self._new_staged() if self.damping else None
@@ -290,7 +291,6 @@ def solve(
 #: What :func:`solve` keeps: so many solvers of the native backend a thread, one a structure, the last used last.
 KEPT = 8
 _kept = threading.local()
-_DEFAULT = Settings()
 
 
 def _borrow(

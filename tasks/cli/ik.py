@@ -15,8 +15,8 @@ from hqp.commands.terminal import console
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from .._checks import Array
-    from ..inverse_kinematics import IkResult
+    from ..base.checks import Array
+    from ..ik.inverse_kinematics import IkResult
     from ..robots.pinocchio import PinocchioRobot
 
 NOT_REACHED = 1
@@ -95,11 +95,11 @@ def ik(
 
     from hqp.files import writable
 
-    from .._checks import finite
-    from ..inverse_kinematics import TOLERANCE, solve_ik
-    from ..orientation import OrientationTask
-    from ..position import PositionTask
-    from ..posture import PostureTask
+    from ..base.checks import finite
+    from ..frames.orientation import OrientationTask
+    from ..frames.position import PositionTask
+    from ..ik.inverse_kinematics import TOLERANCE, solve_ik
+    from ..joints.posture import PostureTask
     from ..robots.loading import load_robot
 
     place = finite(_numbers("--position", position, (3,)), "--position")
@@ -154,8 +154,8 @@ def _numbers(option: str, text: str, counts: tuple[int, ...]) -> list[float]:
 
 
 def _rotation(text: str) -> Array:
-    from .._checks import finite
-    from ..rotations import from_quaternion, from_rpy
+    from ..base.checks import finite
+    from ..base.rotations import from_quaternion, from_rpy
 
     numbers = finite(_numbers("--orientation", text, (3, 4)), "--orientation").tolist()
     return from_rpy(*numbers) if len(numbers) == 3 else from_quaternion(*numbers)

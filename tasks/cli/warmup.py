@@ -11,16 +11,20 @@ def warmup() -> None:
     from time import perf_counter
 
     from hqp.backends import native
+    from hqp.kernels.compile import INTERPRETED
     from hqp.kernels.damped import solve_damped
     from hqp.kernels.solver import solve
 
-    from ..kernels.law import write_law
-    from ..rows import plan
+    from ..base import loops
+    from ..rows.kernels.law import write_law
 
+    if INTERPRETED:
+        print("the interpreter runs all kernels, as NUMBA_DISABLE_JIT asks for: nothing is compiled")
+        return
     kernels = (
         ("native", native.warm_up, solve),
         ("damped", native.warm_up_damped, solve_damped),
-        ("rows", plan.warm_up, write_law),
+        ("rows", loops.warm_up, write_law),
     )
     for name, warm_up, kernel in kernels:
         start = perf_counter()

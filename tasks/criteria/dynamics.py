@@ -6,7 +6,7 @@ import numpy as np
 
 from hqp import InvalidInput
 
-from .._checks import Array
+from ..base.checks import Array
 from ..robots.robot import Robot, base, integrate, mass_matrix, neutral
 
 

@@ -21,13 +21,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from hqp.checks import of_type
 
-from .._checks import Array, positive, positive_scalar
-from ..live import number
-from ..part import Part, Tick
+from ..base.checks import Array, positive, positive_scalar
+from ..base.live import number
 from ..robots.robot import Robot, base, integration
+from ..rows.part import Part, Tick
 
 if TYPE_CHECKING:
-    from ..rows.plan import Entry
+    from ..base.loops import Entry
     from ..rows.site import Site
 
 #: Of the central differences [rad, m]: truncation and round-off are both about 1e-10 of H.
@@ -122,7 +122,7 @@ class GradientTask(Part):
 
     def law(self, site: Site) -> tuple[Entry, ...]:
         """What every loop of a gradient is told first; see :mod:`tasks.criteria.kernels.joints`."""
-        from ..kernels.law import ORDERS
+        from ..rows.kernels.law import ORDERS
 
         own, shared = self.variables(site.shared.robot), site.shared
         numbers = np.array([self.gain, -1.0 if self.descend else 1.0])

@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 
 from hqp import InvalidInput
 
-from .._checks import Array
-from ..part import Order
+from ..base.checks import Array
 from ..robots.robot import Robot, check_positioned, joint_positions, limit_of
+from ..rows.part import Order
 from .gradient import GradientTask
 
 if TYPE_CHECKING:
@@ -76,12 +76,14 @@ class JointCentringTask(GradientTask):
         return slope
 
     def plan(self, site: Site) -> Plan:
-        from ..rows.plan import Call, Plan
+        from ..base.loops import Call
+        from ..rows.plan import Plan
         from .kernels.joints import write_centring
 
         shared, own = site.shared, self.variables(site.shared.robot)
-        assert shared.robot.position_limit is not None  # checked
-        places, ends = shared.places[own].astype(np.int64), shared.robot.position_limit[:, own].copy()
+        ranges = limit_of(shared.robot, "position")
+        assert ranges is not None  # checked
+        places, ends = shared.places[own].astype(np.int64), ranges[:, own].copy()
         slope = np.zeros(shared.n)
         told = len(shared.positions), shared.positions, places, ends, slope
         return Plan((Call(write_centring, *self.law(site), *told),))

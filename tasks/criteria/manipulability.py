@@ -25,19 +25,20 @@ from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
-from .._checks import Array, finite
-from ..frame_task import FrameTask
-from ..live import number, structure
-from ..part import Order
+from ..base.checks import Array, finite
+from ..base.live import number, structure
+from ..frames.frame_task import FrameTask
 from ..robots.chain import chain_order
 from ..robots.manipulability import manipulability, velocity_ellipse
 from ..robots.robot import Robot, check_mass_matrix
-from ..task import Task
+from ..rows.part import Order
+from ..rows.task import Task
 from .dynamics import check_definite, check_fixed, root
 from .gradient import GradientTask
 
 if TYPE_CHECKING:
-    from ..rows.plan import Entry, Plan
+    from ..base.loops import Entry
+    from ..rows.plan import Plan
     from ..rows.site import Site
 
 #: Half axes [unit of J] below this count as this long: their inverse squares stay finite.
@@ -128,7 +129,8 @@ class ManipulabilityTask(_MeasureOfTask):
     measure: ClassVar[str] = "manipulability"
 
     def _loops(self, site: Site, told: tuple[Entry, ...]) -> Plan:
-        from ..rows.plan import Call, Plan
+        from ..base.loops import Call
+        from ..rows.plan import Plan
         from .kernels.measures import write_manipulability
 
         return Plan((Call(write_manipulability, *self.law(site), *told),))
@@ -231,7 +233,8 @@ class VelocityRatioTask(_MeasureOfTask):
             )
 
     def _loops(self, site: Site, told: tuple[Entry, ...]) -> Plan:
-        from ..rows.plan import Call, Plan
+        from ..base.loops import Call
+        from ..rows.plan import Plan
         from .kernels.measures import write_velocity_ratio
 
         if self.direction is not None:

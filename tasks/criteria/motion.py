@@ -21,14 +21,15 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
-from .._checks import Array, positive, positive_scalar
-from ..live import number
-from ..part import Order, Part, Tick
+from ..base.checks import Array, positive, positive_scalar
+from ..base.live import number
 from ..robots.robot import Robot, check_mass_matrix, joint_names
+from ..rows.part import Order, Part, Tick
 from .dynamics import check_definite, root
 
 if TYPE_CHECKING:
-    from ..rows.plan import Entry, Plan
+    from ..base.loops import Entry
+    from ..rows.plan import Plan
     from ..rows.site import Site
 
 
@@ -104,7 +105,8 @@ class MinimumMotionTask(_LeastMotion):
         return positive(value, f"{self.label()}: weight")
 
     def plan(self, site: Site) -> Plan:
-        from ..rows.plan import Call, Plan
+        from ..base.loops import Call
+        from ..rows.plan import Plan
         from .kernels.joints import write_least_motion
 
         return Plan((Call(write_least_motion, *self._law(site)),))
@@ -146,7 +148,8 @@ class KineticEnergyTask(_LeastMotion):
         return np.asarray(positive_scalar(value, f"{self.label()}: weight"))
 
     def plan(self, site: Site) -> Plan:
-        from ..rows.plan import Call, Plan
+        from ..base.loops import Call
+        from ..rows.plan import Plan
         from .kernels.joints import write_kinetic_energy
 
         assert site.A is not None  # its rows are not plain

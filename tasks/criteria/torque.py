@@ -35,10 +35,10 @@ from hqp import InvalidInput, Label
 from hqp.checks import of_type
 from hqp.errors import brief
 
-from .._checks import Array, finite, pair, per_row, positive
-from ..live import number
-from ..part import Order, Part, Tick
+from ..base.checks import Array, finite, pair, per_row, positive
+from ..base.live import number
 from ..robots.robot import Robot, check_dynamics, joint_names, joint_units
+from ..rows.part import Order, Part, Tick
 from .dynamics import check_fixed
 
 if TYPE_CHECKING:
@@ -123,7 +123,8 @@ class MinimumTorqueTask(Part):
         return [Label(self.name, name, "N" if unit == "m" else "N m") for name, unit in rows]
 
     def plan(self, site: Site) -> Plan:
-        from ..rows.plan import Call, Plan
+        from ..base.loops import Call
+        from ..rows.plan import Plan
         from .kernels.joints import write_minimum_torque
 
         assert site.A is not None  # its rows are not plain

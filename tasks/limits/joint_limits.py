@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from hqp import InvalidInput, Label, Side
 from hqp.checks import of_type
 
-from .._checks import numbers
-from ..live import structure
-from ..part import PER, Order, Part
+from ..base.checks import numbers
+from ..base.live import structure
 from ..robots.robot import Robot, joint_names, joint_units, limit_of
+from ..rows.part import PER, Order, Part
 from .acceleration import JointAccelerationLimit
 from .limit import JointLimit
 from .position import JointPositionLimit

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
-from .._checks import Array, not_negative, numbers, per_row, positive
-from ..live import number
-from ..part import PER, Order, Part
+from ..base.checks import Array, not_negative, numbers, per_row, positive
+from ..base.live import number
 from ..robots.robot import Quantity, Robot, joint_names, joint_units, limit_of
+from ..rows.part import PER, Order, Part
 
 if TYPE_CHECKING:
     from ..rows.plan import Plan
@@ -135,11 +135,3 @@ def largest(part: Part, given: Array | None, robot: Robot, quantity: Quantity, u
             f" give one in {unit}: {type(part).__name__}(3.0)"
         )
     return per_row(np.asarray(limit), robot.nv, f"{part.label()}: limit", "joint")
-
-
-def free(site: Site) -> Plan:
-    """The plan of a limit that says nothing at this order: its rows have no bounds."""
-    from ..rows.plan import Plan
-
-    site.lower[:], site.upper[:] = -np.inf, np.inf
-    return Plan()

@@ -35,10 +35,10 @@ from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
-from .._checks import Array, numbers, position_range, positive_scalar
-from ..live import number
-from ..part import Order
+from ..base.checks import Array, numbers, position_range, positive_scalar
+from ..base.live import number
 from ..robots.robot import Quantity, Robot, integration, joint_names, joint_units, limit_of, positioned
+from ..rows.part import Order
 from .limit import JointLimit
 
 if TYPE_CHECKING:

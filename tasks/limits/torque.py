@@ -24,11 +24,11 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
-from .._checks import Array, numbers, positive
-from ..live import number
-from ..part import Order, Part
+from ..base.checks import Array, numbers, positive
+from ..base.live import number
 from ..robots.robot import Robot, check_dynamics, check_fixed_base, joint_names, joint_units
-from .limit import free, largest
+from ..rows.part import Order, Part
+from .limit import largest
 
 if TYPE_CHECKING:
     from ..rows.plan import Plan
@@ -94,7 +94,8 @@ class JointTorqueLimit(Part):
 
     def plan(self, site: Site) -> Plan:
         """One loop, from the mass matrix and the bias of the tick; a step of inverse kinematics takes no torques."""
-        from ..rows.plan import Call, Plan
+        from ..base.loops import Call
+        from ..rows.plan import Plan, free
         from . import kernels as loops
 
         if site.shared.order == "step":

@@ -27,11 +27,11 @@ from numpy.typing import ArrayLike
 from hqp import Label
 from hqp.checks import of_type
 
-from .._checks import Array, per_row, positive_scalar
-from ..live import number, structure
-from ..part import PER, Order, Part, Tick
+from ..base.checks import Array, per_row, positive_scalar
+from ..base.live import number, structure
 from ..robots.robot import Robot
 from ..rows.alone import write_alone
+from ..rows.part import PER, Order, Part, Tick
 from .distance import told
 from .links import LinkCapsule
 from .pairs import Pairs
@@ -114,7 +114,8 @@ class AvoidanceTask(Part):
 
     def plan(self, site: Site) -> Plan:
         """One loop: all pairs, and the row of the nearest; obstacles are asked where they move."""
-        from ..rows.plan import Call, Plan
+        from ..base.loops import Call
+        from ..rows.plan import Plan
         from .kernels import rows as loops
 
         scene = Scene(self.pairs, site.shared.robot, site.frame, rates=True)

@@ -39,19 +39,20 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type, whole_number
 
-from .._checks import Array, not_negative, per_row, positive_scalar, scalar
-from .._telling import tell
-from ..live import number, structure
-from ..part import PER, Order, Part, Tick
+from ..base.checks import Array, not_negative, per_row, positive_scalar, scalar
+from ..base.live import number, structure
+from ..base.telling import tell
 from ..robots.robot import Robot, RobotState, base
 from ..rows.alone import write_alone
+from ..rows.part import PER, Order, Part, Tick
 from .links import LinkCapsule
 from .pairs import Pairs
 from .scene import Scene
 from .shapes import Obstacle
 
 if TYPE_CHECKING:
-    from ..rows.plan import Entry, Plan
+    from ..base.loops import Entry
+    from ..rows.plan import Plan
     from ..rows.site import Site
 
 
@@ -157,7 +158,8 @@ class DistanceLimit(Part):
 
     def plan(self, site: Site) -> Plan:
         """One loop: all pairs, the nearest of them, and their rows; obstacles are asked where they move."""
-        from ..rows.plan import Call, Plan
+        from ..base.loops import Call
+        from ..rows.plan import Plan
         from .kernels import rows as loops
 
         robot, n = site.shared.robot, site.shared.n
@@ -180,7 +182,7 @@ class DistanceLimit(Part):
 
 def told(site: Site, given: Sequence[float]) -> tuple[Entry, ...]:
     """What the loops of all parts of distances are told first: see :mod:`tasks.obstacles.kernels.rows`."""
-    from ..kernels.law import ORDERS
+    from ..rows.kernels.law import ORDERS
 
     assert site.A is not None
     shared = site.shared

@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput
 from hqp.checks import of_type
 
-from .._checks import Array, finite, not_negative, numbers, scalar
-from ..live import Live, number, structure
+from ..base.checks import Array, finite, not_negative, numbers, scalar
+from ..base.live import Live, number, structure
 from ..robots.frame import Frame
 from ..robots.planar import PlanarArm
 from ..robots.robot import Robot, check_frame, integrate, neutral

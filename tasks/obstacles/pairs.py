@@ -11,8 +11,8 @@ from hqp import InvalidInput
 from hqp.checks import listed
 from hqp.errors import brief
 
-from .._checks import Array
-from ..live import Live, structure
+from ..base.checks import Array
+from ..base.live import Live, structure
 from ..robots.robot import Robot, RobotState
 from .links import LinkCapsule
 from .shapes import Obstacle
@@ -77,9 +77,9 @@ class Pairs(Live):
         The distance is that of the surfaces, negative where they overlap; the unit normal points from the obstacle to
         the link, and the witness is the point of the link's core that is nearest.
         """
-        from ..kernels.block import size
-        from ..rows.blocks import fill
-        from ..rows.plan import Call
+        from ..base.loops import Call
+        from ..robots.block import fill
+        from ..robots.kernels.block import size
         from .kernels.nearest import measure_pairs
         from .scene import Scene
 

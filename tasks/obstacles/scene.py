@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hqp import InvalidInput
 
-from .._checks import Array
+from ..base.checks import Array
+from ..base.once import once
 from ..robots.robot import Robot
 from .shapes import Obstacle
 
@@ -55,7 +55,7 @@ class Scene:
         dt: float | None = None,
         rates: bool = False,
     ) -> None:
-        from ..rows.plan import Table
+        from ..base.loops import Table
         from .kernels import nearest as of
 
         blocks = Table(*(block(link.frame) for link in pairs.links))
@@ -98,7 +98,7 @@ def _stands(obstacle: Obstacle) -> bool:
     return not (_asked(type(obstacle)) or obstacle.moves)
 
 
-@cache
+@once
 def _asked(kind: type) -> bool:
     """Whether a class of its own tells where it is, and not whether it moves: then it is asked at every tick."""
     for cls in kind.__mro__:

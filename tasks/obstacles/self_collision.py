@@ -23,11 +23,11 @@ import numpy as np
 from hqp import InvalidInput, Label
 from hqp.checks import listed, of_type, whole_number
 
-from .._checks import Array, nearest, not_negative, pair, positive_scalar, scalar
-from ..live import number, structure
-from ..part import PER, Order, Part, Tick
+from ..base.checks import Array, nearest, not_negative, pair, positive_scalar, scalar
+from ..base.live import number, structure
 from ..robots.robot import Robot, RobotState, on_pinocchio
 from ..rows.alone import write_alone
+from ..rows.part import PER, Order, Part, Tick
 from .distance import check_rate, told
 
 if TYPE_CHECKING:
@@ -128,7 +128,8 @@ class SelfCollisionLimit(Part):
 
     def plan(self, site: Site) -> Plan:
         """Coal finds the contacts, and a loop makes rows of them."""
-        from ..rows.plan import Call, Plan
+        from ..base.loops import Call
+        from ..rows.plan import Plan
         from .kernels import rows as loops
 
         site.bounds = True

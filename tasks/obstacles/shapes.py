@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
-from .._checks import Array, finite, not_negative, positive_scalar, scalar
-from ..live import Live, number
-from ..motion.trajectories import Fixed, Trajectory, as_trajectory
+from ..base.checks import Array, finite, not_negative, positive_scalar, scalar
+from ..base.live import Live, number
+from ..targets.trajectories import Fixed, Trajectory, as_trajectory
 
 
 class Obstacle(Live):

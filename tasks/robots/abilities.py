@@ -8,7 +8,6 @@ The attributes named here mean what is said here, and no others mean anything: a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
 from typing import TYPE_CHECKING, Protocol, TypeGuard, TypeVar, runtime_checkable
 
 import numpy as np
@@ -16,11 +15,12 @@ from numpy.typing import NDArray
 
 from hqp.guard import Guard
 
-from .._checks import Array
+from ..base.checks import Array
+from ..base.once import once
 from .frame import Frame
 
 if TYPE_CHECKING:
-    from ..rows.blocks import Source
+    from .source import Source
 
 T = TypeVar("T")
 
@@ -330,7 +330,14 @@ def has(value: object, kind: type[T]) -> TypeGuard[T]:
 
     As ``isinstance`` says, which takes microseconds where Python is old, and asks properties for their values.
     """
-    return all(_there(value, name, method) for name, method in _members(kind))
+    return _by_class(type(value), kind) or all(_there(value, name, method) for name, method in _members(kind))
+
+
+@once
+def _by_class(of: type, kind: type) -> bool:
+    """Whether a class has them all, so that there is nothing to ask of its objects."""
+    own = [(getattr(of, name, ABSENT), method) for name, method in _members(kind)]
+    return all(value is not ABSENT and not (method and value is None) for value, method in own)
 
 
 def _there(value: object, name: str, method: bool) -> bool:
@@ -340,7 +347,7 @@ def _there(value: object, name: str, method: bool) -> bool:
     return own is not ABSENT and not (method and own is None)
 
 
-@cache
+@once
 def _members(kind: type) -> tuple[tuple[str, bool], ...]:
     """The attributes of a protocol, and whether each is a method."""
     found: dict[str, bool] = {}

@@ -18,7 +18,7 @@ from hqp import InvalidInput
 from hqp.checks import whole_number
 from hqp.errors import brief
 
-from .._checks import finite, numbers, position_range
+from ..base.checks import finite, numbers, position_range
 from . import abilities as able
 from .abilities import Robot, RobotState
 from .answers import (
@@ -38,6 +38,8 @@ BASES = (0, 3, 6)
 UNITS = ("rad", "m")
 #: Robots that were looked at.
 _ADMITTED: WeakSet[Robot] = WeakSet()
+#: Those of which a state was looked at.
+_STATES_ADMITTED: WeakSet[Robot] = WeakSet()
 #: What is had together, or not at all: half of it would be passed over without a word.
 TOGETHER: dict[type, tuple[tuple[str, ...], tuple[str, ...]]] = {
     able.Manifold: (("integrate", "difference"), ("neutral", "integrate", "difference")),
@@ -88,12 +90,21 @@ def as_robot(value: Robot) -> Robot:
 
 
 def check_states(robot: Robot) -> None:
-    """Refuse a robot whose states are none, or hold something else than they mean; looks at the one at rest.
+    """Refuse a robot whose states are none, or hold something else than they mean; looks once, at the one at rest.
 
     Raises
     ------
     InvalidInput
     """
+    with suppress(TypeError):  # as in `as_robot`
+        if robot in _STATES_ADMITTED:
+            return
+    _look_at_states(robot)
+    with suppress(TypeError):
+        _STATES_ADMITTED.add(robot)
+
+
+def _look_at_states(robot: Robot) -> None:
     state, what = at_rest(robot), "the state that at(q, v) of the robot gives"
     if not able.has(state, RobotState) or not callable(state.frame):
         raise InvalidInput(f"{what}, {brief(state)}, is a {type(state).__name__}; a state has q, v and frame(name)")

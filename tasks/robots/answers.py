@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from hqp import InvalidInput
 from hqp.guard import Guard
 
-from .._checks import Array
+from ..base.checks import Array
 from . import abilities as able
 from .abilities import Robot, RobotState
 from .frame import Frame
@@ -63,7 +63,7 @@ def state_abilities(state: RobotState) -> frozenset[type]:
 
 def on_pinocchio(robot: object) -> TypeGuard[PinocchioRobot]:
     """Whether this is a robot of Pinocchio, and not one of somebody's own that happens to have a model."""
-    module = sys.modules.get("tasks.robots.pinocchio")  # there is none without it
+    module = sys.modules.get(f"{__package__}.pinocchio")  # there is none without it
     return module is not None and isinstance(robot, module.PinocchioRobot)
 
 
@@ -119,7 +119,7 @@ def difference(robot: Robot, start: Array, end: Array) -> Array:
 
 def is_flat(robot: Robot) -> bool:
     """Whether the step from one configuration to another is what their numbers differ by."""
-    return robot.nq == robot.nv and not isinstance(robot, able.Manifold)
+    return robot.nq == robot.nv and not able.has(robot, able.Manifold)
 
 
 def _check_flat(robot: Robot) -> None:
@@ -137,7 +137,7 @@ def at_rest(robot: Robot) -> RobotState:
 
 def positioned(robot: Robot) -> NDArray[np.bool_]:
     """Which velocities are those of a joint with one position: no wheel on a circle, no floating base, shape (nv,)."""
-    if robot.nq == robot.nv or not able.has(robot, able.Manifold):
+    if robot.nq == robot.nv or able.Manifold not in abilities(robot):
         return np.ones(robot.nv, dtype=np.bool_)
     here = at_rest(robot)
     there = robot.at(integrate(robot, here.q, np.full(robot.nv, 0.1)), here.v)
@@ -210,7 +210,7 @@ def limits_reader(robot: Robot) -> Callable[[], tuple[ArrayLike | None, ...]]:
         "acceleration_limit": able.AccelerationLimited,
         "torque_limit": able.TorqueLimited,
     }
-    readers = [attrgetter(name) for name, kind in kinds.items() if isinstance(robot, kind)]
+    readers = [attrgetter(name) for name, kind in kinds.items() if able.has(robot, kind)]
     return lambda: tuple(read(robot) for read in readers)
 
 

@@ -13,8 +13,8 @@ from typing import Protocol
 
 import numpy as np
 
-from .._checks import Array
-from ..rotations import cross
+from ..base.checks import Array
+from .kernels.block import NOTHING
 
 
 class Frame(Protocol):
@@ -44,11 +44,6 @@ class Frame(Protocol):
     def linear_drift(self) -> Array: ...
     @property
     def angular_drift(self) -> Array: ...
-
-
-#: A joint that moves a frame by less than this [m/rad], [1] does not move it: it is round-off, and a row of it would be
-#: a task that none can meet, for which the joints would run to their limits.
-NOTHING = 1e-13
 
 
 def without_round_off(jacobian: Array) -> Array:
@@ -86,30 +81,3 @@ def planar_frame(pose: Array, jacobian: Array, drift: Array) -> FixedFrame:
         parts[row, :-2], parts[row, -2], parts[row, -1] = jacobian[own], pose[own], drift[own]
     J, place, change = without_round_off(parts[:, :-2]), parts[:, -2], parts[:, -1]
     return FixedFrame(place[:3], pose[2:], J[:3], J[3:], change[:3], change[3:])
-
-
-def relative(root: Frame, frame: Frame, v: Array) -> FixedFrame:
-    r"""`frame` as an observer sees it who rides on `root`: in its coordinates, and with its motion taken off.
-
-    With :math:`r = R_0^T (p - p_0)`, :math:`\omega_0` in the coordinates of the root, and joint velocities v,
-
-    .. math::
-
-        \dot r = R_0^T (\dot p - \dot p_0) - \omega_0 \times r, \qquad
-        \ddot r = R_0^T (\ddot p - \ddot p_0) - \dot\omega_0 \times r - 2 \omega_0 \times \dot r
-            - \omega_0 \times (\omega_0 \times r).
-    """
-    turned = root.rotation.T
-    r = turned @ (frame.position - root.position)
-    spin = turned @ root.angular
-    linear = turned @ (frame.linear - root.linear) + cross(r, spin)
-    angular = turned @ (frame.angular - root.angular)
-    omega, rate = spin @ v, linear @ v
-    linear_drift = (
-        turned @ (frame.linear_drift - root.linear_drift)
-        - np.cross(turned @ root.angular_drift, r)
-        - 2.0 * np.cross(omega, rate)
-        - np.cross(omega, np.cross(omega, r))
-    )
-    angular_drift = turned @ (frame.angular_drift - root.angular_drift) - np.cross(omega, angular @ v)
-    return FixedFrame(r, turned @ frame.rotation, linear, angular, linear_drift, angular_drift)

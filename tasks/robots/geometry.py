@@ -12,7 +12,7 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
-from .._quiet import caught, reason
+from ..base.quiet import caught, reason
 from .files.urdf import rename, rename_shared
 from .files.xml import parsed, written
 

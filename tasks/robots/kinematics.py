@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
-from .._checks import Array
+from ..base.checks import Array
 
 if TYPE_CHECKING:
     from .abilities import RobotState

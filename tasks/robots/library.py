@@ -9,7 +9,7 @@ from pathlib import Path
 
 from hqp import InvalidInput, MissingPackage
 
-from .._checks import nearest
+from ..base.checks import nearest
 from .choices import Base
 
 

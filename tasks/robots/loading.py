@@ -16,7 +16,7 @@ from hqp import InvalidInput
 from hqp.checks import listed, truth
 from hqp.errors import brief
 
-from .._telling import tell
+from ..base.telling import tell
 from .choices import Base, Mimic
 from .library import ROBOTS, Entry, available_robots, named
 

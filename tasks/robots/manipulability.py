@@ -22,10 +22,8 @@ from numpy.typing import ArrayLike, NDArray
 from hqp import InvalidInput
 from hqp.checks import positive_number
 
-from .._checks import Array, finite
-
-#: Singular values up to this share of the largest count as zero.
-RANK_TOLERANCE = 1e-9
+from ..base.checks import Array, finite
+from ..base.rank import RANK_TOLERANCE
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,8 +19,8 @@ from hqp import InvalidInput, MissingPackage
 from hqp.checks import of_type
 from hqp.guard import Guard
 
-from .._checks import Array, finite, finite_scalar, nearest, own_numbers
-from ..live import Live, number, structure
+from ..base.checks import Array, finite, finite_scalar, nearest, own_numbers
+from ..base.live import Live, number, structure
 from .robot import joint_index
 
 try:
@@ -119,6 +119,7 @@ class PinocchioRobot(Live):
     tip: str | None = structure()
     kinematics: Kinematics = structure()
     guard: Guard = structure()
+    home: Array
     _instead = "load or make another robot"
 
     def __init__(
@@ -150,6 +151,7 @@ class PinocchioRobot(Live):
         self._columns = np.flatnonzero(places != NONE)
         self._places = places[self._columns]
         self._frames: dict[str | None, int] = {}
+        self._support: dict[int, list[tuple[int, int]]] = {}
         self.guard = Guard(f"the workspace of {self!r}")
         self._rooms: Mapping[str, Room] = rooms or {}
         self._loaded = rooms is not None
@@ -263,7 +265,7 @@ class PinocchioRobot(Live):
                 raise InvalidInput(f"{joints!r} is no configuration of {self!r}{nearest(joints, self.configurations)}")
             return np.array(self._named(joints))
         q = np.array(self.neutral)
-        for name, position in of_type(joints, Mapping, "joints").items():  # type: ignore[type-abstract]
+        for name, position in of_type(joints, Mapping, "joints").items():
             column = joint_index(self.joint_names, name, "joint")
             axis, value = self._axes[column], finite_scalar(position, f"position of {name!r}")
             if axis.place != NONE:
@@ -353,8 +355,12 @@ class PinocchioRobot(Live):
     def support(self, joint: int) -> list[tuple[int, int]]:
         """What moves that which a joint of the model carries: columns of Pinocchio's Jacobian of the joints, and the
         velocity of each. A joint that follows another one has a column of its own, and the velocity of that one."""
-        joints = [self.model.joints[i] for i in self.model.supports[joint]][1:]
-        return [(joint.idx_vExtended + i, joint.idx_v + i) for joint in joints for i in range(joint.nvExtended)]
+        found = self._support.get(joint)
+        if found is None:
+            joints = [self.model.joints[i] for i in self.model.supports[joint]][1:]
+            found = [(joint.idx_vExtended + i, joint.idx_v + i) for joint in joints for i in range(joint.nvExtended)]
+            self._support[joint] = found
+        return found
 
     def chain_order(self, frame: str | None, relative_to: str | None = None) -> NDArray[np.int64] | None:
         """The place of every velocity in the chain to a frame; see :func:`tasks.robots.chain.chain_order`."""

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput
 from hqp.arrays import real_array
 
-from .._checks import Array
+from ..base.checks import Array
 
 
 def mass_matrix(model: pin.Model, data: pin.Data, q: Array) -> Array:

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pinocchio as pin
 
-from .._checks import Array
+from ..base.checks import Array
 
 if TYPE_CHECKING:
-    from ..rows.plan import Call
+    from ..base.loops import Call
     from .pinocchio import PinocchioRobot
     from .pinocchio_state import PinocchioState
+    from .source import Flag
 
 
 class PinocchioSource:
@@ -33,9 +34,9 @@ class PinocchioSource:
         self._biases: list[Array] = []
         self._kept: list[Any] = []
 
-    def frame(self, name: str | None, block: Array, drifts: Array) -> Call:
-        from ..kernels.robots import joint_frame
-        from ..rows.plan import Call
+    def frame(self, name: str | None, block: Array, drifts: Flag) -> Call:
+        from ..base.loops import Call
+        from .kernels.frames import joint_frame
 
         robot, data = self._robot, self._data
         frame = self._model.frames[robot.frame_index(name)]
@@ -59,9 +60,9 @@ class PinocchioSource:
             change.vector,
         )
 
-    def center_of_mass(self, block: Array, drifts: Array) -> Call:
-        from ..kernels.robots import point_frame
-        from ..rows.plan import Call
+    def center_of_mass(self, block: Array, drifts: Flag) -> Call:
+        from ..base.loops import Call
+        from .kernels.frames import point_frame
 
         self._centre = True
         self._compute_centre(True)  # which lays out the arrays
@@ -72,8 +73,8 @@ class PinocchioSource:
         if len(self._model.mimicking_joints):  # where crba is wrong, see pinocchio_dynamics
             self._matrices.append(M)
             return None
-        from ..kernels.robots import symmetric
-        from ..rows.plan import Call
+        from ..base.loops import Call
+        from .kernels.frames import symmetric
 
         self._inertia = True
         pin.crba(self._model, self._data, self._robot.neutral)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pinocchio as pin
 
-from .._checks import Array
+from ..base.checks import Array
 from .frame import FixedFrame, without_round_off
 
 if TYPE_CHECKING:

@@ -13,7 +13,6 @@ not 0. Positive angles turn counter-clockwise; the base frame has its origin in 
 from __future__ import annotations
 
 from functools import cached_property
-from math import cos, isfinite, sin
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,18 +20,22 @@ from numpy.typing import ArrayLike, NDArray
 from hqp import InvalidInput
 from hqp.checks import of_type
 
-from .._checks import Array, not_negative, numbers, own_numbers, per_row, position_range, positive
-from ..live import Live, number, structure
+from ..base.checks import Array, numbers, own_numbers, per_joint, per_row, position_range, positive
+from ..base.live import Live, number, structure
 from . import planar_dynamics as dynamics
+from .block import told_by
 from .chain import APART
-from .frame import FixedFrame, planar_frame
+from .frame import FixedFrame
+from .kernels import block as at
 from .manipulability import manipulability
-from .planar_source import PlanarSource
+from .planar_source import PlanarSource, block_of
 
 #: Mass per length of a link that names none [kg/m].
 DENSITY = 1.0
 #: The frame at the end of the last link.
 TIP = "tip"
+#: x, y and the turn about z among three linear and three angular coordinates.
+PLANE = [0, 1, 5]
 
 
 class PlanarState:
@@ -62,33 +65,24 @@ class PlanarState:
         return self.robot.points(self.q)
 
     @cached_property
-    def pose(self) -> Array:
-        x = y = angle = 0.0
-        for length, turn in zip(self.robot.lengths.tolist(), self.q.tolist(), strict=True):
-            angle += turn
-            if not isfinite(angle):
-                return np.full(3, np.nan)
-            x, y = x + length * cos(angle), y + length * sin(angle)
-        return np.array([x, y, angle])
+    def _tip(self) -> Array:
+        return block_of(self.robot, self.q, self.v, None)
 
-    @cached_property
+    @property
+    def pose(self) -> Array:
+        return self._tip[[at.POSITION, at.POSITION + 1, at.ANGLE]]
+
+    @property
     def jacobian(self) -> Array:
-        return _jacobian(self.points)
+        return self._tip[at.JACOBIAN :].reshape(6, -1)[PLANE]
 
     @property
     def twist(self) -> Array:
-        return np.asarray(self.jacobian @ self.v)
+        return self._tip[at.LINEAR_VELOCITY : at.LINEAR_VELOCITY + 6][PLANE]
 
     @property
     def drift(self) -> Array:
-        return self._drift(len(self.q))
-
-    def _drift(self, end: int) -> Array:
-        """Of the end of a link: every link pulls its end towards its beginning at length * rate^2."""
-        drift = np.zeros(3)
-        with np.errstate(all="ignore"):  # what is beyond all numbers is for the solver to report
-            drift[:2] = -(self.v[:end].cumsum() ** 2) @ np.diff(self.points[: end + 1], axis=0)
-        return drift
+        return self._tip[at.LINEAR_DRIFT : at.LINEAR_DRIFT + 6][PLANE]
 
     def frame(self, name: str | None = None) -> FixedFrame:
         """The tip, or ``"link1"``, ``"link2"``, ...: the end of that link, counted from the base.
@@ -98,11 +92,7 @@ class PlanarState:
         InvalidInput
             If there is no such frame.
         """
-        end = self.robot.links_to(name)
-        pose = np.array([*self.points[end], self.q[:end].cumsum()[-1]])
-        J = np.zeros((3, len(self.q)))
-        J[:, :end] = _jacobian(self.points[: end + 1])
-        return planar_frame(pose, J, self._drift(end))
+        return told_by(self._tip if name is None else block_of(self.robot, self.q, self.v, name))
 
 
 class PlanarArm(Live):
@@ -162,7 +152,7 @@ class PlanarArm(Live):
         self.lengths = given
         self.nq = self.nv = len(given)
         self.name = of_type(name, str, "name of an arm")
-        self.masses = DENSITY * given if masses is None else self._per_joint(masses, "mass", "kg", "link")
+        self.masses = DENSITY * given if masses is None else self._per_link(masses, "mass", "kg")
         self._H = dynamics.inertia_constants(self.lengths, self.masses)
         self.position_limit, self.velocity_limit = position_limit, velocity_limit
         self.acceleration_limit, self.torque_limit = acceleration_limit, torque_limit
@@ -175,28 +165,26 @@ class PlanarArm(Live):
     @number
     def velocity_limit(self, value: ArrayLike | None) -> Array | None:
         """Largest joint speeds [rad/s], shape (n,), or None; 0 holds a joint."""
-        if value is None:
-            return None
         label = f"{self!r}: velocity limit"
-        return per_row(not_negative(value, label, unit="rad/s"), self.nv, label, "joint")
+        return None if value is None else per_joint(value, self.nv, label, unit="rad/s", zero_holds=True)
 
     @number
     def acceleration_limit(self, value: ArrayLike | None) -> Array | None:
         """Largest joint accelerations [rad/s^2], shape (n,), or None."""
-        return None if value is None else self._per_joint(value, "acceleration limit", "rad/s^2")
+        return None if value is None else per_joint(value, self.nv, f"{self!r}: acceleration limit", unit="rad/s^2")
 
     @number
     def torque_limit(self, value: ArrayLike | None) -> Array | None:
         """Largest joint torques [N m], shape (n,), or None."""
-        return None if value is None else self._per_joint(value, "torque limit", "N m")
+        return None if value is None else per_joint(value, self.nv, f"{self!r}: torque limit", unit="N m")
 
     @property
     def frame_names(self) -> tuple[str, ...]:
         """``"tip"``, and ``"link1"``, ...: the ends of the links."""
         return (TIP, *_link_names(self.nv))
 
-    def _per_joint(self, value: ArrayLike, what: str, unit: str, of: str = "joint") -> Array:
-        return per_row(positive(value, f"{self!r}: {what}", unit=unit), self.nv, f"{self!r}: {what}", of)
+    def _per_link(self, value: ArrayLike, what: str, unit: str) -> Array:
+        return per_row(positive(value, f"{self!r}: {what}", unit=unit), self.nv, f"{self!r}: {what}", "link")
 
     def points(self, q: ArrayLike) -> Array:
         """Base, joints and tip [m], shape (..., n + 1, 2)."""

@@ -35,7 +35,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .._checks import Array
+from ..base.checks import Array
 
 
 def inertia_constants(lengths: Array, masses: Array) -> Array:

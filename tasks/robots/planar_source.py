@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import threading
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
-from .._checks import Array
+import numpy as np
+
+from ..base.checks import Array
+from .kernels import block as at
 from .robot import RobotState
 
 if TYPE_CHECKING:
-    from ..rows.plan import Call
+    from ..base.loops import Call
     from .planar import PlanarArm
+    from .source import Flag
 
 
 class PlanarSource:
@@ -27,14 +33,10 @@ class PlanarSource:
         self._matrices: list[Array] = []
         self._biases: list[Array] = []
 
-    def frame(self, name: str | None, block: Array, drifts: Array) -> Call:
-        from ..kernels.robots import planar_frame
-        from ..rows.plan import Call
+    def frame(self, name: str | None, block: Array, drifts: Flag) -> Call:
+        return _written(self._arm, block, drifts, self._q, self._v, self._arm.links_to(name))
 
-        arm = self._arm
-        return Call(planar_frame, arm.nv, block, drifts, arm.lengths, self._q, self._v, arm.links_to(name))
-
-    def center_of_mass(self, block: Array, drifts: Array) -> Call:
+    def center_of_mass(self, block: Array, drifts: Flag) -> Call:
         raise NotImplementedError("a planar arm does not tell its centre of mass")
 
     def mass_matrix(self, M: Array) -> None:
@@ -48,3 +50,32 @@ class PlanarSource:
             M[:] = self._arm.mass_matrix(self._q)
         for b in self._biases:
             b[:] = self._arm.bias(self._q, self._v)
+
+
+class _Ends(threading.local):
+    """The loops that this thread has at work, by arm and number of links, and what they read and write: q, v, block."""
+
+    def __init__(self) -> None:
+        self.of: WeakKeyDictionary[PlanarArm, dict[int, tuple[Call, Array, Array, Array]]] = WeakKeyDictionary()
+
+
+_ends = _Ends()
+
+
+def block_of(arm: PlanarArm, q: Array, v: Array, name: str | None) -> Array:
+    """The block of one frame at (q, v)."""
+    own, end = _ends.of.setdefault(arm, {}), arm.links_to(name)
+    if end not in own:
+        place, rate, block = np.zeros(arm.nv), np.zeros(arm.nv), np.zeros(at.size(arm.nv))
+        own[end] = _written(arm, block, np.ones(1, dtype=np.int64), place, rate, end), place, rate, block
+    call, place, rate, block = own[end]
+    place[:], rate[:] = q, v
+    call.run()
+    return block.copy()
+
+
+def _written(arm: PlanarArm, block: Array, drifts: Flag, q: Array, v: Array, links: int) -> Call:
+    from ..base.loops import Call
+    from .kernels.frames import planar_frame
+
+    return Call(planar_frame, arm.nv, block, drifts, arm.lengths, q, v, links)

@@ -10,8 +10,8 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
-from .._checks import LARGEST, Array, not_negative, per_row, position_range, positive, scalar
-from .._telling import tell
+from ..base.checks import LARGEST, Array, not_negative, per_joint, position_range, positive, scalar
+from ..base.telling import tell
 from .axes import NONE, Axis, axes, kind
 from .robot import joint_index
 
@@ -171,7 +171,8 @@ def largest(
         for i, value in _named(all_of, given or {}, f"{what} of"):
             limits[i] = scalar(checked(value, f"{what} of {all_of[i].name!r}", unit=units[all_of[i].unit]), what)
         return limits if np.isfinite(limits).any() else None
-    return np.array(per_row(checked(given, what, unit=units["rad"]), len(all_of), what, "joint"))
+    limits = per_joint(given, len(all_of), what, unit=units["rad"], zero_holds=zero_holds)
+    return limits if np.isfinite(limits).any() else None
 
 
 def _named(own: Sequence[Axis], given: Mapping[str, Any], what: str) -> Iterator[tuple[int, Any]]:

@@ -9,7 +9,7 @@ import numpy as np
 from hqp import InvalidInput
 from hqp.checks import whole_number
 
-from .._checks import Array, nearest
+from ..base.checks import Array, nearest
 from .abilities import Robot
 from .answers import base, bias, frame_names, has_frame, joint_names, mass_matrix, neutral, positioned
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput
 from hqp.checks import listed, of_type
 
-from .._checks import Array, finite
+from ..base.checks import Array, finite
 from .robot import Robot, as_robot, on_pinocchio, points
 
 if TYPE_CHECKING:

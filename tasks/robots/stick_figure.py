@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._checks import Array
+from ..base.checks import Array
 from .skeleton import skeleton
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
-from .._telling import tell
+from ..base.telling import tell
 from .axes import axes, kind
 from .frame_names import by_kind
 

@@ -9,14 +9,14 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from .._checks import Array
-from ..part import Tick
+from ..base.checks import Array
 from ..robots.robot import Robot, RobotState
 from ..robots.robot import robot_of as owner
+from .part import Tick
 
 if TYPE_CHECKING:
-    from ..part import Part, Tick
-    from ..task import Task
+    from .part import Part, Tick
+    from .task import Task
 
 
 class Measured(NamedTuple):
@@ -137,13 +137,12 @@ def write_alone(part: Part, tick: Tick, A: Array, lower: Array, upper: Array) ->
     A : array, shape (rows, nv)
     lower, upper : array, shape (rows,)
     """
-    from .plan import run_all
+    from ..base.loops import run_all
     from .site import Site, Workspace
 
     shared = Workspace(tick.robot, tick.order, tick.dt)
-    shared.envelope = tick.envelope
     if tick.envelope is not None:
-        shared.braking[0] = tick.envelope.braking_rate(tick)
+        shared.envelope, shared.braking[0] = tick.envelope, tick.envelope.braking_rate(tick)
     plan = part.plan(Site(shared, A, lower, upper))
     for move in plan.moves:
         move(tick.t)

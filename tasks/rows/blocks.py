@@ -1,39 +1,22 @@
 """Frame blocks of one robot, each written once a tick: by loops where the robot has some, else from its states.
 
-See :mod:`tasks.kernels.block` for what a block holds.
+See :mod:`tasks.robots.kernels.block` for what a block holds.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._checks import Array
-from ..kernels import block as at
-from ..robots.frame import Frame
+from ..base.checks import Array
+from ..robots.block import fill
+from ..robots.kernels import block as at
 from ..robots.robot import Robot, RobotState
+from ..robots.source import Flag, Source
 
 if TYPE_CHECKING:
-    from .plan import Call
-
-
-class Source(Protocol):
-    """Where the numbers of frames come from, tick after tick."""
-
-    def frame(self, name: str | None, block: Array, drifts: Array) -> Call | None:
-        """Begin to keep the block of a frame; the loop that does, or None if :meth:`update` does it itself."""
-        ...
-
-    def center_of_mass(self, block: Array, drifts: Array) -> Call | None: ...
-
-    def mass_matrix(self, M: Array) -> Call | None: ...
-
-    def bias(self, b: Array) -> None: ...
-
-    def update(self, state: RobotState, drifts: bool) -> None:
-        """Have ready what the loops read, at this state."""
-        ...
+    from ..base.loops import Call
 
 
 class StateSource:
@@ -46,10 +29,10 @@ class StateSource:
         self._matrices: list[Array] = []
         self._biases: list[Array] = []
 
-    def frame(self, name: str | None, block: Array, drifts: Array) -> None:
+    def frame(self, name: str | None, block: Array, drifts: Flag) -> None:
         self._frames.append((name, block))
 
-    def center_of_mass(self, block: Array, drifts: Array) -> None:
+    def center_of_mass(self, block: Array, drifts: Flag) -> None:
         self._centres.append(block)
 
     def mass_matrix(self, M: Array) -> None:
@@ -69,25 +52,6 @@ class StateSource:
             b[:] = self._robot.bias(state.q, state.v)  # type: ignore[attr-defined]  # checked
 
 
-def fill(block: Array, frame: Frame, v: Array, drifts: bool) -> None:
-    """Write what a frame tells into its block."""
-    n = len(v)
-    J = block[at.JACOBIAN :].reshape(6, n)
-    block[:3], J[:3], J[3:] = frame.position, frame.linear, frame.angular
-    rotation = frame.rotation
-    if rotation.ndim == 1:
-        angle = float(rotation[0])
-        c, s = np.cos(angle), np.sin(angle)
-        block[at.ANGLE], block[at.PLANAR] = angle, 1.0
-        block[at.ROTATION : at.ROTATION + 9] = c, -s, 0.0, s, c, 0.0, 0.0, 0.0, 1.0
-    else:
-        block[at.ROTATION : at.ROTATION + 9] = rotation.ravel()
-    if drifts:
-        block[at.LINEAR_DRIFT : at.LINEAR_DRIFT + 3] = frame.linear_drift
-        block[at.ANGULAR_DRIFT : at.ANGULAR_DRIFT + 3] = frame.angular_drift
-        block[at.LINEAR_VELOCITY : at.LINEAR_VELOCITY + 6] = J @ v
-
-
 class Blocks:
     """The blocks that the parts of one stack ask for, each once.
 
@@ -103,7 +67,7 @@ class Blocks:
         self._source, self._n = source, n
         self._blocks: dict[object, Array] = {}
         self._calls: list[Call] = []
-        self.drifts = np.zeros(1, dtype=np.int64)
+        self.drifts: Flag = np.zeros(1, dtype=np.int64)
 
     def frame(self, name: str | None, relative_to: str | None = None) -> Array:
         """The block of a frame, in the coordinates of the world or of another frame."""
@@ -147,8 +111,8 @@ class Blocks:
         seen = (*key, relative_to)
         if seen not in self._blocks:
             root, frame, out = self.frame(relative_to), self._blocks[key], np.zeros(at.size(self._n))
-            from ..kernels.robots import relative_frame
-            from .plan import Call
+            from ..base.loops import Call
+            from ..robots.kernels.frames import relative_frame
 
             self._blocks[seen] = out
             self._add(Call(relative_frame, self._n, out, self.drifts, root, frame))

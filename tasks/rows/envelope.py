@@ -30,12 +30,12 @@ import numpy as np
 
 from hqp import InvalidInput
 
-from .._checks import Array, per_row
+from ..base.checks import Array, per_row
 from ..robots.robot import Quantity, Robot, limit_of
 
 if TYPE_CHECKING:
-    from ..part import Tick
-    from .plan import Call, Entry
+    from ..base.loops import Call, Entry
+    from .part import Tick
     from .site import Site, Workspace
 
 
@@ -84,6 +84,7 @@ class Envelope:
         #: Write the rows of all limits, and how fast the joints brake; every tick, before whoever asks for it.
         self.write: Callable[[], object] = _nothing
         self._claims: list[Claim] = []
+        self._call: Call | None = None
         self._braking = np.array([np.inf])
 
     def claim(self, part: str, kind: Quantity, values: Array, site: Site, *, return_speed: float = np.inf) -> None:
@@ -123,8 +124,14 @@ class Envelope:
             )
         self._braking = shared.braking
         if self._claims:
-            self.write = self._loop(shared).run
+            self._call = self._loop(shared)
+            self.write = self._call.run
             self.write()
+
+    def loops(self, site: Site) -> tuple[str, ...]:
+        """The name of the loop that writes the rows of a part, if there are limits in them."""
+        own = self._call is not None and any(claim.lower is site.lower for claim in self._claims)
+        return (self._call.kernel.__name__,) if own and self._call is not None else ()
 
     @property
     def brakes_blindly(self) -> bool:
@@ -151,13 +158,13 @@ class Envelope:
 
     def _loop(self, shared: Workspace) -> Call:
         """The loop, told of all claims, the harder first."""
-        from ..kernels import envelope as loop
-        from ..kernels.law import ORDERS
-        from .plan import Call, Table, address
+        from ..base.loops import Call, Table, address
+        from .kernels import envelope as loop
+        from .kernels.law import ORDERS
 
         claims = sorted(self._claims, key=lambda claim: loop.KINDS.index(claim.kind))
         numbers = [np.concatenate([claim.low, claim.high, [claim.return_speed]]) for claim in claims]
-        told_of = [
+        told_of: list[tuple[Entry, ...]] = [
             (loop.KINDS.index(claim.kind), own, claim.lower, claim.upper)
             for claim, own in zip(claims, numbers, strict=True)
         ]

@@ -13,7 +13,7 @@ class OwnLimits:
     Parameters
     ----------
     robot : Robot
-        No :class:`tasks.live.Live`, which would tell.
+        No :class:`tasks.base.live.Live`, which would tell.
     """
 
     def __init__(self, robot: Robot) -> None:

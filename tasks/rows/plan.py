@@ -1,73 +1,18 @@
-"""How the rows of a part are written: loops and what they are told, and what has to be brought up to date before."""
+"""How the rows of a part are written: by loops, or in Python, and what has to be brought up to date before."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache, partial
-from typing import TYPE_CHECKING, Any, TypeAlias
+from math import inf
+from typing import TYPE_CHECKING
 
-import numpy as np
-from numba import int64
-from numpy.typing import NDArray
-
-from hqp.backends.native import make_ready
-from hqp.kernels.compile import INTERPRETED, entries
+from ..base.once import once
 
 if TYPE_CHECKING:
-    from ..part import Part, Tick
+    from ..base.loops import Call
+    from .part import Part, Tick
     from .site import Site
-
-#: Of a loop: the address of what it is told; nothing of interest.
-SIGNATURE = int64(int64)
-WHAT = "the rows of tasks"
-#: Where loops are.
-LOOPS = (
-    "..kernels.law",
-    "..kernels.frames",
-    "..kernels.directions",
-    "..kernels.joints",
-    "..kernels.robots",
-    "..kernels.steps",
-    "..kernels.joint_motion",
-    "..kernels.envelope",
-    "..limits.kernels",
-    "..criteria.kernels.measures",
-    "..obstacles.kernels.nearest",
-    "..obstacles.kernels.rows",
-)
-#: What a loop is told of: a size, an address, or by its address an array or a table.
-Entry: TypeAlias = "int | np.integer[Any] | NDArray[Any] | Table"
-
-
-class Table:
-    """Sizes and addresses that a loop is told of, in one array; whoever has the table keeps what it tells of.
-
-    Parameters
-    ----------
-    *told : int, array or Table
-        Arrays and tables are told by their address.
-    """
-
-    def __init__(self, *told: Entry) -> None:
-        self.told = told
-        self.numbers = np.array([address(entry) for entry in told], dtype=np.int64)
-
-
-class Call:
-    """One loop, and what it is told of.
-
-    Parameters
-    ----------
-    kernel : callable
-        See :func:`hqp.kernels.compile.entry`.
-    *told : int, array or Table
-    """
-
-    def __init__(self, kernel: Any, *told: Entry) -> None:
-        self.kernel, self.table = kernel, Table(*told)
-        self.run = partial(ready(kernel), address(self.table))
-        self.run.__dict__["table"] = self.table  # whoever has the one has the other
 
 
 @dataclass(frozen=True)
@@ -98,7 +43,7 @@ def plan_of(part: Part, site: Site) -> Plan:
     return part.plan(site) if own is None else replace(part.python_plan(site), why=own)
 
 
-@cache
+@once
 def overridden(kind: type[Part], says: tuple[str, ...], knows: str = "plan") -> str | None:
     """What a subclass says in Python, below the class that has the plan; None where the plan is right for it too.
 
@@ -113,32 +58,7 @@ def overridden(kind: type[Part], says: tuple[str, ...], knows: str = "plan") -> 
     raise AssertionError(kind)
 
 
-def address(entry: Entry) -> int:
-    """Where an array is, or that of a table; a size is itself."""
-    if isinstance(entry, Table):
-        entry = entry.numbers
-    return int(entry.__array_interface__["data"][0]) if isinstance(entry, np.ndarray) else int(entry)
-
-
-@cache
-def ready(kernel: Any) -> Callable[[int], object]:
-    """The compiled loop, from disk or compiled now; where the interpreter runs loops, the loop itself."""
-    if INTERPRETED:
-        return kernel  # type: ignore[no-any-return]
-    make_ready(kernel, WHAT, SIGNATURE)
-    return kernel.get_overload(SIGNATURE)  # type: ignore[no-any-return]
-
-
-def run_all(calls: Iterable[Call]) -> None:
-    """One after the other."""
-    for call in calls:
-        call.run()
-
-
-def warm_up() -> bool:
-    """Have all loops of rows ready: from disk, or compiled now. True if one had to be compiled."""
-    from importlib import import_module
-
-    for name in LOOPS:
-        import_module(name, __package__)
-    return sum(make_ready(kernel, WHAT, SIGNATURE) for kernel in entries("tasks")) > 0
+def free(site: Site) -> Plan:
+    """The plan of a limit that says nothing at this order: its rows have no bounds."""
+    site.lower[:], site.upper[:] = -inf, inf
+    return Plan()

@@ -8,21 +8,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from hqp import Hierarchy, InvalidInput, Level
+from hqp import Hierarchy, InvalidInput, Label, Level
 from hqp.checks import of_type
 
-from .._checks import Array
-from ..live import Live, reachable, watch_alone
-from ..part import Order, Part, Tick
+from ..base.checks import Array
+from ..base.live import Live, reachable, watch_alone
 from ..robots.answers import at_rest
 from ..robots.robot import Robot, RobotState
+from .description import Description, WrittenPart
 from .envelope import Envelope
 from .own_limits import OwnLimits
+from .part import Order, Part, Tick
 from .plan import Plan, plan_of
 from .site import Site, Workspace
 
 if TYPE_CHECKING:
-    from ..stack import Stack
+    from .stack import Stack
 
 
 class Rows:
@@ -52,7 +53,7 @@ class Rows:
             watch_alone(robot, self)
 
     def admit(self, part: Live, name: str) -> None:
-        """Take up what was changed in a part or the robot, or refuse it; see :class:`tasks.live.Watcher`."""
+        """Take up what was changed in a part or the robot, or refuse it; see :class:`tasks.base.live.Watcher`."""
         if id(part) == id(self._robot):
             self._check()
             self._take_up()
@@ -126,6 +127,17 @@ class Rows:
         """Lower and upper bounds that a part writes (views), or None if it is not in the stack."""
         return next(((site.lower, site.upper) for own, site in self._views if own is part), None)
 
+    def describe(self) -> Description:
+        """Who writes the rows of each part, and why Python does where it does."""
+        robot, order, envelope = self._robot, self._order, self._shared.envelope
+        levels = (k for k, parts in enumerate(self._stack.levels) for _ in parts)
+        return Description(
+            tuple(
+                WrittenPart.of(level, part.label(), tuple(part.labels(robot, order)), plan, envelope.loops(site))
+                for level, (part, plan), (_, site) in zip(levels, self.plans, self._views, strict=True)
+            )
+        )
+
     def fill(self, state: RobotState, t: float) -> Hierarchy:
         """Let every part write its rows for this state and time t [s]; the hierarchy, for convenience."""
         if self._own_limits is not None and self._own_limits.changed():
@@ -150,7 +162,10 @@ def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order) -> Level:
     """One level without numbers yet: plain bounds if all its parts are plain, rows otherwise."""
     name = " + ".join(of_type(part.name, str, f"name of a {type(part).__name__}") for part in parts)
     weights = np.ones(sum(part.size(robot) for part in parts))
-    labels = [label for part in parts for label in part.labels(robot, order)]
+
+    def labels() -> list[Label]:
+        return [label for part in parts for label in part.labels(robot, order)]
+
     zeros = np.zeros(len(weights))
     if all(part.plain for part in parts):
         indices = np.concatenate([p.variables(robot) for p in parts])

@@ -7,22 +7,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._checks import Array, per_row
-from ..motion.turns import stands_still
+from ..base.checks import Array, per_row
 from ..robots import abilities as able
 from ..robots.answers import at_rest, joint_reader
 from ..robots.robot import Robot, RobotState, is_flat
-from .blocks import Blocks, Source, StateSource
+from ..robots.source import Source
+from ..targets.turns import stands_still
+from .blocks import Blocks, StateSource
 from .envelope import Envelope
 
 if TYPE_CHECKING:
-    from ..part import Order
-    from ..task import Task
-    from .plan import Table
+    from ..base.loops import Table
+    from .part import Order
+    from .task import Task
 
 #: Brings a target up to date, by the time [s].
 Move = Callable[[float], None]
-#: What is measured of every row of a task: see :mod:`tasks.kernels.law`.
+#: What is measured of every row of a task: see :mod:`tasks.rows.kernels.law`.
 KINDS = 5
 
 
@@ -130,9 +131,9 @@ class Site:
         return self.shared.blocks.center_of_mass(relative_to)
 
     def law(self, task: Task) -> Table:
-        """What the law of a task is told of; see :mod:`tasks.kernels.law`."""
-        from ..kernels import law as of
-        from .plan import Table
+        """What the law of a task is told of; see :mod:`tasks.rows.kernels.law`."""
+        from ..base.loops import Table
+        from .kernels import law as of
 
         rows, what, shared = self.rows, task.label(), self.shared
         gain = per_row(task.gain, rows, f"{what}: gain")

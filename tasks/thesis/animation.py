@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..motion.record import Record
+from ..simulation.record import Record
 from .arms import BASE, LINKS, PATHS, desired_path, proportion, show, view
 from .runs import Job
 from .scenarios import MINUTE, Scenario

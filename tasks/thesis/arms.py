@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._checks import Array
-from ..motion.record import Record
+from ..base.checks import Array
 from ..robots.manipulability import velocity_ellipse
+from ..simulation.record import Record
 from .findings import HELD as WITHIN
 from .scenarios import Scenario
 from .style import ACTUAL, ARM, DESIRED, ELLIPSE, HELD, LAST, tones

@@ -9,19 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ..motion.record import Record
+from ..simulation.record import Record
 from .arms import draw_arm, draw_ellipses, legend, proportion, show, view
 from .findings import TIP_FROM, Finding, digits, measure
-from .panels import (
-    draw_joints,
-    draw_limits,
-    draw_phi,
-    draw_time,
-    name_joints,
-    name_limits,
-    speed_range,
-    torque_range,
-)
+from .panels import draw_joints, draw_limits, draw_phi, draw_time, name_joints, name_limits, speed_range, torque_range
 from .runs import Job
 from .scenarios import MINUTE, Scenario
 from .sheet import COLUMN, Head, Row, same_range, sheet

@@ -10,8 +10,8 @@ from math import isnan, nan
 
 import numpy as np
 
-from .._checks import Array
-from ..motion.record import Record
+from ..base.checks import Array
+from ..simulation.record import Record
 from .runs import Job, phi_error, tip_error
 from .scenarios import MINUTE
 

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 
 import hqp
 
-from .._checks import Array
-from ..motion.record import Record
+from ..base.checks import Array
 from ..robots.planar import PlanarArm
+from ..simulation.record import Record
 from .arms import desired_path, draw_arm, legend, proportion, show, view
 from .figures import ended, summary
 from .findings import digits, measure

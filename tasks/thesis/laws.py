@@ -47,13 +47,13 @@ from hqp.backends.pseudoinverse import joint_form
 
 from ..criteria.manipulability import ManipulabilityTask
 from ..criteria.motion import MinimumMotionTask
-from ..damping import Damping
-from ..joint_motion import JointMotion
+from ..frames.orientation import OrientationTask
+from ..frames.position import PositionTask
+from ..joints.damping import Damping
+from ..joints.joint_motion import JointMotion
 from ..limits.acceleration import JointAccelerationLimit
 from ..limits.velocity import JointVelocityLimit
-from ..orientation import OrientationTask
-from ..position import PositionTask
-from ..stack import Stack
+from ..rows.stack import Stack
 from .scenarios import Scenario
 
 #: What ``hqp thesis --law`` takes.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._checks import Array
+from ..base.checks import Array
 from ..robots.manipulability import velocity_ellipse
 from ..robots.planar import PlanarArm
 from .style import ACTUAL, ARM, ELLIPSE, JOINTS, LAST, MUTED, SIZE, caption, paper, write

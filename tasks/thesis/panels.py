@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .._checks import Array
-from ..motion.record import Record
+from ..base.checks import Array
+from ..simulation.record import Record
 from .findings import HELD as WITHIN
 from .runs import phi_error
 from .scenarios import MINUTE, Scenario

@@ -9,7 +9,7 @@ from pathlib import Path
 import hqp
 from hqp.backends import BackendInfo
 
-from ..motion.record import Record
+from ..simulation.record import Record
 from .animation import animate
 from .drawings import DRAWINGS, Drawing
 from .figures import draw

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..motion.record import Record
+from ..simulation.record import Record
 from .arms import draw_arm, legend, proportion, show, view
 from .figures import ended
 from .runs import Job

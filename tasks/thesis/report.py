@@ -12,7 +12,7 @@ from hqp.checks import whole_number
 from hqp.commands.terminal import console
 from hqp.files import writable
 
-from ..motion.record import Record
+from ..simulation.record import Record
 from .findings import Finding, measure, to_csv
 from .laws import NAMES
 from .pictures import Picture, make, pictures, refusals, subjects

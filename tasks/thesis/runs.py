@@ -9,10 +9,10 @@ import numpy as np
 
 import hqp
 
-from .._checks import Array
-from ..motion.controller import Controller
-from ..motion.record import Record
-from ..motion.simulation import simulate
+from ..base.checks import Array
+from ..control.controller import Controller
+from ..simulation.record import Record
+from ..simulation.simulation import simulate
 from .laws import NAMES, Law, laws_of
 from .scenarios import MINUTE, Scenario
 

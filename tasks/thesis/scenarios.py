@@ -19,9 +19,9 @@ import numpy as np
 
 from hqp import InvalidInput
 
-from ..motion.paths import Circle, Line, Polygon
-from ..motion.trajectories import Trajectory
 from ..robots.planar import PlanarArm
+from ..targets.paths import Circle, Line, Polygon
+from ..targets.trajectories import Trajectory
 from .claims import BOTH, FOLLOWS, MOSTLY, NO_LONGER_SINGULAR, NOT_THROUGHOUT, OVERCOMES, SINGULAR, Claim
 
 MINUTE = 60.0

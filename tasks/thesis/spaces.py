@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import Array
+from ..base.checks import Array
 from .style import ACTUAL, ARM, COLUMN, ELLIPSE, LAST, MUTED, PAGE, SIZE, caption, paper, write
 
 if TYPE_CHECKING:

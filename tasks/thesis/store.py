@@ -12,7 +12,6 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import hqp
-import tasks
 
 from .runs import CERTIFY, SPEED_CAP, Job
 
@@ -93,8 +92,8 @@ class Drawn:
 def sources(*, drawing: bool = True) -> str:
     """Digest of our own sources, with or without those that only draw, and of the numerical packages' versions."""
     lines = [f"{name} {_version(name)}" for name in NUMERICS]
-    for package in hqp, tasks:
-        root = Path(str(package.__file__)).parent
+    for package in (Path(str(hqp.__file__)).parent, Path(__file__).parents[1]):
+        root = package
         for path in sorted(root.rglob("*.py")):
             name = path.relative_to(root).as_posix()
             if drawing or not name.startswith(("thesis/", "cli/")) or name in MOVING:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._checks import Array
+from ..base.checks import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -22,7 +22,7 @@ from benchmarks.teleoperation.report import COMING_BACK, SHOWN, shown, table, tr
 from benchmarks.teleoperation.scenes import SCENES, Scene
 from benchmarks.teleoperation.setups import SETUPS, Own, Peer
 from benchmarks.teleoperation.tracking import errors, inevitable
-from tasks.rotations import log
+from tasks.base.rotations import log
 
 ROOT = Path(__file__).parents[2]
 DT = 0.005

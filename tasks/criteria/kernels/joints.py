@@ -5,8 +5,8 @@ from __future__ import annotations
 from hqp.kernels.compile import entry, inner, stamp
 from hqp.kernels.memory import floats, ints
 
-from ...kernels.algebra import root
-from ...kernels.law import ACCELERATION
+from ...base.kernels.algebra import root
+from ...rows.kernels.law import ACCELERATION
 
 #: Of every gradient: how many rows; which velocities they are; K [1/s] and 1.0 where the scalar is to rise, -1.0 where
 #: it is to fall; unknowns, and velocities; the order; the bounds.

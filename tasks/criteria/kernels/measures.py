@@ -7,10 +7,11 @@ import math
 from hqp.kernels.compile import entry, inner, stamp
 from hqp.kernels.memory import floats, ints
 
-from ...kernels.algebra import RANK_TOLERANCE, decompose, fill
-from ...kernels.block import JACOBIAN
-from ...kernels.frames import LOCAL, WORLD, along
-from ...kernels.gradient import add_outer, gradient, jacobian
+from ...base.kernels.algebra import decompose, fill
+from ...base.rank import RANK_TOLERANCE
+from ...frames.kernels.place import LOCAL, WORLD, along
+from ...robots.kernels.block import JACOBIAN
+from .gradient import add_outer, gradient, jacobian
 from .joints import CLIMB, climb
 
 #: Of both measures, after what the law is told (:mod:`.joints`): joints; the block of the frame; the axes; what the
@@ -50,13 +51,13 @@ def manipulability(frame, n, axes, reading, rows, order, slope, work):
     Parameters
     ----------
     frame : (26 + 6 * n,)
-        See :mod:`tasks.kernels.block`.
+        See :mod:`tasks.robots.kernels.block`.
     axes : int
         WORLD, LOCAL or SPATIAL.
     reading : (rows * 6,)
-        See :func:`tasks.kernels.gradient.jacobian`.
+        See :func:`tasks.criteria.kernels.gradient.jacobian`.
     order : int (n,)
-        See :func:`tasks.kernels.gradient.gradient`.
+        See :func:`tasks.criteria.kernels.gradient.gradient`.
     slope : (n,)
         On return the gradient [unit of w per rad, or per m].
     work : (work_size(n, rows),)

@@ -10,7 +10,7 @@ import math
 from hqp.kernels.compile import entry, inner, stamp
 from hqp.kernels.memory import floats, ints
 
-from ...kernels import block as at
+from ...robots.kernels import block as at
 
 #: Of all pairs: how many links, obstacles; the addresses of the links' blocks; the links, obstacles and pairs.
 LINKS, OBSTACLES, BLOCKS, CAPSULES, SHAPES, FOUND, WORK = range(7)

@@ -29,7 +29,7 @@ import math
 from hqp.kernels.compile import inner
 from hqp.kernels.memory import floats
 
-from ...kernels import block as at
+from ...robots.kernels import block as at
 from .nearest import CORE, NORMAL, WITNESS
 
 #: A link that could turn by more than this may be anywhere [rad].

@@ -7,8 +7,8 @@ import math
 from hqp.kernels.compile import entry, inner, stamp
 from hqp.kernels.memory import floats, ints
 
-from ...kernels import block as at
-from ...kernels import law as of
+from ...robots.kernels import block as at
+from ...rows.kernels import law as of
 from . import nearest as near
 from .nearest import dot
 from .reserve import fastest, reserve

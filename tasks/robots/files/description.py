@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import pinocchio as pin
 
-from ..._checks import Array
+from ...base.checks import Array
 from .ties import Tie
 
 #: The joint of a base that the file does not have, by name and kind.

@@ -25,8 +25,8 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
-from ..._checks import LARGEST, Array
-from ..._quiet import caught, reason
+from ...base.checks import LARGEST, Array
+from ...base.quiet import caught, reason
 from ..axes import kind
 from ..choices import Base
 from .couplings import couplings, moves

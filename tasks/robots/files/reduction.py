@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
-from ..._checks import Array, finite_scalar, nearest
+from ...base.checks import Array, finite_scalar, nearest
 from ..axes import NONE, axes
 from ..frame_names import KINDS
 from ..ranges import SAME

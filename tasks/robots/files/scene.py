@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from hqp import InvalidInput
 
-from ..._checks import nearest
+from ...base.checks import nearest
 
 if TYPE_CHECKING:
     import mujoco

@@ -15,8 +15,8 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
-from ..._checks import Array
-from ..._telling import tell
+from ...base.checks import Array
+from ...base.telling import tell
 from ..choices import Mimic
 from ..keeping import Recipe
 from ..ranges import SAME, known

@@ -11,9 +11,9 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
-from ..._checks import LARGEST
-from ..._quiet import caught, reason
-from ..._telling import tell
+from ...base.checks import LARGEST
+from ...base.quiet import caught, reason
+from ...base.telling import tell
 from ..choices import Base
 from ..frame_names import KINDS
 from ..ranges import open_ranges

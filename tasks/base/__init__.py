@@ -1,0 +1,1 @@
+"""What stands on nothing of robotics: checks, rotations, live attributes, loops."""

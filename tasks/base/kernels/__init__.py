@@ -1,0 +1,1 @@
+"""Loops of linear algebra and of rotations."""

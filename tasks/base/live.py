@@ -1,0 +1,299 @@
+"""Attributes that are set on an object at work: seen by whoever works with it, or refused.
+
+A class derived from :class:`Live` declares its public attributes:
+
+>>> class Spring(Live):
+...     joint: str = structure()
+...
+...     @number
+...     def stiffness(self, value: ArrayLike) -> Array:
+...         return positive(value, "stiffness", unit="N m/rad")
+...
+...     def __init__(self, joint, stiffness):
+...         self.joint, self.stiffness = joint, stiffness
+
+A **number** is given by the function that checks it, and may be set at any time: what the function returns is kept, an
+array as one that nobody can write into, and every watcher is told. Where a watcher, such as a controller at work,
+cannot take the new value, it is refused and all is as it was. So it is with a property that has a setter.
+
+**Structure** is given once, by ``__init__``. So are the attributes of the class itself, such as methods.
+
+What a class of a user's own puts into ``self`` without a declaration is its own: it may be set at any time, and nobody
+is told. So may names with a leading underscore. Any other name is refused: it is misspelt.
+
+Values are kept in ``vars(self)``, where reading them costs nothing more than it does in any class.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import wraps
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, Protocol, Self, TypeVar, overload
+from weakref import ref
+
+import numpy as np
+
+from hqp import InvalidInput
+
+from .checks import nearest
+
+Given = TypeVar("Given")
+Kept = TypeVar("Kept")
+
+#: The default of structure that has none.
+NONE_GIVEN: Any = object()
+#: What most attributes are, and no live object is in.
+HOLD_NOTHING = frozenset({np.ndarray, str, float, int, bool, type(None)})
+
+
+class number(Generic[Given, Kept]):  # noqa: N801  # a decorator, like property
+    """An attribute that may be set at any time; decorates ``check(self, value)``, which gives what is kept.
+
+    The function raises InvalidInput for what cannot be. It also runs in ``__init__``, where other attributes may not be
+    there yet: what ties several of them is for :meth:`Live._renew`.
+    """
+
+    def __init__(self, check: Callable[[Any, Given], Kept]) -> None:
+        self.check = check
+        self.__doc__ = check.__doc__
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    @overload
+    def __get__(self, part: None, owner: type) -> Self: ...
+    @overload
+    def __get__(self, part: object, owner: type) -> Kept: ...
+    def __get__(self, part: object | None, owner: type) -> Self | Kept:
+        """Asked only as long as the object has no value."""
+        if part is None:
+            return self
+        raise AttributeError(f"{owner.__name__} has no {self._name} yet")
+
+    if TYPE_CHECKING:  # `Live.__setattr__` does it
+
+        def __set__(self, part: object, value: Given) -> None: ...
+
+
+def structure(default: Any = NONE_GIVEN) -> Any:
+    """An attribute that is given once, by ``__init__`` or by a subclass: ``frame: str | None = structure()``."""
+    return _Structure(default)
+
+
+class _Structure:
+    """What stays; see :func:`structure`."""
+
+    def __init__(self, default: Any) -> None:
+        self._default = default
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+
+    def __get__(self, part: object | None, owner: type) -> Any:
+        """Asked only as long as the object has no value of its own."""
+        if self._default is not NONE_GIVEN:
+            return self._default
+        if part is None:
+            return self
+        raise AttributeError(f"{owner.__name__} has no {self._name} yet")
+
+
+class Watcher(Protocol):
+    """Whoever works with live objects, such as a controller."""
+
+    def admit(self, part: Live, name: str) -> None:
+        """Take up the attribute of a part that was changed, or refuse it.
+
+        Raises
+        ------
+        InvalidInput
+            If it could not have been made with them. It is then called again, with the part as it was.
+        """
+
+
+def _sealing(begin: Callable[..., None]) -> Callable[..., None]:
+    """An `__init__` which seals the object when all of its construction is over, that of subclasses included.
+
+    A metaclass would do it too, and forbid classes that are also a Protocol.
+    """
+
+    @wraps(begin)
+    def __init__(self: Live, *args: Any, **kwargs: Any) -> None:  # noqa: N807
+        inner = vars(self).get("_sealed") is False
+        self._sealed = False
+        try:
+            begin(self, *args, **kwargs)
+        finally:
+            self._sealed = not inner
+
+    return __init__
+
+
+class Live:
+    """Base of what may be changed while it is at work; see :mod:`tasks.base.live`.
+
+    Copies, by :mod:`copy` or pickle, are watched by nobody.
+    """
+
+    # What is watched is no part of the state, so that no copy takes it along, whatever its __getstate__ tells.
+    __slots__ = ("__dict__", "__weakref__", "_watchers")
+
+    _watchers: tuple[ref[Watcher], ...]
+    _sealed: bool
+    #: What to do instead of setting structure; ends the refusal.
+    _instead: ClassVar[str] = "make a new one"
+    _numbers: ClassVar[Mapping[str, Callable[[Any, Any], Any]]] = {}
+    _structure: ClassVar[frozenset[str]] = frozenset()
+
+    if not TYPE_CHECKING:  # where it is that of `object`
+
+        @_sealing
+        def __init__(self, *args: Any, **kwargs: Any) -> None:
+            super().__init__(*args, **kwargs)
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        if "__init__" in vars(cls):
+            cls.__init__ = _sealing(cls.__init__)  # type: ignore[method-assign]
+        numbers: dict[str, Callable[[Any, Any], Any]] = {}
+        fixed: set[str] = set()
+        for base in reversed(cls.__mro__):
+            for name, value in vars(base).items():
+                if isinstance(value, number | property | _Structure):  # a declaration replaces that of the base
+                    numbers.pop(name, None)
+                    fixed.discard(name)
+                if isinstance(value, number):
+                    numbers[name] = value.check
+                elif isinstance(value, _Structure):
+                    fixed.add(name)
+        cls._numbers, cls._structure = numbers, frozenset(fixed)
+
+    def label(self) -> str:
+        """How messages call it: ``PositionTask 'hand'``."""
+        name = vars(self).get("name")
+        return f"{type(self).__name__} {name!r}" if isinstance(name, str) and name else type(self).__name__
+
+    def _renew(self) -> None:
+        """Check what ties several attributes, and compute anew what is derived from them; after every change.
+
+        Raises
+        ------
+        InvalidInput
+            Which takes the change back.
+        """
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name.startswith("_"):
+            object.__setattr__(self, name, value)
+        elif not vars(self).get("_sealed"):
+            check = self._numbers.get(name)
+            object.__setattr__(self, name, value if check is None else _kept(check(self, value)))
+        elif name in self._numbers or _settable(type(self), name):
+            self._change(name, value)
+        elif name in vars(self) and name not in self._structure:
+            object.__setattr__(self, name, value)
+        else:
+            self._refuse(name)
+
+    def __delattr__(self, name: str) -> None:
+        own = name in vars(self) and name not in self._structure and name not in self._numbers
+        if name.startswith("_") or own or not vars(self).get("_sealed"):
+            object.__delattr__(self, name)
+        elif name in self._numbers:
+            raise InvalidInput(f"{self.label()}: {name} cannot be deleted; it may be set to another value")
+        else:
+            self._refuse(name)
+
+    def _change(self, name: str, value: Any) -> None:
+        """Set a number, or what has a setter, as if under construction; all or nothing."""
+        before = dict(vars(self))
+        self._sealed = False
+        try:
+            setattr(self, name, value)
+            self._renew()
+        except BaseException:
+            self._restore(before)
+            raise
+        self._sealed = True
+        try:
+            self._tell(name)
+        except BaseException:
+            self._restore(before)
+            self._tell(name)
+            raise
+
+    def _restore(self, before: dict[str, Any]) -> None:
+        for name in vars(self).keys() - before.keys():
+            del vars(self)[name]
+        vars(self).update(before)
+
+    def _tell(self, name: str) -> None:
+        for known in getattr(self, "_watchers", ()):
+            watcher = known()
+            if watcher is not None:
+                watcher.admit(self, name)
+
+    def _refuse(self, name: str) -> NoReturn:
+        if name in self._structure:
+            raise InvalidInput(f"{self.label()}: {name} is part of its structure, and stays; {self._instead}")
+        if hasattr(type(self), name):
+            raise InvalidInput(f"{self.label()}: {name} is given by its class, and stays; {self._instead}")
+        known = sorted(other for other in vars(self).keys() | _data(type(self)) if not other.startswith("_"))
+        raise InvalidInput(f"{self.label()}: there is no attribute {name!r}{nearest(name, known)}")
+
+    def __getstate__(self) -> dict[str, Any]:
+        return dict(vars(self))
+
+
+def watch(root: object, watcher: Watcher) -> None:
+    """Tell a watcher of every change from now on, in all that is reachable from a part; it is not kept alive by that.
+
+    What becomes reachable by a change is to be watched anew.
+    """
+    for part in reachable(root):
+        watch_alone(part, watcher)
+
+
+def watch_alone(part: Live, watcher: Watcher) -> None:
+    """The same, in this one object."""
+    others = (known for known in getattr(part, "_watchers", ()) if known() is not None and known() is not watcher)
+    part._watchers = (*others, ref(watcher))
+
+
+def reachable(root: object) -> Iterator[Live]:
+    """A live object and all that it holds, also in tuples, lists and dicts: a wrapper and its task, each once."""
+    seen: set[int] = set()
+    rest: list[object] = [root]
+    while rest:
+        value = rest.pop()
+        if type(value) in HOLD_NOTHING:
+            continue
+        if isinstance(value, Live):
+            if id(value) not in seen:
+                seen.add(id(value))
+                yield value
+                rest.extend(reversed(list(vars(value).values())))
+        elif isinstance(value, tuple | list):
+            rest.extend(reversed(value))
+        elif isinstance(value, Mapping):
+            rest.extend(reversed(list(value.values())))
+
+
+def _kept(value: Any) -> Any:
+    """The value, an array as one that is nobody else's, and that nobody can write into."""
+    if isinstance(value, np.ndarray) and (value.flags.writeable or not value.flags.owndata):
+        value = value.copy()
+        value.flags.writeable = False
+    return value
+
+
+def _data(cls: type) -> set[str]:
+    """What a class has but methods."""
+    own = {name: value for base in reversed(cls.__mro__) for name, value in vars(base).items()}
+    return {name for name, value in own.items() if not (callable(value) or isinstance(value, classmethod))}
+
+
+def _settable(cls: type, name: str) -> bool:
+    """Whether the class has a property of this name with a setter."""
+    found = getattr(cls, name, None)
+    return isinstance(found, property) and found.fset is not None

@@ -1,0 +1,93 @@
+"""Loops: what they are told, by sizes and addresses, and the call that runs one.
+
+A loop is a kernel (:func:`hqp.kernels.compile.entry`) of one address, that of a table. It is compiled when it is first
+wanted, and kept on disk; under ``NUMBA_DISABLE_JIT=1`` the interpreter runs it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from ctypes import addressof, c_char
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+from numba import int64
+from numpy.typing import NDArray
+
+from hqp.backends.native import door, make_ready
+from hqp.kernels.compile import entries
+
+from .once import once
+
+#: Of a loop: the address of what it is told; nothing of interest.
+SIGNATURE = int64(int64)
+WHAT = "the rows of tasks"
+#: What a loop is told of: a size, an address, or by its address an array or a table.
+Entry: TypeAlias = "int | np.integer[Any] | NDArray[Any] | Table"
+
+
+class Table:
+    """Sizes and addresses that a loop is told of, in one array; whoever has the table keeps what it tells of.
+
+    Parameters
+    ----------
+    *told : int, array or Table
+        Arrays and tables are told by their address.
+    """
+
+    def __init__(self, *told: Entry) -> None:
+        self.told = told
+        self.numbers = np.array([address(entry) for entry in told], dtype=np.int64)
+
+
+class Call:
+    """One loop, and what it is told of.
+
+    Parameters
+    ----------
+    kernel : callable
+        See :func:`hqp.kernels.compile.entry`.
+    *told : int, array or Table
+    """
+
+    def __init__(self, kernel: Any, *told: Entry) -> None:
+        self.kernel, self.table = kernel, Table(*told)
+        self.run = partial(ready(kernel), address(self.table))
+        self.run.__dict__["table"] = self.table  # whoever has the one has the other
+
+
+def address(entry: Entry) -> int:
+    """Where an array is, or that of a table; a size is itself."""
+    if isinstance(entry, Table):
+        entry = entry.numbers
+    if not isinstance(entry, np.ndarray):
+        return int(entry)
+    try:
+        return addressof(c_char.from_buffer(entry))  # type: ignore[arg-type]  # which takes a quarter of the time
+    except (TypeError, ValueError):  # read-only, by columns, or empty
+        return int(entry.__array_interface__["data"][0])
+
+
+@once
+def ready(kernel: Any) -> Callable[[int], object]:
+    """The compiled loop, from disk or compiled now; where the interpreter runs loops, the loop itself."""
+    make_ready(kernel, WHAT, SIGNATURE)
+    return door(kernel, SIGNATURE)
+
+
+def run_all(calls: Iterable[Call]) -> None:
+    """One after the other."""
+    for call in calls:
+        call.run()
+
+
+def warm_up() -> bool:
+    """Have all loops of this package ready: from disk, or compiled now. True if one had to be compiled."""
+    package = __name__.partition(".")[0]
+    home = Path(__file__).parents[1]
+    for path in sorted({*home.rglob("kernels.py"), *home.rglob("kernels/*.py")}):
+        import_module(".".join((package, *path.relative_to(home).with_suffix("").parts)).removesuffix(".__init__"))
+    return sum(make_ready(kernel, WHAT, SIGNATURE) for kernel in entries(package)) > 0  # type: ignore[no-untyped-call]

@@ -1,0 +1,6 @@
+"""When a matrix has lost rank, for all measures of Jacobians."""
+
+from __future__ import annotations
+
+#: Singular values up to this share of the largest count as zero.
+RANK_TOLERANCE = 1e-9

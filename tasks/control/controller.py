@@ -1,0 +1,365 @@
+"""One call a tick: robot state in, motion out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import isfinite
+from typing import Any, NamedTuple, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import hqp
+from hqp import InvalidInput, Settings, Solution, Solver, Status
+from hqp.checks import one_of, truth
+from hqp.guard import Guard
+from hqp.solution import Relaxation
+
+from ..base.checks import Array, finite_scalar, numbers, positive_scalar, scalar
+from ..base.live import Live, structure
+from ..base.telling import tell
+from ..robots.robot import (
+    Robot,
+    RobotState,
+    as_robot,
+    check_fixed_base,
+    check_joints,
+    check_states,
+    inverse_dynamics,
+    limit_of,
+    workspace,
+)
+from ..rows.description import Description
+from ..rows.part import Command, Order, Part
+from ..rows.rows import Rows
+from ..rows.stack import Stack
+from ..targets.timing import Timing, cubic
+from .transition import Limits, Transition
+
+#: Stacks that a controller keeps ready to go back to.
+MOST_PREPARED = 8
+
+
+class Step(NamedTuple):
+    """What the controller says for one tick.
+
+    Attributes
+    ----------
+    order : {"velocity", "acceleration", "torque"}
+    state : RobotState
+        Where the robot was.
+    solution : hqp.Solution
+        How well every level is met; ``.certify().ok`` is the proof.
+    v : array, shape (nv,), or None
+        Joint velocities [rad/s], at velocity order.
+    a : array, shape (nv,), or None
+        Joint accelerations [rad/s^2], at acceleration and at torque order.
+    tau : array, shape (nv,), or None
+        Joint torques ``M(q) a + b(q, v)`` [N m] that a takes (Eq. 4.1), at torque order or if they were asked for.
+        Always finite: zero where the status of the solution is INVALID, which lets an arm fall.
+    share : float
+        How much of the stack counts: less than 1 while the controller changes to it from another one. Then v or a lies
+        between the answers of both, and `solution` is that of the new one alone.
+    """
+
+    order: Command
+    state: RobotState
+    solution: Solution
+    v: Array | None = None
+    a: Array | None = None
+    tau: Array | None = None
+    share: float = 1.0
+
+    @property
+    def ok(self) -> bool:
+        """Whether the solver claims the optimum; look at ``solution`` otherwise."""
+        return self.solution.ok
+
+    @property
+    def relaxed(self) -> tuple[Relaxation, ...]:
+        """What strictness was given up: lambda and residual norm of every damped level, highest first."""
+        return self.solution.relaxed
+
+
+class _Left:
+    """What a controller leaves behind in a change: its stack, with rows and solver, and what it was coming from.
+
+    Called, it gives x, and whether it claims it.
+    """
+
+    def __init__(self, stack: Stack, rows: Rows, solver: Solver, before: Transition | None) -> None:
+        self.stack, self._rows, self._solver, self.before = stack, rows, solver, before
+
+    def __call__(self, state: RobotState, t: float) -> tuple[Array, bool]:
+        solution = self._solver.solve(self._rows.fill(state, t))
+        if self.before is None or not solution.ok:
+            return solution.x, solution.ok
+        return self.before.blend(state, t, solution.x)[0], True
+
+
+class Controller(Live):
+    """Turns a stack of tasks into motion, tick by tick, warm from the last.
+
+    A copy, by ``copy.deepcopy`` or pickle, is a controller of its own, with a robot and tasks of its own: one for each
+    environment or thread. It is made from what defines it, and begins cold.
+
+    Parameters
+    ----------
+    robot : Robot
+    stack : Stack, or a single task
+        What is wanted, in order of priority.
+    order : {"velocity", "acceleration", "torque"}
+        What the robot is commanded with. Torques are those of the accelerations that the same stack gives at
+        acceleration order, so that the base must be fixed.
+    dt : float, optional
+        Time between two calls [s]; limits need it, and the simulation.
+    backend : str
+        A name from ``hqp.available_backends()``.
+    settings : hqp.Settings, optional
+    torque : bool
+        Whether steps tell the joint torques too, at acceleration order, by the robot's ``inverse_dynamics``.
+
+    Raises
+    ------
+    InvalidInput
+        At once, if the robot or the stack is none, the order is neither, dt is not positive, the
+        backend is unknown, a task does not fit the robot or its gain the tick, or torques are asked for at velocity
+        order, or of a robot that cannot tell them or has a base that moves freely.
+    """
+
+    robot: Robot = structure()
+    order: Command = structure()
+    dt: float | None = structure()
+    _instead = "make a controller of its own; to another stack it goes over by controller.change(stack, duration=...)"
+
+    def __init__(
+        self,
+        robot: Robot,
+        stack: Stack | Part,
+        *,
+        order: Command = "velocity",
+        dt: float | None = None,
+        backend: str = hqp.DEFAULT_BACKEND,
+        settings: Settings | None = None,
+        torque: bool = False,
+    ) -> None:
+        one_of(order, get_args(Command), "order")
+        self.robot = as_robot(robot)
+        self._stack = stack if isinstance(stack, Stack) else Stack(stack)
+        self.order = order
+        self.dt = None if dt is None else positive_scalar(dt, "dt", unit="s")
+        self._torque = self._inverse_dynamics() if truth(torque, "torque") or order == "torque" else None
+        self._backend, self._settings = backend, settings
+        self._prepared: dict[int, tuple[Stack, Rows, Solver]] = {}
+        self._transition: Transition | None = None
+        self._limits: Limits | None = None
+        # Where configurations lie on a manifold, the controller looks at them itself: a call never raises for a state.
+        # A robot whose states share a workspace has a guard of its own, for all controllers that it has.
+        shared = workspace(robot)
+        self._on_manifold = None if shared is None else shared.on_manifold
+        self._state: Callable[[Array, Array], RobotState] = self.robot.at if shared is None else shared.state
+        self._guard = Guard("the controller") if shared is None else shared.guard
+        check_states(robot)
+        self._rows, self._solver = self._prepare(self.stack)
+        self._tell_of_speed()
+
+    def _tell_of_speed(self) -> None:
+        """Tell once where nothing limits the speed: near a singularity it grows without end, and all tasks are met."""
+        held = self._rows.envelope.has_velocity or any(self.stack.damping)
+        if limit_of(self.robot, "velocity") is None and not held:
+            tell(
+                f"nothing limits the speed of {self.robot!r}: near a singularity joints turn as fast as tasks ask;"
+                " add JointVelocityLimit(2.0), in rad/s, to the top of the stack, or give the robot a velocity_limit"
+            )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What defines it, and the changes under way, the oldest first: rows and solvers are made anew, and cold."""
+        changes, change = list[tuple[Stack, float, Timing, float | None]](), self._transition
+        while change is not None:
+            left = change.old
+            assert isinstance(left, _Left)
+            changes.insert(0, (left.stack, change.duration, change.law, change.begin))
+            change = left.before
+        settings, torque = self._settings, self._torque is not None and self.order != "torque"
+        own = {"order": self.order, "dt": self.dt, "backend": self._backend, "settings": settings, "torque": torque}
+        return {"robot": self.robot, "stack": self.stack, "options": own, "changes": changes}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        changes = state["changes"]
+        stacks = [*(left for left, *_ in changes), state["stack"]]
+        Controller.__init__(self, state["robot"], stacks[0], **state["options"])
+        for (_, duration, law, begin), stack in zip(changes, stacks[1:], strict=True):
+            self.change(stack, duration=duration, law=law)
+            assert self._transition is not None
+            self._transition.begin = begin
+
+    def _inverse_dynamics(self) -> Callable[[Array, Array, Array], Array]:
+        asked = "order = 'torque'" if self.order == "torque" else "torque = True"
+        if self.order == "velocity":
+            raise InvalidInput(f"torque = True, but order = {self.order!r} gives no accelerations; it must be False")
+        check_fixed_base(self.robot, asked)
+        method = inverse_dynamics(self.robot)
+        if method is None:
+            raise InvalidInput(f"{asked}, but {self.robot!r} has no inverse_dynamics(q, v, a)")
+        return method
+
+    @property
+    def stack(self) -> Stack:
+        """What is wanted at present; :meth:`change` goes over to another one."""
+        return self._stack
+
+    @property
+    def backend(self) -> str:
+        """Name of the backend."""
+        return self._solver.backend
+
+    @property
+    def hierarchy(self) -> hqp.Hierarchy:
+        """The rows of the last tick (views: the next call refills them)."""
+        return self._rows.hierarchy
+
+    def __call__(self, q: ArrayLike, v: ArrayLike, t: float = 0.0) -> Step:
+        """The motion for this tick.
+
+        Parameters
+        ----------
+        q : array, shape (nq,)
+            Joint positions [rad].
+        v : array, shape (nv,)
+            Joint velocities [rad/s].
+        t : float
+            Time [s], for targets that move.
+
+        Raises
+        ------
+        InvalidInput
+            If q, v or t has the wrong shape. Numbers never raise: where they are not finite, or a quaternion or a
+            point of a circle has not norm 1, the status of the solution is INVALID and nothing moves.
+        InUse
+            If another thread is inside, or in another controller of the same robot, where it has one workspace.
+        """
+        position, velocity = numbers(q, "q"), numbers(v, "v")
+        time = t if type(t) is float else scalar(t, "t")
+        check_joints(self.robot, position, velocity)
+        return self.unchecked(position, velocity, time)
+
+    def unchecked(self, q: Array, v: Array, t: float) -> Step:
+        """The motion for this tick, for a loop which knows that q and v are float arrays of the right shape."""
+        if self._rows.compiled:  # which never warns
+            return self._step(q, v, t)
+        with np.errstate(all="ignore"):
+            return self._step(q, v, t)
+
+    def _step(self, q: Array, v: Array, t: float) -> Step:
+        with self._guard:
+            return self._guarded(q, v, t)
+
+    def _guarded(self, q: Array, v: Array, t: float) -> Step:
+        fault = None
+        if self._on_manifold is not None:
+            q, fault = self._on_manifold(q)
+        state = self._state(q, v)
+        solution = self._solve(state, t, fault)
+        x, share = solution.x, 1.0
+        if self._transition is not None and solution.ok:
+            x, share = self._transition.blend(state, t, x)
+            if share >= 1.0:
+                self._transition = None
+            elif self._limits is not None:
+                x = self._limits.keep(self.hierarchy, x)
+        if self.order == "velocity":
+            return Step("velocity", state, solution, x, share=share)
+        tau = None if self._torque is None else self._torques(state, x, solution.status is not Status.INVALID)
+        return Step(self.order, state, solution, None, x, tau, share)
+
+    def _torques(self, state: RobotState, a: Array, valid: bool) -> Array:
+        """What a takes; zero where there are no numbers: what goes to a motor is finite, whatever a sensor says."""
+        assert self._torque is not None
+        if valid:
+            tau = self._torque(state.q, state.v, a)
+            if np.isfinite(tau).all():
+                return tau
+        return np.zeros_like(a)
+
+    def change(self, stack: Stack | Part, *, duration: float, law: Timing = cubic) -> None:
+        """Go over to another stack without a jump, from the next tick on; see :mod:`tasks.control.transition`.
+
+        The limits that the new stack begins with hold from the first tick on, also where the old one has none. A change
+        that is still under way is left from where it is. Going back to a stack that the controller has had
+        finds all as it was: rows, and a solver that is warm.
+
+        Parameters
+        ----------
+        stack : Stack, or a single task
+            What is wanted from now on; its parts may be those of the old one, in another order.
+        duration : float
+            How long the change takes [s]; 0 for at once.
+        law : callable
+            How it goes: ``cubic``, ``quintic``, ``harmonic``, ``cycloid``, or your own timing law.
+
+        Raises
+        ------
+        InvalidInput
+            If the stack does not fit the robot, the duration is negative, or the law is none. The controller then
+            goes on as it was.
+        """
+        wanted = stack if isinstance(stack, Stack) else Stack(stack)
+        prepared = self._prepare(wanted)
+        left = _Left(self.stack, self._rows, self._solver, self._transition)
+        at_once = finite_scalar(duration, "duration of a change") == 0.0
+        self._transition = None if at_once else Transition(left, duration, law)
+        self._stack, (self._rows, self._solver) = wanted, prepared
+        self._limits = None if at_once else Limits.of(wanted, self.hierarchy, self._backend)
+
+    def _new_solver(self, stack: Stack) -> Solver:
+        rules: dict[int | str, hqp.DampingRule | float] = {k: rule for k, rule in enumerate(stack.damping) if rule}
+        return Solver(self._backend, self._settings, rules)
+
+    def _prepare(self, stack: Stack) -> tuple[Rows, Solver]:
+        """The rows of a stack, and their solver, as they were left."""
+        found = self._prepared.pop(id(stack), None)
+        if found is None:
+            order: Order = "velocity" if self.order == "velocity" else "acceleration"
+            found = stack, stack.build(self.robot, order, self.dt), self._new_solver(stack)
+        self._prepared[id(stack)] = found  # what was asked for last comes last
+        while len(self._prepared) > MOST_PREPARED:
+            del self._prepared[next(iter(self._prepared))]
+        return found[1:]
+
+    def bounds(self, part: Part) -> tuple[Array, Array]:
+        """Lower and upper bounds of a part's rows at the last tick (views: the next call refills them).
+
+        Raises
+        ------
+        InvalidInput
+            If the part is not in the stack.
+        """
+        found = self._rows.bounds(part)
+        if found is None:
+            raise InvalidInput(f"{part!r} is not in the stack {self.stack!r}")
+        return found
+
+    def describe(self) -> Description:
+        """Who writes the rows of each part every tick: a compiled loop, by its name, or Python, and why.
+
+        Returns
+        -------
+        Description
+            To be printed as a table, or iterated over: part by part, from the highest level down, with `level`, `part`,
+            `rows`, `loops`, `python` and `why`. Of the present stack; one that a change still comes from is not told.
+        """
+        return self._rows.describe()
+
+    def _solve(self, state: RobotState, time: float, fault: str | None) -> Solution:
+        if fault is None and isfinite(time):
+            self._rows.fill(state, time)
+            return self._solver.solve(self.hierarchy)
+        self.hierarchy.lower.fill(np.nan)  # no task is asked, and no bound left that could be met
+        solution, message = self._solver.solve(self.hierarchy), fault or f"t = {time} s must be finite"
+        return replace(solution, message=message)
+
+    def __repr__(self) -> str:
+        tick = "" if self.dt is None else f", dt={self.dt:g}"
+        tick += ", torque=True" if self._torque is not None and self.order == "acceleration" else ""
+        return f"Controller({self.robot!r}, {self.stack!r}, order={self.order!r}{tick}, backend={self.backend!r})"

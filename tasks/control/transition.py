@@ -1,0 +1,104 @@
+r"""From one stack to another without a jump.
+
+Tasks that are inserted, removed or put into another order change the answer of a hierarchy at once. Over the time of a
+change both stacks are solved, and what is commanded goes from one answer to the other,
+
+.. math:: x = (1 - s)\, x_\text{old} + s\, x_\text{new}, \qquad s : 0 \to 1 \text{ by a timing law.}
+
+Every task of either stack then follows an *intermediate value* between what it had and what it will have: where the
+rows are equalities this is the intermediate desired value of J. Lee, N. Mansard and J. Park, IEEE Transactions on
+Robotics 28(6), 2012, for all levels at once. Levels that both stacks begin with, such as the joint limits, are kept
+exactly all the way: the points at which they are optimal form a convex set, and both answers lie in it. Where the new
+stack begins with limits that the old one has not, the old answer may lie outside: what is commanded is then the point
+that is nearest to x among those which are optimal for these limits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import deepcopy
+
+from hqp import Hierarchy, Solver
+
+from ..base.checks import Array, positive_scalar
+from ..robots.robot import RobotState
+from ..rows.stack import Stack
+from ..targets.timing import Timing, as_timing
+
+#: What a stack asks for at a state and a time: x, and whether its solver claims it.
+Answer = Callable[[RobotState, float], tuple[Array, bool]]
+
+
+class Limits:
+    """The limits that a stack begins with, as a hierarchy of their own.
+
+    Parameters
+    ----------
+    hierarchy : hqp.Hierarchy
+        Of the stack.
+    count : int
+        How many levels of it are limits alone, from the first.
+    backend : str
+    """
+
+    def __init__(self, hierarchy: Hierarchy, count: int, backend: str) -> None:
+        self._own = Hierarchy([deepcopy(level) for level in hierarchy.levels[:count]], n=hierarchy.n)
+        self._solver = Solver(backend)
+
+    @classmethod
+    def of(cls, stack: Stack, hierarchy: Hierarchy, backend: str) -> Limits | None:
+        """Those of a stack, if it begins with some."""
+        kinds = [all(part.is_limit for part in level) for level in stack.levels]
+        count = (*kinds, False).index(False)
+        return cls(hierarchy, count, backend) if count else None
+
+    def keep(self, hierarchy: Hierarchy, x: Array) -> Array:
+        """The point nearest to x that keeps them, by the numbers that the hierarchy of the stack has in this tick."""
+        for own, level in zip(self._own.levels, hierarchy.levels, strict=False):
+            own.lower[:], own.upper[:], own.weights[:] = level.lower, level.upper, level.weights
+            if own.A is not None:
+                own.A[:] = level.A
+        solution = self._solver.solve(self._own, x)
+        return solution.x if solution.ok else x
+
+
+class Transition:
+    """A change under way.
+
+    Parameters
+    ----------
+    old : callable
+        What is left behind, with its state and solver; it may be a change under way itself.
+    duration : float
+        How long it takes [s], from the first tick on.
+    law : callable
+        Timing law of s.
+
+    Raises
+    ------
+    InvalidInput
+        If the duration is not positive, or the law is none.
+    """
+
+    def __init__(self, old: Answer, duration: float, law: Timing) -> None:
+        self.old = old
+        self.duration = positive_scalar(duration, "duration of a change", unit="s")
+        self.law = as_timing(law, "law of a change")
+        self.begin: float | None = None
+
+    def share(self, t: float) -> float:
+        """How much of the new stack counts at time t [s], 0 at the first tick that asks."""
+        if self.begin is None:
+            self.begin = t
+        return self.law((t - self.begin) / self.duration)[0]
+
+    def blend(self, state: RobotState, t: float, new: Array) -> tuple[Array, float]:
+        """The command between the answers of both stacks, and the share of the new one.
+
+        Where the old stack has no answer, the new one counts alone.
+        """
+        s = self.share(t)
+        if s >= 1.0:
+            return new, 1.0
+        old, ok = self.old(state, t)
+        return ((1.0 - s) * old + s * new, s) if ok else (new, 1.0)

@@ -1,0 +1,122 @@
+r"""How the Jacobian of a frame changes with the joints, and with it any scalar of the Jacobian.
+
+With the columns :math:`l_j, \omega_j` of joint j in the axes of the world, and :math:`i \preceq j` if joint i comes
+before j in the chain or is that joint: i then carries j along, and turns its column; else it moves the frame away from
+the axis of j,
+
+.. math::
+
+    \frac{\partial l_j}{\partial q_i} = \begin{cases} \omega_i \times l_j & i \preceq j \\
+        \omega_j \times l_i & \text{else,} \end{cases} \qquad
+    \frac{\partial \omega_j}{\partial q_i} = \begin{cases} \omega_i \times \omega_j & i \preceq j \\
+        0 & \text{else.} \end{cases}
+
+The gradient of a scalar H of J is the sum of these, weighed by the sensitivities
+:math:`C^l_j = \partial H / \partial l_j`, :math:`C^\omega_j = \partial H / \partial \omega_j`. With
+:math:`m_j = l_j \times C^l_j + \omega_j \times C^\omega_j` and :math:`s_j = C^l_j \times \omega_j`
+
+.. math::
+
+    \frac{\partial H}{\partial q_i} = \omega_i \cdot \sum_{i \preceq j} m_j
+        + l_i \cdot \sum_{i \not\preceq j} s_j .
+
+In the axes of the frame itself, which turn with it, :math:`\omega_i \cdot \sum_j m_j` is taken off, all columns now in
+these axes; and :math:`l_i \cdot \sum_j s_j` where l is the velocity of the point that is passing the origin.
+"""
+
+from __future__ import annotations
+
+from hqp.kernels.compile import inner
+
+from ...base.kernels.algebra import fill
+from ...frames.kernels.place import LOCAL, SPATIAL, along
+from ...robots.kernels.block import JACOBIAN
+
+
+@inner
+def jacobian(frame, n, axes, reading, rows, G, J, work):
+    """The columns of a frame in the axes of a task, G (6 * n,), and what the task reads of them, J (rows * n,).
+
+    Parameters
+    ----------
+    reading : (rows * 6,)
+        What each row takes of the linear and angular velocity in these axes: of a mask, one 1.0 a row.
+    work : (12,)
+    """
+    for j in range(n):
+        for k in range(6):
+            work[k] = frame[JACOBIAN + k * n + j]
+        along(axes, frame, work, 0, work, 6)
+        for k in range(6):
+            G[k * n + j] = work[6 + k]
+    fill(J, rows * n, 0.0)
+    for r in range(rows):
+        row = J[r * n : (r + 1) * n]
+        for k in range(6):
+            share, column = reading[6 * r + k], G[k * n : (k + 1) * n]
+            if share != 0.0:
+                for j in range(n):
+                    row[j] += share * column[j]
+
+
+@inner
+def add_outer(C, n, reading, rows, y, z, scale):
+    """Add ``scale * reading^T y z^T`` to C (6 * n,), for y (rows,) and z (n,)."""
+    for k in range(6):
+        share, row = 0.0, C[k * n : (k + 1) * n]
+        for r in range(rows):
+            share += reading[6 * r + k] * y[r]
+        share *= scale
+        for j in range(n):
+            row[j] += share * z[j]
+
+
+@inner
+def gradient(G, C, n, axes, order, slope, work):
+    """The gradient of a scalar, slope (n,), from its sensitivities C to the columns G: see the module's docstring.
+
+    Parameters
+    ----------
+    G, C : (6 * n,)
+        In the axes of the task.
+    order : int (n,)
+        The place of each joint in the chain that carries the frame, joints that move as one having the same; -1 where a
+        joint does not move the frame.
+    work : (6 * n,)
+    """
+    m0, m1, m2, s0, s1, s2 = (
+        work[:n],
+        work[n : 2 * n],
+        work[2 * n : 3 * n],
+        work[3 * n : 4 * n],
+        work[4 * n : 5 * n],
+        work[5 * n : 6 * n],
+    )
+    for j in range(n):
+        x, y, z, a, b, c = G[j], G[j + n], G[j + 2 * n], G[j + 3 * n], G[j + 4 * n], G[j + 5 * n]
+        u, v, w, d, e, f = C[j], C[j + n], C[j + 2 * n], C[j + 3 * n], C[j + 4 * n], C[j + 5 * n]
+        m0[j], m1[j], m2[j] = (
+            y * w - z * v + b * f - c * e,
+            z * u - x * w + c * d - a * f,
+            x * v - y * u + a * e - b * d,
+        )
+        s0[j], s1[j], s2[j] = v * c - w * b, w * a - u * c, u * b - v * a
+    for i in range(n):
+        slope[i] = 0.0
+        if order[i] < 0:
+            continue
+        a0 = a1 = a2 = b0 = b1 = b2 = 0.0
+        for j in range(n):
+            if order[j] >= order[i]:
+                if axes != LOCAL:
+                    a0, a1, a2 = a0 + m0[j], a1 + m1[j], a2 + m2[j]
+                if axes == SPATIAL:
+                    b0, b1, b2 = b0 - s0[j], b1 - s1[j], b2 - s2[j]
+            elif order[j] >= 0:
+                if axes == LOCAL:
+                    a0, a1, a2 = a0 - m0[j], a1 - m1[j], a2 - m2[j]
+                if axes != SPATIAL:
+                    b0, b1, b2 = b0 + s0[j], b1 + s1[j], b2 + s2[j]
+        slope[i] = (
+            a0 * G[i + 3 * n] + a1 * G[i + 4 * n] + a2 * G[i + 5 * n] + b0 * G[i] + b1 * G[i + n] + b2 * G[i + 2 * n]
+        )

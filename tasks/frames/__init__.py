@@ -1,0 +1,1 @@
+"""Tasks and limits of a frame of the robot: position, orientation, pose, axis, plane, centre of mass."""

@@ -1,0 +1,153 @@
+r"""Which way an axis of a frame points, while the frame may turn about it.
+
+With the axis a and the wanted direction d, unit vectors in the world, the shortest turn from a to d is
+:math:`\vartheta` about :math:`a \times d`. It has no part along a: two rows, U, perpendicular to the axis in the frame
+say all of it,
+
+.. math:: e = U R^T \vartheta \frac{a \times d}{\lVert a \times d \rVert}, \qquad J = U R^T J_\omega.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from ..base.checks import Array, finite
+from ..base.live import number
+from ..base.rotations import perpendicular
+from ..robots.robot import Robot
+from ..rows.loop_task import LoopTask
+from ..rows.site import kept_up
+from ..targets.trajectories import Trajectory, as_trajectory
+from .frame_task import FrameTask, Reading
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
+
+
+class PointingTask(FrameTask, LoopTask):
+    """Base of the tasks that point an axis of a frame somewhere: two rows, and the third rotation stays free."""
+
+    rows = 2
+    spatial: ClassVar[bool] = True
+
+    @number
+    def axis(self, value: ArrayLike) -> Array:
+        """The axis, in the frame: a unit vector, of whatever length it is given."""
+        return unit(finite(value, f"{self.label()}: axis"), f"{self.label()}: axis")
+
+    @number
+    def target(self, value: ArrayLike | Trajectory) -> Trajectory:
+        """Where to: three coordinates, or a trajectory of them."""
+        return as_trajectory(value, 3, self.label())
+
+    @property
+    def _across(self) -> Array:
+        """The rows U."""
+        return perpendicular(self.axis)
+
+    def _pointing(self, site: Site, kernel: Any) -> Plan:
+        """One loop, told of the axis and its target."""
+        from ..base.loops import Call
+        from ..rows.plan import Plan
+        from .kernels.directions import work_size
+
+        target, axis = np.zeros((3, 3)), np.vstack([self.axis, self._across])
+        moves = kept_up(self.target, *target)
+        call = Call(kernel, site.law(self), self.block(site), target, axis, np.zeros(work_size(site.shared.n)))
+        return Plan((call,), moves)
+
+    def row_names(self, robot: Robot) -> list[tuple[str, str]]:
+        return [("across 1", "rad"), ("across 2", "rad")]
+
+    def _shown(self) -> list[str]:
+        return [repr(self.target), f"axis={self.axis.tolist()}", *super()._shown()]
+
+
+class AxisTask(PointingTask):
+    """Point an axis of a frame in a direction: two rows, and the third rotation stays free.
+
+    Parameters
+    ----------
+    direction : array, shape (3,), or Trajectory
+        d, in the world or in `relative_to`, of any length but 0.
+    axis : array, shape (3,)
+        a, in the frame; by default its z axis.
+    frame, relative_to : str, optional
+        See :class:`~tasks.frames.frame_task.FrameTask`.
+    gain, damping_ratio, weight, name
+        See :class:`tasks.Task`.
+
+    Raises
+    ------
+    InvalidInput
+        If a direction is zero or not finite.
+    """
+
+    def __init__(
+        self,
+        direction: ArrayLike | Trajectory,
+        *,
+        axis: ArrayLike = (0.0, 0.0, 1.0),
+        frame: str | None = None,
+        relative_to: str | None = None,
+        gain: ArrayLike,
+        damping_ratio: float = 1.0,
+        weight: ArrayLike = 1.0,
+        name: str | None = None,
+    ) -> None:
+        self._call(name)
+        self.target, self.axis = direction, axis
+        super().__init__(frame, relative_to, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+
+    @number
+    def target(self, value: ArrayLike | Trajectory) -> Trajectory:
+        """The direction d, of any length but 0, or a trajectory of it."""
+        trajectory = as_trajectory(value, 3, self.label())
+        unit(trajectory(0.0)[0], f"{self.label()}: direction")
+        return trajectory
+
+    @property
+    def direction(self) -> Trajectory:
+        """The same."""
+        return self.target
+
+    @direction.setter
+    def direction(self, value: ArrayLike | Trajectory) -> None:
+        self.target = value
+
+    def plan(self, site: Site) -> Plan:
+        """One loop; the direction is written every tick where it moves."""
+        from .kernels.directions import write_axis
+
+        return self._pointing(site, write_axis)
+
+    def reading(self) -> Reading:
+        from .kernels.place import LOCAL
+
+        return Reading(LOCAL, np.hstack([np.zeros((2, 3)), self._across]))
+
+    def desired_velocity(self, t: float) -> Array:
+        d, velocity, _ = self.target(t)
+        return np.concatenate([np.zeros(3), np.cross(d, velocity) / (d @ d)])
+
+
+def unit(vector: Array, what: str) -> Array:
+    """`vector`, made of length one.
+
+    Raises
+    ------
+    InvalidInput
+        If it is not three numbers, or has no direction.
+    """
+    if vector.shape != (3,):
+        raise InvalidInput(f"{what} has shape {vector.shape}; it must be (3,)")
+    norm = float(np.linalg.norm(vector))
+    if not 0.0 < norm < np.inf:
+        raise InvalidInput(f"{what} = {vector.tolist()} has no direction; its length must be positive")
+    return vector / norm

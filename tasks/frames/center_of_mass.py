@@ -1,0 +1,79 @@
+"""Where the weight is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from ..base.checks import Array
+from ..robots.frame import Frame
+from ..robots.robot import Robot, RobotState, center_of_mass
+from ..targets.trajectories import Trajectory
+from .place import Mask
+from .position import PositionTask
+
+if TYPE_CHECKING:
+    from ..rows.site import Site
+
+
+class CenterOfMassTask(PositionTask):
+    """Bring the centre of mass to a point; over its feet, with the mask ``"xy"``, a robot stands.
+
+    It is that of all links that joints move; what is fixed to the world has no part in it.
+
+    Parameters
+    ----------
+    target : array, shape (3,), or of one number a coordinate of the mask, or Trajectory
+        [m].
+    relative_to : str, optional
+        A frame of the robot, such as a foot, that stands for the world.
+    mask : str or sequence of bool, optional
+        The coordinates to be controlled.
+    gain, damping_ratio, weight, name
+        See :class:`tasks.Task`.
+    """
+
+    def __init__(
+        self,
+        target: ArrayLike | Trajectory,
+        *,
+        relative_to: str | None = None,
+        mask: Mask | None = None,
+        gain: ArrayLike,
+        damping_ratio: float = 1.0,
+        weight: ArrayLike = 1.0,
+        name: str | None = None,
+    ) -> None:
+        super().__init__(
+            target,
+            relative_to=relative_to,
+            mask=mask,
+            gain=gain,
+            damping_ratio=damping_ratio,
+            weight=weight,
+            name="center of mass" if name is None else name,
+        )
+
+    def _itself(self, state: RobotState) -> Frame:
+        point = center_of_mass(state)
+        assert point is not None  # checked
+        return point
+
+    def block(self, site: Site) -> Array:
+        return site.center_of_mass(self.relative_to)
+
+    def reading(self) -> None:
+        """No joint carries the centre of mass as it carries a frame."""
+
+    def check_frames(self, robot: Robot) -> None:
+        state = self.at_rest(robot)
+        point = center_of_mass(state)
+        if point is None:
+            raise InvalidInput(f"{self.label()}: {robot!r} does not tell its centre of mass")
+        if not np.isfinite(point.position).all():
+            raise InvalidInput(f"{self.label()}: nothing that {robot!r} moves has a mass; it has no centre")
+        self.check_names(robot)

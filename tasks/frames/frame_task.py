@@ -1,0 +1,123 @@
+"""What tasks of a frame share: which frame, and who sees it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
+
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+from hqp.checks import of_type
+
+from ..base.checks import Array
+from ..base.live import structure
+from ..robots.block import relative
+from ..robots.frame import Frame
+from ..robots.robot import Robot, RobotState, check_frame, tells_tip, tip
+from ..rows.part import Order
+from ..rows.task import Task
+
+if TYPE_CHECKING:
+    from ..rows.site import Site
+
+
+class Reading(NamedTuple):
+    """Which part of the motion of a frame the rows of a task are.
+
+    Attributes
+    ----------
+    axes : int
+        Along which its velocity is taken: WORLD, LOCAL or SPATIAL of :mod:`tasks.frames.kernels.place`.
+    rows : array, shape (rows, 6)
+        What each row takes of its linear and angular velocity along these axes.
+    """
+
+    axes: int
+    rows: Array
+
+
+class FrameTask(Task):
+    """Base of the tasks of one frame.
+
+    Parameters
+    ----------
+    frame : str, optional
+        The name of a frame of the robot (default: its tip).
+    relative_to : str, optional
+        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
+    gain, damping_ratio, weight, name
+        See :class:`tasks.Task`.
+
+    Attributes
+    ----------
+    spatial : bool
+        Whether it turns axes out of a plane, which no planar arm does.
+    """
+
+    frame: str | None = structure()
+    relative_to: str | None = structure()
+    spatial: ClassVar[bool] = False
+    says: ClassVar[tuple[str, ...]] = (*Task.says, "seen")
+
+    def __init__(
+        self,
+        frame: str | None,
+        relative_to: str | None,
+        *,
+        gain: ArrayLike,
+        damping_ratio: float,
+        weight: ArrayLike,
+        name: str | None,
+    ) -> None:
+        self._call(name)
+        self.frame = None if frame is None else of_type(frame, str, f"{self.label()}: frame")
+        self.relative_to = None if relative_to is None else of_type(relative_to, str, f"{self.label()}: relative_to")
+        super().__init__(gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+
+    def seen(self, state: RobotState) -> Frame:
+        """The frame, in the coordinates of the world or of `relative_to`."""
+        frame = self._itself(state)
+        return frame if self.relative_to is None else relative(state.frame(self.relative_to), frame, state.v)
+
+    def _itself(self, state: RobotState) -> Frame:
+        return state.frame(self.frame)
+
+    def block(self, site: Site) -> Array:
+        """The same for loops: its block, see :mod:`tasks.robots.kernels.block`."""
+        return site.frame(self.frame, self.relative_to)
+
+    def reading(self) -> Reading | None:
+        """What its rows take of the motion of the frame; None where that is no constant."""
+        return None
+
+    def desired_velocity(self, t: float) -> Array:
+        """The velocity of the target, linear and angular, along the axes of the world, shape (6,)."""
+        raise NotImplementedError(f"{type(self).__name__} must define desired_velocity(t), as it has a reading()")
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        self.check_frames(robot)
+        super().check(robot, order, dt)
+
+    def check_frames(self, robot: Robot) -> None:
+        """Refuse a frame that the robot has not, and what a planar arm has not."""
+        self.check_names(robot)
+        if self.frame is None and tells_tip(robot) and tip(robot) is None:
+            raise InvalidInput(f"{self.label()}: {robot!r} has no tip; give the task a frame, or the robot a tip")
+        if self.at_rest(robot).frame(self.frame).rotation.ndim == 1:
+            if self.spatial:
+                raise InvalidInput(f"{self.label()}: a planar arm turns about z only; give it an OrientationTask")
+            if self.relative_to is not None:
+                raise InvalidInput(f"{self.label()}: a planar arm knows the axes of the world only")
+
+    def check_names(self, robot: Robot) -> None:
+        """Refuse names of frames that the robot has not; tells the nearest."""
+        for what, name in ("frame", self.frame), ("relative_to", self.relative_to):
+            if name is not None:
+                check_frame(robot, name, f"{self.label()}: {what}")
+        own = tip(robot) if self.frame is None else self.frame
+        if self.relative_to is not None and self.relative_to == own:
+            raise InvalidInput(f"{self.label()}: relative_to = {own!r} is the frame itself; name another one")
+
+    def _shown(self) -> list[str]:
+        options = {"frame": self.frame, "relative_to": self.relative_to}
+        return [f"{key}={value!r}" for key, value in options.items() if value is not None]

@@ -1,0 +1,73 @@
+r"""An axis of a frame that points at a point: a camera that follows, a lamp, a hand that faces its grasp.
+
+With the point c at the distance :math:`\rho` in the direction :math:`d = (c - p) / \rho`, which turns as the frame
+moves, the axis turns against it by
+
+.. math:: \omega - d \times \dot d = \omega + d \times u / \rho, \qquad u = \dot p - \dot c,
+
+whose derivative is :math:`\dot\omega + d \times \dot u / \rho + 2 (d \cdot u) (d \times u) / \rho^2`. The rest is
+:mod:`tasks.frames.axis`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from numpy.typing import ArrayLike
+
+from ..targets.trajectories import Trajectory
+from .axis import PointingTask
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
+
+
+class LookAtTask(PointingTask):
+    """Point an axis of a frame at a point: two rows, and the third rotation stays free.
+
+    Parameters
+    ----------
+    point : array, shape (3,), or Trajectory
+        c [m], in the world or in `relative_to`.
+    axis : array, shape (3,)
+        In the frame; by default its z axis.
+    frame, relative_to, gain, damping_ratio, weight, name
+        See :class:`~tasks.frames.frame_task.FrameTask`.
+
+    Raises
+    ------
+    InvalidInput
+        If the axis has no direction.
+    """
+
+    def __init__(
+        self,
+        point: ArrayLike | Trajectory,
+        *,
+        axis: ArrayLike = (0.0, 0.0, 1.0),
+        frame: str | None = None,
+        relative_to: str | None = None,
+        gain: ArrayLike,
+        damping_ratio: float = 1.0,
+        weight: ArrayLike = 1.0,
+        name: str | None = None,
+    ) -> None:
+        self._call(name)
+        self.target, self.axis = point, axis
+        super().__init__(frame, relative_to, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+
+    @property
+    def point(self) -> Trajectory:
+        """Where to look: the target by its own name."""
+        return self.target
+
+    @point.setter
+    def point(self, value: ArrayLike | Trajectory) -> None:
+        self.target = value
+
+    def plan(self, site: Site) -> Plan:
+        """One loop; the point is written every tick where it moves."""
+        from .kernels.directions import write_sight
+
+        return self._pointing(site, write_sight)

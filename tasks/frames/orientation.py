@@ -1,0 +1,95 @@
+"""How a frame is turned."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from ..base.live import number
+from ..targets.trajectories import Trajectory
+from ..targets.turns import AboutZ, RotationTrajectory, as_rotation
+from .place import Mask, PlaceTask, Reference, chosen
+from .position import AXES
+
+
+class OrientationTask(PlaceTask):
+    """Turn a frame to a rotation, the shortest way; or by one angle about z: the second task of the thesis, Eq. 4.3.
+
+    The angle of a planar arm is the plain sum of its joint angles, unwrapped: a target 2 pi away is a full turn away.
+
+    Parameters
+    ----------
+    target : array, shape (3, 3), or RotationTrajectory; or float, or Trajectory of one number
+        The rotation, its columns the axes that the frame is to have; or the angle about z [rad], counter-clockwise,
+        which leaves the other axes free.
+    frame, relative_to, reference
+        See :class:`~tasks.frames.place.PlaceTask`.
+    mask : str or sequence of bool, optional
+        The axes about which to turn, as in ``"xy"``; see :class:`tasks.AxisTask` for a tool that may spin.
+    gain, damping_ratio, weight, name
+        See :class:`tasks.Task`.
+
+    Raises
+    ------
+    InvalidInput
+        If the target is no rotation, or a mask stands beside one angle; and, with a robot, if it has no such frame.
+    """
+
+    def __init__(
+        self,
+        target: ArrayLike | RotationTrajectory | Trajectory,
+        *,
+        frame: str | None = None,
+        relative_to: str | None = None,
+        mask: Mask | None = None,
+        reference: Reference = "world",
+        gain: ArrayLike,
+        damping_ratio: float = 1.0,
+        weight: ArrayLike = 1.0,
+        name: str | None = None,
+    ) -> None:
+        self._call(name)
+        self._about_z = isinstance(as_rotation(target, self.label()), AboutZ)
+        if self._about_z and mask is not None:
+            raise InvalidInput(f"{self.label()}: one angle turns about z; a mask needs a rotation of shape (3, 3)")
+        super().__init__(
+            mask=(2,) if self._about_z else chosen(mask, AXES, self.label()),
+            reference=reference,
+            frame=frame,
+            relative_to=relative_to,
+            gain=gain,
+            damping_ratio=damping_ratio,
+            weight=weight,
+            name=name,
+        )
+        self.target = target
+
+    @number
+    def target(self, value: ArrayLike | RotationTrajectory | Trajectory) -> RotationTrajectory | Trajectory:
+        """The rotation, or the angle about z [rad], that the frame is to have; of the kind that it began with."""
+        rotation = as_rotation(value, self.label())
+        angle = isinstance(rotation, AboutZ)
+        if angle != self._about_z:
+            kinds = ("a rotation of shape (3, 3)", "one angle about z")
+            raise InvalidInput(
+                f"{self.label()}: target is {kinds[angle]}; it must be {kinds[not angle]}, as it was made with one"
+            )
+        return rotation.angle if isinstance(rotation, AboutZ) else rotation
+
+    @property
+    def rotation(self) -> RotationTrajectory:
+        """The same as a rotation in time."""
+        target: Any = self.target
+        return AboutZ(target) if self._about_z else target
+
+    @rotation.setter
+    def rotation(self, value: ArrayLike | RotationTrajectory | Trajectory) -> None:
+        self.target = value
+
+    def _shown(self) -> list[str]:
+        mask = "".join(AXES[i] for i in self.mask)
+        shown = isinstance(self.rotation, AboutZ) or mask == "xyz"
+        return [repr(self.target), *super()._shown(), *([] if shown else [f"mask={mask!r}"])]

@@ -1,0 +1,99 @@
+"""How far a frame is in front of a plane."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.checks import Array, finite
+from ..base.live import number
+from ..robots.robot import Robot
+from ..rows.loop_task import LoopTask
+from ..rows.site import kept_up
+from ..targets.trajectories import Trajectory, as_trajectory
+from .axis import unit
+from .frame_task import FrameTask
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
+
+
+class PlaneTask(FrameTask, LoopTask):
+    """Bring the origin of a frame to a distance from a plane: one row, n . p.
+
+    ``AtLeast(PlaneTask([0, 0, 1], 0.02, gain=5.0))`` keeps the tip 2 cm above the floor.
+
+    Parameters
+    ----------
+    normal : array, shape (3,)
+        n, in the world or in `relative_to`, of any length but 0: it points to where distances are positive.
+    distance : float or Trajectory
+        From the plane through the origin with this normal [m].
+    frame, relative_to, gain, damping_ratio, weight, name
+        See :class:`~tasks.frames.frame_task.FrameTask`.
+
+    Raises
+    ------
+    InvalidInput
+        If the normal has no direction, or the distance is not finite.
+    """
+
+    rows = 1
+
+    def __init__(
+        self,
+        normal: ArrayLike,
+        distance: ArrayLike | Trajectory,
+        *,
+        frame: str | None = None,
+        relative_to: str | None = None,
+        gain: ArrayLike,
+        damping_ratio: float = 1.0,
+        weight: ArrayLike = 1.0,
+        name: str | None = None,
+    ) -> None:
+        self._call(name)
+        self.normal, self.target = normal, distance
+        super().__init__(frame, relative_to, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+
+    @number
+    def normal(self, value: ArrayLike) -> Array:
+        """n: a unit vector, of whatever length it is given."""
+        return unit(finite(value, f"{self.label()}: normal"), f"{self.label()}: normal")
+
+    @number
+    def target(self, value: ArrayLike | Trajectory) -> Trajectory:
+        """The distance from the plane [m], or a trajectory of it."""
+        return as_trajectory(value, 1, self.label())
+
+    @property
+    def distance(self) -> Trajectory:
+        """The same."""
+        return self.target
+
+    @distance.setter
+    def distance(self, value: ArrayLike | Trajectory) -> None:
+        self.target = value
+
+    def feedforward(self, t: float) -> tuple[Array, Array]:
+        _, velocity, acceleration = self.target(t)
+        return velocity, acceleration
+
+    def plan(self, site: Site) -> Plan:
+        """One loop; the distance is written every tick where it moves."""
+        from ..base.loops import Call
+        from ..rows.plan import Plan
+        from .kernels.directions import write_plane
+
+        target = np.zeros((3, 1))
+        moves = kept_up(self.target, *target)
+        return Plan((Call(write_plane, site.law(self), self.block(site), target, self.normal),), moves)
+
+    def row_names(self, robot: Robot) -> list[tuple[str, str]]:
+        return [("distance", "m")]
+
+    def _shown(self) -> list[str]:
+        return [str(self.normal.tolist()), repr(self.target), *super()._shown()]

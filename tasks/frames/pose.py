@@ -1,0 +1,132 @@
+"""Where a frame is and how it is turned, on one level."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from ..base.live import number
+from ..base.rotations import transform
+from ..robots.block import relative
+from ..robots.robot import RobotState
+from ..targets.trajectories import Trajectory, as_trajectory
+from ..targets.turns import PoseSetpoint, RotationTrajectory, as_rotation
+from .place import Mask, PlaceTask, Reference, chosen
+
+AXES = ("x", "y", "z", "rx", "ry", "rz")
+
+
+def _parts(target: Any, what: str) -> tuple[Any, Any]:
+    """Position and rotation of a target that has both: a transform, a PoseSetpoint, or a pair."""
+    if isinstance(target, tuple) and len(target) == 2:
+        return target
+    if isinstance(target, PoseSetpoint):
+        return target.position, target.rotation
+    return transform(target, what)
+
+
+class PoseTask(PlaceTask):
+    """Bring a frame to a point and turn it to a rotation: position and orientation weighed against each other.
+
+    Where they conflict neither has priority; ``PositionTask(...) >> OrientationTask(...)`` gives it to the first.
+
+    Parameters
+    ----------
+    position : array, shape (3,), or Trajectory; or, alone, a transform or a PoseSetpoint
+        [m]. A transform is a matrix of shape (4, 4), or a ``pinocchio.SE3``.
+    rotation : array, shape (3, 3), or RotationTrajectory, optional
+        Its columns are the axes that the frame is to have; none beside a transform.
+    frame, relative_to
+        See :class:`~tasks.frames.place.PlaceTask`.
+    mask : str or sequence of bool, optional
+        The coordinates to be controlled, as in ``"x y rz"``.
+    reference : {"local_world_aligned", "local", "world"}
+        Pinocchio's names. Along the axes of the world, the linear rows those of the origin of the frame; along the axes
+        of the frame; or the spatial velocity, its linear rows those of the point that is passing the world's origin.
+    gain, damping_ratio, weight, name
+        See :class:`tasks.Task`; a gain or a weight may be one number a row, in [m] before [rad].
+    """
+
+    def __init__(
+        self,
+        position: ArrayLike | Trajectory | PoseSetpoint,
+        rotation: ArrayLike | RotationTrajectory | None = None,
+        *,
+        frame: str | None = None,
+        relative_to: str | None = None,
+        mask: Mask | None = None,
+        reference: Reference = "local_world_aligned",
+        gain: ArrayLike,
+        damping_ratio: float = 1.0,
+        weight: ArrayLike = 1.0,
+        name: str | None = None,
+    ) -> None:
+        self._call(name)
+        if rotation is not None and isinstance(position, PoseSetpoint):
+            raise InvalidInput(f"{self.label()}: a rotation is given beside a PoseSetpoint, which has one; give one")
+        where: Any = position
+        how: Any = rotation
+        if rotation is None:
+            where, how = _parts(position, f"{self.label()}: target")
+        super().__init__(
+            mask=chosen(mask, AXES, self.label()),
+            reference=reference,
+            frame=frame,
+            relative_to=relative_to,
+            gain=gain,
+            damping_ratio=damping_ratio,
+            weight=weight,
+            name=name,
+        )
+        self.position, self.rotation = where, how
+
+    @number
+    def position(self, value: ArrayLike | Trajectory) -> Trajectory:
+        """Where its origin is to be [m]."""
+        return as_trajectory(value, 3, f"{self.label()}, position")
+
+    @number
+    def rotation(self, value: ArrayLike | RotationTrajectory) -> RotationTrajectory:
+        """How its axes are to stand."""
+        return as_rotation(value, f"{self.label()}, rotation")
+
+    @property
+    def target(self) -> tuple[Trajectory, RotationTrajectory]:
+        """Both; set by a pair, a transform or a PoseSetpoint."""
+        return self.position, self.rotation
+
+    @target.setter
+    def target(self, value: Any) -> None:
+        self.position, self.rotation = _parts(value, f"{self.label()}: target")
+
+    @classmethod
+    def hold(
+        cls, state: RobotState, *, frame: str | None = None, relative_to: str | None = None, **options: Any
+    ) -> PoseTask:
+        """The task that keeps a frame where it is.
+
+        ``PoseTask.hold(robot.at(q, v), frame="left_foot", gain=10.0)``
+
+        Parameters
+        ----------
+        state : RobotState
+            Where it is.
+        frame, relative_to, **options
+            Of the task.
+        """
+        here = state.frame(frame)
+        if here.rotation.ndim == 1:
+            raise InvalidInput(
+                "PoseTask.hold: a planar arm has no pose in space; hold a PositionTask and an OrientationTask"
+            )
+        if relative_to is not None:
+            here = relative(state.frame(relative_to), here, state.v)
+        return cls(here.position, here.rotation, frame=frame, relative_to=relative_to, **options)
+
+    def _shown(self) -> list[str]:
+        mask = " ".join(AXES[i] for i in self.mask)
+        targets = [repr(self.position), repr(self.rotation)]
+        return [*targets, *super()._shown(), *([] if self.rows == 6 else [f"mask={mask!r}"])]

@@ -1,0 +1,1 @@
+"""Inverse kinematics: a stack solved to convergence."""

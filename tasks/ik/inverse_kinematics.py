@@ -1,0 +1,246 @@
+r"""Where the joints have to be: a strict hierarchy of tasks, solved to convergence.
+
+The stack is solved step by step, each step a hierarchy linearised where the joints are (:mod:`tasks.ik.newton`), with
+the ranges of the joints above all levels and exactly:
+
+.. math:: q \leftarrow q \oplus x, \qquad x = \text{lex min} \; (\lVert J_1 x - e_1 \rVert, \lVert J_2 x - e_2
+    \rVert, \dots) \quad \text{within the ranges and a trust region}
+
+*Search.* Steps are full Newton steps near a solution. Farther away none takes a joint more than a share of its way to a
+limit, for a joint that rests on its limit leaves less freedom to all others; and the trust region shrinks where the
+error grew. A step that makes things worse is taken nevertheless: from there the next one often finds its way around a
+local minimum. Where the error does not fall any more, the search goes on from the best of a few random configurations.
+
+*Settling.* From the best configuration found, only steps that keep their promise are taken: of the levels which the
+linearised hierarchy promises less of an error, the highest must get a good part of it, and none above it may lose. The
+end is where nothing is promised to any level. So the levels below the goal get what they can, and where the goal cannot
+be met the joints come to rest at what is nearest to it, and the last solution explains what stopped them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import hqp
+from hqp import InvalidInput, Solution
+from hqp.checks import truth, whole_number
+
+from ..base.checks import Array, positive
+from ..robots.robot import Robot, as_robot, check_states, home, integrate
+from ..rows.part import Part
+from ..rows.stack import Stack
+from .linearised import Linearised, Visit
+from .newton import TRUST_REGION
+
+#: Lengths [m] and angles [rad] up to which a task counts as met.
+TOLERANCE = (1e-4, 1e-3)
+#: The trust region of the first step, and what it keeps of itself where the error grew; it doubles where it fell.
+RADIUS, SHRINK, LEAST_RADIUS = 2.0, 0.5, 0.2
+#: Of the way to its limit, what a joint may go in one step while the error [m, rad] is larger than `NEAR`.
+SHARE, NEAR = 0.3, 0.1
+#: So many steps in a row that do not bring the error below this share of the least one end an attempt.
+PATIENCE, FALL = 6, 0.8
+#: An attempt that has no successor is given so many times the patience.
+LAST = 4
+#: The random configurations of which the best begins the next attempt.
+CANDIDATES = 20
+#: What is kept for settling while the goal is not reached: one iteration in so many.
+RESERVE = 5
+#: A level that a step promises less than this share of the tolerance is at rest; the first that is not decides.
+PROMISE = 1e-2
+#: Of what is promised to that level it must get this share; and what a level above it may lose, of its tolerance.
+KEPT, LOSS = 0.1, 0.1
+#: Below this share of the pull of a level, what pushes back is not what stops it; and how many causes are named.
+FAINT, MOST_NAMED = 0.01, 3
+#: A trust region as small as this is the end of settling [rad], [m].
+REST = 1e-7
+
+
+@dataclass(frozen=True, eq=False)
+class IkResult:
+    """What inverse kinematics found.
+
+    Attributes
+    ----------
+    q : array, shape (nq,)
+        The best configuration, inside the ranges of the joints.
+    reached : bool
+        Whether every task of the goal is met within the tolerance.
+    errors : dict of str to dict of str to float
+        Task -> unit -> norm of what is missing there, as in ``{"position": {"m": 2e-9}}``.
+    iterations, restarts : int
+        Hierarchies solved, and how often the search began anew.
+    solution : hqp.Solution
+        Of one more step from q; ``solution.explain()`` says which limit or task stops which.
+    status : str
+        How it ended, in words.
+    """
+
+    q: Array
+    reached: bool
+    errors: dict[str, dict[str, float]]
+    iterations: int
+    restarts: int
+    solution: Solution
+    status: str
+
+    def __str__(self) -> str:
+        errors = [(task, norm, unit) for task, own in self.errors.items() for unit, norm in own.items()]
+        told = ", ".join(f"{task} {norm:.3g} {unit}".rstrip() for task, norm, unit in errors)
+        return f"{self.status}; errors: {told}"
+
+    def __bool__(self) -> bool:
+        return self.reached
+
+
+def solve_ik(
+    robot: Robot,
+    stack: Stack | Part,
+    q0: ArrayLike | None = None,
+    *,
+    goal: Part | Iterable[Part] | None = None,
+    tolerance: float | tuple[float, float] = TOLERANCE,
+    iterations: int = 300,
+    restarts: bool = True,
+    settle: bool = True,
+    seed: int = 0,
+    backend: str = hqp.DEFAULT_BACKEND,
+) -> IkResult:
+    """A configuration that meets the tasks of a stack in order of priority, inside the ranges of the joints.
+
+    Targets are taken as they are at t = 0. Of the joint limits in the stack the ranges count, whatever their level,
+    together with the robot's own; limits of speeds and accelerations say nothing here, nor do gains.
+
+    Parameters
+    ----------
+    robot : Robot
+    stack : Stack, or a single task
+        What is wanted, in order of priority.
+    q0 : array, shape (nq,), optional
+        Where to start (default: the robot's ``home``, else neutral); moved into the ranges where it is outside.
+    goal : tasks of the stack, optional
+        What must be met (default: all tasks and inequalities but postures; postures where there is nothing else).
+    tolerance : float or pair of float
+        A length [m] and an angle [rad], or one number for both.
+    iterations : int
+        The most hierarchies that are solved, restarts included.
+    restarts : bool
+        Whether the search begins anew from random configurations where it is stuck. A floating base stays where it is
+        at q0.
+    settle : bool
+        Whether to go on until all levels are at rest, or to stop as soon as the goal is reached. Without, nothing is
+        kept back of the iterations, and where the goal is not reached q is only the best seen.
+    seed : int
+        Of the random configurations: the same seed, the same answer.
+    backend : str
+        A name from ``hqp.available_backends()``.
+
+    Returns
+    -------
+    IkResult
+        A goal that cannot be met is no exception: ``reached`` is False, and q is as near as was found.
+
+    Raises
+    ------
+    InvalidInput
+        If the stack does not fit the robot, has no task, or not those of the goal; or q0, a tolerance or the number of
+        iterations means nothing.
+    """
+    stack = stack if isinstance(stack, Stack) else Stack(stack)
+    check_states(as_robot(robot))
+    problem = Linearised(robot, stack, goal, _tolerances(tolerance), backend)
+    most = whole_number(iterations, "iterations", least=1)
+    again, on = truth(restarts, "restarts"), truth(settle, "settle")
+    rng = np.random.default_rng(whole_number(seed, "seed"))
+    start = problem.inside(home(robot) if q0 is None else q0)
+    best, begun = _search(problem, start, most - most // RESERVE if on else most, again, rng)
+    best, at_rest = _settle(problem, best, most) if on else (best, False)
+    spent = problem.solves
+    errors = problem.errors(problem.visit(best.q))
+    solution = problem.solve(RADIUS)
+    if not solution.ok:
+        status = f"stopped, {solution.status}: {solution.message}"
+    elif best.reached:
+        status = f"reached after {spent} iterations"
+    elif at_rest:
+        why = _why(solution, problem.unmet(best))
+        status = f"not reached after {spent} iterations, {begun} restarts among them: {why}"
+    else:
+        status = f"not reached within {most} iterations, {begun} restarts among them"
+    return IkResult(best.q, best.reached, errors, spent, begun, solution, status)
+
+
+def _tolerances(value: float | tuple[float, float]) -> Array:
+    pair = positive(value, "tolerance")
+    if pair.shape not in {(), (2,)}:
+        raise InvalidInput(f"tolerance has shape {pair.shape}; it must be a number, or a length and an angle")
+    return np.broadcast_to(pair, 2)
+
+
+def _search(
+    problem: Linearised, start: Array, most: int, restarts: bool, rng: np.random.Generator
+) -> tuple[Visit, int]:
+    """The best configuration of all attempts, and how many were begun anew."""
+    here = best = problem.visit(start)
+    radius, least, idle, begun = RADIUS, here.error, 0, 0
+    patience = PATIENCE if restarts else LAST * PATIENCE
+    while not best.reached and problem.solves < most:
+        step = problem.solve(radius, SHARE if here.error > NEAR else 1.0)
+        if not step.ok:
+            break
+        before, here = here, problem.visit(integrate(problem.robot, here.q, step.x))
+        best = min(best, here)
+        radius = min(2.0 * radius, RADIUS) if here.error < before.error else max(SHRINK * radius, LEAST_RADIUS)
+        idle = 0 if here.error < FALL * least else idle + 1
+        least = min(least, here.error) if idle else here.error
+        if idle >= patience:
+            if not restarts:
+                break
+            tries = [problem.visit(q) for q in problem.random(start, rng, CANDIDATES)]
+            here = problem.visit(min(tries, key=lambda visit: visit.error).q)
+            best = min(best, here)
+            radius, least, idle, begun = RADIUS, here.error, 0, begun + 1
+    return best, begun
+
+
+def _settle(problem: Linearised, best: Visit, most: int) -> tuple[Visit, bool]:
+    """The best configuration that descent from here leads to, and whether it is at rest there."""
+    radius = RADIUS
+    problem.visit(best.q)
+    while problem.solves < most:
+        step = problem.solve(radius)
+        if not step.ok:
+            return best, False
+        promised = best.levels - problem.left(step.x)
+        decisive = np.flatnonzero(promised > PROMISE * problem.small)
+        if not decisive.size or radius <= REST:
+            return best, True
+        here = problem.visit(integrate(problem.robot, best.q, step.x))
+        k, gained = int(decisive[0]), best.levels - here.levels
+        kept = here.reached >= best.reached and bool((gained[:k] >= -LOSS * problem.small[:k]).all())
+        if kept and gained[k] >= KEPT * promised[k]:
+            best, radius = here, min(2.0 * radius, RADIUS)
+            continue
+        radius = SHRINK * min(radius, float(np.abs(step.x).max()))
+        problem.visit(best.q)
+    return best, False
+
+
+def _why(solution: Solution, k: int) -> str:
+    """What stops level k where the joints are at rest.
+
+    Where a limit or a task does, it pushes back about as hard as the level pulls. Where nothing does, the pull itself
+    has vanished, as with an arm that is stretched out.
+    """
+    told, level = solution.explain().levels[k], solution.hierarchy.levels[k]
+    rows = solution.hierarchy.matrix(k)
+    missing = np.maximum(level.lower, 0.0) + np.minimum(level.upper, 0.0)
+    pull = float(np.linalg.norm(rows, 2) * np.linalg.norm(level.weights**2 * missing))
+    causes = [cause for cause in told.causes if cause.part != TRUST_REGION]
+    if sum(cause.strength for cause in causes) > FAINT * pull:
+        return f"{told.name} is held back by {', then '.join(map(str, causes[:MOST_NAMED]))}"
+    return f"{told.name} is out of reach, no motion of the joints brings it nearer"

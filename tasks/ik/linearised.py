@@ -1,0 +1,220 @@
+"""A stack linearised at one configuration after another: the hierarchy of one step, and how large the errors are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import reduce
+from operator import add
+from typing import Any
+
+import numpy as np
+
+import hqp
+from hqp import InvalidInput, Solution
+from hqp.checks import listed
+from hqp.errors import brief
+
+from ..base.checks import Array, finite
+from ..joints.posture import PostureTask
+from ..robots.answers import integration
+from ..robots.robot import Robot, base, integrate, joint_positions
+from ..rows.inequality import Inequality
+from ..rows.part import Part
+from ..rows.stack import Stack
+from ..rows.task import Task
+from .newton import Room, levels_of_steps, ranges
+
+#: What has an error to be judged by.
+JUDGED = (Task, Inequality)
+#: How far to either side a joint is drawn that turns freely [rad], [m].
+HALF_TURN = np.pi
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Visit:
+    """A configuration, judged.
+
+    Attributes
+    ----------
+    q : array, shape (nq,)
+    squares : array
+        Of the errors, task by task and unit by unit.
+    reached : bool
+        Whether the goal is met within the tolerance.
+    error : float
+        The norm of all errors of the goal [m, rad].
+    levels : array
+        The weighted norm of the errors of each level.
+    rank : tuple
+        Sorts configurations, the best first: whether the goal is reached, then the norms of the levels in whole
+        tolerances, then what is left of them.
+    """
+
+    q: Array
+    squares: Array
+    reached: bool
+    error: float
+    levels: Array
+    rank: tuple[Any, ...]
+
+    def __lt__(self, other: Visit) -> bool:
+        return self.rank < other.rank
+
+
+class Linearised:
+    """The hierarchy of one step of a robot.
+
+    Parameters
+    ----------
+    robot : Robot
+    stack : Stack
+    goal : tasks of the stack, or None
+        What must be met; None for all but postures.
+    tolerance : array, shape (2,)
+        A length [m] and an angle [rad].
+    backend : str
+
+    Attributes
+    ----------
+    small : array
+        For each level, the tolerance [m], [rad] of its most exact task.
+    solves : int
+        How many hierarchies were solved so far.
+    """
+
+    def __init__(
+        self, robot: Robot, stack: Stack, goal: Part | Iterable[Part] | None, tolerance: Array, backend: str
+    ) -> None:
+        self.robot, self.solves = robot, 0
+        levels = levels_of_steps(stack)
+        wanted = _wanted([part for level in levels for part in level if isinstance(part, JUDGED)], goal)
+        self.room = Room(*ranges(robot, stack))
+        self._rows = Stack(self.room, *(reduce(add, level) for level in levels)).build(robot, "step")
+        self.hierarchy, self._solver = self._rows.hierarchy, hqp.Solver(backend)
+        self._still = np.zeros(robot.nv)
+        self._measure(levels, wanted, tolerance)
+        low, high = self.room.low, self.room.high
+        self._from = np.maximum(low, np.minimum(high - 2.0 * HALF_TURN, -HALF_TURN))
+        self._to = np.minimum(high, np.maximum(low + 2.0 * HALF_TURN, HALF_TURN))
+
+    def _measure(self, levels: list[list[Part]], wanted: list[Part], tolerance: Array) -> None:
+        """Which rows make up the error of a task in one unit, that of the goal and of a level, and what is small."""
+        from ..base.loops import Call
+        from .kernels.steps import judge
+
+        group, level_of, goal = list[int](), list[int](), list[bool]()
+        self._names: list[tuple[str, str]] = []
+        most, small, self._levels = [], [], list[int]()
+        calls = dict[str, int]()
+        for k, level in enumerate(levels):
+            allowed = []
+            for part in level:
+                rows = part.size(self.robot)
+                level_of += [k] * rows
+                goal += [part in wanted] * rows
+                if not isinstance(part, JUDGED):
+                    group += [-1] * rows
+                    continue
+                calls[part.name] = calls.get(part.name, 0) + 1
+                name = part.name if calls[part.name] == 1 else f"{part.name} {calls[part.name]}"
+                units = [label.unit for label in part.labels(self.robot, "step")]
+                kinds = list(dict.fromkeys(units))
+                group += [len(self._names) + kinds.index(unit) for unit in units]
+                for unit in kinds:
+                    allowed.append(_tolerance(unit, tolerance))
+                    most.append(allowed[-1] ** 2 if part in wanted else np.inf)
+                    self._names.append((name, unit))
+                    self._levels.append(k + 1)  # below the room
+            small.append(min(allowed, default=1.0))
+        nv, h = self.robot.nv, self.hierarchy
+        self._below, self._above, squared = h.lower[nv:], h.upper[nv:], h.weights[nv:] ** 2
+        self._most, self.small = np.array(most), np.array(small)
+        self._found = np.zeros(2 + len(most) + len(small))
+        of, at, of_goal = (np.array(own, dtype=np.int64) for own in (group, level_of, goal))
+        numbers = (self._below, self._above, of, at, of_goal, squared, self._most, self._found)
+        self._judge = Call(judge, len(of), len(most), len(small), *numbers).run
+        self._sums = np.array([squared * (at == k) for k in range(len(small))])
+
+    def inside(self, q: Any) -> Array:
+        """A configuration of this robot, its joints moved into their ranges."""
+        given = finite(q, "q0")
+        if given.shape != (self.robot.nq,):
+            raise InvalidInput(f"q0 has shape {given.shape}; the robot takes ({self.robot.nq},), one number a joint")
+        joints = joint_positions(self.robot.at(given, self._still))
+        step = np.clip(joints, self.room.low, self.room.high) - joints
+        return integrate(self.robot, given, step) if step.any() else given
+
+    def random(self, q: Array, rng: np.random.Generator, count: int) -> list[Array]:
+        """So many configurations with every joint anywhere in its range, but a floating base where it is at q."""
+        steps = rng.uniform(self._from, self._to, (count, self.robot.nv))
+        steps -= joint_positions(self.robot.at(q, self._still))
+        steps[:, : base(self.robot)] = 0.0
+        integrate = integration(self.robot)
+        return [integrate(q, step) for step in steps]
+
+    def visit(self, q: Array) -> Visit:
+        """Linearise at q, and judge it."""
+        self._rows.fill(self.robot.at(q, self._still), 0.0)
+        self._judge()
+        found, k = self._found.copy(), 2 + len(self._most)
+        levels = found[k:]
+        rank = (found[0] == 0.0, *(levels // self.small).tolist(), *levels.tolist())
+        return Visit(q, found[2:k], bool(found[0]), float(found[1]), levels, rank)
+
+    def solve(self, radius: float, share: float = 1.0) -> Solution:
+        """The step from where the last visit was, within the radius and a share of the way to every limit."""
+        self.room.open(radius, share)
+        self.solves += 1
+        return self._solver.solve(self.hierarchy)
+
+    def left(self, step: Array) -> Array:
+        """The weighted norm of the errors of each level that the linearised rows leave after a step."""
+        moved = self.hierarchy.dense()[self.robot.nv :] @ step
+        missing = np.maximum(self._below - moved, 0.0) + np.minimum(self._above - moved, 0.0)
+        return np.asarray(np.sqrt(self._sums @ (missing * missing)))
+
+    def unmet(self, visit: Visit) -> int:
+        """The highest level of the hierarchy with a task of the goal that is not met there."""
+        return self._levels[int(np.argmax(visit.squares > self._most))]
+
+    def errors(self, visit: Visit) -> dict[str, dict[str, float]]:
+        """The norms of the errors there: task -> unit -> norm."""
+        errors: dict[str, dict[str, float]] = {}
+        for (task, unit), square in zip(self._names, visit.squares.tolist(), strict=True):
+            errors.setdefault(task, {})[unit] = square**0.5
+        return errors
+
+
+def _tolerance(unit: str, tolerance: Array) -> float:
+    """What a row in this unit may be off: a length, an angle, or what is smaller for a sum of both."""
+    return float({"m": tolerance[0], "rad": tolerance[1]}.get(unit, tolerance.min()))
+
+
+def _shown(part: object) -> str:
+    return repr(part) if isinstance(part, Part) else brief(part)
+
+
+def _wanted(own: list[Part], goal: Part | Iterable[Part] | None) -> list[Part]:
+    """The tasks that must be met.
+
+    Raises
+    ------
+    InvalidInput
+        If there is none, or one is not in the stack.
+    """
+    if goal is None:
+        wanted = [part for part in own if not isinstance(_task(part), PostureTask)] or own
+    else:
+        parts = [goal] if isinstance(goal, Part) else listed(goal, "goal", "tasks of the stack")
+        wanted = [part for part in own if any(part is one for one in parts)]
+        for part in parts:
+            if not any(part is one for one in wanted):
+                raise InvalidInput(f"goal: {_shown(part)} is no task or inequality of the stack; name some of its own")
+    if not wanted:
+        raise InvalidInput("goal: there is nothing to be met; the stack needs a task or an inequality")
+    return wanted
+
+
+def _task(part: Part) -> Part:
+    return part.task if isinstance(part, Inequality) else part

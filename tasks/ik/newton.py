@@ -1,0 +1,130 @@
+r"""What a stack asks of one Newton step of the joints, and how far that step may go.
+
+Its rows are those of order "step" (:mod:`tasks.rows.kernels.law`): a task asks for the whole of its error, an
+inequality leaves what there is to its bounds, whatever the gain and however the target moves. Of the joint limits only
+the ranges count, above all levels and exactly, together with the trust region: how far the linearisation is believed.
+
+.. math:: \max(q_{min} - q, -r) \le x \le \min(q_{max} - q, r)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hqp import InvalidInput, Label, Side
+
+from ..base.checks import Array, numbers
+from ..frames.limits import FrameVelocityLimit
+from ..limits.joint_limits import JointLimits
+from ..limits.limit import JointLimit
+from ..limits.position import JointPositionLimit
+from ..robots.robot import Robot, joint_names, joint_units, limit_of
+from ..rows.part import Order, Part
+from ..rows.stack import Stack
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
+
+#: Of a bound, against the trust region that it may be.
+SAME = 1e-12
+#: What a bound is called that is no limit of the joint.
+TRUST_REGION = "trust region"
+#: Parts that speak of speeds, or that :func:`ranges` reads.
+DROPPED = (JointLimit, JointLimits, FrameVelocityLimit)
+
+
+class Room(Part):
+    """How far every joint may go in one step: to the end of its range, and not beyond the trust region.
+
+    Parameters
+    ----------
+    low, high : array, shape (nv,)
+        The ranges [rad], [m].
+    """
+
+    plain = True
+    rows = None
+
+    def __init__(self, low: Array, high: Array) -> None:
+        self.low, self.high = np.ascontiguousarray(low), np.ascontiguousarray(high)
+        self._reach = np.array([np.inf, 1.0])
+        self.name, self.weight = "joint limits", numbers(1.0, "weight")
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        joints = zip(joint_names(robot), joint_units(robot), strict=True)
+        return [Label("position limit", joint, unit, Which(self)) for joint, unit in joints]
+
+    def plan(self, site: Site) -> Plan:
+        """Nothing every tick: how far to go is known only when the state has been judged; see :meth:`open`."""
+        from ..base.loops import Call
+        from ..rows.plan import Plan
+        from .kernels.steps import open_room
+
+        shared = site.shared
+        places = shared.places.astype(np.int64)
+        self._call = Call(
+            open_room, shared.n, shared.positions, places, self.low, self.high, self._reach, site.lower, site.upper
+        )
+        return Plan()
+
+    @property
+    def radius(self) -> float:
+        """Of the trust region [rad], [m]."""
+        return float(self._reach[0])
+
+    def open(self, radius: float, share: float) -> None:
+        """Write the bounds where the joints are: a share of what is left to the limits, within the radius."""
+        self._reach[:] = radius, share
+        self._call.run()
+
+
+@dataclass(frozen=True)
+class Which:
+    """Which limit a bound of the room is."""
+
+    room: Room
+
+    def __call__(self, side: Side, bound: float) -> str:
+        return TRUST_REGION if abs(bound) >= self.room.radius * (1.0 - SAME) else "position limit"
+
+
+def levels_of_steps(stack: Stack) -> list[list[Part]]:
+    """The levels of a stack without the limits of joints and speeds.
+
+    Raises
+    ------
+    InvalidInput
+        If nothing but limits is in it.
+    """
+    kept = [[part for part in level if not isinstance(part, DROPPED)] for level in stack.levels]
+    if not any(kept):
+        raise InvalidInput(f"the stack {stack!r} has limits only; inverse kinematics needs a task")
+    return [level for level in kept if level]
+
+
+def ranges(robot: Robot, stack: Stack) -> Array:
+    """Lowest and highest position of every joint, shape (2, nv): the robot's own and those of the stack together.
+
+    Raises
+    ------
+    InvalidInput
+        If a joint is left no range.
+    """
+    own = limit_of(robot, "position")
+    low, high = np.array([[-np.inf], [np.inf]]).repeat(robot.nv, axis=1) if own is None else np.array(own)
+    for part in stack:
+        for limit in part.limits if isinstance(part, JointLimits) else (part,):
+            if isinstance(limit, JointPositionLimit):
+                least, most = limit.range(robot)
+                low, high = np.maximum(low, least), np.minimum(high, most)
+    if (low > high).any():
+        joint = int(np.argmax(low > high))
+        raise InvalidInput(
+            f"position limits of {joint_names(robot)[joint]}: the robot and the stack leave it from {low[joint]:g}"
+            f" to {high[joint]:g} {joint_units(robot)[joint]}; the lowest must not be above the highest"
+        )
+    return np.array([low, high])

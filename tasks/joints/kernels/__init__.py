@@ -1,0 +1,1 @@
+"""Loops that measure tasks of joints."""

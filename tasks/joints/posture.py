@@ -1,0 +1,180 @@
+"""How the joints stand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import lru_cache
+from numbers import Integral
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hqp import InvalidInput
+from hqp.checks import listed
+from hqp.errors import brief
+
+from ..base.live import number, structure
+from ..robots.robot import Robot, base, check_positioned, joint_index, joint_names, joint_units, towards
+from ..rows.loop_task import LoopTask
+from ..rows.part import Order, Tick
+from ..rows.site import kept_up
+from ..rows.task import TargetTask, Task
+from ..targets.trajectories import Trajectory, as_trajectory
+from ..targets.turns import stands_still
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site, Workspace
+
+
+class PostureTask(LoopTask, TargetTask):
+    """Bring joints to given positions (r2 = theta, Eq. 3.18): J = I, so all of them use up all freedom left.
+
+    Parameters
+    ----------
+    target : array, shape (nq,), or Trajectory; or (number of joints,), where joints are named
+        A configuration, or the positions of the named joints: [rad], [m]. A trajectory of configurations needs nq = nv.
+        A floating base is left alone.
+    joints : names or numbers, optional
+        The joints to be brought there (default: all). Each must have one position.
+    gain, damping_ratio, weight, name
+        See :class:`tasks.Task`.
+
+    Raises
+    ------
+    InvalidInput
+        If the target fits neither the joints nor, with a robot, its configurations, or there is no such joint.
+    """
+
+    plain = True
+    joints: tuple[str | int, ...] | None = structure()
+
+    def __init__(
+        self,
+        target: ArrayLike | Trajectory,
+        *,
+        joints: Iterable[str | int] | None = None,
+        gain: ArrayLike,
+        damping_ratio: float = 1.0,
+        weight: ArrayLike = 1.0,
+        name: str | None = None,
+    ) -> None:
+        self._call(name)
+        self.joints = None if joints is None else tuple(listed(joints, f"{self.label()}: joints", "joints"))
+        for joint in self.joints or ():
+            if not isinstance(joint, str | Integral) or isinstance(joint, bool):
+                raise InvalidInput(f"{self.label()}: joint {brief(joint)} must be a name or a number")
+        if self.joints is not None:
+            self.rows = len(self.joints)
+        self.target = target
+        Task.__init__(self, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+
+    @number
+    def target(self, value: ArrayLike | Trajectory) -> Trajectory:
+        """A configuration, or the positions of the named joints [rad], [m]; or a trajectory."""
+        trajectory = as_trajectory(value, None, self.label())
+        size = len(trajectory(0.0)[0])
+        if self.joints is not None and size < len(self.joints):
+            raise InvalidInput(
+                f"{self.label()}: target has shape ({size},); it must be ({len(self.joints)},), one number a joint,"
+                " or a configuration of the robot"
+            )
+        return trajectory
+
+    def size(self, robot: Robot) -> int:
+        return len(self.variables(robot))
+
+    def variables(self, robot: Robot) -> NDArray[np.intp]:
+        return columns(self.joints, joint_names(robot), base(robot))
+
+    def plan(self, site: Site) -> Plan:
+        """One loop; Python measures the way of joints whose steps are no differences of numbers."""
+        from ..base.loops import Call
+        from ..rows.plan import Plan
+        from .kernels import joints as loops
+
+        shared, own = site.shared, self.variables(site.shared.robot)
+        if site.A is not None:
+            site.A[:] = np.eye(shared.n)[own]
+        target, steps = np.zeros((3, len(self.target(0.0)[0]))), np.zeros(site.rows)
+        moves, joints = kept_up(self.target, *target), self._joints(shared, own)
+        call = Call(
+            loops.write_posture,
+            site.law(self),
+            shared.positions,
+            len(shared.positions),
+            steps,
+            target,
+            target.shape[1],
+            joints,
+        )
+        if not (joints[loops.KIND] == loops.MANIFOLD).any():
+            return Plan((call,), moves)
+
+        def measure(tick: Tick) -> None:
+            steps[:] = towards(tick.state, target[0])[own]
+
+        why = "some of its joints have no position of their own; the robot tells the way to a configuration"
+        return Plan((call,), moves, measure, why)
+
+    def _joints(self, shared: Workspace, own: NDArray[np.intp]) -> NDArray[np.int64]:
+        """What its loop is told of every row, shape (5, rows); see :mod:`tasks.joints.kernels.joints`."""
+        from .kernels import joints as loops
+
+        size = len(self.target(0.0)[0])
+        told, rows = np.empty((loops.JOINT_FIELDS, len(own)), dtype=np.int64), np.arange(len(own))
+        positions = self.joints is not None and size == len(own)
+        places, circles = shared.places[own], shared.circles[own]
+        told[loops.COLUMN] = own
+        told[loops.RATE] = -1 if stands_still(self.target) else rows if size == len(own) else own
+        if positions:
+            check_positioned(shared.robot, own[places < 0], f"{self.label()}: joint")
+            told[loops.KIND], told[loops.PLACE], told[loops.GOAL] = loops.LINE, places, rows
+            return told
+        told[loops.KIND] = np.where(circles >= 0, loops.CIRCLE, np.where(places >= 0, loops.LINE, loops.MANIFOLD))
+        told[loops.PLACE] = told[loops.GOAL] = np.where(circles >= 0, circles, places)
+        if not shared.numbered:
+            told[loops.KIND] = loops.MANIFOLD
+        return told
+
+    def row_names(self, robot: Robot) -> list[tuple[str, str]]:
+        names, units = joint_names(robot), joint_units(robot)
+        return [(names[i], units[i]) for i in self.variables(robot)]
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        rows = self.size(robot)
+        size = np.shape(self.target(0.0)[0])
+        allowed = {(rows,), (robot.nq,)} if self.joints is not None else {(robot.nq,)}
+        moving = not stands_still(self.target)
+        if size not in allowed or (moving and size not in {(rows,), (robot.nv,)}):
+            shapes = " or ".join(map(str, sorted(allowed)))
+            if size in allowed:
+                shapes = (
+                    f"trajectories of {(rows,)}: its {robot.nq} positions have {robot.nv} velocities; name the joints"
+                )
+                raise InvalidInput(f"{self.label()}: target has shape {size}; the robot takes {shapes}")
+            raise InvalidInput(f"{self.label()}: target has shape {size}; the robot takes {shapes}, one angle a joint")
+        if self.joints is not None and size == (rows,):
+            check_positioned(robot, self.variables(robot), f"{self.label()}: joint")
+        super().check(robot, order, dt)
+
+    def _shown(self) -> list[str]:
+        return [*super()._shown(), *([] if self.joints is None else [f"joints={list(self.joints)}"])]
+
+
+@lru_cache(maxsize=256)
+def columns(joints: tuple[str | int, ...] | None, names: tuple[str, ...], base: int) -> NDArray[np.intp]:
+    """Which joint velocities these joints are; without any, all but those of a floating base.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no such joint, or one is named twice.
+    """
+    if joints is None:
+        return np.arange(base, len(names))
+    found = [joint_index(names, joint, "joint") for joint in joints]
+    if len(set(found)) != len(found):
+        raise InvalidInput(f"joints = {list(joints)} names one twice")
+    return np.array(found, dtype=np.intp)

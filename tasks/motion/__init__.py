@@ -1,1 +1,0 @@
-"""From a stack to motion: where to be when, the controller, and the closed loop."""

@@ -1,0 +1,1 @@
+"""Loops that write the frames of robots."""

@@ -1,0 +1,35 @@
+"""What a robot offers to loops: the numbers of its frames, kept up to date tick after tick."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.checks import Array
+
+if TYPE_CHECKING:
+    from ..base.loops import Call
+    from .abilities import RobotState
+
+#: Whether drifts and velocities are asked for, of all frames: one number, 0 or not.
+Flag: TypeAlias = NDArray[np.int64]
+
+
+class Source(Protocol):
+    """Where the numbers of frames come from, tick after tick."""
+
+    def frame(self, name: str | None, block: Array, drifts: Flag) -> Call | None:
+        """Begin to keep the block of a frame; the loop that does, or None if :meth:`update` does it itself."""
+        ...
+
+    def center_of_mass(self, block: Array, drifts: Flag) -> Call | None: ...
+
+    def mass_matrix(self, M: Array) -> Call | None: ...
+
+    def bias(self, b: Array) -> None: ...
+
+    def update(self, state: RobotState, drifts: bool) -> None:
+        """Have ready what the loops read, at this state."""
+        ...

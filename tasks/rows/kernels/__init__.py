@@ -1,0 +1,1 @@
+"""Loops of the law of all tasks, and of joint limits."""

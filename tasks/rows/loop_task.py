@@ -1,0 +1,27 @@
+"""A task that loops measure: what it tells of itself in Python is what they write."""
+
+from __future__ import annotations
+
+from ..base.checks import Array
+from ..robots.robot import RobotState
+from .alone import measured_alone
+from .task import Task
+
+
+class LoopTask(Task):
+    """Base of the tasks with a :meth:`~tasks.rows.part.Part.plan` of their own, of which these methods are views."""
+
+    def error(self, state: RobotState, t: float) -> Array:
+        return measured_alone(self, state, t).error
+
+    def jacobian(self, state: RobotState, t: float = 0.0) -> Array:
+        """How the actual value follows the joints at time t [s], shape (rows, nv)."""
+        return measured_alone(self, state, t).jacobian
+
+    def drift(self, state: RobotState, t: float = 0.0) -> Array:
+        """``Jdot v``, for a target that stands still where it is at time t [s], shape (rows,)."""
+        return measured_alone(self, state, t, drifts=True).drift
+
+    def rates(self, state: RobotState, t: float) -> tuple[Array, Array]:
+        found = measured_alone(self, state, t, drifts=True)
+        return found.rate, found.change

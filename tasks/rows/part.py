@@ -1,0 +1,150 @@
+"""What can stand in a stack: tasks and limits, and how they are put in order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hqp import Label
+from hqp.checks import whole_number
+
+from ..base.checks import Array, not_negative, per_row
+from ..base.live import Live, number, structure
+from ..robots.robot import Robot, RobotState, joint_names
+
+if TYPE_CHECKING:
+    from .envelope import Envelope
+    from .plan import Plan
+    from .site import Site
+    from .stack import Stack
+
+#: What the unknown x of the hierarchy is: joint velocities [rad/s], joint accelerations [rad/s^2], or a step of the
+#: joints [rad], as inverse kinematics takes it.
+Order = Literal["velocity", "acceleration", "step"]
+#: What a controller commands. Torques [N m] are those of the accelerations: below them the order is "acceleration".
+Command = Literal["velocity", "acceleration", "torque"]
+#: What follows the unit of a position, in the unit of x.
+PER: dict[str, str] = {"velocity": "/s", "acceleration": "/s^2", "step": ""}
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """One call of the controller.
+
+    Robot, its state, the time t [s], the order of control, the tick dt [s], and what the joint limits of the
+    stack know of each other.
+    """
+
+    robot: Robot
+    state: RobotState
+    t: float
+    order: Order
+    dt: float | None
+    envelope: Envelope | None = None
+
+
+class Part(Live):
+    """A task or a limit: it owns some rows of one level and writes them anew every tick.
+
+    Parts are ordered by ``a >> b`` (b below a) and joined on one level by ``a + b``; Python's
+    precedence reads ``a >> b + c`` as ``a >> (b + c)``.
+
+    Attributes
+    ----------
+    rows : int or None
+        Number of rows; None for one row a joint velocity.
+    plain : bool
+        Whether the rows are those of the identity: bounds on x itself, kept without a matrix.
+    is_limit : bool
+        Whether the rows only bound, and ask for nothing.
+    limited : {"motion", "torque"} or None
+        What they bound in every joint: x, or the torques that it takes. Records tell when a joint is at a bound.
+    name : str
+    weight : array, shape () or (rows,)
+        Weight of the rows inside their level.
+    """
+
+    rows: int | None = structure()
+    plain: bool = structure(False)
+    is_limit: ClassVar[bool] = False
+    limited: ClassVar[Literal["motion", "torque"] | None] = None
+    #: The methods that say what the rows are: a subclass that overrides one of them is asked in Python.
+    says: ClassVar[tuple[str, ...]] = ("write",)
+    name: str = structure()
+    _instead: ClassVar[str] = "make a new one, and go over to it with controller.change(stack, duration=...)"
+
+    @number
+    def weight(self, value: ArrayLike) -> Array:
+        """Weight of the rows inside their level, shape () or (rows,); a row of weight 0 asks for nothing."""
+        return not_negative(value, f"{self.label()}: weight")
+
+    def size(self, robot: Robot) -> int:
+        """Number of rows on this robot."""
+        return robot.nv if self.rows is None else whole_number(self.rows, f"{self.label()}: rows", least=1)
+
+    def weights(self, robot: Robot) -> Array:
+        """Weight of every row on this robot."""
+        return per_row(self.weight, self.size(robot), f"{self.label()}: weight")
+
+    def variables(self, robot: Robot) -> NDArray[np.intp]:
+        """The joint velocities that plain rows bound, shape (rows,)."""
+        return np.arange(robot.nv)
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        """What explanations call the rows."""
+        names = joint_names(robot)
+        rows = (
+            [names[i] for i in self.variables(robot)] if self.plain else [f"row {i}" for i in range(self.size(robot))]
+        )
+        return [Label(self.name, row) for row in rows]
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        """Refuse, once and before the first tick, what cannot work with this robot.
+
+        Raises
+        ------
+        InvalidInput
+        """
+
+    def check_beside(self, tick: Tick) -> None:
+        """Refuse, or tell of, what cannot work with the joint limits of the stack; once, at a state of rest.
+
+        Raises
+        ------
+        InvalidInput
+        """
+
+    def claim(self, site: Site) -> None:
+        """Tell the envelope, where it is at work, how it limits the joints; before any part is planned."""
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        """Write this tick's rows in place: A (rows, nv), None where the level is plain, and the bounds (rows,)."""
+        raise NotImplementedError
+
+    def plan(self, site: Site) -> Plan:
+        """How its rows are written where it is at work: loops, and what they are told; by default in Python."""
+        return self.python_plan(site)
+
+    def python_plan(self, site: Site) -> Plan:
+        """The same by what :attr:`says` names, called in Python every tick."""
+        from .plan import Plan
+
+        def write(tick: Tick) -> None:
+            self.write(tick, site.A, site.lower, site.upper)
+
+        return Plan(python=write, why=f"{type(self).__name__} is written in Python")
+
+    def __rshift__(self, lower: Part | Stack) -> Stack:
+        """``self >> lower``: `lower` may only use what this part leaves free."""
+        from .stack import Stack
+
+        return Stack(self) >> lower
+
+    def __add__(self, other: Part | Stack) -> Stack:
+        """``self + other``: both on the same level."""
+        from .stack import Stack
+
+        return Stack(self) + other

@@ -1,0 +1,199 @@
+"""Tasks and limits in order of priority, and the hierarchy that they write."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, get_args
+
+from hqp import DampingRule, InvalidInput
+from hqp.checks import one_of
+from hqp.errors import brief
+
+from ..base.checks import positive_scalar
+from ..base.live import Live, structure
+from ..robots.robot import Robot, as_robot
+from .part import Order, Part
+
+if TYPE_CHECKING:
+    from .rows import Rows
+
+#: One level, and how it is damped.
+Ruled = tuple[tuple[Part, ...], DampingRule | None]
+
+ALLOWED = "a stack takes tasks, limits and stacks: a >> b puts b below a, a + b puts both on one level"
+
+
+class Stack(Live):
+    """Levels of tasks and limits, the highest first.
+
+    ``limits >> position + orientation >> posture`` declares three levels; ``+`` binds tighter than
+    ``>>``. ``Stack(a, b, c)`` is ``a >> b >> c``. A stack is a declaration: it holds no numbers of
+    any robot or tick and may serve several controllers.
+
+    Parameters
+    ----------
+    *parts : task, limit or Stack
+        The highest priority first.
+
+    Attributes
+    ----------
+    levels : tuple of tuples of Part
+
+    Raises
+    ------
+    InvalidInput
+        If there is nothing in it, something is neither a task nor a limit, or one of them comes twice.
+    """
+
+    levels: tuple[tuple[Part, ...], ...] = structure()
+    damping: tuple[DampingRule | None, ...] = structure()
+    _instead = "make a new one, and go over to it with controller.change(stack, duration=...)"
+
+    def __init__(self, *parts: Part | Stack) -> None:
+        if not parts:
+            raise InvalidInput(f"an empty stack asks for nothing; {ALLOWED}")
+        self.levels = tuple(level for part in parts for level in _levels_of(part))
+        self.damping = tuple(rule for part in parts for rule in (part.damping if isinstance(part, Stack) else (None,)))
+        seen: set[int] = set()
+        for part in self:
+            if id(part) in seen:
+                raise InvalidInput(f"{part.label()} is in the stack twice; make a second one if both are meant")
+            seen.add(id(part))
+
+    def __rshift__(self, lower: Part | Stack) -> Stack:
+        return Stack(self, lower)
+
+    def __add__(self, other: Part | Stack) -> Stack:
+        mine, theirs = self.levels, _levels_of(other)
+        if len(mine) != 1 or len(theirs) != 1:
+            raise InvalidInput(
+                f"+ joins parts of one level, but got {self!r} + {other!r};"
+                " say which level is meant with brackets: a >> (b + c)"
+            )
+        if any(self.damping) or (isinstance(other, Stack) and any(other.damping)):
+            raise InvalidInput(
+                f"a level is damped as a whole, but got {self!r} + {other!r}; put the brackets around all of it:"
+                " Damped(a + b, rule)"
+            )
+        return _of_levels([(mine[0] + theirs[0], None)])
+
+    def swapped(self, first: Part, second: Part) -> Stack:
+        """The same parts, these two in each other's place, with the damping of a level that each has for itself.
+
+        Raises
+        ------
+        InvalidInput
+            If one of them is not in the stack.
+        """
+        levels, here, there = list(self._ruled()), self._level(first), self._level(second)
+        if len(self.levels[here]) == len(self.levels[there]) == 1:
+            levels[here], levels[there] = levels[there], levels[here]
+            return _of_levels(levels)
+        other = {id(first): second, id(second): first}
+        return _of_levels((tuple(other.get(id(part), part) for part in level), rule) for level, rule in levels)
+
+    def without(self, *parts: Part) -> Stack:
+        """The stack without these parts, and without the levels that they leave empty.
+
+        Raises
+        ------
+        InvalidInput
+            If one of them is not in the stack, or nothing is left.
+        """
+        gone = {id(part) for part in parts if self._level(part) >= 0}
+        return _of_levels(
+            (tuple(part for part in level if id(part) not in gone), rule) for level, rule in self._ruled()
+        )
+
+    def inserted(self, part: Part | Stack, *, below: Part | None = None) -> Stack:
+        """The stack with a new level, or levels, right below that of another part; without it, at the top.
+
+        Raises
+        ------
+        InvalidInput
+            If `below` is not in the stack, or `part` is in it already.
+        """
+        place, levels = 0 if below is None else self._level(below) + 1, list(self._ruled())
+        new = part._ruled() if isinstance(part, Stack) else [(level, None) for level in _levels_of(part)]
+        return _of_levels([*levels[:place], *new, *levels[place:]])
+
+    def _level(self, part: Part) -> int:
+        """Where a part stands."""
+        for k, level in enumerate(self.levels):
+            if any(own is part for own in level):
+                return k
+        shown = repr(part) if isinstance(part, Part) else brief(part)
+        raise InvalidInput(f"{shown} is not in the stack {self!r}")
+
+    def _ruled(self) -> Iterable[Ruled]:
+        """Every level with its damping."""
+        return zip(self.levels, self.damping, strict=True)
+
+    def __iter__(self) -> Iterator[Part]:
+        """All parts, from the highest level down."""
+        return (part for level in self.levels for part in level)
+
+    def __contains__(self, part: object) -> bool:
+        """Whether this very part is in it."""
+        return any(own is part for own in self)
+
+    def __len__(self) -> int:
+        """Number of levels."""
+        return len(self.levels)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Stack) and (self.levels, self.damping) == (other.levels, other.damping)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return " >> ".join(map(_shown, self.levels, self.damping))
+
+    def build(self, robot: Robot, order: Order, dt: float | None = None) -> Rows:
+        """The hierarchy of this stack for one robot, ready to be filled.
+
+        Parameters
+        ----------
+        robot : Robot
+        order : {"velocity", "acceleration", "step"}
+            Whether x is the joint velocities [rad/s], accelerations [rad/s^2], or a step of the joints [rad].
+        dt : float, optional
+            Tick [s]; needed by limits of the other order.
+
+        Returns
+        -------
+        Rows
+            Its ``.hierarchy`` holds the numbers, its ``.fill(state, t)`` writes them.
+
+        Raises
+        ------
+        InvalidInput
+            If a part does not fit the robot, or the rest of the stack; names the part. If the robot is none, the order
+            none of them, or dt not positive.
+        """
+        from .rows import Rows
+
+        robot = as_robot(robot)
+        one_of(order, get_args(Order), "order")
+        return Rows(self, robot, order, None if dt is None else positive_scalar(dt, "dt", unit="s"))
+
+
+def _of_levels(levels: Iterable[Ruled]) -> Stack:
+    """A stack of these levels, the empty ones left out."""
+    kept = [(level, rule) for level, rule in levels if level]
+    stack = object.__new__(Stack)
+    stack.levels, stack.damping = tuple(level for level, _ in kept), tuple(rule for _, rule in kept)
+    return Stack(stack) if kept else Stack()
+
+
+def _shown(level: tuple[Part, ...], rule: DampingRule | None) -> str:
+    parts = " + ".join(map(repr, level))
+    return parts if rule is None else f"Damped({parts}, {rule!r})"
+
+
+def _levels_of(part: Part | Stack) -> tuple[tuple[Part, ...], ...]:
+    if isinstance(part, Stack):
+        return part.levels
+    if isinstance(part, Part):
+        return ((part,),)
+    raise InvalidInput(f"{brief(part)} is a {type(part).__name__}; {ALLOWED}")

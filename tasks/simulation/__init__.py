@@ -1,0 +1,1 @@
+"""Controllers in the loop with a plant, and records of their motion."""

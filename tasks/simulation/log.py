@@ -1,0 +1,189 @@
+"""What a closed loop writes down while it runs, and the record that is made of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import Protocol, TypeVar, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hqp import InvalidInput, Side, Solution, Status
+
+from ..base.checks import Array
+from ..control.controller import Controller
+from ..robots.robot import RobotState, inverse_dynamics, manipulability, pose_reader
+from ..rows.part import Part
+from .record import Record, Stop
+
+#: How far x may be from a bound and still count as on it, in units of 1 + |x|.
+AT_BOUND = 1e-9
+#: Bounds of a limit that is not in the stack.
+FREE = (-np.inf, np.inf)
+
+Scalar = TypeVar("Scalar", bound=np.generic)
+
+
+@runtime_checkable
+class Erring(Protocol):
+    """A part that tells how far it is from what it wants: a task, an inequality."""
+
+    name: str
+
+    def error(self, state: RobotState, t: float) -> Array:
+        """Desired - actual."""
+        ...
+
+
+P = TypeVar("P", Part, Erring)
+
+
+class Log:
+    """Preallocated arrays, filled tick by tick and cut to what happened.
+
+    Parameters
+    ----------
+    controller : Controller
+    ticks : int
+        The most that will come.
+    first : RobotState
+        Where the robot starts.
+    parts : iterable of Part
+        All that will be in the stack of the controller, now or later.
+
+    Raises
+    ------
+    InvalidInput
+        If an optional method of the robot does not take a whole record at once.
+    """
+
+    def __init__(self, controller: Controller, ticks: int, first: RobotState, parts: Iterable[Part]) -> None:
+        parts = list(parts)
+        self._controller = controller
+        self.order = controller.order
+        nq, nv = len(first.q), len(first.v)
+        self.t = np.empty(ticks + 1)
+        self.q, self.v = np.empty((ticks + 1, nq)), np.empty((ticks + 1, nv))
+        self.a = np.empty((ticks, nv))
+        self._pose = pose_reader(first)
+        self.pose = np.empty((ticks + 1, len(self._pose(first))))
+        self.status: list[Status] = []
+        self.states = 0
+        telling: list[Erring] = [part for part in parts if isinstance(part, Erring)]
+        self.errors = [
+            (name, part.error, np.empty((ticks + 1, len(part.error(first, 0.0))))) for name, part in _named(telling)
+        ]
+        limits = list(_named(part for part in parts if part.limited is not None))
+        #: Bounds on x, and on the torques that it takes, of every tick.
+        self.bounds, self.torque_bounds = (
+            [
+                (name, part, np.empty((ticks, nv)), np.empty((ticks, nv)))
+                for name, part in limits
+                if part.limited == what
+            ]
+            for what in ("motion", "torque")
+        )
+        self.checked_t: list[float] = []
+        self.certified = 0
+        self.ranks: list[list[int]] = []
+        q, v = first.q[None], first.v[None]
+        self._torque = _asked_at_once(inverse_dynamics(controller.robot), "inverse_dynamics", (q, v, v), (1, nv))
+        self._manipulability = _asked_at_once(manipulability(controller.robot), "manipulability", (q,), (1,))
+        self._levels = len(controller.stack)
+
+    def state(self, k: int, t: float, state: RobotState) -> None:
+        """Where tick k began."""
+        self.t[k], self.q[k], self.v[k], self.pose[k] = t, state.q, state.v, self._pose(state)
+        for _, error, values in self.errors:
+            values[k] = error(state, t)
+        self.states = k + 1
+
+    def tick(self, k: int, a: Array, status: Status) -> None:
+        """What tick k did; the bounds are still those that it was given."""
+        self.a[k] = a
+        self.status.append(status)
+        for _, part, lowers, uppers in (*self.bounds, *self.torque_bounds):
+            lowers[k], uppers[k] = self._controller.bounds(part) if part in self._controller.stack else FREE
+
+    def check(self, t: float, solution: Solution, passed: bool) -> None:
+        """A tick that was put to the certificate."""
+        self.checked_t.append(t)
+        self.certified += bool(passed)
+        ranks = [level.rank for level in solution.levels]
+        self.ranks.append((ranks + [0] * self._levels)[: self._levels])
+
+    def record(self, stopped: Stop | None) -> Record:
+        """All of it, as far as it went."""
+        n = self.states
+        q, v, a = self.q[:n], self.v[:n], self.a[: n - 1]
+        x = v[1:] if self.order == "velocity" else a
+        with np.errstate(all="ignore"):
+            tau = None if self._torque is None else _frozen(self._torque(q[:-1], v[:-1], a))
+            bias = None if self._torque is None else self._torque(q[:-1], v[:-1], np.zeros_like(a))
+            manipulability = None if self._manipulability is None else _frozen(self._manipulability(q))
+        active = {name: _sides(x, low[: n - 1], high[: n - 1]) for name, _, low, high in self.bounds}
+        if tau is not None and bias is not None:  # their rows bound what accelerations take beside the bias
+            active |= {
+                name: _sides(tau, low[: n - 1] + bias, high[: n - 1] + bias)
+                for name, _, low, high in self.torque_bounds
+            }
+        return Record(
+            t=_frozen(self.t[:n]),
+            q=_frozen(q),
+            v=_frozen(v),
+            a=_frozen(a),
+            tau=tau,
+            pose=_frozen(self.pose[:n]),
+            manipulability=manipulability,
+            errors={name: _frozen(values[:n]) for name, _, values in self.errors},
+            active={name: _frozen(sides) for name, sides in active.items()},
+            status=tuple(self.status[: n - 1]),
+            checked_t=_frozen(np.array(self.checked_t, dtype=np.float64)),
+            ranks=_frozen(np.array(self.ranks, dtype=np.int64).reshape(-1, self._levels)),
+            certified=self.certified,
+            stopped=stopped,
+        )
+
+
+def _named(parts: Iterable[P]) -> Iterator[tuple[str, P]]:
+    """Every part under its name; a second of the same name is numbered."""
+    taken: set[str] = set()
+    for part in parts:
+        name, number = part.name, 1
+        while name in taken:
+            number += 1
+            name = f"{part.name} {number}"
+        taken.add(name)
+        yield name, part
+
+
+def _asked_at_once(
+    method: Callable[..., Array] | None, name: str, example: tuple[Array, ...], shape: tuple[int, ...]
+) -> Callable[..., Array] | None:
+    """The method, if the robot has it. One that takes no leading axis is refused before the run."""
+    if method is None:
+        return None
+    asked = f"{name} of the robot, asked for arrays of one row,"
+    try:
+        given = np.shape(method(*example))
+    except Exception as error:
+        raise InvalidInput(f"{asked} raised {type(error).__name__}: {error}; it must take leading axes") from error
+    if given != shape:
+        raise InvalidInput(f"{asked} gives shape {given}; it must take leading axes and give {shape}")
+    return method
+
+
+def _sides(x: Array, lower: Array, upper: Array) -> NDArray[np.int8]:
+    """The :class:`hqp.Side` of each x; one beyond a bound is on it."""
+    near = AT_BOUND * (1.0 + np.abs(x))
+    at_lower, at_upper = x <= lower + near, x >= upper - near
+    sides = at_upper.astype(np.int8) * np.int8(Side.UPPER)
+    sides[at_lower] = Side.LOWER
+    sides[at_lower & at_upper] = Side.EQUALITY
+    return sides
+
+
+def _frozen(array: NDArray[Scalar]) -> NDArray[Scalar]:
+    own = np.array(array)
+    own.flags.writeable = False
+    return own

@@ -1,0 +1,178 @@
+"""What happened in a closed loop, in memory and on disk."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hqp import Status
+from hqp.files import arrays_of, write_arrays
+
+from ..base.checks import Array
+from ..robots.manipulability import Degrees
+
+#: What the head of a saved record says; the number changes with the fields.
+FORMAT = "hqp record 1"
+#: The fields which are arrays, those which are arrays or None, and those which are dicts of arrays.
+ARRAYS = ("t", "q", "v", "a", "pose", "checked_t", "ranks")
+OPTIONAL = ("tau", "manipulability")
+DICTS = ("errors", "active")
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Why a run ended before its time.
+
+    Attributes
+    ----------
+    t : float
+        When [s].
+    reason : str
+    diverged : bool
+        Whether the motion left all bounds; otherwise the solver had no answer.
+    """
+
+    t: float
+    reason: str
+    diverged: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """What happened, read-only arrays: N ticks and the N + 1 states around them.
+
+    Attributes
+    ----------
+    t : array, shape (N + 1,)
+        Time [s].
+    q, v : array, shape (N + 1, n)
+        Joint positions [rad] and velocities [rad/s]; at velocity order v[k + 1] is the command of tick k.
+    a : array, shape (N, n)
+        Joint accelerations [rad/s^2] over each tick; at velocity order (v[k + 1] - v[k]) / dt, with a plant those
+        commanded.
+    tau : array, shape (N, n), or None
+        Joint torques [N m] that a takes where each tick begins (Eq. 4.1); None if the robot cannot tell.
+    pose : array, shape (N + 1, ...)
+        Of the tip, in the coordinates of the robot.
+    manipulability : array, shape (N + 1,), or None
+        Of the tip, as the robot measures it; None if it does not.
+    errors : dict of arrays, shape (N + 1, rows)
+        Of every task, by its name, desired - actual.
+    active : dict of arrays of int8, shape (N, n)
+        Of every joint limit, those on torques included, by its name, the :class:`hqp.Side` of each joint: -1 at its
+        lower bound, 1 at its upper, 0 between, 2 where both bounds meet.
+    status : tuple of hqp.Status, length N
+    checked_t : array
+        When the ticks began [s] which were put to the certificate.
+    ranks : array of int, shape (len(checked_t), levels)
+        Directions that each level of the stack fixed at those ticks, among those that the levels above
+        left open; satisfied inequalities fix none.
+    certified : int
+        How many of the checked ticks the certificate accepts.
+    stopped : Stop or None
+        None for a run that went to its end.
+    """
+
+    t: Array
+    q: Array
+    v: Array
+    a: Array
+    tau: Array | None
+    pose: Array
+    manipulability: Array | None
+    errors: dict[str, Array]
+    active: dict[str, NDArray[np.int8]]
+    status: tuple[Status, ...]
+    checked_t: Array
+    ranks: NDArray[np.int64]
+    certified: int
+    stopped: Stop | None
+
+    @property
+    def checked(self) -> int:
+        """How many ticks were put to the certificate."""
+        return len(self.checked_t)
+
+    @property
+    def certified_share(self) -> float:
+        """Share of the checked ticks which the certificate accepts; NaN if none was checked."""
+        return self.certified / self.checked if self.checked else float("nan")
+
+    @property
+    def degrees(self) -> Degrees:
+        """Degrees of manipulability and of redundancy of every level, shape (len(checked_t), levels).
+
+        A level disposes of as many directions as it has rank (Eq. 3.7) in what the levels above leave,
+        and leaves the rest to those below (Eq. 3.8).
+        """
+        return Degrees(self.ranks, self.v.shape[1] - np.cumsum(self.ranks, axis=1))
+
+    @property
+    def diverged_at(self) -> float | None:
+        """When the motion left all bounds [s], or None."""
+        return self.stopped.t if self.stopped and self.stopped.diverged else None
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write all of it to a file, which appears whole or not at all: numpy's .npz, without pickle.
+
+        Raises
+        ------
+        InvalidInput
+            If the file cannot be written.
+        """
+        # Names are free text and status an enumeration: both go into the head, as JSON.
+        kinds = list(dict.fromkeys(self.status))
+        head = {
+            "format": FORMAT,
+            "names": {field: list(getattr(self, field)) for field in DICTS},
+            "status": [kind.value for kind in kinds],
+            "certified": self.certified,
+            "stopped": None if self.stopped is None else asdict(self.stopped),
+        }
+        arrays: dict[str, NDArray[Any]] = {
+            "head": np.array(json.dumps(head)),
+            "status": np.array([kinds.index(status) for status in self.status], dtype=np.uint8),
+        }
+        arrays |= {field: getattr(self, field) for field in ARRAYS}
+        arrays |= {field: getattr(self, field) for field in OPTIONAL if getattr(self, field) is not None}
+        arrays |= {f"{field} {i}": array for field in DICTS for i, array in enumerate(getattr(self, field).values())}
+        write_arrays(path, arrays)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Record:
+        """The record that :meth:`save` wrote, equal to the last bit.
+
+        Raises
+        ------
+        InvalidInput
+            If the file cannot be read, is no record or is damaged.
+        """
+        with arrays_of(path, "record") as members:
+            head = json.loads(str(members["head"]))
+            if head["format"] != FORMAT:
+                raise ValueError(f"its format is {head['format']!r}; it must be {FORMAT!r}")
+            arrays: dict[str, Any] = {field: members[field] for field in ARRAYS}
+            arrays |= {field: members.get(field) for field in OPTIONAL}
+            for field in DICTS:
+                arrays[field] = {name: members[f"{field} {i}"] for i, name in enumerate(head["names"][field])}
+            kinds = [Status(value) for value in head["status"]]
+            return cls(
+                **arrays,
+                status=tuple(kinds[i] for i in members["status"]),
+                certified=head["certified"],
+                stopped=None if head["stopped"] is None else Stop(**head["stopped"]),
+            )
+
+    def __len__(self) -> int:
+        """Number of ticks N."""
+        return len(self.a)
+
+    def __repr__(self) -> str:
+        end = f", stopped: {self.stopped.reason}" if self.stopped else ""
+        proof = f", {self.certified} of {self.checked} checked ticks certified" if self.checked else ""
+        return f"Record({len(self)} ticks, t = {self.t[0]:g} .. {self.t[-1]:g} s{proof}{end})"

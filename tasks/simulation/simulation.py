@@ -1,0 +1,215 @@
+r"""The loop closed: controller and robot, tick after tick, and the record of it.
+
+The command holds over the tick and the robot follows it exactly:
+
+.. math::
+
+    \text{acceleration, torque order:}\quad & q \leftarrow q + v\,dt + \tfrac12 a\,dt^2, \quad v \leftarrow v + a\,dt \\
+    \text{velocity order:}\quad & q \leftarrow q + v\,dt
+
+which is the exact motion under such a command: what a run shows is the controller, not the integrator. Where a
+configuration is more than a number a joint, the sum is the robot's own ``integrate``.
+
+At torque order the acceleration that holds is the one which the torque gives where the tick begins, which makes the
+motion that of the acceleration order. Real motors hold the torque instead. For that, and for a robot that is not quite
+as its model says, a run takes a `Plant`, which moves by its own physics: :class:`tasks.MujocoPlant`.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput, Solution
+from hqp.checks import listed, of_type, whole_number
+from hqp.errors import brief
+
+from ..base.checks import Array, finite, finite_scalar, function, positive_scalar
+from ..control.controller import Controller
+from ..robots.robot import Robot, check_joints, integration, joint_names, joint_units
+from ..rows.stack import Stack
+from ..targets.timing import Timing, cubic
+from .log import Log
+from .record import Record, Stop
+
+#: Joint speed [rad/s] beyond which a run counts as diverged: 16 turns a second.
+SPEED_CAP = 100.0
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """A stack to go over to, see :meth:`tasks.Controller.change`.
+
+    Attributes
+    ----------
+    t : float
+        When [s].
+    stack : Stack
+    duration : float
+        How long it takes [s].
+    law : callable
+        A timing law.
+    """
+
+    t: float
+    stack: Stack
+    duration: float
+    law: Timing = cubic
+
+
+#: The longest run: a record of so many ticks fills a gigabyte or two.
+MOST_TICKS = 10_000_000
+
+
+@runtime_checkable
+class Plant(Protocol):
+    """What moves in place of the model."""
+
+    def advance(self, q: Array, v: Array, tau: Array, dt: float) -> tuple[Array, Array]:
+        """Positions and velocities dt [s] after (q, v), while the torques tau [N m] hold."""
+        ...
+
+
+def simulate(
+    controller: Controller,
+    q0: ArrayLike,
+    v0: ArrayLike | None = None,
+    *,
+    duration: float,
+    start: float = 0.0,
+    speed_cap: float = SPEED_CAP,
+    certify: int = 50,
+    proof: Callable[[Any], bool] | None = None,
+    changes: Iterable[Change] = (),
+    progress: Callable[[float], None] | None = None,
+    plant: Plant | None = None,
+) -> Record:
+    """Run a controller on the robot it was made for.
+
+    Parameters
+    ----------
+    controller : Controller
+        With its dt [s]: one solve a tick.
+    q0 : array, shape (nq,)
+        Joint positions at the start [rad].
+    v0 : array, shape (nv,), optional
+        Joint velocities at the start [rad/s] (default: at rest).
+    duration : float
+        [s], rounded to whole ticks.
+    start : float
+        Time of the first tick [s].
+    speed_cap : float
+        A run in which a joint turns faster than this [rad/s] has diverged and stops.
+    certify : int
+        Put every so many-th tick to the certificate; 0 for none.
+    proof : callable, optional
+        The judge of the solutions of those ticks (default: ``solution.certify().ok``).
+    changes : iterable of Change
+        Stacks to go over to on the way; the controller keeps the last.
+    progress : callable, optional
+        Told the share of the run that is done, about a hundred times.
+    plant : Plant, optional
+        What the torques move, at torque order (default: the model of the controller). The record then holds the states
+        that were measured, and the accelerations and torques that were commanded.
+
+    Returns
+    -------
+    Record
+        Up to the tick before, if the run diverges or the solver has no answer: see ``stopped``.
+
+    Raises
+    ------
+    InvalidInput
+        If the controller has no dt, the start is not finite or has the wrong shape, a number is
+        out of range, the run would take more than `MOST_TICKS`, or a plant is given no torques.
+    """
+    dt = of_type(controller, Controller, "controller").dt
+    if dt is None:
+        raise InvalidInput("simulate needs the tick; give the controller dt in s")
+    if plant is not None and controller.order != "torque":
+        raise InvalidInput(f"a plant is moved by torques, but order = {controller.order!r}; it must be 'torque'")
+    if plant is not None and not (isinstance(plant, Plant) and callable(plant.advance)):
+        raise InvalidInput(f"plant = {brief(plant)} is a {type(plant).__name__}; a plant has advance(q, v, tau, dt)")
+    share = positive_scalar(duration, "duration", unit="s") / dt
+    if share > MOST_TICKS:
+        raise InvalidInput(f"duration = {duration:g} s is more than {MOST_TICKS} ticks of dt = {dt:g} s")
+    ticks = round(share)
+    if ticks < 1:
+        raise InvalidInput(f"duration = {duration} s is shorter than one tick, dt = {dt} s")
+    start = finite_scalar(start, "start")
+    cap = positive_scalar(speed_cap, "speed cap", unit="rad/s")
+    certify = whole_number(certify, "certify")
+    robot = controller.robot
+    q = finite(q0, "q0")
+    v = np.zeros(robot.nv) if v0 is None else finite(v0, "v0")
+    check_joints(robot, q, v)
+    judge = _certified if proof is None else function(proof, "proof")
+    progress = None if progress is None else function(progress, "progress")
+    report_every = max(ticks // 100, 1)
+
+    given = [_checked(of_type(change, Change, "a change")) for change in listed(changes, "changes", "Change")]
+    waiting = deque(sorted(given, key=lambda change: change.t))
+    stacks = [controller.stack, *(change.stack for change in waiting)]
+    parts = {id(part): part for stack in stacks for part in stack}
+    log = Log(controller, ticks, robot.at(q, v), parts.values())
+    integrate, stopped = integration(robot), None
+    for k in range(ticks):
+        t = start + k * dt
+        while waiting and t >= waiting[0].t:
+            change = waiting.popleft()
+            controller.change(change.stack, duration=change.duration, law=change.law)
+        step = controller.unchecked(q, v, t)
+        log.state(k, t, step.state)
+        if not step.ok:
+            where = f" ({step.solution.message})" if step.solution.message else ""
+            stopped = Stop(t, f"{step.solution.status} at t = {t:g} s{where}", diverged=False)
+            break
+        if certify and k % certify == 0:
+            log.check(t, step.solution, judge(step.solution))
+
+        if plant is not None:
+            assert step.a is not None  # at torque order, as was checked
+            assert step.tau is not None
+            a = step.a
+            q, v = plant.advance(q, v, step.tau, dt)
+        elif step.a is not None:
+            a = step.a
+            q = integrate(q, dt * v + (0.5 * dt * dt) * a)
+            v = v + dt * a
+        else:
+            assert step.v is not None
+            a = (step.v - v) / dt
+            v = step.v.copy()
+            q = integrate(q, dt * v)
+        q.flags.writeable = v.flags.writeable = False  # ours, and kept as they are: a robot need not copy them
+        speed = float(np.abs(v).max(initial=0.0))
+        if not speed <= cap:  # NaN too
+            stopped = Stop(t + dt, f"diverged at t = {t + dt:g} s: {_fastest(robot, v)}", diverged=True)
+            break
+        log.tick(k, a, step.solution.status)
+        if progress is not None and (k + 1) % report_every == 0:
+            progress((k + 1) / ticks)
+    else:
+        log.state(ticks, start + ticks * dt, robot.at(q, v))
+    return log.record(stopped)
+
+
+def _checked(change: Change) -> Change:
+    """A change whose time is a number, and whose stack is one."""
+    stack = change.stack if isinstance(change.stack, Stack) else Stack(change.stack)
+    return replace(change, t=finite_scalar(change.t, "a change: t"), stack=stack)
+
+
+def _fastest(robot: Robot, v: Array) -> str:
+    """Which joint moves how fast."""
+    joint = int(np.argmax(np.abs(v)))  # NaN is the largest
+    return f"{joint_names(robot)[joint]} moves at {abs(float(v[joint])):.3g} {joint_units(robot)[joint]}/s"
+
+
+def _certified(solution: Solution) -> bool:
+    return solution.certify().ok

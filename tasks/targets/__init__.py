@@ -1,0 +1,1 @@
+"""Targets as functions of time: trajectories, timing laws, paths, polynomials, rotations."""

@@ -1,0 +1,156 @@
+r"""Where to be when: targets that stand still or move, with the velocity and acceleration they need.
+
+Every target is a function of time. Those that move are in :mod:`~tasks.targets.paths`, a curve and a timing law, and
+in :mod:`~tasks.targets.polynomial`, from boundary conditions; a function of your own will do as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+from hqp.arrays import real_array
+
+from ..base.checks import Array, finite, numbers
+
+
+@runtime_checkable
+class Trajectory(Protocol):
+    """A function of time: ``trajectory(t)`` gives position, velocity and acceleration, each (rows,)."""
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]: ...
+
+
+class Fixed:
+    """A target that stands still.
+
+    Parameters
+    ----------
+    target : array, shape (rows,)
+        In the unit of the task: [m] or [rad].
+    """
+
+    def __init__(self, target: ArrayLike) -> None:
+        self.target = np.atleast_1d(finite(target, "target"))
+        if self.target.ndim != 1:
+            raise InvalidInput(f"target has shape {self.target.shape}; it must have one axis")
+        self._sample = (self.target, np.zeros(len(self.target)), np.zeros(len(self.target)))
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        return self._sample
+
+    def __repr__(self) -> str:
+        return str(self.target.tolist())
+
+
+class Setpoint:
+    """A target that is set from outside, as by a hand that leads: ``setpoint.move(position)`` before a tick.
+
+    Parameters
+    ----------
+    value : array, shape (rows,)
+        Where it begins, in the unit of the task: [m] or [rad].
+    """
+
+    def __init__(self, value: ArrayLike) -> None:
+        self._value = np.atleast_1d(np.array(finite(value, "setpoint")))
+        self._velocity, self._acceleration = np.zeros((2, len(self._value)))
+        self._moves = False
+
+    def move(self, value: ArrayLike, velocity: ArrayLike | None = None, acceleration: ArrayLike | None = None) -> None:
+        """Set where it is, and how it moves if that is known (default: it stands).
+
+        NaN is taken, as a device may send it: the next tick is then INVALID, and moves nothing.
+
+        Raises
+        ------
+        InvalidInput
+            If a part has not the shape that the setpoint began with, or an acceleration comes without a velocity.
+        """
+        moves = velocity is not None
+        if not moves and acceleration is not None:
+            raise InvalidInput("setpoint: an acceleration is given without a velocity; give both")
+        where = alike(value, self._value, "setpoint")
+        if not moves and not self._moves:
+            self._value[:] = where
+            return
+        rate = 0.0 if velocity is None else alike(velocity, self._value, "setpoint: velocity")
+        change = 0.0 if acceleration is None else alike(acceleration, self._value, "setpoint: acceleration")
+        self._value[:], self._velocity[:], self._acceleration[:], self._moves = where, rate, change, moves
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        return self._value, self._velocity, self._acceleration
+
+    def __repr__(self) -> str:
+        return f"Setpoint({self._value.tolist()})"
+
+
+def alike(value: Any, model: Array, what: str) -> Array:
+    """`value` as numbers of the shape of `model`, one number standing for itself alone.
+
+    Raises
+    ------
+    InvalidInput
+        If it has another shape.
+    """
+    plain = type(value) is np.ndarray and value.dtype == np.float64
+    array: Array = value if plain else np.atleast_1d(real_array(value, what))
+    if array.shape != model.shape:
+        raise InvalidInput(f"{what} has shape {array.shape}; it must be {model.shape}, as it began")
+    return array
+
+
+def as_trajectory(target: ArrayLike | Trajectory, rows: int | None, what: str) -> Trajectory:
+    """`target` as a trajectory of so many rows (None: any number): numbers stand still, functions of time move.
+
+    Raises
+    ------
+    InvalidInput
+        If a number is not finite, or the target (at t = 0) does not give what a trajectory must.
+    """
+    if not callable(target):
+        trajectory: Trajectory = Fixed(finite(target, f"{what}: target"))
+    else:
+        trajectory = target
+    try:
+        sample = tuple(trajectory(0.0))
+    except Exception as error:
+        raise InvalidInput(f"{what}: target(0.0) raised {type(error).__name__}: {error}") from error
+    shapes = [numbers(part, f"{what}: target(0.0)").shape for part in sample]
+    size = rows if rows is not None else int(np.prod(shapes[0])) if shapes else 1
+    if shapes != [(size,)] * 3:
+        if isinstance(trajectory, Fixed):
+            raise InvalidInput(f"{what}: target has shape {shapes[0]}; it must be ({size},)")
+        raise InvalidInput(
+            f"{what}: target(0.0) gives shapes {shapes};"
+            f" it must give position, velocity and acceleration, each ({size},)"
+        )
+    return trajectory
+
+
+class Spread:
+    """A trajectory of some of three coordinates, the others zero.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+    axes : sequence of int
+        Which, in ascending order.
+    """
+
+    def __init__(self, trajectory: Trajectory, axes: Sequence[int]) -> None:
+        self.trajectory = trajectory
+        step = axes[1] - axes[0] if len(axes) > 1 else 1  # two of three, or all, are evenly spaced
+        self.columns = slice(axes[0], axes[-1] + 1, step)
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        whole = np.zeros((3, 3))
+        whole[:, self.columns] = self.trajectory(t)
+        return whole[0], whole[1], whole[2]
+
+    def __repr__(self) -> str:
+        return repr(self.trajectory)

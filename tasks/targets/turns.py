@@ -1,0 +1,243 @@
+"""How to be turned when: rotations that stand still or move, with the angular velocity and acceleration they need."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+from hqp.checks import real_number
+
+from ..base.checks import Array, finite, numbers, positive_scalar
+from ..base.rotations import about, exp, log, rotation_matrix, transform
+from .timing import Timing, as_timing, quintic
+from .trajectories import Fixed, Setpoint, Spread, Trajectory, alike
+
+
+@runtime_checkable
+class RotationTrajectory(Protocol):
+    """A rotation in time: ``trajectory(t)`` gives R (3, 3), and omega [rad/s] and its rate [rad/s^2], each (3,).
+
+    Both in the axes of the world, as R is.
+    """
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]: ...
+
+
+class FixedRotation:
+    """A rotation that stands still.
+
+    Parameters
+    ----------
+    R : array, shape (3, 3)
+    """
+
+    def __init__(self, R: ArrayLike) -> None:
+        self.R = rotation_matrix(R, "rotation")
+        self._sample = (self.R, np.zeros(3), np.zeros(3))
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        return self._sample
+
+    def __repr__(self) -> str:
+        return f"rotation by {log(self.R).round(4).tolist()}"
+
+
+class RotationSetpoint:
+    """A rotation that is set from outside: ``setpoint.move(R)`` before a tick.
+
+    Parameters
+    ----------
+    R : array, shape (3, 3)
+        Where it begins.
+    """
+
+    def __init__(self, R: ArrayLike) -> None:
+        self._R = np.array(rotation_matrix(R, "setpoint"))
+        self._omega, self._alpha = np.zeros((2, 3))
+        self._turns = False
+
+    def move(self, R: ArrayLike, omega: ArrayLike | None = None, alpha: ArrayLike | None = None) -> None:
+        """Set how it is turned, and how it turns if that is known [rad/s], [rad/s^2] (default: it stands).
+
+        Raises
+        ------
+        InvalidInput
+            If R is no rotation, to 1e-6; or omega or alpha is not three numbers, or alpha comes without omega.
+        """
+        turns = omega is not None
+        if not turns and alpha is not None:
+            raise InvalidInput("setpoint: alpha is given without omega; give both")
+        where = rotation_matrix(R, "setpoint")
+        if not turns and not self._turns:
+            self._R[:] = where
+            return
+        rate = 0.0 if omega is None else alike(omega, self._omega, "setpoint: omega")
+        change = 0.0 if alpha is None else alike(alpha, self._alpha, "setpoint: alpha")
+        self._R[:], self._omega[:], self._alpha[:], self._turns = where, rate, change, turns
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        return self._R, self._omega, self._alpha
+
+    def __repr__(self) -> str:
+        return f"RotationSetpoint by {log(self._R).round(4).tolist()}"
+
+
+class PoseSetpoint:
+    """A pose that is set from outside: ``setpoint.move(T)`` before a tick, and ``PoseTask(setpoint, gain=5.0)``.
+
+    Parameters
+    ----------
+    T : array, shape (4, 4), or pinocchio.SE3
+        Where it begins.
+
+    Attributes
+    ----------
+    position : Setpoint
+    rotation : RotationSetpoint
+
+    Raises
+    ------
+    InvalidInput
+        If it is no transform.
+    """
+
+    def __init__(self, T: Any) -> None:
+        p, R = transform(T, "setpoint")
+        self.position, self.rotation = Setpoint(p), RotationSetpoint(R)
+
+    def move(self, T: Any, velocity: ArrayLike | None = None) -> None:
+        """Set where it is and, if that is known, how it moves: linear [m/s] before angular [rad/s], in world axes.
+
+        Raises
+        ------
+        InvalidInput
+            If T is no transform, or the velocity not six numbers. The setpoint then stays where it was.
+        """
+        p, R = transform(T, "setpoint")
+        twist = None if velocity is None else alike(velocity, np.zeros(6), "setpoint: velocity")
+        self.position.move(p, None if twist is None else twist[:3])
+        self.rotation.move(R, None if twist is None else twist[3:])
+
+    def __repr__(self) -> str:
+        return f"PoseSetpoint({self.position!r}, {self.rotation!r})"
+
+
+class Watched:
+    """A rotation in time that somebody else computes: what is no rotation becomes NaN, and the tick INVALID.
+
+    Parameters
+    ----------
+    target : RotationTrajectory
+    """
+
+    def __init__(self, target: RotationTrajectory) -> None:
+        self.target = target
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        R, omega, alpha = self.target(t)
+        try:
+            return rotation_matrix(R, "target"), omega, alpha
+        except InvalidInput:
+            return np.full((3, 3), np.nan), omega, alpha
+
+    def __repr__(self) -> str:
+        return repr(self.target)
+
+
+class AboutZ:
+    """A rotation about z by an angle in time: all that a planar arm can do.
+
+    Parameters
+    ----------
+    angle : Trajectory
+        Of one number [rad], which may go on beyond a full turn.
+    """
+
+    def __init__(self, angle: Trajectory) -> None:
+        self.angle = angle
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        angle, rate, change = (float(part[0]) for part in self.angle(t))
+        return about(2, angle), np.array([0.0, 0.0, rate]), np.array([0.0, 0.0, change])
+
+    def __repr__(self) -> str:
+        return repr(self.angle)
+
+
+class Turn:
+    """From one rotation to another the shortest way, about a fixed axis, by a timing law.
+
+    Parameters
+    ----------
+    start, end : array, shape (3, 3)
+    duration : float
+        [s]; before it begins, and after, the rotation stands still.
+    law : callable
+        One of ``cubic``, ``quintic``, ``harmonic``, ``cycloid``.
+    """
+
+    def __init__(self, start: ArrayLike, end: ArrayLike, duration: float, law: Timing = quintic) -> None:
+        self.start, self.end = rotation_matrix(start, "start"), rotation_matrix(end, "end")
+        self.duration, self.law = positive_scalar(duration, "duration", unit="s"), as_timing(law, "law")
+        self._vector = log(self.end @ self.start.T)
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        if type(t) is not float:
+            t = real_number(t, "t")
+        s, ds, dds = self.law(t / self.duration)
+        rate, change = ds / self.duration, dds / self.duration**2
+        return exp(s * self._vector) @ self.start, rate * self._vector, change * self._vector
+
+    def __repr__(self) -> str:
+        return f"Turn of {np.linalg.norm(self._vector):.4g} rad in {self.duration:g} s"
+
+
+def as_rotation(target: ArrayLike | RotationTrajectory | Trajectory, what: str) -> RotationTrajectory:
+    """`target` as a rotation in time: a matrix stands still, one angle turns about z, functions of time move.
+
+    Raises
+    ------
+    InvalidInput
+        If it is neither, or (at t = 0) gives no rotation.
+    """
+    if isinstance(target, AboutZ):
+        return target
+    if not callable(target):
+        array = finite(target, f"{what}: target")
+        if array.size == 1:
+            return AboutZ(Fixed(array))
+        if array.ndim != 2:
+            raise InvalidInput(f"{what}: target has shape {array.shape}; it must be (3, 3), or (1,), an angle about z")
+        return FixedRotation(rotation_matrix(array, f"{what}: target"))
+    try:
+        sample = [numbers(part, f"{what}: target(0.0)") for part in target(0.0)]
+    except InvalidInput:
+        raise
+    except Exception as error:
+        raise InvalidInput(f"{what}: target(0.0) raised {type(error).__name__}: {error}") from error
+    shapes = [part.shape for part in sample]
+    if shapes == [(1,)] * 3:
+        return AboutZ(target)
+    if shapes != [(3, 3), (3,), (3,)]:
+        raise InvalidInput(
+            f"{what}: target(0.0) gives shapes {shapes}; it must give rotation, angular velocity and acceleration,"
+            " (3, 3), (3,), (3,), or an angle and its derivatives, each (1,)"
+        )
+    rotation_matrix(sample[0], f"{what}: target(0.0)")
+    return target if isinstance(target, KNOWN) else Watched(target)
+
+
+#: Whose rotations are rotations.
+KNOWN = (FixedRotation, RotationSetpoint, Turn, Watched)
+
+
+def stands_still(target: object) -> bool:
+    """Whether a target is numbers, and no function of time."""
+    if isinstance(target, Spread):
+        return stands_still(target.trajectory)
+    if isinstance(target, AboutZ):
+        return stands_still(target.angle)
+    return isinstance(target, Fixed | FixedRotation)
