@@ -6,7 +6,7 @@ import sys
 
 import typer
 
-from tasks.cli.command import run
+from hqp.commands.command import run
 
 from .batch import batch
 from .compare import compare
@@ -48,7 +48,7 @@ def _root(context: typer.Context) -> None:
 
 
 def main() -> None:
-    """Run, and leave with the exit code; see :func:`tasks.cli.command.run`."""
+    """Run, and leave with the exit code; see :func:`hqp.commands.command.run`."""
     sys.exit(run(app, "python -m benchmarks"))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import typer
 
 from hqp import Batch, BatchSolver, Hierarchy, Solver
-from tasks.base.terminal import console
+from hqp.commands.terminal import console
 
 from .families import Family, moved
 from .families.control import CONTROL

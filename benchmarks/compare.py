@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 import typer
 
 from hqp import InvalidInput
-from tasks.base.terminal import console
+from hqp.commands.terminal import console
 
 from .extra import required_packages
 from .sweep.plans import PLANS

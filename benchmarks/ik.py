@@ -14,10 +14,10 @@ from rich.console import Console
 from rich.progress import Progress
 
 from hqp import InvalidInput
+from hqp.commands.command import path
+from hqp.commands.terminal import console
+from hqp.files import writable
 from tasks import load_robot
-from tasks.base.checks import writable
-from tasks.base.terminal import console
-from tasks.cli.command import path
 
 from .ik_methods import METHODS, TOLERANCE, Method, Outcome, Target, missing
 from .tables import Row, save, show, terminal

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 
-from tasks.base.terminal import console
+from hqp.commands.terminal import console
 
 from .extra import required_packages
 from .families import FAMILIES

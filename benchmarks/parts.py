@@ -14,9 +14,9 @@ from rich.console import Console
 from rich.progress import Progress
 
 from hqp import InvalidInput
-from tasks.base.checks import writable
-from tasks.base.terminal import console
-from tasks.cli.command import path
+from hqp.commands.command import path
+from hqp.commands.terminal import console
+from hqp.files import writable
 
 from .registry import select
 from .tables import Row, save, show, terminal

@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 
 from hqp import InvalidInput
-from tasks.base.checks import writable
-from tasks.base.terminal import console
-from tasks.cli.command import path
+from hqp.commands.command import path
+from hqp.commands.terminal import console
+from hqp.files import writable
 
 from .extra import required_packages
 

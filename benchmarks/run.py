@@ -12,9 +12,9 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from hqp import InvalidInput
-from tasks.base.checks import writable
-from tasks.base.terminal import console
-from tasks.cli.command import path
+from hqp.commands.command import path
+from hqp.commands.terminal import console
+from hqp.files import writable
 
 from .extra import required_packages
 from .sweep.plans import PLANS

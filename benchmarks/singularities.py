@@ -9,8 +9,8 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
+from hqp.commands.terminal import console
 from tasks import Controller, Record, simulate
-from tasks.base.terminal import console
 
 from .singular_scenes import METHODS, Scene, scenes
 from .tables import Row, show, terminal

@@ -11,9 +11,9 @@ from rich.console import Console
 from rich.progress import Progress
 
 from hqp import InvalidInput
-from tasks.base.checks import writable
-from tasks.base.terminal import console
-from tasks.cli.command import path
+from hqp.commands.command import path
+from hqp.commands.terminal import console
+from hqp.files import writable
 
 from .families.control import CONTROL
 from .methods import METHODS, required

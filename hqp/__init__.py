@@ -12,101 +12,57 @@
 
 from __future__ import annotations
 
-import warnings
-from typing import Any
-
-from .backends.registry import ACCURACY, BACKENDS, BackendInfo, available_backends, backend_info
-from .batch import Batch, BatchSolution, BatchSolver, solve_batch
-from .certificate import Certificate, LevelCertificate, certify
-from .damping import (
-    DampingRule,
-    ErrorDamping,
-    FixedDamping,
-    ManipulabilityDamping,
-    NumericalFiltering,
-    SingularValueDamping,
-)
-from .errors import HqpError, InUse, InvalidInput, MissingPackage, UnknownBackend, Unsupported
-from .explanation import Cause, Explanation, LevelExplanation, PartExplanation
-from .families import FAMILIES, Family
-from .hierarchy import Hierarchy
-from .io import load, save
-from .label import Label
-from .level import Level
-from .lexls import LexLSProblem, read_lexls, write_lexls
-from .nearest import nearest
-from .relaxation import Relaxation
-from .settings import Settings
-from .side import Side
-from .solution import Counts, LevelSolution, Solution, Status
-from .solve import DEFAULT_BACKEND, Solver, solve
+from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
 
-__all__ = [
-    "ACCURACY",
-    "BACKENDS",
-    "DEFAULT_BACKEND",
-    "FAMILIES",
-    "BackendInfo",
-    "Batch",
-    "BatchSolution",
-    "BatchSolver",
-    "Cause",
-    "Certificate",
-    "Counts",
-    "DampingRule",
-    "ErrorDamping",
-    "Explanation",
-    "Family",
-    "FixedDamping",
-    "Hierarchy",
-    "HqpError",
-    "InUse",
-    "InvalidInput",
-    "Label",
-    "Level",
-    "LevelCertificate",
-    "LevelExplanation",
-    "LevelSolution",
-    "LexLSProblem",
-    "ManipulabilityDamping",
-    "MissingPackage",
-    "NumericalFiltering",
-    "PartExplanation",
-    "Relaxation",
-    "Settings",
-    "Side",
-    "SingularValueDamping",
-    "Solution",
-    "Solver",
-    "Status",
-    "UnknownBackend",
-    "Unsupported",
-    "available_backends",
-    "backend_info",
-    "certify",
-    "load",
-    "nearest",
-    "read_lexls",
-    "save",
-    "solve",
-    "solve_batch",
-    "write_lexls",
-]
-
-#: What is no more, and what is there instead.
-_RENAMED: dict[str, Any] = {
-    "RegularisedSolution": Solution,
-    "RegularisedSolver": Solver,
-    "StageCertificates": Certificate,
-    "solve_regularised": solve,
+#: Former names -> what there is instead; each warns, for one version.
+_FORMER = {
+    "ACCURACY": "backends.ACCURACY",
+    "BACKENDS": "backends.BACKENDS",
+    "BackendInfo": "backends.BackendInfo",
+    "Cause": "certificate.Cause",
+    "Counts": "solution.Counts",
+    "FAMILIES": "problems.FAMILIES",
+    "Family": "problems.Family",
+    "LevelCertificate": "certificate.LevelCertificate",
+    "LevelExplanation": "certificate.LevelExplanation",
+    "LevelSolution": "solution.LevelSolution",
+    "LexLSProblem": "lexls.Problem",
+    "PartExplanation": "certificate.PartExplanation",
+    "RegularisedSolution": "Solution",
+    "RegularisedSolver": "Solver",
+    "Relaxation": "solution.Relaxation",
+    "StageCertificates": "Certificate",
+    "read_lexls": "lexls.read",
+    "solve_regularised": "solve",
+    "write_lexls": "lexls.write",
 }
 
+if TYPE_CHECKING:
+    from ._all import *  # noqa: F403
+    from ._all import __all__ as __all__
+else:
 
-def __getattr__(name: str) -> Any:
-    if name in _RENAMED:
-        now = _RENAMED[name]
-        warnings.warn(f"hqp.{name} is hqp.{now.__name__} now", DeprecationWarning, stacklevel=2)
-        return now
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    def __getattr__(name: str) -> object:
+        """Import everything when the first of it is asked for: the command answers at once, and can be interrupted."""
+        from importlib import import_module
+
+        if name == "families":
+            return import_module(".families", __name__)
+        if name in _FORMER:
+            import warnings
+            from functools import reduce
+
+            warnings.warn(f"hqp.{name} is hqp.{_FORMER[name]} now", DeprecationWarning, stacklevel=2)
+            return reduce(getattr, _FORMER[name].split("."), import_module(__name__))
+        if name == "__all__" or not name.startswith("_"):
+            everything = import_module("._all", __name__)
+            if name == "__all__" or name in everything.__all__:
+                return globals().setdefault(name, getattr(everything, name))
+            if name in globals():  # a room that came with it
+                return globals()[name]
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *__getattr__("__all__")})

@@ -16,7 +16,7 @@ class Settings:
     ----------
     tolerance
         A row counts as satisfied within ``tolerance * (|A_i x| + |bound_i| + 0.1 ||A_i|| ||x||)``
-        and round-off, see :func:`hqp.rows.allowance`. What is solved to this tolerance is judged,
+        and round-off, see :func:`hqp.certificate.allowance`. What is solved to this tolerance is judged,
         by ``solution.levels`` and ``certify``, by one ten times as large.
     rank_tolerance
         A row direction counts as dependent on the levels above when what is left of it, after

@@ -13,8 +13,8 @@ from hqp import Hierarchy, Level, Settings, Solver
 from hqp.backends.base import Answer, Backend
 from hqp.backends.registry import make_backend
 
-#: Where solvers get their backends from; ``hqp.solve`` is the function.
-SOLVE = import_module("hqp.solve")
+#: Where solvers get their backends from.
+SOLVE = import_module("hqp.solver.solver")
 #: From the levels and x_ref to those that are solved in their place.
 Misread = Callable[[list[Level], np.ndarray], tuple[list[Level], np.ndarray]]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hqp import Batch, BatchSolver, Hierarchy, InvalidInput, Level, Settings, Solver, Status, solve, solve_batch
-from hqp.families import hierarchies
+from hqp.problems import hierarchies
 
 
 def draw(rng: np.random.Generator, scale: float = 0.5) -> Hierarchy:

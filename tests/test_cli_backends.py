@@ -8,7 +8,7 @@ from tasks.cli import run
 
 
 def test_backends_lists_all_and_how_to_get_the_rest(capsys: pytest.CaptureFixture[str]) -> None:
-    from hqp import BACKENDS
+    from hqp.backends import BACKENDS
 
     assert run(["backends"]) == 0
     text = capsys.readouterr().out

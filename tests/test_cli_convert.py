@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hqp
-from hqp import Hierarchy, Label, Level, certify, read_lexls, solve
+from hqp import Hierarchy, Label, Level, certify, lexls, solve
 from hqp.lexls import as_lexls
 from hqp.problems import random_hierarchy
 from tasks.cli import run
@@ -51,7 +51,7 @@ def test_what_text_has_no_place_for_is_told(
         "  made rows of A: the bounds on variables of level 2\n"
         "  written as one more level, 3: x = x_ref\n"
     )
-    again = read_lexls(target).hierarchy
+    again = lexls.read(target).hierarchy
     assert_same(again, as_lexls(FULL, [0.0, 0.5, 0.25]))
     assert certify(again, solve(FULL, x_ref=[0.0, 0.5, 0.25]).x).ok
 
@@ -74,7 +74,7 @@ def test_guess_and_points_stay_in_text_and_are_left_out_of_npz(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     source, text, archive = (str(tmp_path / name) for name in ("a.dat", "b.txt", "c.npz"))
-    hqp.write_lexls(source, PLAIN, guess=[-1, 2], solution_guess=[0.1, 0.2], solution=[1.0, 2.0])
+    hqp.lexls.write(source, PLAIN, guess=[-1, 2], solution_guess=[0.1, 0.2], solution=[1.0, 2.0])
     assert run(["convert", source, text]) == 0
     assert Path(source).read_bytes() == Path(text).read_bytes()
     assert len(capsys.readouterr().out.splitlines()) == 1
@@ -103,7 +103,7 @@ def test_a_file_that_exists_is_replaced_by_force_alone(
     assert capsys.readouterr().err == f"hqp: {str(target)!r} exists; --force replaces it\n"
     assert target.read_text() == "mine"
     assert run(["convert", full, str(target), "--force"]) == 0
-    assert len(read_lexls(target).hierarchy.levels) == 4
+    assert len(lexls.read(target).hierarchy.levels) == 4
 
 
 @pytest.mark.parametrize(

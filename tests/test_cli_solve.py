@@ -121,7 +121,7 @@ def test_names_of_others_are_printed_and_do_nothing_else(tmp_path: Path, capsys:
 def text(tmp_path: Path, *optimum: float) -> str:
     """The example in the text format of LexLS, with an optimum that somebody claims."""
     path = tmp_path / "h.dat"
-    hqp.write_lexls(path, example(), solution_guess=[1.0, 1.0, 2.0], solution=optimum)
+    hqp.lexls.write(path, example(), solution_guess=[1.0, 1.0, 2.0], solution=optimum)
     return str(path)
 
 

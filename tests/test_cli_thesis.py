@@ -9,8 +9,8 @@ from dataclasses import replace
 import pytest
 
 import hqp
+from hqp.commands.terminal import console
 from tasks import cli
-from tasks.base.terminal import console
 from tasks.thesis import scenarios
 
 

@@ -7,7 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from hqp import ACCURACY, Hierarchy, Level, Solver, Status, available_backends, backend_info, certify, solve
+from hqp import Hierarchy, Level, Solver, Status, available_backends, backend_info, certify, solve
+from hqp.backends import ACCURACY
 from hqp.backends.pseudoinverse import joint_form
 from hqp.problems import equality_cases, random_hierarchy
 

@@ -25,8 +25,7 @@ from hqp import (
     Unsupported,
 )
 from hqp.backends.base import Answer
-from hqp.families import hierarchies
-from hqp.problems import random_hierarchy
+from hqp.problems import hierarchies, random_hierarchy
 
 seeds = st.integers(0, 2**32 - 1)
 factors = st.sampled_from([0.01, 0.1, 1.0, 10.0])

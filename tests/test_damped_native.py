@@ -2,25 +2,14 @@
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import hqp
-from hqp import (
-    ErrorDamping,
-    FixedDamping,
-    Hierarchy,
-    Level,
-    ManipulabilityDamping,
-    SingularValueDamping,
-    Solver,
-)
-from hqp.families import hierarchies
-from hqp.problems import random_hierarchy
+from hqp import ErrorDamping, FixedDamping, Hierarchy, Level, ManipulabilityDamping, SingularValueDamping, Solver
+from hqp.problems import hierarchies, random_hierarchy
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -91,7 +80,7 @@ def test_all_at_once_is_stage_by_stage_and_every_stage_is_proved(seed):
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("family", [name for name in hqp.FAMILIES if name != "bad numbers"])
+@pytest.mark.parametrize("family", [name for name in hqp.problems.FAMILIES if name != "bad numbers"])
 def test_families_are_proved_with_any_level_damped(family):
     for seed, h in enumerate(hierarchies(family, 60)):
         known, _ = pair(np.random.default_rng(seed), len(h.levels))
@@ -185,22 +174,6 @@ def test_without_damping_a_solution_has_one_stage_and_nothing_is_relaxed():
     assert (solution.stages, solution.relaxed, solution.dampings) == ((solution,), (), {})
     assert solution.certify().stages[0].ok
     assert type(Solver(damping={}).solve(solution.hierarchy)) is hqp.Solution
-
-
-@pytest.mark.parametrize(
-    ("old", "now"),
-    [
-        ("RegularisedSolver", hqp.Solver),
-        ("RegularisedSolution", hqp.Solution),
-        ("StageCertificates", hqp.Certificate),
-        ("solve_regularised", hqp.solve),
-    ],
-)
-def test_old_names_say_what_is_there_now(old, now):
-    with pytest.warns(DeprecationWarning, match=f"hqp.{old} is hqp.{now.__name__} now"):
-        assert getattr(hqp, old) is now
-    with warnings.catch_warnings(), pytest.raises(AttributeError, match="no attribute 'nothing'"):
-        _ = hqp.nothing
 
 
 def test_a_stage_that_is_needed_for_the_first_time_in_a_warm_loop():

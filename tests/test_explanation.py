@@ -16,22 +16,11 @@ import pytest
 from rich.console import Console
 
 import hqp
-import hqp.label
-import hqp.solution
-from hqp import (
-    FAMILIES,
-    Explanation,
-    Hierarchy,
-    InvalidInput,
-    Label,
-    Level,
-    LevelExplanation,
-    Side,
-    Solution,
-    Solver,
-    solve,
-)
-from hqp.families import hierarchies
+import hqp.hierarchy.label
+import hqp.solution.solution
+from hqp import Explanation, Hierarchy, InvalidInput, Label, Level, Side, Solution, Solver, solve
+from hqp.certificate import LevelExplanation
+from hqp.problems import FAMILIES, hierarchies
 
 
 def speed_or_position(side: Side, value: float) -> str:
@@ -390,7 +379,7 @@ def test_what_a_bound_returns_is_a_text() -> None:
         Label("a", bound=lambda side, value: 3).part_at(Side.UPPER, 1.0)  # type: ignore[arg-type, return-value]
 
 
-@pytest.mark.parametrize(("module", "examples"), [(hqp.label, 1), (hqp.solution, 4)])
+@pytest.mark.parametrize(("module", "examples"), [(hqp.hierarchy.label, 1), (hqp.solution.solution, 4)])
 def test_the_examples_in_docstrings_are_true(module: Any, examples: int) -> None:
     assert doctest.testmod(module) == (0, examples)
 

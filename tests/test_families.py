@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pytest
 
-from hqp import FAMILIES, Hierarchy, InvalidInput, Level, Solver, Status, solve
-from hqp.families import hierarchies
+from hqp import Hierarchy, InvalidInput, Level, Solver, Status, solve
+from hqp.problems import FAMILIES, hierarchies
 
 COUNT = 60
 #: What the cascade certifies always; elsewhere it may lose rows that are short beside others of their level.

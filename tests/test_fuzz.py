@@ -60,7 +60,7 @@ PARTS, CALLS, SWEEP, FILES, COMMANDS = 8, 64_000, 400_000, 400, 120
 CALLBACKS = {"proof", "progress"}
 #: What is not called: types that only come out, protocols, exceptions, constants.
 PASSIVE = {
-    "ACCURACY", "BACKENDS", "DEFAULT_BACKEND", "FAMILIES", "DampingRule", "HqpError", "InUse", "InvalidInput",
+    "DEFAULT_BACKEND", "lexls", "problems", "DampingRule", "HqpError", "InUse", "InvalidInput",
     "MissingPackage", "UnknownBackend", "Unsupported", "Command", "Frame", "Order", "Part", "Plant", "Robot",
     "RobotState", "RotationTrajectory", "Trajectory", "FrameTask", "TargetTask", "GradientTask", "Tick", "Side",
     "Status",
@@ -117,9 +117,14 @@ def results() -> Iterator[Any]:
     damped = hqp.solve(h, damping={1: 0.1})
     explanation = hqp.solve(Hierarchy([h.levels[0], Level.equality([[1.0, 1.0, 0.0]], [4.0], name="far")])).explain()
     yield from (hqp.backend_info("native"), hqp.solve_batch([h]), solution.certify(), solution.counts, explanation)
-    yield from (hqp.FAMILIES["vertex"], solution.certify().levels[0], explanation.levels[0], solution.levels[0])
+    yield from (
+        hqp.problems.FAMILIES["vertex"],
+        solution.certify().levels[0],
+        explanation.levels[0],
+        solution.levels[0],
+    )
     yield from (explanation.levels[1].parts[0], explanation.levels[1].causes[0], damped, damped.relaxed[0])
-    yield from (damped.certify(), solution, hqp.LexLSProblem(h), step, record(), step.state)
+    yield from (damped.certify(), solution, hqp.lexls.Problem(h), step, record(), step.state)
     yield from (tasks.Stop(0.0, "why", False), tasks.task_degrees(np.eye(2)), tasks.velocity_ellipse(np.eye(2)))
     yield tasks.solve_ik(arm(position_limit=(-3.0, 3.0)), position(), [0.4, 0.3, 0.2], iterations=3)
 
@@ -127,7 +132,7 @@ def results() -> Iterator[Any]:
 def calls(folder: Path) -> dict[str, Callable[[], Call]]:
     """A good call of every public name, and of every method with arguments of what comes out."""
     files = {"h.npz": lambda path: hqp.save(path, hierarchy()), "r.npz": lambda path: record().save(path)}
-    files["h.dat"] = lambda path: hqp.write_lexls(path, hierarchy())
+    files["h.dat"] = lambda path: hqp.lexls.write(path, hierarchy())
     for name, write in files.items():
         write(folder / name)
     q, v = [0.4, 0.3, 0.2], [0.0, 0.0, 0.0]
@@ -180,12 +185,12 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "certify": made(hqp.certify, h, [0.1] * 3, x_ref=v, unique=True, tolerance=1e-9),
         "load": made(hqp.load, folder / "h.npz"),
         "nearest": made(hqp.nearest, v, np.eye(3), name="own"),
-        "read_lexls": made(hqp.read_lexls, folder / "h.dat"),
+        "read_lexls": made(hqp.lexls.read, folder / "h.dat"),
         "save": made(hqp.save, folder / "out.npz", h, x_ref=v),
         "solve": made(hqp.solve, h, backend="native", x_ref=v, settings=new(Settings), damping={1: 0.1}),
         "solve_batch": made(hqp.solve_batch, new(lambda: [hierarchy()] * 2), x_ref=v, settings=None, threads=1),
         "write_lexls": made(
-            hqp.write_lexls, folder / "out.dat", h, x_ref=v, guess=[0] * 7, solution_guess=v, solution=v
+            hqp.lexls.write, folder / "out.dat", h, x_ref=v, guess=[0] * 7, solution_guess=v, solution=v
         ),
         "AtLeast": made(tasks.AtLeast, p),
         "AtMost": made(tasks.AtMost, p),
@@ -291,7 +296,7 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "Solver.solve damped": made(lambda h, x_ref: Solver(damping={1: 0.1}).solve(h, x_ref), h, x_ref=v),
         "Solution.certify": made(lambda **o: hqp.solve(hierarchy()).certify(**o), unique=True, tolerance=1e-9),
         "Solution.explain": made(lambda **o: hqp.solve(hierarchy()).explain(**o), tolerance=1e-9),
-        "families": made(hqp.families.hierarchies, "vertex", 2, seed=0),
+        "families": made(hqp.problems.hierarchies, "vertex", 2, seed=0),
         "Controller()": made(lambda q, v, t: controller()(q, v, t), q, v, t=0.0),
         "Controller() acceleration": made(lambda q, v, t: controller(order="acceleration")(q, v, t), q, v, t=0.0),
         "Controller.change": made(
@@ -478,7 +483,7 @@ def test_damaged_files(name: str, folder: Path) -> None:
     """They are refused, or are other files of the kind."""
     calls(folder)
     content, rng, found = (folder / name).read_bytes(), random.Random(name), dict[tuple[str, str], str]()
-    readers = {"h.npz": hqp.load, "r.npz": Record.load, "h.dat": hqp.read_lexls}
+    readers = {"h.npz": hqp.load, "r.npz": Record.load, "h.dat": hqp.lexls.read}
     for k in range(FILES):
         (folder / f"damaged-{name}").write_bytes(damaged(content, rng))
         try:

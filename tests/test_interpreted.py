@@ -39,7 +39,7 @@ def test_a_controller_and_its_solver_work_and_all_is_ready_at_once() -> None:
     code = """
 import numpy as np
 from hqp import FixedDamping, Solver
-from hqp.families import hierarchies
+from hqp.problems import hierarchies
 from tasks import Controller, Damped, JointLimits, PlanarArm, PositionTask, PostureTask
 from tasks.cli import run
 assert run(["warmup"]) == 0

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import hqp
-from hqp import FAMILIES, Hierarchy, InvalidInput, Level, Solver
-from hqp.families import hierarchies
+from hqp import Hierarchy, InvalidInput, Level, Solver
+from hqp.problems import FAMILIES, hierarchies
 
 ARRAYS = ("A", "lower", "upper", "weights", "columns")
 

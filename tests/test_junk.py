@@ -149,7 +149,7 @@ def test_one_thing_where_several_are_taken(call: Callable[[], Any], said: str) -
         (lambda: Stack(task()).build(ARM, "velocity", dt=TWO), r"dt has shape \(2,\); it must be one number"),
         (lambda: from_rpy(0.0, TWO, 0.0), r"pitch has shape \(2,\); it must be one number"),
         (lambda: from_rpy(np.inf, 0.0, 0.0), "roll = inf must be finite"),
-        (lambda: hqp.families.hierarchies(TWO, 1), "unknown family array"),
+        (lambda: hqp.problems.hierarchies(TWO, 1), "unknown family array"),
         (lambda: hqp.backend_info(TWO), "unknown backend array"),
         (lambda: simulate(controller(), TWO, duration=TWO), r"duration has shape \(2,\); it must be one number"),
         (
@@ -268,7 +268,7 @@ def test_an_n_that_the_numbers_of_a_file_do_not_tell(n: Any, tmp_path: Path) -> 
         text = f"#HierType\n100\n#nVar\n{n}\n#nObj\n1\n#nCtr\n1\n#ObjType\n100\n#OBJECTIVE 0\n1 0.5\n"
         (tmp_path / "h.dat").write_text(text)
         said = f"n = {n} unknowns, of which only 1 numbers tell|#nVar in whole numbers"
-        refused(lambda: hqp.read_lexls(tmp_path / "h.dat"), said)
+        refused(lambda: hqp.lexls.read(tmp_path / "h.dat"), said)
 
 
 def test_what_would_not_be_read_is_not_written(tmp_path: Path) -> None:
@@ -276,8 +276,8 @@ def test_what_would_not_be_read_is_not_written(tmp_path: Path) -> None:
     refused(lambda: hqp.save(tmp_path / "h.npz", large), "n = 30000 unknowns, of which only 1 numbers tell")
     hqp.save(tmp_path / "h.npz", large, np.zeros(30_000))  # which does tell
     assert hqp.load(tmp_path / "h.npz")[0].n == 30_000
-    hqp.write_lexls(tmp_path / "h.dat", large, solution=np.zeros(30_000))
-    assert hqp.read_lexls(tmp_path / "h.dat").hierarchy.n == 30_000
+    hqp.lexls.write(tmp_path / "h.dat", large, solution=np.zeros(30_000))
+    assert hqp.lexls.read(tmp_path / "h.dat").hierarchy.n == 30_000
 
 
 @pytest.mark.parametrize("read", [hqp.load, Record.load])
@@ -300,7 +300,7 @@ def test_an_array_that_says_to_be_larger_than_it_is(declared: tuple[int, ...], t
 
 
 def test_large_arrays_are_written_so_that_they_can_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("hqp.files.MOST_UNPACKED", 10_000)
+    monkeypatch.setattr("hqp.files.whole.MOST_UNPACKED", 10_000)
     zeros = Hierarchy([Level.equality(np.zeros((500, 100)), 0.0)])
     hqp.save(tmp_path / "h.npz", zeros)
     assert hqp.load(tmp_path / "h.npz")[0].m == 500
@@ -353,7 +353,7 @@ def test_a_full_disk_is_one_line(file: str) -> None:
 
 def test_the_command_begins_before_anything_is_imported() -> None:
     """So that an interruption of the imports is its own."""
-    code = "import tasks.cli, sys; print([m for m in ('numpy', 'typer', 'hqp', 'scipy') if m in sys.modules])"
+    code = "import tasks.cli, sys; print([m for m in ('numpy', 'typer', 'scipy', 'hqp._all') if m in sys.modules])"
     assert subprocess.check_output([sys.executable, "-c", code], text=True) == "[]\n"
 
 

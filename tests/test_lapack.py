@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hqp import subspace
 from hqp.backends.lapack import least_squares, row_space
+from hqp.certificate import subspace
 
 
 def projector(basis: np.ndarray) -> np.ndarray:

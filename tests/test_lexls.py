@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import hqp
-from hqp import Hierarchy, InvalidInput, Label, Level, Side, certify, read_lexls, solve, write_lexls
+from hqp import Hierarchy, InvalidInput, Label, Level, Side, certify, lexls, solve
 from hqp.lexls import as_lexls
 from hqp.problems import random_hierarchy
 
@@ -79,8 +79,8 @@ def residuals(h: Hierarchy, x: np.ndarray) -> list[float]:
 @given(SEEDS)
 def test_numbers_and_names_come_back_to_the_last_bit(file: Path, seed: int) -> None:
     h = random_one(seed, weighted=False)
-    write_lexls(file, h)
-    again = read_lexls(file).hierarchy
+    lexls.write(file, h)
+    again = lexls.read(file).hierarchy
     assert_same(again, as_lexls(h))
     assert again.pointers == h.pointers
     for name in "lower", "upper":
@@ -91,8 +91,8 @@ def test_numbers_and_names_come_back_to_the_last_bit(file: Path, seed: int) -> N
 @given(SEEDS)
 def test_weights_bounds_and_all_it_is_the_same_problem(file: Path, seed: int) -> None:
     h = random_one(seed)
-    write_lexls(file, h)
-    again = read_lexls(file).hierarchy
+    lexls.write(file, h)
+    again = lexls.read(file).hierarchy
     x = solve(h).x
     assert certify(again, x).ok
     assert certify(h, solve(again).x).ok
@@ -103,8 +103,8 @@ def test_weights_bounds_and_all_it_is_the_same_problem(file: Path, seed: int) ->
 def test_x_ref_becomes_one_more_level(file: Path, seed: int) -> None:
     h = random_one(seed)
     x_ref = np.random.default_rng(seed).standard_normal(h.n)
-    write_lexls(file, h, x_ref, guess=np.zeros(h.m, dtype=int))
-    problem = read_lexls(file)
+    lexls.write(file, h, x_ref, guess=np.zeros(h.m, dtype=int))
+    problem = lexls.read(file)
     assert len(problem.hierarchy.levels) == len(h.levels) + 1
     assert (problem.guess[h.m :] == Side.EQUALITY).all()
     assert certify(problem.hierarchy, solve(h, x_ref=x_ref).x, np.full(h.n, 7.0)).ok  # no other x_ref matters
@@ -115,8 +115,8 @@ def test_guess_and_points_come_back_to_the_last_bit(file: Path, seed: int) -> No
     h = random_one(seed)
     solution = solve(h)
     sides, start = np.concatenate([level.active for level in solution.levels]), np.random.default_rng(seed).random(h.n)
-    write_lexls(file, h, guess=sides, solution_guess=start, solution=solution.x)
-    problem = read_lexls(file)
+    lexls.write(file, h, guess=sides, solution_guess=start, solution=solution.x)
+    problem = lexls.read(file)
     assert problem.guess.tolist() == sides.tolist()
     assert problem.solution_guess.tobytes() == start.tobytes()
     assert problem.solution.tobytes() == solution.x.tobytes()
@@ -127,8 +127,8 @@ def test_the_first_level_keeps_its_bounds_if_the_format_can_hold_them(file: Path
     weighted = Level.bounds([-1.0, 0.0], [1.0, 2.0], indices=[4, 0], weights=[1.0, 3.0])
     twice = Level.bounds([-1.0, 0.0], [1.0, 2.0], indices=[4, 4])
     for levels, kept in ([plain, plain], 1), ([weighted], 0), ([twice], 0):
-        write_lexls(file, Hierarchy(levels, n=5))
-        again = read_lexls(file).hierarchy
+        lexls.write(file, Hierarchy(levels, n=5))
+        again = lexls.read(file).hierarchy
         assert [level.indices is not None for level in again.levels] == [k < kept for k in range(len(levels))]
     assert again.A.tolist() == [[0.0, 0.0, 0.0, 0.0, 1.0]] * 2
 
@@ -141,18 +141,18 @@ def test_equalities_are_written_once_and_infinity_in_no_word(
     lower: list[float], upper: list[float], kind: int, file: Path
 ) -> None:
     h = Hierarchy([Level([[0.1 + 0.2], [-0.0]], lower, upper)])
-    write_lexls(file, h)
+    lexls.write(file, h)
     text = file.read_text(encoding="ascii")
     assert f"#HierType\n{kind}\n" in text
     assert not re.search(r"^[^#]*inf", text, re.MULTILINE)
-    assert_same(read_lexls(file).hierarchy, h)
+    assert_same(lexls.read(file).hierarchy, h)
 
 
 @given(SEEDS)
 def test_a_file_is_laid_out_as_lexls_reads_it(file: Path, seed: int) -> None:
     """Its reader wants fields alone on their line, the rows right below, and passes over the line after the rows."""
     h = random_one(seed)
-    write_lexls(file, h, solution=np.zeros(h.n))
+    lexls.write(file, h, solution=np.zeros(h.n))
     lines = file.read_text().split("\n")
     assert [line for line in lines if line.startswith("#") and " " not in line][-1] == "#Solution"
     for k, level in enumerate(h.levels):
@@ -165,13 +165,13 @@ def test_a_file_is_laid_out_as_lexls_reads_it(file: Path, seed: int) -> None:
 
 @pytest.mark.parametrize("name", ["", "limits", "hand / \u03c6 \x00 \ud800", 'a "quoted"\n#nVar', " 7 ", "\u2028"])
 def test_names_come_back(name: str, file: Path) -> None:
-    write_lexls(file, Hierarchy([Level([[1.0]], 0.0, 1.0, name=name)]))
-    assert read_lexls(file).hierarchy.levels[0].name == name
+    lexls.write(file, Hierarchy([Level([[1.0]], 0.0, 1.0, name=name)]))
+    assert lexls.read(file).hierarchy.levels[0].name == name
 
 
-def read(text: str | bytes, file: Path) -> hqp.LexLSProblem:
+def read(text: str | bytes, file: Path) -> hqp.lexls.Problem:
     file.write_bytes(text if isinstance(text, bytes) else text.encode())
-    return read_lexls(file)
+    return lexls.read(file)
 
 
 def test_a_file_by_hand(file: Path) -> None:
@@ -410,18 +410,18 @@ def test_refuses_to_write_what_the_format_cannot_hold(
     arguments: tuple[Any, ...], options: dict[str, Any], said: str, tmp_path: Path
 ) -> None:
     with pytest.raises(InvalidInput, match=said):
-        write_lexls(tmp_path / "h.dat", *arguments, **options)
+        lexls.write(tmp_path / "h.dat", *arguments, **options)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_labels_have_no_place(file: Path) -> None:
-    write_lexls(file, Hierarchy([Level.bounds([0.0], [1.0], labels=[Label("limit", "joint 1")])]))
-    assert read_lexls(file).hierarchy.levels[0].labels is None
+    lexls.write(file, Hierarchy([Level.bounds([0.0], [1.0], labels=[Label("limit", "joint 1")])]))
+    assert lexls.read(file).hierarchy.levels[0].labels is None
 
 
 def test_load_reads_either_format_whatever_the_file_is_called(tmp_path: Path) -> None:
     h = as_lexls(random_one(7))
-    write_lexls(tmp_path / "text", h)
+    lexls.write(tmp_path / "text", h)
     hqp.save(tmp_path / "archive.dat", h, np.ones(h.n))
     for name, expected in ("text", None), ("archive.dat", [1.0] * h.n):
         again, x_ref = hqp.load(tmp_path / name)
@@ -430,10 +430,10 @@ def test_load_reads_either_format_whatever_the_file_is_called(tmp_path: Path) ->
 
 
 def test_a_file_appears_whole_or_not_at_all(tmp_path: Path) -> None:
-    write_lexls(tmp_path / "h.dat", ONE)
+    lexls.write(tmp_path / "h.dat", ONE)
     before = (tmp_path / "h.dat").read_bytes()
     with pytest.raises(InvalidInput, match="cannot write"):
-        write_lexls(tmp_path / "missing" / "h.dat", ONE)
-    write_lexls(tmp_path / "h.dat", ONE)
+        lexls.write(tmp_path / "missing" / "h.dat", ONE)
+    lexls.write(tmp_path / "h.dat", ONE)
     assert [path.name for path in tmp_path.iterdir()] == ["h.dat"]
     assert (tmp_path / "h.dat").read_bytes() == before  # the same hierarchy, the same bytes

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from test_conformance import PROBLEMS
 
-from hqp import FAMILIES, Hierarchy, InvalidInput, Level, Solution, Solver, Status, solve, solve_batch
-from hqp.families import hierarchies
-from hqp.problems import random_hierarchy
+from hqp import Hierarchy, InvalidInput, Level, Solution, Solver, Status, solve, solve_batch
+from hqp.problems import FAMILIES, hierarchies, random_hierarchy
 
 BACKEND = "native"
 CERTIFIED = [name for name, family in FAMILIES.items() if family.expect == "certified"]

@@ -7,7 +7,7 @@ import pytest
 from test_native import BACKEND, fresh, proved
 
 from hqp import Hierarchy, InvalidInput, Settings, Solver, Status
-from hqp.families import hierarchies
+from hqp.problems import hierarchies
 
 
 def hard() -> list[tuple[str, Hierarchy]]:

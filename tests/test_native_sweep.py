@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from test_conformance import PROBLEMS
 
-from hqp import FAMILIES, Hierarchy, Solution, Solver, Status, available_backends, backend_info, certify, solve
-from hqp.families import hierarchies
-from hqp.problems import random_hierarchy
+from hqp import Hierarchy, Solution, Solver, Status, available_backends, backend_info, certify, solve
+from hqp.problems import FAMILIES, hierarchies, random_hierarchy
 
 pytestmark = pytest.mark.sweep
 

@@ -7,19 +7,8 @@ import sys
 
 import pytest
 
-from hqp import (
-    ACCURACY,
-    BACKENDS,
-    DEFAULT_BACKEND,
-    Hierarchy,
-    Level,
-    Solver,
-    UnknownBackend,
-    available_backends,
-    backend_info,
-    solve,
-)
-from hqp.backends import registry
+from hqp import DEFAULT_BACKEND, Hierarchy, Level, Solver, UnknownBackend, available_backends, backend_info, solve
+from hqp.backends import ACCURACY, BACKENDS, registry
 
 HEAVY = ("scipy", "matplotlib", "qpsolvers", "proxsuite", "osqp", "joblib", "typer", "rich", "numba", "hqp.qp")
 
@@ -32,7 +21,8 @@ def imported_after(code: str) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    "code", ["import hqp", "import hqp; hqp.available_backends(); hqp.backend_info('cascade:osqp')", "import tasks"]
+    "code",
+    ["from hqp import solve", "import hqp; hqp.available_backends(); hqp.backend_info('cascade:osqp')", "import tasks"],
 )
 def test_nothing_heavy_is_imported_until_used(code: str) -> None:
     modules = imported_after(code)

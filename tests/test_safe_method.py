@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from hqp import FAMILIES, Hierarchy, Settings, Side, certify
+from hqp import Hierarchy, Settings, Side, certify
 from hqp.backends.native import Memory, warm_up
-from hqp.families import hierarchies
+from hqp.certificate import row_states
 from hqp.kernels import layout as at
 from hqp.kernels.active_set import OPTIMAL, SUBOPTIMAL, active_set
 from hqp.kernels.compile import entry, stamp
@@ -18,8 +18,7 @@ from hqp.kernels.dual import NEVER
 from hqp.kernels.memory import given, ints, marks, vector
 from hqp.kernels.orthogonal import length
 from hqp.kernels.solver import ROUND_OFF, levels_that_count, load
-from hqp.problems import random_hierarchy
-from hqp.rows import row_states
+from hqp.problems import FAMILIES, hierarchies, random_hierarchy
 
 CERTIFIED = [name for name, family in FAMILIES.items() if family.expect == "certified"]
 #: Where the active set has most to do.

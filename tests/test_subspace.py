@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hqp.arrays import Array
-from hqp.subspace import FEW, RowSpace, row_space
+from hqp.certificate.subspace import FEW, RowSpace, row_space
 
 TOLERANCE = 1e-12
 

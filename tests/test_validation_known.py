@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hqp import BACKENDS, certify, solve
+from hqp import certify, solve
+from hqp.backends import BACKENDS
 from hqp.backends.pseudoinverse import joint_form
 from hqp.validation import KNOWN, KnownAnswer, check, known
 from hqp.validation.backwards import BACKWARDS, backwards

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from mutants import MUTATIONS, Mutation, mutate
 
+from hqp.validation.results import KINDS, Results, run
 from tasks.cli import run as command
-from tasks.validation.results import KINDS, Results, run
 
 #: Mutation -> the kinds of checks that find it at the least count, one stack a case and one hierarchy a size.
 FOUND_BY = {

@@ -9,9 +9,8 @@ import pytest
 
 from hqp import validation
 from hqp.problems import equality_cases
-from hqp.validation import KNOWN, PLACES, RELATIONS, SIGMAS, SIZES, TARGETS
+from hqp.validation import KNOWN, PLACES, RELATIONS, SIGMAS, SIZES, TARGETS, report
 from tasks.cli import run
-from tasks.validation import report
 
 NATIVE = ["validate", "--count", "1", "--backend", "native"]
 

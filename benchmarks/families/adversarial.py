@@ -1,8 +1,8 @@
-"""What breaks solvers, each family for one reason: those of :mod:`hqp.families`, but for what must be refused."""
+"""What breaks solvers, each family for one reason: those of :mod:`hqp.problems`, but for what must be refused."""
 
 from __future__ import annotations
 
-from hqp.families import FAMILIES as ADVERSARIES
+from hqp.problems import FAMILIES as ADVERSARIES
 from hqp.problems import random_hierarchy
 
 from .family import Family, drawn

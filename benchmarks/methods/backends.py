@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from hqp import BACKENDS, BackendInfo, Hierarchy, Solution, Solver
+from hqp import Hierarchy, Solution, Solver
+from hqp.backends import BACKENDS, BackendInfo
 
 from ..families import Family
 from ..settings import TIGHT, Setting

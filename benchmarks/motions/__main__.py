@@ -10,8 +10,8 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from tasks.base.checks import writable
-from tasks.cli.command import path, run
+from hqp.commands.command import path, run
+from hqp.files import writable
 
 from .data import FOLDER
 from .playback import FIGURES, SCENES

@@ -8,8 +8,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from hqp import InvalidInput
-from tasks.base.checks import writable
-from tasks.cli.command import INTERRUPTED
+from hqp.commands.command import INTERRUPTED
+from hqp.files import writable
 
 from ..checkout import HERE, front
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from hqp import Hierarchy, InvalidInput, Side, certify
 from hqp.arrays import Array
-from hqp.rows import excess, row_states
+from hqp.certificate import excess, row_states
 
 #: From where on a residual is another one, relative to the scale of its level; from where on a slack is one.
 WRONG, NONE = 1e-5, 1e-9

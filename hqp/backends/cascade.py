@@ -46,7 +46,7 @@ RETREAT = (1e3, 1e6)
 EXACT_ABOVE = "x is optimal for the levels above"
 
 
-#: The running :class:`hqp.Counts` of one solve, by the names of its fields.
+#: The running :class:`hqp.solution.Counts` of one solve, by the names of its fields.
 Tally = defaultdict[str, int]
 
 

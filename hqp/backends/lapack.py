@@ -11,7 +11,7 @@ from ..arrays import Array
 def row_space(units: Array, tolerance: float) -> tuple[Array, Array]:
     """Orthonormal bases, (n, r) and (n, n - r), of the row space and the null space of rows in units of their norms.
 
-    Singular values up to the tolerance count as zero, see :func:`hqp.subspace.split`.
+    Singular values up to the tolerance count as zero, see :func:`hqp.certificate.split`.
     """
     n = units.shape[1]
     if not units.size:

@@ -213,7 +213,7 @@ class Memory:
         said: NDArray[np.int64],
         warm: bool,
     ) -> None:
-        """Solve rows ends[0] .. ends[1] of `numbers`; all arrays have one row a hierarchy, see :mod:`hqp.batch`."""
+        """Solve rows ends[0] .. ends[1] of `numbers`; arrays have a row a hierarchy (:mod:`hqp.solver.batch`)."""
         first, end = ends
         self.head[at.COUNT], self.head[at.STRIDE], self.head[at.WARM] = end - first, numbers.shape[1], warm
         self.head[at.REFERENCES] = 0 if references is None else references[first:end].ctypes.data

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from ..arrays import Array, length
-from ..rows import excess
+from ..certificate import excess
 from .lapack import least_squares, row_space
 from .subproblem import REACH, LevelProblem, Signs
 

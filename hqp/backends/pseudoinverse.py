@@ -23,8 +23,7 @@ import numpy as np
 
 from ..arrays import Array, lengths
 from ..errors import InvalidInput, Unsupported
-from ..hierarchy import LARGEST, Hierarchy
-from ..level import Level
+from ..hierarchy import LARGEST, Hierarchy, Level
 from ..settings import Settings
 from ..solution import Status
 from .base import Answer

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array, length, lengths
+from ..certificate import allowance, excess, pull
 from ..hierarchy import Hierarchy
-from ..rows import allowance, excess, pull
 from ..settings import Settings
 from .lapack import row_space
 

@@ -1,4 +1,4 @@
-r"""Damped levels: stage by stage (:mod:`hqp.staged`), in one pass over one basis where all is warm.
+r"""Damped levels: stage by stage (:mod:`hqp.damping.staged`), in one pass over one basis where all is warm.
 
 A stage is a plain hierarchy: the levels down to a damped one, with a bound on every variable more in that one, the
 *rows of damping* :math:`\lambda (x - x_\text{ref}) = 0`. In the sweep they cost next to nothing. Where x starts at

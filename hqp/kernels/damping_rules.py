@@ -19,13 +19,13 @@ FIXED, MANIPULABILITY, SINGULAR_VALUE, ERROR = 0, 1, 2, 3
 DEPENDENT = 1e-14
 #: What is solved to the tolerance on rows is judged by one that is so much larger.
 JUDGED = 10.0
-#: Round-off of a row, relative to the way that x has come: as :data:`hqp.rows.ROUND_OFF`.
+#: Round-off of a row, relative to the way that x has come: as :data:`hqp.certificate.rows.ROUND_OFF`.
 ROUND_OFF = 256 * 2.0**-52
 
 
 @inner
 def forgiven(here, i, value, bound, size, way):
-    """How far row i may be from this bound and still count as on it: as :func:`hqp.rows.allowance` says."""
+    """How far row i may be from this bound and still count as on it: as :func:`hqp.certificate.allowance` says."""
     tol, norm = JUDGED * vector(here, at.OPTION)[at.TOL], vector(here, at.NORM)[i]
     known = abs(bound) if abs(bound) < math.inf else 0.0
     return tol * (abs(value) + known + 0.1 * norm * size) + ROUND_OFF * norm * way

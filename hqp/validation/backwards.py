@@ -21,9 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..hierarchy import Hierarchy
-from ..level import Level
-from ..side import Side
+from ..hierarchy import Hierarchy, Level, Side
 from .answer import KnownAnswer
 
 #: Of a row that is met: on which side x is of it.

@@ -1,7 +1,7 @@
 """Hierarchies whose answers are known by hand: equalities, inequalities, weights, repeated rows, singularities.
 
 Some are test problems of other solvers, some are worked here; each says where its numbers come from, and how they
-follow. Multipliers are positive at an upper bound, see :class:`hqp.LevelSolution`.
+follow. Multipliers are positive at an upper bound, see :class:`hqp.solution.LevelSolution`.
 """
 
 from __future__ import annotations
@@ -12,8 +12,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ..arrays import Array
-from ..hierarchy import Hierarchy
-from ..level import Level
+from ..hierarchy import Hierarchy, Level
 from .answer import KnownAnswer
 
 

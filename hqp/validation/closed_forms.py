@@ -19,11 +19,10 @@ from ..arrays import Array
 from ..backends.pseudoinverse import joint_form
 from ..backends.registry import ACCURACY, backend_info
 from ..certificate import certify
-from ..hierarchy import Hierarchy
-from ..level import Level
+from ..hierarchy import Hierarchy, Level
 from ..problems import Case
 from ..solution import Solution
-from ..solve import Solver
+from ..solver import Solver
 
 #: Formula -> the backend that evaluates it.
 FORMULAS = {"Eq. 3.17": "pseudoinverse", "Eq. 4.8": "pseudoinverse:joint"}

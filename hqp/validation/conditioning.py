@@ -24,10 +24,9 @@ import numpy as np
 from ..arrays import Array
 from ..backends.registry import ACCURACY, backend_info
 from ..certificate import certify
-from ..hierarchy import Hierarchy
-from ..level import Level
+from ..hierarchy import Hierarchy, Level
 from ..settings import Settings
-from ..solve import Solver
+from ..solver import Solver
 from .closed_forms import FORMULAS, difference, formulas_of, problems, residual_difference
 
 #: The singular values, two a decade.

@@ -17,13 +17,11 @@ import numpy as np
 
 from ..arrays import Array
 from ..backends.registry import ACCURACY, backend_info
-from ..certificate import Certificate
-from ..hierarchy import Hierarchy
-from ..level import Level
+from ..certificate import Certificate, excess
+from ..hierarchy import Hierarchy, Level
 from ..problems import random_sides
-from ..rows import excess
 from ..solution import Solution
-from ..solve import Solver
+from ..solver import Solver
 from .conditioning import stream
 
 #: Unknowns and levels.

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..backends.registry import ACCURACY, backend_info
 from ..certificate import certify
-from ..solve import Solver
+from ..solver import Solver
 from .answer import KnownAnswer
 from .backwards import BACKWARDS
 from .by_hand import BY_HAND

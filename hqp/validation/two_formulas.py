@@ -19,9 +19,8 @@ import numpy as np
 from ..arrays import Array
 from ..backends.registry import ACCURACY
 from ..certificate import certify
-from ..hierarchy import Hierarchy
-from ..level import Level
-from ..solve import Solver
+from ..hierarchy import Hierarchy, Level
+from ..solver import Solver
 from .closed_forms import FORMULAS, difference
 from .conditioning import ROWS, SIGMAS, UNKNOWNS, ZONES, near_singular, stream, zone
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
-from pathlib import Path
-from tempfile import TemporaryFile
 from typing import TypeVar
 
 import numpy as np
@@ -186,27 +184,6 @@ def nearest(name: str, names: Iterable[str]) -> str:
     if close:
         return f"; did you mean {' or '.join(map(repr, close))}?"
     return f"; there are {', '.join(known)}" if 0 < len(known) <= 40 else f"; it has {len(known)} others"
-
-
-def writable(folder: Path, files: Iterable[str]) -> None:
-    """Make the folder, and refuse it, or one of the files in it, now rather than after the work.
-
-    Raises
-    ------
-    InvalidInput
-        If the folder cannot be made, nothing can be written into it, or a file that is there cannot be overwritten.
-    """
-    place = f"to the folder {str(folder)!r}"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with TemporaryFile(dir=folder):
-            pass
-        for path in filter(Path.exists, (folder / name for name in files)):
-            place = repr(str(path))
-            with path.open("ab"):
-                pass
-    except OSError as error:
-        raise InvalidInput(f"cannot write {place}: {error.strerror or error}") from None
 
 
 def _first(what: str, array: Array, wrong: NDArray[np.bool_]) -> str:

@@ -1,8 +1,8 @@
 """The ``hqp`` command: one small file a subcommand, its imports done when it is called.
 
 Whatever is wrong with the input is told in one line on stderr, with exit code 2. An interruption
-(Ctrl-C) ends with exit code 130 and keeps every finished file. See :mod:`.command`; so that this holds from the start,
-nothing is imported before.
+(Ctrl-C) ends with exit code 130 and keeps every finished file. See :mod:`hqp.commands.command`; so that this
+holds from the start, nothing is imported before.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from . import command
+from hqp.commands import command
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -6,12 +6,13 @@ from typing import Annotated
 
 import typer
 
-from .backends import backends
-from .convert import convert
+from hqp.commands.backends import backends
+from hqp.commands.convert import convert
+from hqp.commands.solve import solve
+from hqp.commands.validate import validate
+
 from .ik import Numbers, ik
-from .solve import solve
 from .thesis import thesis
-from .validate import validate
 from .warmup import warmup
 
 app = typer.Typer(

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 from typer.core import TyperCommand
 
-from ..base.terminal import console
-from . import command
+from hqp.commands import command
+from hqp.commands.terminal import console
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -93,7 +93,9 @@ def ik(
     """
     import numpy as np
 
-    from ..base.checks import finite, writable
+    from hqp.files import writable
+
+    from ..base.checks import finite
     from ..frames.orientation import OrientationTask
     from ..frames.position import PositionTask
     from ..ik.inverse_kinematics import TOLERANCE, solve_ik

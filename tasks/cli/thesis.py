@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .command import path
+from hqp.commands.command import path
 
 
 def thesis(

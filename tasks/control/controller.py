@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import hqp
-from hqp import InvalidInput, Relaxation, Settings, Solution, Solver, Status
+from hqp import InvalidInput, Settings, Solution, Solver, Status
 from hqp.checks import one_of, truth
 from hqp.guard import Guard
+from hqp.solution import Relaxation
 
 from ..base.checks import Array, finite_scalar, numbers, positive_scalar, scalar
 from ..base.live import Live, structure

@@ -41,7 +41,8 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 
 import hqp
-from hqp import BackendInfo, Solution
+from hqp import Solution
+from hqp.backends import BackendInfo
 from hqp.backends.pseudoinverse import joint_form
 
 from ..criteria.manipulability import ManipulabilityTask

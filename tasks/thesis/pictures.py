@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import hqp
-from hqp import BackendInfo
+from hqp.backends import BackendInfo
 
 from ..simulation.record import Record
 from .animation import animate

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import hqp
 from hqp.checks import whole_number
+from hqp.commands.terminal import console
+from hqp.files import writable
 
-from ..base.checks import writable
-from ..base.terminal import console
 from ..simulation.record import Record
 from .findings import Finding, measure, to_csv
 from .laws import NAMES

@@ -9,7 +9,7 @@ from io import StringIO
 from pathlib import Path
 
 from benchmarks.__main__ import app
-from tasks.cli import command
+from hqp.commands import command
 
 ROOT = Path(__file__).parents[2]
 

@@ -15,7 +15,7 @@ from benchmarks.motions.__main__ import app
 from benchmarks.motions.playback import FIGURES, SCENES, Played, motion, thesis
 from benchmarks.motions.recording import at_limit, norm, record_scene
 from hqp import Hierarchy, InvalidInput, Solver
-from tasks.cli.command import run
+from hqp.commands.command import run
 from tasks.robots.robot import integrate
 
 ROOT = Path(__file__).parents[2]

@@ -1,0 +1,199 @@
+r"""Stationarity of one level: whether multipliers of the rows above balance its gradient.
+
+Row i of a level pulls at x with the force :math:`\|a_i\| d_i^2 w_i` along its unit normal. Rows of the levels above
+push back: equalities and violated rows either way, rows at a bound only inward. So the free normals are projected
+out, and over the others it is a non-negative least squares. What is left is round-off where x is optimal, or
+vanishes when the slacks of the level shift within the tolerances of their rows.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array, length, lengths
+from ..hierarchy import Side
+from .rows import RowStates
+from .subspace import RowSpace, row_space
+
+#: Rank decision among normals: the weak choice, so that either answer to a near-singular one passes.
+FREE_RANK = 1e-12
+#: The same, of what the rows of a level can still move: what a solver may have taken for zero, with a margin.
+OWN_RANK = 4e-9
+#: Round-off of a sum of forces, relative to the forces.
+BALANCED = 64 * float(np.finfo(np.float64).eps)
+#: Stationarity asked of a level, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``, where the slacks of
+#: its rows may shift within their tolerances.
+STATIONARITY = 1e-10
+#: What is asked at the least, however badly conditioned the rows are that hold the level back.
+BLURRED = 1e-6
+#: A row that can carry no more than this share of what is left does not matter.
+NEGLIGIBLE = 1e-15
+
+#: Sides as the numbers that arrays of them hold.
+INSIDE, EITHER_WAY = np.int8(Side.INACTIVE), np.int8(Side.EQUALITY)
+
+
+class Forces(NamedTuple):
+    """One level as forces on x.
+
+    Attributes
+    ----------
+    units : array, shape (m, n)
+        Along these row i pulls.
+    push : array, shape (m,)
+        With this force: ``norm_i d_i^2 w_i``, zero where the slack is within its tolerance.
+    blur : array, shape (m,)
+        As much of it as the tolerance may hide.
+    sides : array of int8
+        Which way: at a bound only out of what the row allows.
+    """
+
+    units: Array
+    push: Array
+    blur: Array
+    sides: NDArray[np.int8]
+
+
+class Balance(NamedTuple):
+    """How the rows above balance one level.
+
+    Attributes
+    ----------
+    exact
+        Whether what is left of the forces is round-off.
+    scale
+        The sum of all forces in the level.
+    stationarity
+        What is left, relative to it.
+    multipliers : array
+        Over all rows of the levels above.
+    """
+
+    exact: bool
+    scale: float
+    stationarity: float
+    multipliers: Array
+
+
+class Above:
+    """The rows of the levels above one level, as one goes down the levels.
+
+    Parameters
+    ----------
+    units : array, shape (m, n)
+        Unit normals of all rows of the hierarchy.
+    rows : RowStates
+
+    Attributes
+    ----------
+    free : array of int
+        Rows above that push either way: equalities and violated rows.
+    signed : array of int
+        Rows above that push one way, inward: those at a bound.
+    """
+
+    def __init__(self, units: Array, rows: RowStates) -> None:
+        self._rows, able = rows, rows.norms > 0
+        either = (rows.sides == EITHER_WAY) | rows.violated
+        self._all_free = np.flatnonzero(able & either)
+        self._all_signed = np.flatnonzero(able & ~either & (rows.sides != INSIDE))
+        self._outward = rows.sides[self._all_signed, None] * units[self._all_signed]
+        self._span = RowSpace(units[self._all_free], FREE_RANK)
+        self.free, self.signed = self._all_free[:0], self._all_signed[:0]
+
+    def balance(self, forces: Forces, count: int) -> Balance:
+        """Balance the forces of a level by the `count` rows that are above it, no fewer than the last time."""
+        multipliers = np.zeros(count)
+        if not forces.push.any():  # met: nothing to improve
+            return Balance(True, 0.0, 0.0, multipliers)
+
+        self.free = self._all_free[: self._all_free.searchsorted(count)]
+        self.signed = self._all_signed[: self._all_signed.searchsorted(count)]
+        self._span.grow(len(self.free))
+        scale = float(np.abs(forces.push).sum())
+        gradient = (forces.push / scale) @ forces.units
+        left = self._span.project(gradient)
+        pressing, normals, mu = self.signed[:0], self._outward[:0], np.zeros(0)
+        if len(self.signed) and length(left) > BALANCED:
+            normals = self._span.project(self._outward[: len(self.signed)])
+            able = lengths(normals) > FREE_RANK  # the others depend on free ones: what is left of them is round-off
+            pressing, normals = self.signed[able], normals[able]
+            mu = _nonnegative(normals, -left)
+            left = left + mu @ normals
+            gradient = gradient + mu @ self._outward[: len(self.signed)][able]
+        stationarity = length(left)
+        exact = stationarity <= STATIONARITY or self._round_off(left, forces, scale, normals, mu)
+
+        norms, sides = self._rows.norms, self._rows.sides
+        multipliers[pressing] = scale * mu * sides[pressing] / norms[pressing]
+        multipliers[self.free] = -scale * self._span.combine(gradient) / norms[self.free]
+        return Balance(exact, scale, stationarity, multipliers)
+
+    def _round_off(self, left: Array, forces: Forces, scale: float, normals: Array, mu: Array) -> bool:
+        """Whether what is left of the forces is what a perfect x leaves."""
+        pressing, kept, smallest = normals[mu > 0.0], np.zeros((len(left), 0)), 1.0
+        if len(pressing):
+            sizes = lengths(pressing)
+            kept, _, smallest = row_space(pressing / sizes[:, None], FREE_RANK)
+            smallest = min(smallest, float(sizes.min()))
+
+        def exact(rest: float) -> bool:
+            """Round-off, magnified where the normals that balance the level are nearly dependent."""
+            if STATIONARITY < rest <= BLURRED:
+                return rest * min(smallest, self._span.smallest()) <= BALANCED
+            return rest <= STATIONARITY
+
+        if exact(length(left)):
+            return True
+        carriers = forces.sides != INSIDE
+        own = self._span.project(forces.units[carriers])
+        # A direction in which the level hardly moves while those rows press may count as none: a rank decision that
+        # could go either way.
+        moves, _, _ = row_space(own - (own @ kept) @ kept.T, OWN_RANK)
+        left = moves @ (moves.T @ left)
+        if exact(length(left)):
+            return True
+        return exact(_carried(left, normals, mu, own, forces.blur[carriers] / scale, forces.sides[carriers]))
+
+
+def _nonnegative(rows: Array, target: Array) -> Array:
+    """The mu >= 0 that minimises ``||rows^T mu - target||``."""
+    if not len(rows):
+        return np.zeros(0)
+    from scipy.optimize import lsq_linear, nnls
+
+    try:
+        solution: Array = nnls(rows.T, target)[0]
+    except RuntimeError:  # iteration limit: rows that are all but parallel
+        solution = lsq_linear(rows.T, target, bounds=(0.0, np.inf), method="bvls", tol=1e-14).x
+    return solution
+
+
+def _carried(left: Array, normals: Array, mu: Array, own: Array, capacity: Array, sides: NDArray[np.int8]) -> float:
+    """What remains of `left` when every row of the level may shift its slack within its tolerance.
+
+    A backward error: is the point exact for slacks that round-off cannot tell from its own? A shift moves the balance
+    along the row of `own`, by up to its `capacity` either way, at a bound one way; the multipliers may follow.
+    """
+    from scipy.optimize import lsq_linear
+
+    unit, sizes = length(left) or 1.0, lengths(own)
+    reach = np.minimum(capacity * sizes / unit, 1e6)
+    able = reach > NEGLIGIBLE
+    own, sides, sizes, reach = own[able], sides[able], sizes[able], reach[able]
+    matrix = np.concatenate([own / sizes[:, None], normals]).T  # directions of length one, whatever the rows are worth
+    low = np.concatenate([np.where(sides == Side.UPPER, 0.0, -reach), -mu / unit])
+    high = np.concatenate([np.where(sides == Side.LOWER, 0.0, reach), np.full(len(mu), np.inf)])
+    target = -left / unit
+    try:
+        # The shortest shift, in units of what each row can, mostly is within the bounds.
+        scales = np.concatenate([reach, np.minimum(mu / unit, 1e6)])
+        shift = scales * np.linalg.lstsq(matrix * scales, target, rcond=FREE_RANK)[0]
+        if not ((low <= shift) & (shift <= high)).all() or length(matrix @ shift - target) > STATIONARITY / unit:
+            shift = lsq_linear(matrix, target, bounds=(low, high), method="bvls", tol=1e-13).x
+    except (np.linalg.LinAlgError, ValueError):
+        return unit
+    return unit * length(matrix @ shift - target)

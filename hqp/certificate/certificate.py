@@ -1,0 +1,227 @@
+r"""The certificate: proves or refutes that an x is lexicographically optimal, whoever computed it.
+
+With :math:`w_k = A_k x - \operatorname{clip}(A_k x, l_k, u_k)`, x is optimal **iff** every level k
+has multipliers :math:`\lambda_{kj}` (j < k) with
+
+.. math::
+
+    A_k^T D_k^2 w_k + \sum_{j<k} A_j^T \lambda_{kj} = 0, \qquad
+    \lambda_{kj,i} \begin{cases}
+        \text{free}      & \text{row (j, i) is an equality, or } w_{j,i} \ne 0 \\
+        \ge 0\;(\le 0)   & w_{j,i} = 0 \text{ and the row is at its upper (lower) bound} \\
+        = 0              & \text{strictly inside.}
+    \end{cases}
+
+Each level is a convex QP with affine constraints, hence *iff*; and the multipliers of different
+levels are independent, hence one sign-constrained least squares a level: project out the free
+normals, then non-negative least squares over the signed ones. What that leaves must be round-off, or must
+vanish when the slacks of the level shift within the tolerances of their rows. Nothing here knows a backend.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, finite_vector, length
+from ..checks import of_type, positive_number, truth
+from ..errors import InvalidInput
+from ..hierarchy import Hierarchy
+from .balance import EITHER_WAY, Above, Forces
+from .rows import ROUND_OFF, RowStates, row_states
+
+#: Beyond this x, squares of residuals overflow.
+FURTHEST = 1e60
+
+
+@dataclass(frozen=True, eq=False)
+class LevelCertificate:
+    """The proof, or the failure, of one level.
+
+    Attributes
+    ----------
+    level, name
+        Index and name; the implicit last level comes last, under the name ``min ||x - x_ref||``.
+    ok
+        Whether this level is optimal, given what the levels above it attain at x.
+    residual_norm
+        ``||D_k w_k||``.
+    stationarity
+        What no admissible multipliers balance, relative to the forces in the level; 0 is perfect.
+    gap
+        Bound on ``f_k(x) - f_k*`` with ``f = residual_norm^2 / 2``, for an optimum within `radius` of x.
+    shortfall
+        By how much the residual norm could at most still fall (from `gap`).
+    multipliers : array
+        Over all rows of the levels above, positive where an upper bound holds the level back.
+    """
+
+    level: int
+    name: str
+    ok: bool
+    residual_norm: float
+    stationarity: float
+    gap: float
+    shortfall: float
+    multipliers: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """The verdict on x, level by level; ``bool(certificate)`` and ``.ok`` say it in one word.
+
+    Attributes
+    ----------
+    x : array, shape (n,)
+    levels : tuple of LevelCertificate
+    unique
+        Whether the implicit last level ``min ||x - x_ref||`` was judged too.
+    radius
+        The distance within which `gap` holds.
+    earlier : tuple of Certificate
+        Where levels are damped, the proofs of the stages before the last one, of which this is.
+    """
+
+    x: Array
+    levels: tuple[LevelCertificate, ...]
+    unique: bool
+    radius: float
+    earlier: tuple[Certificate, ...] = ()
+
+    @property
+    def stages(self) -> tuple[Certificate, ...]:
+        """The proof of every stage by itself, in order."""
+        return (*self.earlier, replace(self, earlier=()))
+
+    @property
+    def ok(self) -> bool:
+        """Whether every level is optimal, in every stage."""
+        return self.failed is None
+
+    @property
+    def failed(self) -> LevelCertificate | None:
+        """The highest level that falls short, in the first stage that has one, or None."""
+        judged = (level for stage in (*self.earlier, self) for level in stage.levels)
+        return next((level for level in judged if not level.ok), None)
+
+    def __bool__(self) -> bool:
+        return self.ok
+
+    def __str__(self) -> str:
+        if self.earlier:
+            return "\n".join(f"stage {i}: {stage}" for i, stage in enumerate(self.stages))
+        failed = self.failed
+        if failed is None:
+            head = f"certified: lexicographically optimal at all {len(self.levels)} levels"
+        else:
+            head = (
+                f"NOT optimal: {_title(failed)} falls short, its residual {failed.residual_norm:.6g}"
+                f" could be lower by up to {failed.shortfall:.3g}"
+            )
+        rows = [
+            f"  {'ok' if level.ok else '!!':2}  {_title(level):<34}  {level.residual_norm:>12.6g}"
+            f"  {level.stationarity:>12.3g}  {level.gap:>10.3g}"
+            for level in self.levels
+        ]
+        return "\n".join([head, f"      {'level':<34}  {'residual':>12}  {'stationarity':>12}  {'gap':>10}", *rows])
+
+    __repr__ = __str__
+
+
+def certify(
+    hierarchy: Hierarchy,
+    x: ArrayLike,
+    x_ref: ArrayLike | None = None,
+    *,
+    unique: bool = True,
+    tolerance: float = 1e-9,
+) -> Certificate:
+    """Prove, or refute, that x is the lexicographic optimum of the hierarchy.
+
+    Parameters
+    ----------
+    hierarchy : Hierarchy
+    x : array, shape (n,)
+        The point to judge, from any source.
+    x_ref : array, shape (n,), optional
+        Reference of the implicit last level (default: zero).
+    unique
+        Whether to include the implicit last level ``min ||x - x_ref||``.
+    tolerance
+        Relative tolerance on rows, see :func:`hqp.certificate.row_states`; answers that are exact to
+        round-off pass at 1e-9, first-order ones need what they claim.
+
+    Returns
+    -------
+    Certificate
+
+    Raises
+    ------
+    InvalidInput
+        If x or x_ref has the wrong shape or is not finite, x reaches beyond 1e60, the tolerance is
+        not between 0 and 1, unique not True or False, or the hierarchy has a fault.
+    """
+    of_type(hierarchy, Hierarchy, "the hierarchy")
+    point = finite_vector(x, hierarchy.n, "x")
+    reference = np.zeros(hierarchy.n) if x_ref is None else finite_vector(x_ref, hierarchy.n, "x_ref")
+    if np.abs(point).max(initial=0.0) > FURTHEST:
+        raise InvalidInput(f"x reaches {np.abs(point).max():g}; nothing beyond {FURTHEST:g} can be judged")
+    tolerance = positive_number(tolerance, "tolerance", below=1.0)
+    unique = truth(unique, "unique")
+    fault = hierarchy.find_fault()
+    if fault:
+        raise InvalidInput(fault)
+
+    with np.errstate(all="ignore"):  # of what over- or underflows, the comparisons below make a refusal
+        rows = row_states(hierarchy, point, reference, tolerance)
+        judge = _Judge(hierarchy, rows, length(point) + length(reference))
+        levels = [judge.level(k) for k in range(len(hierarchy.levels))]
+        if unique:
+            allowed = tolerance * (np.abs(point) + np.abs(reference)) + ROUND_OFF * rows.way
+            levels.append(judge.last(point - reference, allowed))
+    return Certificate(point, tuple(levels), unique, judge.radius)
+
+
+class _Judge:
+    """What is judged, from the highest level down."""
+
+    def __init__(self, hierarchy: Hierarchy, rows: RowStates, size: float) -> None:
+        norms, force = rows.norms, rows.norms * hierarchy.weights**2
+        reach = np.divide(np.abs(rows.slack), norms, out=np.zeros(hierarchy.m), where=norms > 0)
+        self.radius = size + float(reach.max(initial=0.0))
+        self._hierarchy, self._rows, self._distance = hierarchy, rows, np.abs(rows.slack) + rows.tolerance
+        self._forces = Forces(
+            units=hierarchy.dense() / np.where(norms > 0, norms, 1.0)[:, None],
+            push=np.where(rows.violated, force * rows.slack, 0.0),
+            blur=force * rows.tolerance,
+            sides=np.where(rows.violated, EITHER_WAY, rows.sides),
+        )
+        self._above = Above(self._forces.units, rows)
+
+    def level(self, k: int) -> LevelCertificate:
+        """Level k, given those above it."""
+        own, level = slice(*self._hierarchy.pointers[k : k + 2]), self._hierarchy.levels[k]
+        forces = Forces._make(part[own] for part in self._forces)
+        return self._verdict(k, level.name, forces, own.start, length(level.weights * self._rows.slack[own]))
+
+    def last(self, away: Array, tolerance: Array) -> LevelCertificate:
+        """The implicit last level ``min ||away||``, given all others."""
+        h, push = self._hierarchy, np.where(np.abs(away) > tolerance, away, 0.0)
+        forces = Forces(np.eye(h.n), push, tolerance, np.full(h.n, EITHER_WAY))
+        return self._verdict(len(h.levels), "min ||x - x_ref||", forces, h.m, length(away))
+
+    def _verdict(self, k: int, name: str, forces: Forces, above: int, residual: float) -> LevelCertificate:
+        exact, scale, stationarity, multipliers = self._above.balance(forces, above)
+        gap = shortfall = 0.0
+        if scale > 0.0:
+            signed = self._above.signed
+            gap = scale * stationarity * self.radius + float(np.abs(multipliers[signed]) @ self._distance[signed])
+            gap = min(gap, residual**2 / 2)
+            shortfall = residual - float(np.sqrt(max(residual**2 - 2 * gap, 0.0)))
+        return LevelCertificate(k, name, exact, residual, stationarity, gap, shortfall, multipliers)
+
+
+def _title(level: LevelCertificate) -> str:
+    return f"level {level.level} ({level.name})" if level.name else f"level {level.level}"

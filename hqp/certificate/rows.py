@@ -1,0 +1,123 @@
+"""The rows of a hierarchy at a point x: slacks, sides, and the tolerance of each row."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array, length
+from ..hierarchy import Hierarchy, Side
+
+#: Round-off of A x, in units of the length of the rows and of the way that took part in it, see :func:`travel`.
+ROUND_OFF = 256 * np.finfo(np.float64).eps
+
+#: What a long x may add to the tolerance of a row that it hardly moves.
+LENGTH = 1e-1
+
+
+@dataclass(frozen=True, eq=False)
+class RowStates:
+    """All rows of a hierarchy at x, arrays of shape (m,).
+
+    Attributes
+    ----------
+    slack
+        Raw ``w = A x - clip(A x, lower, upper)``.
+    tolerance
+        How far a row may be from a bound and still count as being on it.
+    sides
+        A :class:`hqp.Side` a row. Rows whose two bounds are closer than the tolerance are equalities.
+    violated
+        ``|slack| > tolerance``.
+    norms
+        Euclidean norms of the rows.
+    way
+        The longest way that takes part in x, see :func:`travel`.
+    """
+
+    slack: Array
+    tolerance: Array
+    sides: NDArray[np.int8]
+    violated: NDArray[np.bool_]
+    norms: Array
+    way: float
+
+
+def excess(value: Array, lower: Array, upper: Array) -> Array:
+    """``value`` minus the nearest admissible value: the slack w of rows whose A x is `value`."""
+    return value - np.minimum(np.maximum(value, lower), upper)
+
+
+def allowance(
+    value: Array, slack: Array | float, norms: Array | float, size: float, way: float, tolerance: float
+) -> Array:
+    r"""How far each row may be from its bound and still count as on it.
+
+    With the bound :math:`b_i` next to :math:`a_i x`, the tolerance :math:`\tau`, and the way :math:`T`,
+
+    .. math:: t_i = \tau (|a_i x| + |b_i| + 0.1 \|a_i\| \|x\|) + 256 \varepsilon \|a_i\| T.
+
+    A solver that is to be certified allows no more: the same with its own, smaller tolerance. Where that is a tenth of
+    the certificate's, :math:`\tau (|b_i| + \|a_i\| \|x\|) + 256 \varepsilon \|a_i\| T` will do.
+
+    `size` is ``||x||``, and `way` the longest one that takes part in x, see :func:`travel`, or as much of it as is
+    known: a size of x alone says nothing of its round-off where it is the small difference of large numbers.
+    """
+    flat = tolerance * LENGTH * size + ROUND_OFF * max(size, way)
+    return tolerance * (np.abs(value) + np.abs(value - slack)) + flat * norms
+
+
+def pull(slack: Array, norms: Array, cuts: Sequence[int] = (0,)) -> float:
+    """How far the slacks of a level, weighted like its norms, would take x, row by row: the largest step of any level.
+
+    A row that is short beside others of its level has little say in x, however far its own bound is away. A row alone
+    gets what it asks for, or cannot move x at all. `cuts` are the first rows of the levels that have any.
+    """
+    if not len(norms):
+        return 0.0
+    longest = np.maximum.reduceat(norms, cuts)
+    steps = np.maximum.reduceat(np.abs(slack) * norms, cuts)
+    counts = (longest > 0.0) & [end - begin > 1 for begin, end in pairwise([*cuts, len(norms)])]
+    return float(np.divide(steps, longest * longest, out=np.zeros(len(steps)), where=counts).max())
+
+
+def travel(hierarchy: Hierarchy, x: Array, x_ref: Array, slack: Array, norms: Array) -> float:
+    r"""The longest way that takes part in x: what round-off in it is relative to.
+
+    A solver comes from zero or from x_ref, and goes where its levels ask. Round-off of the way stays in x where x
+    itself is next to nothing: at rest above a posture, or where the rows lead from a far x_ref to zero. So
+
+    .. math:: T = \max\Bigl(\|x\|, \; \|x - x_\text{ref}\|, \;
+        \max_{k,\, i \in k} \frac{d_i^2 |w_i| \|a_i\|}{\max_{j \in k} d_j^2 \|a_j\|^2}\Bigr).
+
+    What a level asks for and does not get is its slack, hence the last term: a posture that cannot be taken counts
+    like an x_ref. What it does get is in x. Two kinds of rows do not count there, because slack means nothing for x:
+    those alone in their level, and those shorter than round-off of the longest row of all, which are round-off
+    themselves, as of a task in a direction in which nothing moves.
+    """
+    cuts = [a for a, b in pairwise(hierarchy.pointers) if a < b]
+    asking = np.where(norms > ROUND_OFF * norms.max(initial=0.0), hierarchy.weights * slack, 0.0)
+    asked = pull(asking, hierarchy.weights * norms, cuts)
+    return max(length(x), length(x - x_ref), asked)
+
+
+def row_states(hierarchy: Hierarchy, x: Array, x_ref: Array, tolerance: float) -> RowStates:
+    """Classify every row at x; `tolerance` is relative, see :class:`hqp.Settings`."""
+    lower, upper = hierarchy.lower, hierarchy.upper
+    with np.errstate(all="ignore"):  # an x out of all bounds is judged, not warned about
+        value = hierarchy.product(x)
+        slack, norms = excess(value, lower, upper), hierarchy.row_norms()
+        way = travel(hierarchy, x, x_ref, slack, norms)
+        allowed = allowance(value, slack, norms, length(x), way, tolerance)
+
+    at_upper = value >= upper - allowed
+    at_lower = value <= lower + allowed
+    sides = np.zeros(hierarchy.m, dtype=np.int8)
+    sides[at_upper] = Side.UPPER
+    sides[at_lower] = Side.LOWER
+    sides[(at_upper & at_lower) | (lower == upper)] = Side.EQUALITY
+    return RowStates(slack, allowed, sides, np.abs(slack) > allowed, norms, way)

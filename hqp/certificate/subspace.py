@@ -1,0 +1,145 @@
+"""Row spaces and null spaces with a rank decision that does not depend on the scale of the rows."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..arrays import Array, length
+
+#: Rows whose singular values are all above this one are independent beyond doubt.
+CLEAR = 1e-6
+#: A pivot below this share of the rank tolerance is round-off beyond doubt.
+FAR_BELOW = 1e-2
+#: Of so few unknowns the singular value decomposition is as fast, and numpy's: nothing heavier is imported for them.
+FEW = 8
+#: Refinements of multipliers, each of which gains ``CLEAR^2 / eps``, four digits, or more; and where they end.
+REFINEMENTS, SETTLED = 3, 1e-14
+
+
+def split(rows: Array, norms: Array, tolerance: float) -> tuple[Array, Array]:
+    """Orthonormal bases of the row space of `rows` and of its null space.
+
+    Parameters
+    ----------
+    rows : array, shape (m, n)
+        Usually ``A Z``: rows already projected onto the null space of higher levels.
+    norms : array, shape (m,)
+        Norms of the *original* rows of A. Cutting relative to these, not to ``A Z`` itself, is
+        what keeps the round-off of a fully dependent row (1e-16) from being taken for a direction.
+    tolerance
+        Singular values of the rows divided by `norms` up to this one count as zero.
+
+    Returns
+    -------
+    row_space : array, shape (n, r)
+    null_space : array, shape (n, n - r)
+    """
+    kept = norms > 0
+    range_, null, _ = row_space(rows[kept] / norms[kept, None], tolerance)
+    return range_, null
+
+
+def row_space(units: Array, tolerance: float) -> tuple[Array, Array, float]:
+    """The same for rows that are already in units of their norms; also the smallest singular value kept (1 if none)."""
+    n = units.shape[1]
+    if not n or not len(units):
+        return np.zeros((n, 0)), np.eye(n), 1.0
+    _, singular, vt = np.linalg.svd(units)
+    rank = int(np.count_nonzero(singular > tolerance))
+    return vt[:rank].T, vt[rank:].T, float(singular[rank - 1]) if rank else 1.0
+
+
+class RowSpace:
+    """The span of the first rows of a matrix, as one takes up more and more of them.
+
+    A block of rows adds the directions that are new in it, from a QR decomposition with column pivoting of what
+    projection leaves of them. The pivots tell the rank where it is beyond doubt. Where it is not, or where there are
+    few unknowns, the singular values of all rows so far tell it, as in :func:`row_space`.
+
+    Attributes
+    ----------
+    rows : array, shape (m, n)
+        Those taken up; in units of their norms.
+    basis : array, shape (n, r)
+        Orthonormal.
+    """
+
+    def __init__(self, rows: Array, tolerance: float) -> None:
+        self._all, self._tolerance = rows, tolerance
+        self.rows, self.basis = rows[:0], np.zeros((rows.shape[1], 0))
+        self._gram = np.zeros((0, 0))
+        self._factor: Array | None = self._gram
+
+    def grow(self, count: int) -> None:
+        """Take up the rows as far as number `count`."""
+        begin, self.rows = len(self.rows), self._all[:count]
+        if begin == count:
+            return
+        units = self._all[begin:count]
+        few = units.shape[1] <= FEW
+        if few or not (self._extend(units) and self._factorise(units)):
+            self.basis, _, _ = row_space(self.rows, self._tolerance)
+            self._gram, self._factor = np.zeros((0, 0)), None
+            if not few:
+                self._factorise(self.rows)
+
+    def project(self, vectors: Array) -> Array:
+        """Each row less its part in the span."""
+        return vectors - (vectors @ self.basis) @ self.basis.T
+
+    def smallest(self) -> float:
+        """The smallest singular value of the rows that is not zero; 1 if there is none."""
+        return row_space(self.rows, self._tolerance)[2]
+
+    def combine(self, vector: Array) -> Array:
+        r"""The shortest :math:`\lambda` with ``rows^T lambda`` next to a vector.
+
+        With the coordinates :math:`C` of the rows in the basis it is :math:`C (C^T C)^{-1}` times those of the vector;
+        refined, because :math:`C^T C` squares the condition number.
+        """
+        if not self.basis.size:
+            return np.zeros(len(self.rows))
+        if self._factor is None:
+            return np.asarray(np.linalg.lstsq(self.rows.T, vector, rcond=self._tolerance)[0], dtype=np.float64)
+        from scipy.linalg.lapack import dpotrs
+
+        wanted = left = vector @ self.basis
+        found = np.zeros(len(self.rows))
+        for _ in range(REFINEMENTS):
+            found += self.rows @ (self.basis @ dpotrs(self._factor, left)[0])
+            left = wanted - (found @ self.rows) @ self.basis
+            if length(left) <= SETTLED * length(wanted):
+                break
+        return found
+
+    def _extend(self, units: Array) -> bool:
+        """Add to the basis what is new in a block; False where the pivots do not tell the rank."""
+        from scipy.linalg.lapack import dgeqp3, dorgqr
+
+        n, known = self.basis.shape
+        if known == n:
+            return True
+        factors, _, scalars, _, _ = dgeqp3(self.project(units).T)
+        pivots = np.abs(factors.diagonal())
+        rank = int(np.count_nonzero(pivots > CLEAR))
+        if rank < len(pivots) and pivots[rank] > FAR_BELOW * self._tolerance:
+            return False
+        if rank:
+            directions, _, _ = dorgqr(factors[:, :rank], scalars[:rank])
+            directions -= self.basis @ (self.basis.T @ directions)  # once more, for what was short
+            self.basis = np.concatenate([self.basis, directions], axis=1)
+        return True
+
+    def _factorise(self, units: Array) -> bool:
+        """Add a block to C^T C, and factorise it; False where a singular value of C may be next to zero."""
+        from scipy.linalg.lapack import dpocon, dpotrf
+
+        known, rank = len(self._gram), self.basis.shape[1]
+        more = units @ self.basis
+        gram = more.T @ more
+        gram[:known, :known] += self._gram  # earlier rows have no part in new directions
+        factor, failed = dpotrf(gram)
+        size = float(np.abs(gram).sum(axis=0).max(initial=0.0))
+        independent = not rank or (not failed and dpocon(factor, size)[0] * size > CLEAR * CLEAR)
+        self._gram, self._factor = gram, factor if independent else None
+        return independent

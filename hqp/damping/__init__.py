@@ -1,0 +1,26 @@
+"""Damped least squares at any level of a hierarchy: the rules for lambda, and the stages that solve it."""
+
+from .rules import (
+    DampingRule,
+    ErrorDamping,
+    FixedDamping,
+    ManipulabilityDamping,
+    NumericalFiltering,
+    SingularValueDamping,
+    as_rule,
+)
+from .staged import Staged, by_index, rules_of, told
+
+__all__ = [
+    "DampingRule",
+    "ErrorDamping",
+    "FixedDamping",
+    "ManipulabilityDamping",
+    "NumericalFiltering",
+    "SingularValueDamping",
+    "Staged",
+    "as_rule",
+    "by_index",
+    "rules_of",
+    "told",
+]

@@ -1,0 +1,257 @@
+r"""Damped levels, solved in stages, so that the levels below keep their null space.
+
+A damped level k minimises, within what the levels above it leave,
+
+.. math:: \|D_k w_k\|^2 + \lambda^2 \|x - x_\text{ref}\|^2,
+
+which is one more plain level, of the rows :math:`[D_k A_k;\; \lambda I]`. Left in the hierarchy, these would
+take up all freedom. So the hierarchy is solved in stages, each of them a plain one that any backend solves
+and ``certify`` proves: for each damped level, from the highest, the levels down to it with the rows of
+damping joined to it; then its rows are *frozen* at what they reached, :math:`A_k x = A_k x_k`, and the next
+stage has the null space of :math:`A_k` to move in. Inequality rows that are satisfied stay inequalities.
+The last stage is the whole hierarchy, every damped level frozen;
+it is left out where the lowest level of all is damped, whose stage has decided every x.
+
+For two equality levels of full rank, the second damped, this is, with :math:`\hat J_2 = J_2 N_1` and
+:math:`x_\text{ref} = 0`,
+
+.. math:: x = J_1^\# r_1 + \hat J_2^T (\hat J_2 \hat J_2^T + \lambda^2 I)^{-1} (r_2 - J_2 J_1^\# r_1).
+
+What the stages are is said here, for all backends: one that solves them by itself has them told from its points.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from numbers import Integral
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import InvalidInput, brief
+from ..hierarchy import LARGEST, Hierarchy
+from ..settings import Settings
+from ..solution import NO_COUNTS, Solution, Stages, Status
+from .level import DampedLevel, has_inequalities, left_singular, project, refuse_inequalities
+from .rules import DampingRule, as_rule
+
+#: No singular values: of a rule that does not look at any.
+NOTHING = np.zeros(0)
+#: A lambda below is none.
+NONE = 1.0 / LARGEST
+
+
+class Known(NamedTuple):
+    """Of a damped level, lambda, and whether the levels above it were solved alone."""
+
+    damping: float
+    alone: bool
+
+
+class Ask(Protocol):
+    """Who solves a stage: of the levels above damped level k, of those with it, or, with k one too many, of all."""
+
+    def __call__(self, k: int, above: bool, hierarchy: Hierarchy, x_ref: Array) -> Solution:
+        """The answer to this stage."""
+        ...
+
+
+class Staging:
+    """The stages of hierarchies of one structure, laid out once and refilled.
+
+    Parameters
+    ----------
+    hierarchy : Hierarchy
+    damping : dict of int or str to DampingRule
+        By index or name of the level.
+    settings : Settings
+    solve : callable
+        Solves one plain hierarchy, for those who ask the answer what strictness would have given.
+
+    Raises
+    ------
+    InvalidInput
+        If a damped level is not in the hierarchy.
+    """
+
+    def __init__(
+        self,
+        hierarchy: Hierarchy,
+        damping: Mapping[int | str, DampingRule],
+        settings: Settings,
+        solve: Callable[[Hierarchy, Array], Solution],
+    ) -> None:
+        self.rules = by_index(hierarchy, damping)
+        self._settings, self._solve, self._work = settings, solve, hierarchy.copy()
+        self._plan = [(k, rule, DampedLevel(self._work, k)) for k, rule in self.rules.items()]
+
+    def run(self, hierarchy: Hierarchy, x_ref: Array, ask: Ask, known: Mapping[int, Known] | None = None) -> Stages:
+        """Every stage in its turn, up to the first that has no optimum; lambda by the rules, unless it is `known`."""
+        self._work.numbers[:] = hierarchy.numbers
+        dampings, solutions = dict[int, float](), list[Solution]()
+        stages = self._stages(x_ref, dampings, ask) if known is None else self._known(x_ref, dampings, ask, known)
+        for solution in stages:
+            solutions.append(solution)
+            if not solution.ok:
+                break
+        return Stages(tuple(solutions), dampings, self._work.copy(), self._solve)
+
+    def _stages(self, x_ref: Array, dampings: dict[int, float], ask: Ask) -> Iterator[Solution]:
+        """Level after level is frozen in the work, and its lambda noted in `dampings`."""
+        x, decided = x_ref, 0  # x is where the levels above `decided` leave off
+        for k, rule, level in self._plan:
+            J, own = np.zeros((0, len(x_ref))), None
+            if rule.mixes or rule.looks or (rule.grows and decided != k):
+                level.refill()
+            if rule.mixes:
+                refuse_inequalities(level.levels)
+            # Where the levels above leave off, unless it is known; the active rows of equalities are the same anywhere.
+            if decided != k and (rule.grows or (rule.looks and has_inequalities(level.levels))):
+                x = x_ref
+                if not level.satisfied_above(x):
+                    stage = ask(k, True, level.above, x_ref)
+                    yield stage
+                    x = stage.x
+            if rule.looks:
+                J, own = project(level.levels, x, x_ref, self._settings)
+            vectors, singular = left_singular(J) if rule.looks else (J, NOTHING)
+            damping = rule.damping(singular)
+            if rule.grows:
+                damping = math.hypot(damping, rule.growth(singular) * level.lacking(x))
+                damping = 0.0 if damping < level.least_damping(self._settings) else min(damping, LARGEST)
+            dampings[k] = damping
+            if damping < NONE:
+                continue  # strict, as the level stands
+            if rule.mixes and own is not None and own.any():
+                level.filter(own, vectors[:, -1], damping, rule.filtering(singular), x_ref)
+            else:
+                level.damp(damping, x_ref)
+            stage = ask(k, False, level.joined, x_ref)
+            yield stage
+            x, decided = stage.x, k + 1
+            level.freeze(x, x_ref, self._settings)
+        yield from self._last(x_ref, decided, ask)
+
+    def _known(
+        self, x_ref: Array, dampings: dict[int, float], ask: Ask, known: Mapping[int, Known]
+    ) -> Iterator[Solution]:
+        """The same of what a solver has been through."""
+        decided = 0
+        for k, _, level in self._plan:
+            dampings[k], alone = known[k]
+            if alone:
+                level.refill()
+                yield ask(k, True, level.above, x_ref)
+            if dampings[k] >= NONE:
+                level.damp(dampings[k], x_ref)
+                stage = ask(k, False, level.joined, x_ref)
+                yield stage
+                decided = k + 1
+                level.freeze(stage.x, x_ref, self._settings)
+        yield from self._last(x_ref, decided, ask)
+
+    def _last(self, x_ref: Array, decided: int, ask: Ask) -> Iterator[Solution]:
+        levels = len(self._work.levels)
+        if decided < levels or not decided:  # otherwise damping has left nothing to decide
+            yield ask(levels, False, self._work, x_ref)
+
+
+class Staged:
+    """Solves hierarchies with damped levels stage by stage, every stage warm from its last.
+
+    Parameters
+    ----------
+    damping : dict of int or str to DampingRule
+    settings : Settings
+    plain : callable
+        Makes what solves one plain hierarchy again and again, given x_ref.
+    solve : callable
+        See :class:`Staging`.
+    """
+
+    def __init__(
+        self,
+        damping: dict[int | str, DampingRule],
+        settings: Settings,
+        plain: Callable[[], Callable[[Hierarchy, Array], Solution]],
+        solve: Callable[[Hierarchy, Array], Solution],
+    ) -> None:
+        self._damping, self._settings, self._plain, self._solve = damping, settings, plain, solve
+        self._stages: dict[tuple[int, bool], Callable[[Hierarchy, Array], Solution]] = {}
+        self._structure: tuple[Any, ...] | None = None
+        self._staging: Staging
+
+    def solve(self, hierarchy: Hierarchy, x_ref: Array) -> Stages:
+        """Solve; numbers that mean nothing are those of the only stage, which says so."""
+        if hierarchy.structure is not self._structure:
+            self._structure = None  # what solves the stages stays warm if it says the same
+            self._staging = Staging(hierarchy, self._damping, self._settings, self._solve)
+            self._structure = hierarchy.structure
+        if hierarchy.find_fault() or not (np.abs(x_ref) <= LARGEST).all():
+            told = self._ask(len(hierarchy.levels), False, hierarchy, x_ref)
+            return Stages((told,), {}, hierarchy.copy(), self._solve)
+        return self._staging.run(hierarchy, x_ref, self._ask)
+
+    def forget(self) -> None:
+        """Make the next call a cold one."""
+        self._stages.clear()
+
+    def _ask(self, k: int, above: bool, hierarchy: Hierarchy, x_ref: Array) -> Solution:
+        solve = self._stages.get((k, above))
+        if solve is None:
+            solve = self._stages[k, above] = self._plain()
+        return solve(hierarchy, x_ref)
+
+
+def told(
+    damping: dict[int | str, DampingRule],
+    solve: Callable[[Hierarchy, Array], Solution],
+    solution: Solution,
+    points: Array,
+) -> Stages:
+    """The stages of an answer for which all were solved at once; the last one has the counts of all.
+
+    Parameters
+    ----------
+    points : array, shape (damped, 2 + 2 n)
+        Of every damped level lambda, whether the levels above were solved alone, their x, and its own.
+    """
+    staging, n = Staging(solution.hierarchy, damping, solution.settings, solve), solution.hierarchy.n
+    of, end = dict(zip(staging.rules, points, strict=True)), len(solution.hierarchy.levels)
+    last = end - 1 if end - 1 in of and of[end - 1][0] >= NONE else end
+
+    def ask(k: int, above: bool, hierarchy: Hierarchy, x_ref: Array) -> Solution:
+        x = solution.x if k not in of else of[k][2 : 2 + n] if above else of[k][2 + n :]
+        counts = solution.counts if k == last and not above else NO_COUNTS
+        kind, given = solution.backend, hierarchy.copy()
+        return Solution(x.copy(), Status.OPTIMAL, kind, given, x_ref, solution.settings, counts=counts, staged=None)
+
+    known = {k: Known(float(point[0]), bool(point[1])) for k, point in of.items()}
+    return staging.run(solution.hierarchy, solution.x_ref, ask, known)
+
+
+def rules_of(damping: object) -> dict[int | str, DampingRule]:
+    """The rules as given by the user, each made one; InvalidInput says which is none."""
+    if not isinstance(damping, Mapping):
+        raise InvalidInput(f"damping = {brief(damping)} must map levels to rules, as in {{1: 0.1}}")
+    for key in damping:
+        if not isinstance(key, Integral | str) or isinstance(key, bool):
+            raise InvalidInput(f"damping: {brief(key)} must be the index or the name of a level")
+    return {key: as_rule(rule, f"damping of {key!r}") for key, rule in damping.items()}
+
+
+def by_index(hierarchy: Hierarchy, damping: Mapping[int | str, DampingRule]) -> dict[int, DampingRule]:
+    """The rules by the index of their level, in order."""
+    labels = [hierarchy.label(k) for k in range(len(hierarchy.levels))]
+    rules: dict[int, DampingRule] = {}
+    for key, rule in damping.items():
+        named = [k for k, level in enumerate(hierarchy.levels) if k == key or (level.name == key != "")]
+        if len(named) != 1:
+            what = "is no level of the hierarchy" if not named else f"names {len(named)} of its levels"
+            raise InvalidInput(f"damping: {key!r} {what}, which has {', '.join(labels) or 'none'}")
+        if named[0] in rules:
+            raise InvalidInput(f"damping: {labels[named[0]]} is given twice, by its index and by its name")
+        rules[named[0]] = rule
+    return dict(sorted(rules.items()))

@@ -1,0 +1,19 @@
+"""The problem: priority levels of rows with bounds, weights and labels, in a hierarchy."""
+
+from .hierarchy import LARGEST, Hierarchy, check_told
+from .label import Label, in_words, side_in_words
+from .level import Level
+from .nearest import nearest
+from .side import Side
+
+__all__ = [
+    "LARGEST",
+    "Hierarchy",
+    "Label",
+    "Level",
+    "Side",
+    "check_told",
+    "in_words",
+    "nearest",
+    "side_in_words",
+]

@@ -1,0 +1,7 @@
+"""Solving: one hierarchy, the same structure again and again with warm start, or a batch on all cores."""
+
+from .batch import Batch, BatchSolution
+from .batch_solver import BatchSolver, solve_batch
+from .solver import DEFAULT_BACKEND, Solver, solve
+
+__all__ = ["DEFAULT_BACKEND", "Batch", "BatchSolution", "BatchSolver", "Solver", "solve", "solve_batch"]

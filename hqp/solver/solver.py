@@ -1,0 +1,319 @@
+"""The two ways to solve: :func:`solve` for one shot, :class:`Solver` for a control loop."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array, finite_vector, real_array
+from ..backends.base import Answer
+from ..backends.registry import make_backend
+from ..checks import of_type
+from ..damping import DampingRule, Staged, by_index, rules_of, told
+from ..errors import InvalidInput, Unsupported
+from ..guard import Guard
+from ..hierarchy import LARGEST, Hierarchy
+from ..settings import Settings
+from ..solution import Counts, Solution, Stages, Status
+
+#: The backend used where none is named.
+DEFAULT_BACKEND = "native"
+
+
+_DEFAULT = Settings()
+OPTIMAL = Status.OPTIMAL
+new = object.__new__
+
+
+def _nothing(hierarchy: Hierarchy, x_ref: Array | None) -> None:
+    """The short way of a backend that has none."""
+
+
+def _solve_once(backend: str, settings: Settings, hierarchy: Hierarchy, x_ref: Array) -> Solution:
+    return Solver(backend, settings).solve(hierarchy, x_ref)
+
+
+class Solver:
+    """Solves hierarchies of one structure again and again, each warm from the last.
+
+    Parameters
+    ----------
+    backend : str
+        A name from ``hqp.available_backends()``.
+    settings : Settings, optional
+    damping : mapping of int or str to DampingRule or float, optional
+        The levels to damp, by index or by name, each with its rule; a number is a :class:`FixedDamping`.
+
+    Raises
+    ------
+    UnknownBackend
+        If no backend of that name can run here.
+    InvalidInput
+        If the settings are none, or a rule is none.
+
+    Notes
+    -----
+    A call never raises on *numbers*: a hierarchy that holds NaN, an infinite row or crossed bounds
+    comes back with status INVALID and a message naming level and row, x_ref (or zero) in the place
+    of an answer. When the structure (sizes, bounded variables) changes, the solver starts afresh.
+    A solver serves one thread at a time: it works in memory of its own, without the interpreter's lock, and raises
+    where a second one comes. A copy, also one that was pickled, is another solver with the same settings, and cold.
+    """
+
+    def __init__(
+        self,
+        backend: str = DEFAULT_BACKEND,
+        settings: Settings | None = None,
+        damping: Mapping[int | str, DampingRule | float] | None = None,
+    ) -> None:
+        self.backend = backend
+        self.settings = _DEFAULT if settings is None else of_type(settings, Settings, "settings")
+        self.damping = {} if damping is None else rules_of(damping)
+        self._backend = make_backend(backend, self.settings)
+        self._staged = self._new_staged() if self.damping else None
+        self._by_number, self._rules = not any(isinstance(key, str) for key in self.damping), dict[int, DampingRule]()
+        # The native solver has a short way for what its first sweep proves, and looks at the numbers on it.
+        self._prepare = getattr(self._backend, "prepare", None)
+        self._quick: Callable[..., tuple[Any, ...] | None] = _nothing
+        self._always = self.backend, self.settings, self._new_tell() if self.damping else None
+        self._structure: tuple[Any, ...] | None = None
+        self._zero = np.zeros(0)
+        self._guard = Guard("the solver")
+        self._take, self._give = self._guard.take, self._guard.give
+        # A time limit counts from the call on, whatever has to be made ready first.
+        self._began = getattr(self._backend, "began", None) if self.settings.time_limit < math.inf else None
+
+    def __reduce__(self) -> tuple[type[Solver], tuple[str, Settings, dict[int | str, DampingRule]]]:
+        """A copy is made from what defines it: memory that a kernel knows by its address cannot be copied."""
+        return type(self), (self.backend, self.settings, self.damping)
+
+    def solve(self, hierarchy: Hierarchy, x_ref: ArrayLike | None = None) -> Solution:
+        """Solve, warm if the last hierarchy had the same structure.
+
+        Parameters
+        ----------
+        hierarchy : Hierarchy
+        x_ref : array, shape (n,), optional
+            Reference of the implicit last level ``min ||x - x_ref||`` (default: zero).
+
+        Raises
+        ------
+        InvalidInput
+            If x_ref is no array of real numbers, or has the wrong shape; if a damped level is not in the hierarchy, or
+            numerical filtering meets an inequality row.
+        InUse
+            If another thread is solving with it.
+        """
+        try:
+            self._take()
+        except IndexError:
+            self._guard.refuse()
+        try:
+            return self._solve(hierarchy, x_ref)
+        finally:
+            self._give(None)
+
+    def _solve(self, hierarchy: Hierarchy, x_ref: ArrayLike | None, now: int | None = None) -> Solution:
+        if self._began is not None and now is None:
+            now = time.monotonic_ns()
+        try:
+            structure = hierarchy.structure
+        except AttributeError:
+            structure = None
+        if structure is None or structure is not self._structure:
+            if self._staged is None:
+                self._adopt(hierarchy)
+            else:
+                self._adopt_damped(hierarchy)
+        if self._began is not None:
+            self._began(now)
+        proved = fault = None
+        if x_ref is None:
+            reference = self._zero
+            proved = self._quick(hierarchy, None)
+        else:
+            fault, reference = self._reference(x_ref)
+            if fault is None:
+                proved = self._quick(hierarchy, reference)
+        solution = new(Solution)  # and its fields, at a third of the price of a frozen dataclass's __init__
+        fields = solution.__dict__
+        fields["_noted"] = hierarchy, hierarchy.numbers.copy(), reference, self._always
+        if proved is not None:
+            if len(proved) == 2:
+                fields["x"], fields["counts"] = proved
+            else:
+                fields["x"], fields["counts"], fields["_points"] = proved
+            fields["status"] = OPTIMAL
+        elif self._staged is not None:
+            return self._solve_in_stages(hierarchy, self._zero if x_ref is None else real_array(x_ref, "x_ref"))
+        else:
+            answer = self._answer(hierarchy, reference, fault)
+            fields["x"], fields["status"], fields["counts"] = answer.x, answer.status, answer.counts
+            fields["message"], fields["level"] = answer.message, answer.level
+        return solution
+
+    def forget(self) -> None:
+        """Make the next call a cold one: what is kept of the last hierarchy is its structure alone."""
+        getattr(self._backend, "forget", self._backend.reset)()
+        if self._staged is not None:
+            self._staged.forget()
+
+    def _new_staged(self) -> Staged:
+        """Solvers for one stage each; an answer that outlives this solver has one that is made when asked for."""
+        once = partial(_solve_once, self.backend, self.settings)
+        return Staged(self.damping, self.settings, lambda: Solver(self.backend, self.settings).solve, once)
+
+    def _new_tell(self) -> Callable[[Solution, Array], Stages]:
+        """Tells the stages of an answer from its points."""
+        return partial(told, self.damping, partial(_solve_once, self.backend, self.settings))
+
+    def _solve_in_stages(self, hierarchy: Hierarchy, reference: Array) -> Solution:
+        """Stage by stage, where the backend does not take all at once, or has failed."""
+        assert self._staged is not None
+        staged = self._staged.solve(hierarchy, reference)
+        last = staged.solutions[-1]
+        solved, levels = len(last.hierarchy.levels), len(hierarchy.levels)
+        where = f"in the stage of levels 0 to {solved - 1}: " if solved < levels else ""
+        return Solution(
+            last.x,
+            last.status,
+            self.backend,
+            hierarchy.copy(),
+            last.x_ref,
+            self.settings,
+            message=f"{where}{last.message}" if last.message else "",
+            level=last.level,
+            counts=Counts(*map(sum, zip(*(stage.counts for stage in staged.solutions), strict=True))),
+            staged=staged,
+        )
+
+    def _answer(self, hierarchy: Hierarchy, reference: Array, fault: str | None) -> Answer:
+        """What the backend says, or why it is not asked."""
+        if self._prepare is None:
+            fault = hierarchy.find_fault() or fault
+        if fault is not None:
+            return Answer(reference.copy(), Status.INVALID, fault)
+        with np.errstate(all="ignore"):
+            return self._backend.solve(hierarchy, reference)
+
+    def _adopt(self, hierarchy: Hierarchy) -> None:
+        """Start afresh if the structure is another one, and not just another object that says the same."""
+        if not isinstance(hierarchy, Hierarchy):
+            raise InvalidInput(f"solve takes a hqp.Hierarchy, not a {type(hierarchy).__name__}")
+        if hierarchy.structure != self._structure:
+            self._backend.reset()
+            if self._prepare is not None and self._staged is None:
+                self._quick = self._prepare(hierarchy.structure)
+            self._zero = np.zeros(hierarchy.n)
+            self._zero.flags.writeable = False
+        self._structure = hierarchy.structure
+
+    def _adopt_damped(self, hierarchy: Hierarchy) -> None:
+        """The same where levels are damped; which ones their names mean may differ though the structure does not."""
+        known = self._structure
+        self._adopt(hierarchy)
+        if hierarchy.structure == known and self._by_number:
+            return
+        self._structure = None  # until the rules fit
+        rules = by_index(hierarchy, self.damping)
+        prepare = getattr(self._backend, "prepare_damped", None)
+        if prepare is not None and (hierarchy.structure != known or rules != self._rules):
+            self._quick = prepare(hierarchy.structure, rules) or _nothing
+        self._structure, self._rules = hierarchy.structure, rules
+
+    def _reference(self, x_ref: ArrayLike) -> tuple[str | None, Array]:
+        """What is wrong with x_ref, if anything, and what to use."""
+        reference = real_array(x_ref, "x_ref")
+        if reference.shape != self._zero.shape:
+            raise InvalidInput(f"x_ref has shape {reference.shape}; it must be {self._zero.shape}")
+        if (np.abs(reference) <= LARGEST).all():
+            return None, reference
+        return f"x_ref = {reference} must be finite, and at most {LARGEST:g} in size", self._zero
+
+
+def solve(
+    hierarchy: Hierarchy,
+    *,
+    backend: str = DEFAULT_BACKEND,
+    x_ref: ArrayLike | None = None,
+    settings: Settings | None = None,
+    damping: Mapping[int | str, DampingRule | float] | None = None,
+) -> Solution:
+    """Solve a hierarchy once.
+
+    Parameters
+    ----------
+    hierarchy : Hierarchy
+    backend : str
+        A name from ``hqp.available_backends()``.
+    x_ref : array, shape (n,), optional
+        Reference of the implicit last level ``min ||x - x_ref||``, and of the damping (default: zero).
+    settings : Settings, optional
+    damping : mapping of int or str to DampingRule or float, optional
+        The levels to damp, by index or by name, each with its rule; a number is a :class:`FixedDamping`.
+
+    Returns
+    -------
+    Solution
+        ``.x``, ``.status``, ``.levels[k]``, ``.relaxed``; ``.certify().ok`` is the proof.
+
+    Raises
+    ------
+    InvalidInput
+        If a number of the hierarchy or of x_ref cannot mean anything, names level and row; if a rule is none, or its
+        level not in the hierarchy.
+    UnknownBackend
+        If no backend of that name can run here; lists those that can.
+    Unsupported
+        If the backend does not take such a hierarchy; names one that does.
+    """
+    settings = _DEFAULT if settings is None else of_type(settings, Settings, "settings")
+    now = None if settings.time_limit == math.inf else time.monotonic_ns()
+    if x_ref is not None and isinstance(hierarchy, Hierarchy):
+        x_ref = finite_vector(x_ref, hierarchy.n, "x_ref")
+    key, solver = _borrow(hierarchy, backend, settings, damping)
+    solution = solver._solve(hierarchy, x_ref, now)
+    _return(key, solver)
+    if solution.status is Status.INVALID:
+        raise InvalidInput(solution.message)
+    if solution.status is Status.UNSUPPORTED:
+        raise Unsupported(solution.message)
+    return solution
+
+
+#: What :func:`solve` keeps: so many solvers of the native backend a thread, one a structure, the last used last.
+KEPT = 8
+_kept = threading.local()
+
+
+def _borrow(
+    hierarchy: Hierarchy, backend: str, settings: Settings, damping: Mapping[int | str, DampingRule | float] | None
+) -> tuple[Any, Solver]:
+    """A cold solver, taken from those that are kept if there is one of this structure: it has its memory ready."""
+    plain = damping is None and isinstance(hierarchy, Hierarchy)
+    if not (plain and isinstance(backend, str) and backend == DEFAULT_BACKEND):
+        return None, Solver(backend, settings, damping)
+    key = hierarchy.structure, settings
+    try:
+        solver = _kept.solvers.pop(key, None)
+    except AttributeError:
+        solver, _kept.solvers = None, {}
+    if solver is None:
+        return key, Solver(backend, settings)
+    solver.forget()
+    return key, solver
+
+
+def _return(key: Any, solver: Solver) -> None:
+    """Keep the solver for the next call of this thread with such a hierarchy."""
+    if key is not None:
+        _kept.solvers[key] = solver
+        if len(_kept.solvers) > KEPT:
+            del _kept.solvers[next(iter(_kept.solvers))]

@@ -1,0 +1,43 @@
+"""The structure that the project keeps: few rooms, no circle, nothing that runs back up, functions on one screen."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from structure import structure
+
+MOST_ROOMS = 20
+
+
+@pytest.mark.parametrize("package", ["hqp"])
+def test_the_structure_is_kept(package: str) -> None:
+    found = structure(package)
+    assert len(found.rooms) <= MOST_ROOMS
+    assert found.circles == []
+    assert found.upward == []
+    assert found.long_functions == []
+
+
+def test_faults_are_found(tmp_path: Path) -> None:
+    """A package with one of each, and the contract that says so."""
+    house = tmp_path / "house"
+    house.mkdir()
+    (tmp_path / "pyproject.toml").write_text(
+        '[[tool.importlinter.contracts]]\ncontainers = ["house"]\nlayers = ["roof", "left | right", "floor"]\n'
+    )
+    files = {
+        "__init__": "",
+        "roof": "from . import left",
+        "left": "def f():\n    from .roof import x",
+        "right": "from house.left import y",
+        "floor": "def long():\n" + "    pass\n" * 80 + "\n" * 300,
+    }
+    for name, text in files.items():
+        (house / f"{name}.py").write_text(text)
+    found = structure("house", tmp_path)
+    assert found.rooms == ["floor", "left", "right", "roof"]
+    assert found.circles == [["house.left", "house.roof"]]
+    assert found.upward == [("house.left", "house.roof"), ("house.right", "house.left")]
+    assert found.long_functions == [("house.floor.long", 81)]
+    assert found.long_files == [("house.floor", 381)]

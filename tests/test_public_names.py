@@ -1,0 +1,48 @@
+"""What ``import hqp`` gives: the public names, imported when asked for, and the former ones with a warning."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from importlib import import_module
+
+import pytest
+
+import hqp
+
+
+def test_public_names_are_there() -> None:
+    assert {*hqp.__all__} <= {*dir(hqp)}
+    assert all(getattr(hqp, name) is not None for name in hqp.__all__)
+
+
+@pytest.mark.parametrize("code", ["import hqp", "import hqp; hqp.__version__", "import hqp.commands.command"])
+def test_numpy_waits_for_the_first_name(code: str) -> None:
+    told = subprocess.check_output([sys.executable, "-c", f"import sys; {code}; print('numpy' in sys.modules)"])
+    assert told.split() == [b"False"]
+
+
+@pytest.mark.parametrize("code", ["from hqp import *; solve, Hierarchy, lexls.read", "import hqp.solver; hqp.solve"])
+def test_any_way_to_import_gives_the_names(code: str) -> None:
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize("old", hqp._FORMER)
+def test_former_names_say_what_is_there_now(old: str) -> None:
+    now = hqp._FORMER[old]
+    place, _, name = f"hqp.{now}".rpartition(".")
+    with pytest.warns(DeprecationWarning, match=rf"^hqp\.{old} is hqp\.{now} now$"):
+        assert getattr(hqp, old) is getattr(import_module(place), name)
+    assert old not in hqp.__all__
+
+
+def test_the_former_path_of_the_families() -> None:
+    sys.modules.pop("hqp.families", None)
+    with pytest.warns(DeprecationWarning, match=r"^hqp\.families is hqp\.problems now$"):
+        from hqp.families import hierarchies
+    assert hierarchies is hqp.problems.hierarchies
+
+
+def test_a_name_that_never_was() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = hqp.nothing
