@@ -119,7 +119,7 @@ def difference(robot: Robot, start: Array, end: Array) -> Array:
 
 def is_flat(robot: Robot) -> bool:
     """Whether the step from one configuration to another is what their numbers differ by."""
-    return robot.nq == robot.nv and not able.has(robot, able.Manifold)  # type: ignore[type-abstract]
+    return robot.nq == robot.nv and not able.has(robot, able.Manifold)
 
 
 def _check_flat(robot: Robot) -> None:
