@@ -16,7 +16,7 @@ from rich.progress import Progress
 from hqp import InvalidInput
 from hqp.commands.command import path
 from hqp.commands.terminal import console
-from hqp.files import writable
+from hqp.files.whole import writable
 from tasks import load_robot
 
 from .ik_methods import METHODS, TOLERANCE, Method, Outcome, Target, missing

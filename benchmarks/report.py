@@ -10,7 +10,7 @@ import typer
 from hqp import InvalidInput
 from hqp.commands.command import path
 from hqp.commands.terminal import console
-from hqp.files import writable
+from hqp.files.whole import writable
 
 from .extra import required_packages
 

@@ -14,7 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from hqp import InvalidInput
 from hqp.commands.command import path
 from hqp.commands.terminal import console
-from hqp.files import writable
+from hqp.files.whole import writable
 
 from .extra import required_packages
 from .sweep.plans import PLANS

@@ -14,7 +14,7 @@ from rich.progress import Progress
 
 from hqp.commands.command import path
 from hqp.commands.terminal import console
-from hqp.files import writable
+from hqp.files.whole import writable
 
 from .registry import select
 from .tables import Row, save, show, terminal

@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from hqp.commands.command import path, run
-from hqp.files import writable
+from hqp.files.whole import writable
 
 from .data import FOLDER
 from .playback import FIGURES, SCENES

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from hqp import InvalidInput
 from hqp.arrays import Array
-from hqp.files import arrays_of, write_arrays
+from hqp.files.whole import arrays_of, write_arrays
 
 FOLDER = Path(__file__).parent / "data"
 #: Problems of each family: ticks that are kept of each motion, evenly spread over it.

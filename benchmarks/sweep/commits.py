@@ -9,7 +9,7 @@ from tempfile import TemporaryDirectory
 
 from hqp import InvalidInput
 from hqp.commands.command import INTERRUPTED
-from hqp.files import writable
+from hqp.files.whole import writable
 
 from ..checkout import HERE, front
 

@@ -64,7 +64,8 @@ def solve(
 def read(file: str) -> tuple[Problem, Array | None]:
     """What a file of either format holds, and the x_ref of an .npz."""
     from .. import lexls
-    from ..files import is_archive, load
+    from ..files import load
+    from ..files.whole import is_archive
 
     if not is_archive(file):
         return lexls.read(file), None

@@ -40,7 +40,7 @@ def validate(
     """
     from ..backends import available_backends, backend_info
     from ..errors import InvalidInput
-    from ..files import writable
+    from ..files.whole import writable
     from ..validation import report, tables
     from ..validation.results import run
 

@@ -93,7 +93,7 @@ def ik(
     """
     import numpy as np
 
-    from hqp.files import writable
+    from hqp.files.whole import writable
 
     from ..base.checks import finite
     from ..frames.orientation import OrientationTask

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hqp import Status
-from hqp.files import arrays_of, write_arrays
+from hqp.files.whole import arrays_of, write_arrays
 
 from ..base.checks import Array
 from ..robots.manipulability import Degrees

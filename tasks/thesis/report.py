@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import hqp
 from hqp.checks import whole_number
 from hqp.commands.terminal import console
-from hqp.files import writable
+from hqp.files.whole import writable
 
 from ..simulation.record import Record
 from .findings import Finding, measure, to_csv
