@@ -35,6 +35,8 @@ def bias(model: pin.Model, data: pin.Data, q: Array, v: Array) -> Array:
 
 def inverse_dynamics(model: pin.Model, data: pin.Data, q: Array, v: Array, a: Array) -> Array:
     """tau [N m], [N], shape (..., nv)."""
+    if q.ndim == 1:  # a tick has no time for more
+        return np.array(pin.rnea(model, data, q, v, a))
     rows = zip(q.reshape(-1, model.nq), v.reshape(-1, model.nv), a.reshape(-1, model.nv), strict=True)
     torques = [np.array(pin.rnea(model, data, *row)) for row in rows]
     return np.array(torques).reshape(a.shape)
