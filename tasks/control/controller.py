@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from math import isfinite
-from typing import Any, NamedTuple, get_args
+from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, get_args, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -37,11 +37,24 @@ from ..rows.stack import Stack
 from ..targets.timing import Timing, cubic
 from .transition import Limits, Transition
 
+if TYPE_CHECKING:
+    from typing_extensions import TypeVar
+
+    V = TypeVar("V", default=Any)
+    A = TypeVar("A", default=Any)
+    T = TypeVar("T", default=Any)
+else:
+    from typing import TypeVar
+
+    #: What a step has as v, a and tau: arrays, or None by the order of the controller. A controller whose order is only
+    #: known at work has any of them.
+    V, A, T = TypeVar("V"), TypeVar("A"), TypeVar("T")
+
 #: Stacks that a controller keeps ready to go back to.
 MOST_PREPARED = 8
 
 
-class Step(NamedTuple):
+class Step(NamedTuple, Generic[V, A, T]):
     """What the controller says for one tick.
 
     Attributes
@@ -52,7 +65,8 @@ class Step(NamedTuple):
     solution : hqp.Solution
         How well every level is met; ``.certify().ok`` is the proof.
     v : array, shape (nv,), or None
-        Joint velocities [rad/s], at velocity order.
+        Joint velocities [rad/s], [m/s], at velocity order. Those of a floating base, the first six, are its linear and
+        angular velocity along its own axes.
     a : array, shape (nv,), or None
         Joint accelerations [rad/s^2], at acceleration and at torque order.
     tau : array, shape (nv,), or None
@@ -66,9 +80,9 @@ class Step(NamedTuple):
     order: Command
     state: RobotState
     solution: Solution
-    v: Array | None = None
-    a: Array | None = None
-    tau: Array | None = None
+    v: V = None  # type: ignore[assignment]
+    a: A = None  # type: ignore[assignment]
+    tau: T = None  # type: ignore[assignment]
     share: float = 1.0
 
     @property
@@ -98,7 +112,7 @@ class _Left:
         return self.before.blend(state, t, solution.x)[0], True
 
 
-class Controller(Live):
+class Controller(Live, Generic[V, A, T]):
     """Turns a stack of tasks into motion, tick by tick, warm from the last.
 
     A copy, by ``copy.deepcopy`` or pickle, is a controller of its own, with a robot and tasks of its own: one for each
@@ -133,6 +147,66 @@ class Controller(Live):
     dt: float | None = structure()
     _instead = "make a controller of its own; to another stack it goes over by controller.change(stack, duration=...)"
 
+    @overload
+    def __init__(
+        self: Controller[Array, None, None],
+        robot: Robot,
+        stack: Stack | Part,
+        *,
+        order: Literal["velocity"] = ...,
+        dt: float | None = ...,
+        backend: str = ...,
+        settings: Settings | None = ...,
+        torque: Literal[False] = ...,
+    ) -> None: ...
+    @overload
+    def __init__(
+        self: Controller[None, Array, None],
+        robot: Robot,
+        stack: Stack | Part,
+        *,
+        order: Literal["acceleration"],
+        dt: float | None = ...,
+        backend: str = ...,
+        settings: Settings | None = ...,
+        torque: Literal[False] = ...,
+    ) -> None: ...
+    @overload
+    def __init__(
+        self: Controller[None, Array, Array],
+        robot: Robot,
+        stack: Stack | Part,
+        *,
+        order: Literal["acceleration"],
+        dt: float | None = ...,
+        backend: str = ...,
+        settings: Settings | None = ...,
+        torque: Literal[True],
+    ) -> None: ...
+    @overload
+    def __init__(
+        self: Controller[None, Array, Array],
+        robot: Robot,
+        stack: Stack | Part,
+        *,
+        order: Literal["torque"],
+        dt: float | None = ...,
+        backend: str = ...,
+        settings: Settings | None = ...,
+        torque: bool = ...,
+    ) -> None: ...
+    @overload
+    def __init__(
+        self: Controller[Any, Any, Any],
+        robot: Robot,
+        stack: Stack | Part,
+        *,
+        order: Command = ...,
+        dt: float | None = ...,
+        backend: str = ...,
+        settings: Settings | None = ...,
+        torque: bool = ...,
+    ) -> None: ...
     def __init__(
         self,
         robot: Robot,
@@ -219,7 +293,7 @@ class Controller(Live):
         """The rows of the last tick (views: the next call refills them)."""
         return self._rows.hierarchy
 
-    def __call__(self, q: ArrayLike, v: ArrayLike, t: float = 0.0) -> Step:
+    def __call__(self, q: ArrayLike, v: ArrayLike, t: float = 0.0) -> Step[V, A, T]:
         """The motion for this tick.
 
         Parameters
@@ -244,18 +318,18 @@ class Controller(Live):
         check_joints(self.robot, position, velocity)
         return self.unchecked(position, velocity, time)
 
-    def unchecked(self, q: Array, v: Array, t: float) -> Step:
+    def unchecked(self, q: Array, v: Array, t: float) -> Step[V, A, T]:
         """The motion for this tick, for a loop which knows that q and v are float arrays of the right shape."""
         if self._rows.compiled:  # which never warns
             return self._step(q, v, t)
         with np.errstate(all="ignore"):
             return self._step(q, v, t)
 
-    def _step(self, q: Array, v: Array, t: float) -> Step:
+    def _step(self, q: Array, v: Array, t: float) -> Step[V, A, T]:
         with self._guard:
             return self._guarded(q, v, t)
 
-    def _guarded(self, q: Array, v: Array, t: float) -> Step:
+    def _guarded(self, q: Array, v: Array, t: float) -> Step[V, A, T]:
         fault = None
         if self._on_manifold is not None:
             q, fault = self._on_manifold(q)
@@ -268,10 +342,11 @@ class Controller(Live):
                 self._transition = None
             elif self._limits is not None:
                 x = self._limits.keep(self.hierarchy, x)
+        step: Any = Step  # what it has, the overloads of __init__ tell
         if self.order == "velocity":
-            return Step("velocity", state, solution, x, share=share)
+            return step("velocity", state, solution, x, share=share)  # type: ignore[no-any-return]
         tau = None if self._torque is None else self._torques(state, x, solution.status is not Status.INVALID)
-        return Step(self.order, state, solution, None, x, tau, share)
+        return step(self.order, state, solution, None, x, tau, share)  # type: ignore[no-any-return]
 
     def _torques(self, state: RobotState, a: Array, valid: bool) -> Array:
         """What a takes; zero where there are no numbers: what goes to a motor is finite, whatever a sensor says."""
