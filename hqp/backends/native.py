@@ -196,7 +196,8 @@ class Memory:
         self.head[at.WARM] = 0
         # The compiled function itself: there is one, and nothing to dispatch.
         entry = kernel_damped.solve_damped if damped else kernel.solve
-        self.run = partial(door(entry), int(self._directory.ctypes.data))
+        self.address = int(self._directory.ctypes.data)
+        self.run = partial(door(entry), self.address)
 
     def share(self, entries: NDArray[np.int64]) -> int:
         """Have the weighted rows where they are in another directory; the address of this one."""
