@@ -18,6 +18,7 @@ from ..rows.part import Order
 from ..rows.task import Task
 
 if TYPE_CHECKING:
+    from ..base.loops import Table
     from ..rows.site import Site
 
 
@@ -85,6 +86,12 @@ class FrameTask(Task):
     def block(self, site: Site) -> Array:
         """The same for loops: its block, see :mod:`tasks.robots.kernels.block`."""
         return site.frame(self.frame, self.relative_to)
+
+    def bends(self, site: Site) -> Table | None:
+        """How the frame bends, see :mod:`tasks.rows.curvature`; None where nobody tells."""
+        from ..rows.curvature import frame_bends
+
+        return frame_bends(site.shared, self.frame, self.relative_to)
 
     def reading(self) -> Reading | None:
         """What its rows take of the motion of the frame; None where that is no constant."""

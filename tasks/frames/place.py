@@ -33,6 +33,7 @@ from ..targets.turns import AboutZ
 from .frame_task import FrameTask, Reading
 
 if TYPE_CHECKING:
+    from ..base.loops import Call, Table
     from ..rows.plan import Plan
     from ..rows.site import Site
 
@@ -92,11 +93,11 @@ class PlaceTask(FrameTask, LoopTask):
         from ..rows.plan import Plan
         from .kernels import place as loops
 
-        target = np.zeros(loops.TARGET_SIZE)
+        target, law = np.zeros(loops.TARGET_SIZE), site.law(self)
         moves = self._keep_up(target)
         call = Call(
             loops.write_place,
-            site.law(self),
+            law,
             self.block(site),
             target,
             site.shared.work,
@@ -106,7 +107,28 @@ class PlaceTask(FrameTask, LoopTask):
             isinstance(self.rotation, AboutZ),
             np.array(self.mask, dtype=np.int64),
         )
-        return Plan((call,), moves)
+        return Plan((call,), moves, curvature=self._curvature(site, law))
+
+    def _curvature(self, site: Site, law: Table) -> Call | None:
+        """One loop more, for whoever asks."""
+        from ..base.loops import Call
+        from .kernels import curvature as loops
+
+        seen = self.bends(site)
+        if seen is None:
+            return None
+        return Call(
+            loops.bend_place,
+            np.zeros(site.rows),
+            np.zeros((site.shared.n, site.shared.n)),
+            seen,
+            np.zeros(loops.WORK_SIZE),
+            law,
+            self.axes,
+            self.rotation is not None,
+            0 if self.position is not None else 3,
+            np.array(self.mask, dtype=np.int64),
+        )
 
     def reading(self) -> Reading | None:
         first = 0 if self.position is not None else 3

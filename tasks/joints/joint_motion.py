@@ -88,7 +88,7 @@ class JointMotion(Part):
         damping, work = np.array([self.damping]), np.zeros(work_size(rows, n))
         call = Call(write_alone, rows, n, own.A, own.lower, damping, work, site.lower, site.upper)
         plan = plan_of(self.task, own)
-        return replace(plan, calls=(*plan.calls, call))
+        return replace(plan, calls=(*plan.calls, call), curvature=None)
 
     def __repr__(self) -> str:
         damping = f", damping={self.damping:g}" if self.damping else ""

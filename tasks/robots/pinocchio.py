@@ -366,7 +366,20 @@ class PinocchioRobot(Live):
         """The place of every velocity in the chain to a frame; see :func:`tasks.robots.chain.chain_order`."""
         start, end = ([] if relative_to is None else self._supports(relative_to)), self._supports(frame)
         steps = [(joint, True) for joint in reversed(start) if joint not in end]
-        steps += [(joint, False) for joint in end if joint not in start]
+        return self._places_of([*steps, *((joint, False) for joint in end if joint not in start)])
+
+    def tree_order(self) -> NDArray[np.int64] | None:
+        """The same of all velocities; see :class:`tasks.robots.chain.Branched`."""
+        rows = []
+        for index in range(1, self.model.njoints):
+            places = self._places_of([(joint, False) for joint in list(self.model.supports[index])[1:]])
+            if places is None:
+                return None
+            rows += [places] * int(self.model.joints[index].nv)
+        return np.array(rows) if len(rows) == self.nv and not len(self.model.mimicking_joints) else None
+
+    def _places_of(self, steps: list[tuple[int, bool]]) -> NDArray[np.int64] | None:
+        """The place of every velocity, by the joints one after the other and whether they are passed backwards."""
         places, free = np.full(self.nv, APART, dtype=np.int64), 0
         for index, backwards in steps:
             joint = self.model.joints[index]

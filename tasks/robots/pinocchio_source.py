@@ -69,6 +69,10 @@ class PinocchioSource:
         data = self._data
         return Call(point_frame, self._robot.nv, block, drifts, data.com[0], data.Jcom, data.vcom[0], data.acom[0])
 
+    def axes(self) -> Array | None:
+        J = np.asarray(self._data.J)
+        return J if J.shape[1] == self._robot.nv and not len(self._model.mimicking_joints) else None
+
     def mass_matrix(self, M: Array) -> Call | None:
         if len(self._model.mimicking_joints):  # where crba is wrong, see pinocchio_dynamics
             self._matrices.append(M)

@@ -39,6 +39,9 @@ class PlanarSource:
     def center_of_mass(self, block: Array, drifts: Flag) -> Call:
         raise NotImplementedError("a planar arm does not tell its centre of mass")
 
+    def axes(self) -> None:
+        """Asked for with the centre of mass alone."""
+
     def mass_matrix(self, M: Array) -> None:
         self._matrices.append(M)
 

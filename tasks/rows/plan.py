@@ -7,6 +7,12 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from ..base.checks import Array, numbers, per_row
 from ..base.once import once
 
 if TYPE_CHECKING:
@@ -29,12 +35,36 @@ class Plan:
         What Python writes, before the calls.
     why : str
         Why Python does.
+    curvature : Call, optional
+        Adds ``S(w)`` of :mod:`tasks.rows.curvature`, when somebody asks, at the state of the last tick. The first two
+        entries of its table are where the weights (rows,) are, and the sum (nv, nv); whoever runs it may put other
+        addresses there. Without one the rows are straight, or nobody tells how they bend.
     """
 
     calls: tuple[Call, ...] = ()
     moves: tuple[Callable[[float], None], ...] = ()
     python: Callable[[Tick], None] | None = None
     why: str = ""
+    curvature: Call | None = None
+
+    def curvature_of(self, weights: ArrayLike) -> Array:
+        """``S(w)`` of these weights, one a row, at the state of the last tick; shape (nv, nv).
+
+        Raises
+        ------
+        InvalidInput
+            If the part has no curvature.
+        """
+        if self.curvature is None:
+            raise InvalidInput("this part has no curvature: its rows are straight, or nobody tells how they bend")
+        from ..base.loops import address, ready
+
+        table = self.curvature.table.numbers.copy()
+        rows, total = (np.zeros_like(told) for told in self.curvature.table.told[:2])
+        rows[:] = per_row(numbers(weights, "weights"), len(rows), "weights")
+        table[:2] = address(rows), address(total)
+        ready(self.curvature.kernel)(address(table))
+        return total
 
 
 def plan_of(part: Part, site: Site) -> Plan:
