@@ -70,4 +70,4 @@ class LookAtTask(PointingTask):
         """One loop; the point is written every tick where it moves."""
         from .kernels.directions import write_sight
 
-        return self._pointing(site, write_sight)
+        return self._pointing(site, write_sight, at_point=True)

@@ -111,24 +111,12 @@ class PlaceTask(FrameTask, LoopTask):
 
     def _curvature(self, site: Site, law: Table) -> Call | None:
         """One loop more, for whoever asks."""
-        from ..base.loops import Call
-        from .kernels import curvature as loops
+        from ..rows.curvature import bending
+        from .kernels import curvature as bends
 
-        seen = self.bends(site)
-        if seen is None:
-            return None
-        return Call(
-            loops.bend_place,
-            np.zeros(site.rows),
-            np.zeros((site.shared.n, site.shared.n)),
-            seen,
-            np.zeros(loops.WORK_SIZE),
-            law,
-            self.axes,
-            self.rotation is not None,
-            0 if self.position is not None else 3,
-            np.array(self.mask, dtype=np.int64),
-        )
+        first, mask = (0 if self.position is not None else 3), np.array(self.mask, dtype=np.int64)
+        told = law, self.axes, self.rotation is not None, first, mask
+        return bending(site, bends.bend_place, self.bends(site), bends.WORK_SIZE, *told)
 
     def reading(self) -> Reading | None:
         first = 0 if self.position is not None else 3

@@ -19,7 +19,7 @@ leaves out are near their target.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +29,29 @@ from ..robots.chain import Branched, carried, carried_in_tree, chain_order
 from ..robots.kernels import block as at
 
 if TYPE_CHECKING:
-    from ..base.loops import Table
-    from .site import Workspace
+    from ..base.loops import Call, Entry, Table
+    from .site import Site, Workspace
+
+
+def bending(site: Site, kernel: Any, seen: Table | None, size: int, *told: Entry) -> Call | None:
+    """The call that adds S(w) of the rows of a part; None where nobody tells how its frame bends.
+
+    Parameters
+    ----------
+    site : Site
+    kernel : callable
+        A loop of :mod:`tasks.frames.kernels.curvature`.
+    seen : Table or None
+        How the frame bends.
+    size : int
+        Numbers of work space.
+    *told : int, array or Table
+        What the loop is told beside.
+    """
+    from ..base.loops import Call
+
+    weights, total = np.zeros(site.rows), np.zeros((site.shared.n, site.shared.n))
+    return None if seen is None else Call(kernel, weights, total, seen, np.zeros(size), *told)
 
 
 def frame_bends(shared: Workspace, name: str | None, relative_to: str | None = None) -> Table | None:
