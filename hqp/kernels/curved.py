@@ -12,77 +12,91 @@ import math
 from . import curved_layout as at
 from . import layout as plain
 from .active_set import OPTIMAL
-from .bend import NONE, bend, gather, project
+from .bend import bend, gather, project
 from .call import called_on
 from .compile import entry, inner, integer, stamp
 from .memory import floats, given, ints, marks, matrix, vector
 from .orthogonal import length
+from .symmetric import cholesky, eigen
 
 #: What has become of a row: as it is given; a combination of its level, held, or soft; or nothing is left of it.
 GIVEN, HELD, SOFT, LOST = 0, 1, 2, 3
 #: How much stiffer against the levels below a soft row is than its damping.
 STIFF = 15.0
+#: And at most.
+STIFFEST = 1e4
 #: How strongly a level leans on the last x, relative to its rows, times the root of gain dt.
 LEAN = 0.0316
+#: Lean and filter fade in where damping begins, up to this share of the square of the rows.
+GATE = 0.1
+#: A combination of rows that is so much shorter is none; and what is added to a matrix that has to be definite.
+NONE, REGULAR = 1e-7, 1e-13
 #: A row further from its bounds than this, relative to both, is violated.
 VIOLATED = 1e-9
 
 
 @inner
-def extend(here, i, row, own, c):
-    """Hold one more row below: `row` is what V[:c] leaves of it, combined from rows as COMBINED[c] says."""
-    n = ints(here, 0, plain.HEAD)[plain.N]
-    V, T = matrix(here, at.V), matrix(here, at.T)
-    direction, along = V[c], T[c]
-    scale = 1.0 / length(row, n)
+def set_aside(here, i, row, own, d):
+    """Hold one more row below: `row` is what of it is along Z, `own` itself. Of Z one direction less is left."""
+    n, basis, T = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), matrix(here, at.T)
+    size, end, reach = length(row, d), basis[d - 1], vector(here, at.REACH)
+    # The reflection that brings the last direction to where the row is, I - 2 u u' / |u|^2.
+    sign = -1.0 if row[d - 1] > 0.0 else 1.0
     for j in range(n):
-        direction[j] = scale * row[j]
-    for q in range(c + 1):
-        other, total = V[q], 0.0
+        reach[j] = 0.0
+    total = 0.0
+    for p in range(d):
+        u = row[p] / size - (sign if p == d - 1 else 0.0)
+        total += u * u
+        direction = basis[p]
         for j in range(n):
-            total += own[j] * other[j]
+            reach[j] += u * direction[j]
+    for p in range(d):
+        u = (row[p] / size - (sign if p == d - 1 else 0.0)) * 2.0 / total
+        direction = basis[p]
+        for j in range(n):
+            direction[j] -= u * reach[j]
+    along = T[n - d]
+    for q in range(n - d + 1):
+        direction, total = basis[n - 1 - q], 0.0
+        for j in range(n):
+            total += own[j] * direction[j]
         along[q] = total
 
 
 @inner
-def hold(here, i, r, c):
-    """Hold the r-th row of the level at hand, number i, as it is: how many rows V has then."""
-    n, m = ints(here, 0, plain.HEAD)[plain.N], ints(here, 0, plain.HEAD)[plain.ROWS]
-    own, row, V = matrix(here, at.J)[r], matrix(here, at.G)[r], matrix(here, at.V)
-    if c == n:
-        return c
-    for j in range(n):
-        row[j] = own[j]
-    for _ in range(2):
-        for q in range(c):
-            direction, along = V[q], 0.0
-            for j in range(n):
-                along += row[j] * direction[j]
-            for j in range(n):
-                row[j] -= along * direction[j]
-    if not length(row, n) > NONE * length(own, n):
-        return c
-    combined = matrix(here, at.COMBINED)[c]
+def hold(here, i, r, d):
+    """Hold the r-th row of the level at hand, number i, as it is: how many directions are left."""
+    head, own, row = ints(here, 0, plain.HEAD), matrix(here, at.J)[r], matrix(here, at.G)[r]
+    n, m, basis = head[plain.N], head[plain.ROWS], matrix(here, at.BASIS)
+    if d == 0:
+        return d
+    for p in range(d):
+        direction, along = basis[p], 0.0
+        for j in range(n):
+            along += own[j] * direction[j]
+        row[p] = along
+    if not length(row, d) > NONE * length(own, n):
+        return d
+    combined = matrix(here, at.COMBINED)[n - d]
     for j in range(m):
         combined[j] = 0.0
     combined[i] = vector(here, plain.WEIGHTS)[i]
-    extend(here, i, row, own, c)
-    return c + 1
+    set_aside(here, i, row, own, d)
+    return d - 1
 
 
 @inner
-def freeze(here, k, count, c, x):
-    """What of level k is held, or soft, below it, where x is its answer: how many rows V has then."""
+def freeze(here, k, count, d, x):
+    """What of level k is held, or soft, below it, where x is its answer: how many directions are left."""
     head, ptr, ids, state = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.IDS), marks(here, at.STATE)
     n, lower, upper = head[plain.N], vector(here, plain.LOWER), vector(here, plain.UPPER)
     weights, value_of, rows = vector(here, plain.WEIGHTS), vector(here, at.VALUE), matrix(here, at.ROW)
     J, mixed = matrix(here, at.J), False
-    for i in range(ptr[k], ptr[k + 1]):
-        state[i] = GIVEN
     for r in range(count):
         mixed = mixed or lower[ids[r]] != upper[ids[r]]
     if not mixed:
-        return soften(here, k, count, c, x)
+        return soften(here, count, d, x)
     for r in range(count):
         i, value = ids[r], 0.0
         for j in range(n):
@@ -92,62 +106,122 @@ def freeze(here, k, count, c, x):
         off = max(value - high, low - value)
         if lower[i] == upper[i] or off > VIOLATED * (abs(value) + off):
             state[i], value_of[i] = HELD, value
-            c = hold(here, i, r, c)
-    return c
+            d = hold(here, i, r, d)
+    return d
 
 
 @inner
-def soften(here, k, count, c, x):
-    """The same of a level of equalities: combined by its singular vectors, one by one held or soft."""
-    n, m = ints(here, 0, plain.HEAD)[plain.N], ints(here, 0, plain.HEAD)[plain.ROWS]
-    ids, state, weights = marks(here, at.IDS), marks(here, at.STATE), vector(here, plain.WEIGHTS)
-    reached, rows, strength = vector(here, at.VALUE), matrix(here, at.ROW), vector(here, at.STRENGTH)
-    J, G, Q, squares = matrix(here, at.J), matrix(here, at.G), matrix(here, at.Q), vector(here, at.SQUARES)
-    U, values, left = matrix(here, at.U), vector(here, at.VALUES), vector(here, at.MU)
-    largest = 0.0
+def shares_met(here, count, d):
+    """What share of it the level meets of each combination of its rows: eigenvalues and eigenvectors of G M^-1 G'."""
+    G, M, L, W = matrix(here, at.G), matrix(here, at.E), matrix(here, at.M), matrix(here, at.HALF)
+    soft, damped, directions = matrix(here, at.SOFTENED), vector(here, at.VALUES), matrix(here, at.U)
+    trace = 0.0
+    for p in range(d):
+        for q in range(p + 1):
+            total = soft[p][q]
+            for r in range(count):
+                total += G[r][p] * G[r][q]
+            for r in range(d):
+                total += damped[r] * directions[r][p] * directions[r][q]
+            M[p][q] = M[q][p] = total
+        trace += M[p][p]
+    for p in range(d):
+        M[p][p] += REGULAR * trace
+    cholesky(M, L, d)
     for r in range(count):
-        largest = max(largest, squares[r])
+        row, own = W[r], G[r]
+        for p in range(d):
+            total = own[p]
+            for q in range(p):
+                total -= L[p][q] * row[q]
+            row[p] = total / L[p][p]
+        for q in range(r + 1):
+            other, total = W[q], 0.0
+            for p in range(d):
+                total += row[p] * other[p]
+            M[r][q] = M[q][r] = total
+    eigen(M, matrix(here, at.U), vector(here, at.VALUES), count)
+
+
+@inner
+def soften(here, count, d, x):
+    """The same of a level of equalities: combined as it meets them, each held or soft by how well it is met."""
+    head, ids, state = ints(here, 0, plain.HEAD), marks(here, at.IDS), marks(here, at.STATE)
+    n, m, weights = head[plain.N], head[plain.ROWS], vector(here, plain.WEIGHTS)
+    reached, rows, stiffness = vector(here, at.VALUE), matrix(here, at.ROW), vector(here, at.STIFFNESS)
+    J, G, left = matrix(here, at.J), matrix(here, at.G), vector(here, at.MU)
+    shares_met(here, count, d)
+    Q, shares, basis, had = matrix(here, at.U), vector(here, at.VALUES), matrix(here, at.BASIS), d
     for r in range(count):
         i, q, row, value = ids[r], Q[r], rows[ids[r]], 0.0
         for j in range(n):
-            row[j] = left[j] = 0.0
+            row[j] = 0.0
         for p in range(count):
             for j in range(n):
                 row[j] += q[p] * J[p][j]
-                left[j] += q[p] * G[p][j]
+        for p in range(d):
+            direction, along = basis[p], 0.0
+            for j in range(n):
+                along += row[j] * direction[j]
+            left[p] = along
         for j in range(n):
             value += row[j] * x[j]
         reached[i], state[i] = value, LOST
-        if not squares[r] > NONE * NONE * largest or c == n:
+        size, missed = length(left, d), max(1.0 - shares[r], 0.0)
+        if not size > NONE * length(row, n) or d == 0:
             continue
-        damping = 0.0
-        for p in range(n):
-            if values[p] > 0.0:
-                along = 0.0
-                for j in range(n):
-                    along += U[p][j] * left[j]
-                damping += values[p] * along * along / squares[r]
-        if damping > squares[r]:
-            state[i], strength[i] = SOFT, math.sqrt(damping)
+        if STIFF * shares[r] <= STIFFEST * missed:
+            stiff = STIFF * shares[r] / missed / size
+            state[i], stiffness[i] = SOFT, stiff
             continue
-        state[i], combined = HELD, matrix(here, at.COMBINED)[c]
+        state[i], combined = HELD, matrix(here, at.COMBINED)[n - d]
         for j in range(m):
             combined[j] = 0.0
         for p in range(count):
             combined[ids[p]] = weights[ids[p]] * q[p]
-        extend(here, i, left, row, c)
-        c += 1
-    return c
+        set_aside(here, i, left, row, d)
+        d -= 1
+    return d
 
 
 @inner
-def longest(here, count):
-    """The length of the rows of the level at hand, as one number."""
-    n, J = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J)
-    total = 0.0
+def soft_above(here, k, d, size):
+    """What the soft rows above add to level k in the directions Z that are left, as a matrix there."""
+    head, ptr, state = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.STATE)
+    n, basis, soft, left = head[plain.N], matrix(here, at.BASIS), matrix(here, at.SOFTENED), vector(here, at.MU)
+    rows, stiffness = matrix(here, at.ROW), vector(here, at.STIFFNESS)
+    for p in range(d):
+        for q in range(d):
+            soft[p][q] = 0.0
+    for i in range(ptr[head[at.TOP]], ptr[k]):
+        if state[i] != SOFT:
+            continue
+        scale = size * stiffness[i]
+        for p in range(d):
+            direction, along = basis[p], 0.0
+            for j in range(n):
+                along += rows[i][j] * direction[j]
+            left[p] = scale * along
+        for p in range(d):
+            for q in range(d):
+                soft[p][q] += left[p] * left[q]
+
+
+@inner
+def norm_of(here, count):
+    """The largest singular value of J."""
+    n, J, M = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), matrix(here, at.M)
+    values, most = vector(here, at.VALUES), 0.0
     for r in range(count):
-        total = max(total, length(J[r], n))
-    return total
+        for q in range(r + 1):
+            one, other, total = J[r], J[q], 0.0
+            for j in range(n):
+                total += one[j] * other[j]
+            M[r][q] = M[q][r] = total
+    eigen(M, matrix(here, at.U), values, count)
+    for r in range(count):
+        most = max(most, values[r])
+    return math.sqrt(most)
 
 
 @inner
@@ -194,7 +268,7 @@ def give(here, i, place, row, A, lower, upper, weights):
 
 
 @inner
-def write_stage(here, k, count, lean):
+def write_stage(here, k, d, size, lean):
     """The stage of level k."""
     head, ptr, state = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.STATE)
     n, levels, curved = head[plain.N], head[plain.LEVELS], marks(here, at.CURVED)
@@ -207,36 +281,38 @@ def write_stage(here, k, count, lean):
     for i in range(ptr[k], ptr[k + 1]):
         give(here, i, place, row, address, lower, upper, weights)
         place, row = place + 1, row + 1
-    rows, reached, strength = matrix(here, at.ROW), vector(here, at.VALUE), vector(here, at.STRENGTH)
-    size = longest(here, count)
+    rows, reached, stiffness = matrix(here, at.ROW), vector(here, at.VALUE), vector(here, at.STIFFNESS)
     for level in range(k):
         for i in range(ptr[level], ptr[level + 1] if curved[level] != 0 else ptr[level]):
             own, soft = floats(address, row * n, n), state[i] == SOFT
-            scale = STIFF / strength[i] * size if soft else 0.0
+            scale = stiffness[i] * size if soft else 0.0
             for j in range(n):
                 own[j] = scale * rows[i][j] if soft else 0.0
             weights[place] = 1.0
             lower[place] = scale * reached[i] if soft else -math.inf
             upper[place] = scale * reached[i] if soft else math.inf
             place, row = place + 1, row + 1
-    write_damping(here, k, address, place, row, lower, upper, weights, lean * size)
+    write_damping(here, k, d, address, place, row, lower, upper, weights, lean * size)
 
 
 @inner
-def write_damping(here, k, address, place, row, lower, upper, weights, lean):
+def write_damping(here, k, d, address, place, row, lower, upper, weights, lean):
     r"""Rows of damping: :math:`\sum_p p (u_p^T (x - r))^2 + w^2 |x - v|^2`, one row for each direction :math:`u_p`."""
     n, U, values = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.U), vector(here, at.VALUES)
-    aim, last = matrix(here, at.AIMS)[k], vector(here, at.LAST)
+    aim, last, basis = matrix(here, at.AIMS)[k], vector(here, at.LAST), matrix(here, at.BASIS)
     for p in range(n):
-        own, total = floats(address, row * n, n), values[p] + lean * lean
-        scale, towards, onwards = math.sqrt(total), 0.0, 0.0
+        own, value = floats(address, row * n, n), 0.0
         for j in range(n):
-            own[j] = scale * U[p][j]
-            towards += U[p][j] * aim[j]
-            onwards += U[p][j] * last[j]
-        value = 0.0
+            own[j] = 0.0
+        total = values[p] + lean * lean if p < d else 0.0
         if total > 0.0:
-            value = (values[p] * towards + (lean * lean * onwards if lean > 0.0 else 0.0)) / scale
+            scale = math.sqrt(total)
+            for q in range(d):
+                direction, part = basis[q], scale * U[p][q]
+                for j in range(n):
+                    own[j] += part * direction[j]
+            for j in range(n):
+                value += own[j] * (values[p] * aim[j] + (lean * lean * last[j] if lean > 0.0 else 0.0)) / total
         weights[place], lower[place], upper[place] = 1.0, value, value
         place, row = place + 1, row + 1
 
@@ -255,49 +331,78 @@ def note_errors(here):
 
 
 @inner
+def begin(here):
+    """All is as it is given, and all directions are left."""
+    head, basis, state = ints(here, 0, plain.HEAD), matrix(here, at.BASIS), marks(here, at.STATE)
+    for i in range(head[plain.ROWS]):
+        state[i] = GIVEN
+    for i in range(head[plain.N]):
+        row = basis[i]
+        for j in range(head[plain.N]):
+            row[j] = 1.0 if i == j else 0.0
+
+
+@inner
+def solve_stage(here, k, count, d, bent, gate):
+    """The stage of level k: outcome, and how far the gate is open below."""
+    head, U, values = ints(here, 0, plain.HEAD), matrix(here, at.U), vector(here, at.VALUES)
+    n, damped, point = head[plain.N], matrix(here, at.DAMPED)[k], matrix(here, at.POINTS)[k]
+    directions, most = matrix(here, at.DIRECTIONS), 0.0
+    for p in range(n):
+        damped[p] = values[p] if bent and p < d else 0.0
+        most = max(most, damped[p])
+        for j in range(d):
+            directions[k * n + p][j] = U[p][j] if bent and p < d else (1.0 if j == p else 0.0)
+    size = norm_of(here, count)
+    for p in range(n):
+        values[p] = damped[p]
+        for j in range(d):
+            U[p][j] = directions[k * n + p][j]
+    lean = 0.0
+    gate = min(1.0, gate + most / (GATE * size * size))
+    if vector(here, at.LAST)[0] == vector(here, at.LAST)[0]:
+        lean = LEAN * math.sqrt(gate / vector(here, at.SHARES)[k])
+    write_stage(here, k, d, size, lean)
+    head[at.STAGE] = k
+    directory = marks(here, at.DIRECTORIES)[k]
+    outcome = called_on(head[at.SOLVE], directory, marks(here, at.NUMBERS)[k])
+    x = vector(directory, plain.X)
+    for j in range(n):
+        point[j] = x[j]
+    return outcome, gate
+
+
+@inner
 def solve_stages(here, numbers):
     """All of it: the outcome of the last solve."""
     head = ints(here, 0, plain.HEAD)
-    n, levels, curved = head[plain.N], head[plain.LEVELS], marks(here, at.CURVED)
-    directories, stages, points = marks(here, at.DIRECTORIES), marks(here, at.NUMBERS), matrix(here, at.POINTS)
-    ptr, state, ids, damped = marks(here, plain.PTR), marks(here, at.STATE), marks(here, at.IDS), matrix(here, at.DAMPED)
-    U, values, last = matrix(here, at.U), vector(here, at.VALUES), vector(here, at.LAST)
-    outcome, c, opened = integer(OPTIMAL), integer(0), False
+    d, levels, curved, ids = head[plain.N], head[plain.LEVELS], marks(here, at.CURVED), marks(here, at.IDS)
+    outcome, opened, gate = integer(OPTIMAL), False, 0.0
     head[at.OPENED] = levels
     note_errors(here)
-    for i in range(ptr[levels]):
-        state[i] = GIVEN
-    for k in range(levels):
-        if curved[k] == 0:
-            continue
+    begin(here)
+    for k in range(head[at.TOP], levels):
         count = gather(here, k)
-        largest = project(here, count, c)
-        bent = bend(here, k, count, c, largest)
+        least, longest = project(here, count, d)
+        if opened:
+            soft_above(here, k, d, norm_of(here, count))
+        bent = curved[k] == 1 and bend(here, k, count, d, 0.0 if opened else least, longest)
         if not bent and not opened:
             for r in range(count):
-                c = hold(here, ids[r], r, c)
+                d = hold(here, ids[r], r, d)
             continue
         if not opened:
             head[at.OPENED], opened = k, True
-        if not bent:
-            for p in range(n):
-                values[p] = 0.0
-                for j in range(n):
-                    U[p][j] = 1.0 if j == p else 0.0
-        for p in range(n):
-            damped[k][p] = values[p]
-        lean = LEAN / math.sqrt(vector(here, at.SHARES)[k]) if last[0] == last[0] else 0.0
-        write_stage(here, k, count, lean)
-        outcome = called_on(head[at.SOLVE], directories[k], stages[k])
-        head[at.STAGE] = k
+            for p in range(d):
+                for q in range(d):
+                    matrix(here, at.SOFTENED)[p][q] = 0.0
+        outcome, gate = solve_stage(here, k, count, d, bent, gate)
         if outcome != OPTIMAL:
             return outcome
-        x = vector(directories[k], plain.X)
-        for j in range(n):
-            points[k][j] = x[j]
-        c = freeze(here, k, count, c, x)
+        if k + 1 < levels:
+            d = freeze(here, k, count, d, matrix(here, at.POINTS)[k])
     if not opened:
-        outcome = called_on(head[at.SOLVE], directories[levels], numbers)
+        outcome = called_on(head[at.SOLVE], marks(here, at.DIRECTORIES)[levels], numbers)
     return outcome
 
 

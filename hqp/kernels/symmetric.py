@@ -10,6 +10,8 @@ import math
 
 from .compile import inner
 
+#: What is left of a diagonal entry has to be more than this share of it.
+DEFINITE = 1e-13
 #: Rounds after which it ends at the latest, and what counts as zero beside the diagonal, relative to the whole.
 ROUNDS, ZERO = 30, 1e-15
 
@@ -62,3 +64,39 @@ def rotate(M, U, p, q, n):
     for j in range(n):
         a, b = turned[j], beside[j]
         turned[j], beside[j] = c * a - s * b, s * a + c * b
+
+
+@inner
+def cholesky(M, L, n):
+    """The lower triangle L with L L' = M[:n, :n]; False where M is not clearly positive definite."""
+    for i in range(n):
+        row = L[i]
+        for j in range(i + 1):
+            other, total = L[j], M[i][j]
+            for p in range(j):
+                total -= row[p] * other[p]
+            if j < i:
+                row[j] = total / other[j]
+            elif not total > DEFINITE * M[i][i]:
+                return False
+            else:
+                row[i] = math.sqrt(total)
+    return True
+
+
+@inner
+def smallest(M, L, n):
+    r"""A bound from below for the eigenvalues of a positive definite matrix: one over the trace of its inverse."""
+    if not cholesky(M, L, n):
+        return 0.0
+    total = 0.0
+    for j in range(n):  # the columns of the inverse of L, each in the upper triangle of L
+        for i in range(j, n):
+            value = 1.0 if i == j else 0.0
+            for p in range(j, i):
+                value -= L[i][p] * (1.0 / L[j][j] if p == j else L[j][p])
+            value /= L[i][i]
+            if i > j:
+                L[j][i] = value
+            total += value * value
+    return 1.0 / total if n > 0 else math.inf

@@ -121,17 +121,17 @@ class CurvedSolver:
     ) -> None:
         self.backend, self.settings = backend, Settings() if settings is None else settings
         self._plain = Solver(backend, self.settings)
-        self._linearisation, self._levels = linearisation, len(hierarchy.levels)
+        self._levels = len(hierarchy.levels)
         self._stages = [
             _stage(hierarchy, k, linearisation.curved) if curved else None for k, curved in enumerate(linearisation.curved)
         ]
         make_ready(kernel.solve_curved, WHAT)
-        self._work = Work(hierarchy, linearisation, self._stages)
-        self._run = partial(door(kernel.solve_curved), self._work.address)
+        self._hierarchy = hierarchy
+        self.relinearise(linearisation)
         self._solvers: dict[int, Solver] = {}
         self._ask = _asked(self._answer_stage)
         self._native = backend == DEFAULT_BACKEND
-        head, n = self._work.head, hierarchy.n
+        n = hierarchy.n
         if self._native:
             self._memories = [
                 Memory(hierarchy.structure if stage is None else stage.structure, self.settings)
@@ -143,8 +143,13 @@ class CurvedSolver:
         self._plain_directories = [_directory(point) for point in self._points]
         self._slowly = np.array([directory.ctypes.data for directory in self._plain_directories], dtype=np.int64)
         self._guard, self._failed = Guard("the solver"), dict[int, Solution]()
-        self._hierarchy, self._head = hierarchy, head
         self._always = backend, self.settings, self._tell
+
+    def relinearise(self, linearisation: Linearisation) -> None:
+        """Go by another linearisation of the same hierarchy."""
+        self._linearisation = linearisation
+        self._work = Work(self._hierarchy, linearisation, self._stages)
+        self._head, self._run = self._work.head, partial(door(kernel.solve_curved), self._work.address)
 
     def forget(self) -> None:
         """Make the next call a cold one."""
@@ -198,7 +203,7 @@ class CurvedSolver:
             fields["_points"] = stages, self._work.points.copy(), self._work.damped.copy()
         return solution
 
-    def _tell(self, solution: Solution, points: Any) -> Stages:
+    def _tell(self, solution: Solution, points: Any, aims: Any = None) -> Stages:
         """The stages of an answer."""
         stages, reached, damped = points
         zero, told = np.zeros(solution.hierarchy.n), list[Solution]()
@@ -212,7 +217,7 @@ class CurvedSolver:
             )
         dampings = {k: float(np.sqrt(damped[k].max())) for k, _ in stages}
         once = partial(_solve_once, self.backend, self.settings)
-        return Stages(tuple(told), dampings, told[-1].hierarchy, once)
+        return Stages(tuple(told), dampings, {k: zero for k in dampings}, told[-1].hierarchy, once)
 
     def _answer_stage(self, directory: int, numbers: int) -> int:
         """Solve the stage of this directory by the backend: an outcome."""
@@ -315,7 +320,9 @@ class Work:
         made |= {at.SHARES: linearisation.shares, at.AIMS: linearisation.aims, at.LAST: linearisation.last}
         made[at.S] = linearisation.curvature
         directory = np.zeros(plain.HEAD + 3 * at.PLACES, dtype=np.int64)
-        directory[[plain.N, plain.LEVELS, plain.ROWS, at.MEASURES]] = n, levels, m, len(measured)
+        directory[[plain.N, plain.LEVELS, plain.ROWS, at.MEASURES, at.TOP]] = (
+            n, levels, m, len(measured), next((k for k, curved in enumerate(linearisation.curved) if curved), levels),
+        )
         entries = directory[plain.HEAD :].reshape(-1, 3)
         for place, array in made.items():
             entries[place] = array.ctypes.data, len(array), 1 if array.ndim == 1 else array.shape[1]

@@ -217,6 +217,7 @@ class Controller(Live, Generic[V, A, T]):
         backend: str = hqp.DEFAULT_BACKEND,
         settings: Settings | None = None,
         torque: bool = False,
+        damping: str | None = "curvature",
     ) -> None:
         one_of(order, get_args(Command), "order")
         self.robot = as_robot(robot)
@@ -224,7 +225,7 @@ class Controller(Live, Generic[V, A, T]):
         self.order = order
         self.dt = None if dt is None else positive_scalar(dt, "dt", unit="s")
         self._torque = self._inverse_dynamics() if truth(torque, "torque") or order == "torque" else None
-        self._backend, self._settings = backend, settings
+        self._backend, self._settings, self._damping = backend, settings, damping
         self._prepared: dict[int, tuple[Stack, Rows, Solver]] = {}
         self._transition: Transition | None = None
         self._limits: Limits | None = None
@@ -387,7 +388,11 @@ class Controller(Live, Generic[V, A, T]):
         self._stack, (self._rows, self._solver) = wanted, prepared
         self._limits = None if at_once else Limits.of(wanted, self.hierarchy, self._backend)
 
-    def _new_solver(self, stack: Stack) -> Solver:
+    def _new_solver(self, stack: Stack, rows: Rows) -> Any:
+        if self._damping is not None and not any(stack.damping):
+            from .calm import CalmSolver
+
+            return CalmSolver(rows, self.dt, self.order, stack.damping, self._backend, self._settings)
         rules: dict[int | str, hqp.DampingRule | float] = {k: rule for k, rule in enumerate(stack.damping) if rule}
         return Solver(self._backend, self._settings, rules)
 
@@ -396,7 +401,8 @@ class Controller(Live, Generic[V, A, T]):
         found = self._prepared.pop(id(stack), None)
         if found is None:
             order: Order = "velocity" if self.order == "velocity" else "acceleration"
-            found = stack, stack.build(self.robot, order, self.dt), self._new_solver(stack)
+            rows = stack.build(self.robot, order, self.dt)
+            found = stack, rows, self._new_solver(stack, rows)
         self._prepared[id(stack)] = found  # what was asked for last comes last
         while len(self._prepared) > MOST_PREPARED:
             del self._prepared[next(iter(self._prepared))]
@@ -429,7 +435,7 @@ class Controller(Live, Generic[V, A, T]):
     def _solve(self, state: RobotState, time: float, fault: str | None) -> Solution:
         if fault is None and isfinite(time):
             self._rows.fill(state, time)
-            return self._solver.solve(self.hierarchy)
+            return self._solver.solve(self.hierarchy, state.v) if type(self._solver) is not Solver else self._solver.solve(self.hierarchy)
         self.hierarchy.lower.fill(np.nan)  # no task is asked, and no bound left that could be met
         solution, message = self._solver.solve(self.hierarchy), fault or f"t = {time} s must be finite"
         return replace(solution, message=message)

@@ -39,7 +39,11 @@ class Rows:
         Whether loops write all of them.
     envelope : Envelope
         The joint limits of the stack.
+    planned : int
+        How often rows have been planned: whoever knows plans by their addresses looks at them again.
     """
+
+    planned = 0
 
     def __init__(self, stack: Stack, robot: Robot, order: Order, dt: float | None) -> None:
         self._stack, self._robot, self._order, self._dt = stack, robot, order, dt
@@ -98,11 +102,13 @@ class Rows:
         from ..base.loops import chained
 
         robot, shared = self._robot, self._shared
+        self.planned += 1
         rest = Tick(robot, self._rest, 0.0, self._order, self._dt, shared.envelope)
         for k in which:
             part, site = self._views[k]
             with np.errstate(all="ignore"):  # what is infinite is refused in words
                 part.check_beside(rest)
+            site.off.clear()
             self.plans[k] = part, plan_of(part, site)
             weights = part.weights(robot)
             without = np.flatnonzero(weights == 0.0)
@@ -126,6 +132,17 @@ class Rows:
     @property
     def envelope(self) -> Envelope:
         return self._shared.envelope
+
+    @property
+    def work(self) -> list[tuple[int, int, Part, Plan, Site]]:
+        """Of every part, from the highest level down: its level, its first row, itself, its plan, and where it works."""
+        levels = [k for k, parts in enumerate(self._stack.levels) for _ in parts]
+        first = np.cumsum([0, *(site.rows for _, site in self._views)])
+        plans = (plan for _, plan in self.plans)
+        return [
+            (k, int(row), part, plan, site)
+            for k, row, plan, (part, site) in zip(levels, first, plans, self._views, strict=False)
+        ]
 
     def bounds(self, part: Part) -> tuple[Array, Array] | None:
         """Lower and upper bounds that a part writes (views), or None if it is not in the stack."""

@@ -107,6 +107,8 @@ class Site:
         How far from its target a task may be; 0 where it is to be met.
     bounds : bool
         Whether the task only bounds.
+    off : list of (array, array, array)
+        Of those who follow the law: the error, and how far from it below and above a task may be, shape (rows,) each.
     """
 
     def __init__(self, shared: Workspace, A: Array | None, lower: Array, upper: Array) -> None:
@@ -116,6 +118,7 @@ class Site:
         self.above: Array = np.zeros(())
         self.bounds = False
         self.measured = np.zeros((KINDS, self.rows))
+        self.off: list[tuple[Array, Array, Array]] = []
 
     @property
     def drifts(self) -> bool:
@@ -125,7 +128,7 @@ class Site:
     def within(self, below: Array, above: Array) -> Site:
         """The same rows as an inequality: the error between -above and -below."""
         site = Site(self.shared, self.A, self.lower, self.upper)
-        site.below, site.above, site.bounds = below, above, True
+        site.below, site.above, site.bounds, site.off = below, above, True, self.off
         return site
 
     def frame(self, name: str | None, relative_to: str | None = None) -> Array:
@@ -151,6 +154,7 @@ class Site:
         numbers[of.GAIN], numbers[of.C1], numbers[of.C2] = gain, 2.0 * task.damping_ratio * gain, gain**2
         numbers[of.BELOW] = per_row(self.below, rows, f"{what}: below")
         numbers[of.ABOVE] = per_row(self.above, rows, f"{what}: above")
+        self.off.append((self.measured[of.ERROR], numbers[of.BELOW], numbers[of.ABOVE]))
         return Table(
             of.ORDERS.index(shared.order),
             rows,
