@@ -178,7 +178,7 @@ def bend(here, k, count, d, least, longest):
     """How level k is to be damped: along the rows of U, directions of Z, by their VALUES. False if not at all."""
     head, U, values = ints(here, 0, plain.HEAD), matrix(here, at.U), vector(here, at.VALUES)
     E, G, kept = matrix(here, at.E), matrix(here, at.G), matrix(here, at.KEPT)
-    n, soft = head[plain.N], matrix(here, at.SOFTENED)
+    n = head[plain.N]
     own = contract(here, k, k + 1)
     more = 0.0
     if d < n and multipliers(here, k, count, d):
@@ -205,9 +205,6 @@ def bend(here, k, count, d, least, longest):
         for i in range(d):
             for j in range(d):
                 E[i][j] -= row[i] * row[j]
-    for i in range(d):
-        for j in range(d):
-            E[i][j] -= soft[i][j]
     eigen(E, U, values, d)
     some = False
     for p in range(d):

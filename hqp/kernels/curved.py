@@ -17,6 +17,7 @@ from .call import called_on
 from .compile import entry, inner, integer, stamp
 from .memory import floats, given, ints, marks, matrix, vector
 from .orthogonal import length
+from .rows import INACTIVE
 from .symmetric import cholesky, eigen
 
 #: What has become of a row: as it is given; a combination of its level, held, or soft; or nothing is left of it.
@@ -27,8 +28,6 @@ STIFF = 15.0
 STIFFEST = 1e4
 #: How strongly a level leans on the last x, relative to its rows, times the root of gain dt.
 LEAN = 0.0316
-#: Lean and filter fade in where damping begins, up to this share of the square of the rows.
-GATE = 0.1
 #: A combination of rows that is so much shorter is none; and what is added to a matrix that has to be definite.
 NONE, REGULAR = 1e-7, 1e-13
 #: A row further from its bounds than this, relative to both, is violated.
@@ -114,11 +113,11 @@ def freeze(here, k, count, d, x):
 def shares_met(here, count, d):
     """What share of it the level meets of each combination of its rows: eigenvalues and eigenvectors of G M^-1 G'."""
     G, M, L, W = matrix(here, at.G), matrix(here, at.E), matrix(here, at.M), matrix(here, at.HALF)
-    soft, damped, directions = matrix(here, at.SOFTENED), vector(here, at.VALUES), matrix(here, at.U)
+    damped, directions = vector(here, at.VALUES), matrix(here, at.U)
     trace = 0.0
     for p in range(d):
         for q in range(p + 1):
-            total = soft[p][q]
+            total = 0.0
             for r in range(count):
                 total += G[r][p] * G[r][q]
             for r in range(d):
@@ -182,29 +181,6 @@ def soften(here, count, d, x):
         set_aside(here, i, left, row, d)
         d -= 1
     return d
-
-
-@inner
-def soft_above(here, k, d, size):
-    """What the soft rows above add to level k in the directions Z that are left, as a matrix there."""
-    head, ptr, state = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.STATE)
-    n, basis, soft, left = head[plain.N], matrix(here, at.BASIS), matrix(here, at.SOFTENED), vector(here, at.MU)
-    rows, stiffness = matrix(here, at.ROW), vector(here, at.STIFFNESS)
-    for p in range(d):
-        for q in range(d):
-            soft[p][q] = 0.0
-    for i in range(ptr[head[at.TOP]], ptr[k]):
-        if state[i] != SOFT:
-            continue
-        scale = size * stiffness[i]
-        for p in range(d):
-            direction, along = basis[p], 0.0
-            for j in range(n):
-                along += rows[i][j] * direction[j]
-            left[p] = scale * along
-        for p in range(d):
-            for q in range(d):
-                soft[p][q] += left[p] * left[q]
 
 
 @inner
@@ -343,8 +319,8 @@ def begin(here):
 
 
 @inner
-def solve_stage(here, k, count, d, bent, gate):
-    """The stage of level k: outcome, and how far the gate is open below."""
+def solve_stage(here, k, count, d, bent):
+    """The stage of level k: its outcome."""
     head, U, values = ints(here, 0, plain.HEAD), matrix(here, at.U), vector(here, at.VALUES)
     n, damped, point = head[plain.N], matrix(here, at.DAMPED)[k], matrix(here, at.POINTS)[k]
     directions, most = matrix(here, at.DIRECTIONS), 0.0
@@ -359,9 +335,8 @@ def solve_stage(here, k, count, d, bent, gate):
         for j in range(d):
             U[p][j] = directions[k * n + p][j]
     lean = 0.0
-    gate = min(1.0, gate + most / (GATE * size * size))
     if vector(here, at.LAST)[0] == vector(here, at.LAST)[0]:
-        lean = LEAN * math.sqrt(gate / vector(here, at.SHARES)[k])
+        lean = LEAN / math.sqrt(vector(here, at.SHARES)[k])
     write_stage(here, k, d, size, lean)
     head[at.STAGE] = k
     directory = marks(here, at.DIRECTORIES)[k]
@@ -369,40 +344,59 @@ def solve_stage(here, k, count, d, bent, gate):
     x = vector(directory, plain.X)
     for j in range(n):
         point[j] = x[j]
-    return outcome, gate
+    return outcome
 
 
 @inner
-def solve_stages(here, numbers):
-    """All of it: the outcome of the last solve."""
+def solve_stages(here, forced):
+    """The stages from the first level on that is damped, or that is forced to be: the outcome of the last."""
     head = ints(here, 0, plain.HEAD)
     d, levels, curved, ids = head[plain.N], head[plain.LEVELS], marks(here, at.CURVED), marks(here, at.IDS)
-    outcome, opened, gate = integer(OPTIMAL), False, 0.0
+    outcome, opened = integer(OPTIMAL), False
     head[at.OPENED] = levels
-    note_errors(here)
     begin(here)
     for k in range(head[at.TOP], levels):
         count = gather(here, k)
         least, longest = project(here, count, d)
-        if opened:
-            soft_above(here, k, d, norm_of(here, count))
         bent = curved[k] == 1 and bend(here, k, count, d, 0.0 if opened else least, longest)
-        if not bent and not opened:
+        if not bent and not opened and k < forced:
             for r in range(count):
                 d = hold(here, ids[r], r, d)
             continue
         if not opened:
             head[at.OPENED], opened = k, True
-            for p in range(d):
-                for q in range(d):
-                    matrix(here, at.SOFTENED)[p][q] = 0.0
-        outcome, gate = solve_stage(here, k, count, d, bent, gate)
+        outcome = solve_stage(here, k, count, d, bent)
         if outcome != OPTIMAL:
             return outcome
         if k + 1 < levels:
             d = freeze(here, k, count, d, matrix(here, at.POINTS)[k])
-    if not opened:
-        outcome = called_on(head[at.SOLVE], marks(here, at.DIRECTORIES)[levels], numbers)
+    return outcome
+
+
+@inner
+def at_limits(here):
+    """Whether the strict answer is at a bound of the levels above those that are curved."""
+    head, lower, upper = ints(here, 0, plain.HEAD), vector(here, plain.LOWER), vector(here, plain.UPPER)
+    side = marks(marks(here, at.DIRECTORIES)[head[plain.LEVELS]], plain.SIDE)
+    for i in range(marks(here, plain.PTR)[head[at.TOP]]):
+        if side[i] != INACTIVE and lower[i] != upper[i]:
+            return True
+    return False
+
+
+@inner
+def solve_all(here, numbers):
+    """Strict where nothing speaks against it, else in stages: the outcome of the last solve."""
+    head = ints(here, 0, plain.HEAD)
+    levels = head[plain.LEVELS]
+    note_errors(here)
+    outcome = solve_stages(here, levels)
+    if outcome != OPTIMAL or head[at.OPENED] < levels:
+        return outcome
+    outcome = called_on(head[at.SOLVE], marks(here, at.DIRECTORIES)[levels], numbers)
+    if outcome == OPTIMAL and vector(here, at.LAST)[0] == vector(here, at.LAST)[0]:
+        if at_limits(here):
+            return solve_stages(here, head[at.TOP])
     return outcome
 
 
@@ -412,5 +406,5 @@ def solve_curved(here, numbers):
     """Solve the hierarchy at the address `numbers`, with the curved levels that the directory lists."""
     head = ints(here, 0, plain.HEAD)
     given(here, numbers)
-    head[at.OUTCOME] = solve_stages(here, numbers)
+    head[at.OUTCOME] = solve_all(here, numbers)
     return head[at.OUTCOME]

@@ -24,20 +24,20 @@ CURVED = 1
 # An orthonormal basis: first the directions Z that are left, then, the last first, V, along which rows are held:
 # COMBINED A = T V, with the pull of them.
 (BASIS, T, COMBINED, MU) = range(24, 28)
-# Curvature; symmetric matrices of work; eigenvectors and eigenvalues; what soft rows from above add to the level.
-(S, E, U, VALUES, M, HALF, KEPT, SOFTENED, REACH) = range(28, 37)
+# Curvature; symmetric matrices of work; eigenvectors and eigenvalues.
+(S, E, U, VALUES, M, HALF, KEPT, REACH) = range(28, 36)
 # What has become of every row: how it is held, the row itself, its value, how stiff it is.
-(STATE, ROW, VALUE, STIFFNESS) = range(37, 41)
+(STATE, ROW, VALUE, STIFFNESS) = range(36, 40)
 # What every level has reached, and how strongly it was damped, along which directions.
-(POINTS, DAMPED, DIRECTIONS) = range(41, 44)
-PLACES = 44
+(POINTS, DAMPED, DIRECTIONS) = range(40, 43)
+PLACES = 43
 
 
 def shapes(n, levels, m, widest):
     """Shape of every array of work, integers and numbers apart: two dicts by place."""
     ints, wide = {IDS: (widest, 1), STATE: (m, 1)}, max(n, widest)
     reals = {J: (widest, n), G: (widest, n), WANTED: (m, 1), COMBINED: (n, m), MU: (wide, 1), VALUES: (wide, 1)}
-    reals |= dict.fromkeys((BASIS, T, KEPT, SOFTENED), (n, n)) | dict.fromkeys((E, U, M, HALF), (wide, wide))
+    reals |= dict.fromkeys((BASIS, T, KEPT), (n, n)) | dict.fromkeys((E, U, M, HALF), (wide, wide))
     reals |= {ERRORS: (m, 1), REACH: (n, 1), ROW: (m, n), VALUE: (m, 1), STIFFNESS: (m, 1)}
     reals |= {POINTS: (levels, n), DAMPED: (levels, n), DIRECTIONS: (levels * n, n)}
     return ints, reals

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..backends.native import SIGNATURE, Memory, door, make_ready
+from ..certificate import row_states
 from ..guard import Guard
 from ..hierarchy import Hierarchy, Label, Level
 from ..kernels import curved as kernel
@@ -140,7 +141,8 @@ class CurvedSolver:
             self._directories = np.array([memory.address for memory in self._memories], dtype=np.int64)
             self._quickly = address_of(kernel_solver.solve, SIGNATURE)
         self._points = [np.zeros(n) for _ in range(self._levels + 1)]
-        self._plain_directories = [_directory(point) for point in self._points]
+        self._sides = np.zeros(hierarchy.m, dtype=np.int64)
+        self._plain_directories = [_directory(point, self._sides) for point in self._points]
         self._slowly = np.array([directory.ctypes.data for directory in self._plain_directories], dtype=np.int64)
         self._guard, self._failed = Guard("the solver"), dict[int, Solution]()
         self._always = backend, self.settings, self._tell
@@ -185,6 +187,7 @@ class CurvedSolver:
         opened = int(head[at.OPENED])
         if opened == self._levels:
             return self._failed[self._levels]
+        self._failed.pop(self._levels, None)
         last = self._failed[max(self._failed)]
         counts = Counts(*map(sum, zip(*(stage.counts for stage in self._failed.values()), strict=True)))
         solution = self._solution(hierarchy, last.x, counts, opened)
@@ -224,6 +227,7 @@ class CurvedSolver:
         k = int(np.flatnonzero(self._slowly == directory)[0])
         if k == self._levels:
             solution = self._plain.solve(self._hierarchy)
+            self._sides[:] = row_states(self._hierarchy, solution.x, np.zeros(self._hierarchy.n), 1e-9).sides
         else:
             if k not in self._solvers:
                 self._solvers[k] = Solver(self.backend, self.settings)
@@ -253,10 +257,11 @@ class _Address(int):
     kept: Any
 
 
-def _directory(x: Array) -> NDArray[np.int64]:
-    """A directory in which nothing is but x."""
-    directory = np.zeros(plain.HEAD + 3 * (plain.X + 1), dtype=np.int64)
-    directory[plain.HEAD + 3 * plain.X :] = x.ctypes.data, len(x), 1
+def _directory(x: Array, sides: NDArray[np.int64]) -> NDArray[np.int64]:
+    """A directory in which nothing is but x, and the sides of rows."""
+    directory = np.zeros(plain.HEAD + 3 * (plain.SIDE + 1), dtype=np.int64)
+    entries = directory[plain.HEAD :].reshape(-1, 3)
+    entries[plain.X], entries[plain.SIDE] = (x.ctypes.data, len(x), 1), (sides.ctypes.data, len(sides), 1)
     return directory
 
 
