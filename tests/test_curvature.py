@@ -1,6 +1,6 @@
 """The curvature of tasks against differences of what they measure, on arms, humanoids and joints of every kind.
 
-200 states a robot: ``python -m pytest -m sweep -k curvature``.
+100 states a robot: ``python -m pytest -m sweep -k curvature``.
 """
 
 from __future__ import annotations
