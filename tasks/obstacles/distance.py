@@ -134,7 +134,7 @@ class DistanceLimit(Part):
         if tick.order == "step":
             return
         assert tick.envelope is not None
-        rate = tick.envelope.braking_rate(tick)
+        rate = tick.envelope.braking_rate()
         if rate < np.inf and any(obstacle.moves for obstacle in self.pairs.obstacles):
             tell(
                 f"{self.label()}: an obstacle moves, and the joints take up to {1.0 / rate:.3g} s to stop: where it"

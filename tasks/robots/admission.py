@@ -20,7 +20,7 @@ from hqp.errors import brief
 
 from ..base.checks import finite, numbers, position_range
 from . import abilities as able
-from .abilities import Robot, RobotState
+from .abilities import Robot
 from .answers import (
     Quantity,
     abilities,
@@ -32,6 +32,7 @@ from .answers import (
     robot_of,
     state_abilities,
 )
+from .state import RobotState
 
 #: The sizes of bases: mounted, planar, floating.
 BASES = (0, 3, 6)

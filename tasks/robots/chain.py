@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from .robot import Robot
+from .abilities import Robot
 
 #: The place of a joint that does not move a frame.
 APART = -1

@@ -12,7 +12,7 @@ from hqp import InvalidInput
 from ..base.checks import Array
 
 if TYPE_CHECKING:
-    from .abilities import RobotState
+    from .state import RobotState
 
 
 class Kinematics:

@@ -11,7 +11,7 @@ from ..base.checks import Array
 
 if TYPE_CHECKING:
     from ..base.loops import Call
-    from .pinocchio import PinocchioRobot
+    from .pinocchio_model import PinocchioModel
     from .pinocchio_state import PinocchioState
     from .source import Flag
 
@@ -21,12 +21,12 @@ class PinocchioSource:
 
     Parameters
     ----------
-    robot : PinocchioRobot
+    robot : PinocchioModel
     q, v : array, shapes (nq,) and (nv,)
         They hold the state of the tick.
     """
 
-    def __init__(self, robot: PinocchioRobot, q: Array, v: Array) -> None:
+    def __init__(self, robot: PinocchioModel, q: Array, v: Array) -> None:
         self._robot, self._model, self._data = robot, robot.model, robot.data
         self._q, self._v, self._still = q, v, np.zeros(robot.nv)
         self._centre = self._inertia = False
@@ -77,7 +77,7 @@ class PinocchioSource:
         from .kernels.frames import symmetric
 
         self._inertia = True
-        pin.crba(self._model, self._data, self._robot.neutral)
+        pin.crba(self._model, self._data, pin.neutral(self._model))  # which lays out the array
         return Call(symmetric, self._robot.nv, np.asarray(self._data.M), M)
 
     def bias(self, b: Array) -> None:

@@ -12,13 +12,13 @@ from ..base.checks import Array
 from .frame import FixedFrame, without_round_off
 
 if TYPE_CHECKING:
-    from .pinocchio import PinocchioRobot
+    from .pinocchio_model import PinocchioModel
 
 
 class PinocchioState:
     """A robot at one instant; see :class:`tasks.robots.robot.RobotState`."""
 
-    def __init__(self, robot: PinocchioRobot, q: Array, v: Array) -> None:
+    def __init__(self, robot: PinocchioModel, q: Array, v: Array) -> None:
         self.robot, self.q, self.v = robot, q, v
         self._frames: dict[str | None, PinocchioFrame] = {}
 

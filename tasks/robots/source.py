@@ -11,7 +11,7 @@ from ..base.checks import Array
 
 if TYPE_CHECKING:
     from ..base.loops import Call
-    from .abilities import RobotState
+    from .state import RobotState
 
 #: Whether drifts and velocities are asked for, of all frames: one number, 0 or not.
 Flag: TypeAlias = NDArray[np.int64]

@@ -12,10 +12,11 @@ import numpy as np
 from ..base.checks import Array
 from ..robots.robot import Robot, RobotState
 from ..robots.robot import robot_of as owner
-from .part import Tick
+from .site import Site, Workspace
+from .tick import Tick
 
 if TYPE_CHECKING:
-    from .part import Part, Tick
+    from .part import Part
     from .task import Task
 
 
@@ -54,8 +55,6 @@ class _Alone:
     """The loops of one task, in a workspace of their own."""
 
     def __init__(self, task: Task, robot: Robot, drifts: bool) -> None:
-        from .site import Site, Workspace
-
         rows = task.size(robot)
         self._shared = Workspace(robot, "acceleration" if drifts else "velocity", None)
         self._site = Site(self._shared, np.zeros((rows, robot.nv)), *np.zeros((2, rows)))
@@ -138,11 +137,10 @@ def write_alone(part: Part, tick: Tick, A: Array, lower: Array, upper: Array) ->
     lower, upper : array, shape (rows,)
     """
     from ..base.loops import run_all
-    from .site import Site, Workspace
 
     shared = Workspace(tick.robot, tick.order, tick.dt)
     if tick.envelope is not None:
-        shared.envelope, shared.braking[0] = tick.envelope, tick.envelope.braking_rate(tick)
+        shared.envelope, shared.braking[0] = tick.envelope, tick.envelope.braking_rate()
     plan = part.plan(Site(shared, A, lower, upper))
     for move in plan.moves:
         move(tick.t)

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from hqp import Label
 
-if TYPE_CHECKING:
-    from .plan import Plan
+from .plan import Plan
 
 #: Rows whose names are all told; of more, the first and the last.
 FEW = 4

@@ -18,9 +18,10 @@ from ..robots.robot import Robot, RobotState
 from .description import Description, WrittenPart
 from .envelope import Envelope
 from .own_limits import OwnLimits
-from .part import Order, Part, Tick
+from .part import Part
 from .plan import Plan, plan_of
 from .site import Site, Workspace
+from .tick import Order, Tick
 
 if TYPE_CHECKING:
     from .stack import Stack

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from .findings import Finding
+from .finding import Finding
 
 #: Largest tip error [mm] of a path that counts as followed.
 FOLLOWED = 1.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import hqp
 
-from .findings import Finding
+from .finding import Finding
 from .laws import BRAKED, DAMPED, LIMITS, RESTING, STRICT, THESIS, TIP, TIP_HELD, TIP_LIMITS, Law
 from .runs import Job
 from .scenarios import INCLINED, MINUTE, Course, Scenario, scenario
