@@ -1,4 +1,4 @@
-"""Attributes that are set on an object at work: seen by whoever works with it, or refused.
+"""Live attributes: changing one on an object in use takes effect at the next tick, or is refused.
 
 A class derived from :class:`Live` declares its public attributes:
 

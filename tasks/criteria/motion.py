@@ -1,4 +1,4 @@
-r"""As little motion as the levels above permit, by joint or by kinetic energy.
+r"""Secondary criteria: the least motion that the levels above permit, by joint or by kinetic energy.
 
 Whitney (1969) takes, of the motions that meet a task :math:`J x = h`, the one that is least in a norm of weights W,
 
@@ -74,7 +74,7 @@ class _LeastMotion(Part):
 
 
 class MinimumMotionTask(_LeastMotion):
-    """Move each joint as little as possible: least ``sum weight_i^2 x_i^2``. It uses up all freedom left.
+    """Move each joint as little as possible: least ``sum weight_i^2 x_i^2``. Leaves no null space below.
 
     From a posture to which the joints are to come back it is ``PostureTask(posture, gain=K, weight=...)``.
 
@@ -119,7 +119,7 @@ class MinimumMotionTask(_LeastMotion):
 
 
 class KineticEnergyTask(_LeastMotion):
-    """Move with as little kinetic energy as possible: rows ``L^T x``, M = L L^T. It uses up all freedom left.
+    """Move with as little kinetic energy as possible: rows ``L^T x``, M = L L^T. Leaves no null space below.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-r"""As little joint torque as the levels above permit, at acceleration order.
+r"""Secondary criterion: the least joint torque that the levels above permit, at acceleration order.
 
 Hollerbach and Suh (1987) spend the freedom that a task leaves on the torques of the same instant,
 
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 
 class MinimumTorqueTask(Part):
-    """Bring the joint torques to zero, or to the middle of their range. It uses up all freedom left.
+    """Minimise the joint torques, or their distance to the middle of their range; leaves no null space to levels below.
 
     Alone it is unstable on long motions: join it to a :class:`~tasks.MinimumMotionTask` by ``+``.
 

@@ -1,4 +1,4 @@
-"""Joints that move together."""
+"""Task: a linear relation between joint positions."""
 
 from __future__ import annotations
 

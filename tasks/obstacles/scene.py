@@ -1,4 +1,4 @@
-"""Links and obstacles as loops read them: arrays, which those that move are written into at every tick."""
+"""Links and obstacles as arrays for the compiled loops; moving ones are written anew every tick."""
 
 from __future__ import annotations
 

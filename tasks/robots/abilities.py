@@ -1,4 +1,4 @@
-"""What robots can be asked: two protocols that every robot answers, and its abilities, each a protocol of its own.
+"""Protocols of robots: what every robot has, and optional abilities, each a protocol of its own.
 
 A robot has an ability if it has all attributes of the protocol: there is nothing to inherit from, and nothing to
 register. :func:`tasks.robots.admission.as_robot` looks once at what each of them holds; :mod:`tasks.robots.robot` asks.

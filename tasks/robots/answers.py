@@ -1,4 +1,4 @@
-"""What a robot answers: every question once, with what holds for a robot that lacks the ability.
+"""Queries of a robot, each with the default for a robot that lacks the ability.
 
 The only place that asks whether a robot, or a state, has an ability. To ask takes microseconds: what is wanted tick
 after tick is a function that was asked for once, as by :func:`integration` and :func:`joint_reader`.

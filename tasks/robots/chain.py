@@ -1,4 +1,4 @@
-"""Which joint of a chain carries which: what the change of a frame's Jacobian hangs on."""
+"""The order of joints along a kinematic chain, on which the derivative of a Jacobian depends."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which implementation a robot is of, where an algorithm needs the model itself."""
+"""Whether a robot is a Pinocchio robot, for algorithms that need its model."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Frames of a robot of Pinocchio for loops: one pass over its data a tick, and the addresses of what it holds."""
+"""Frames of a Pinocchio robot for compiled loops: one kinematics pass a tick, and the addresses of its results."""
 
 from __future__ import annotations
 

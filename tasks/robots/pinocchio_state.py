@@ -1,4 +1,4 @@
-"""A robot of Pinocchio at one instant, and its frames: each quantity computed when first asked for, and once."""
+"""The state of a Pinocchio robot and its frames; each quantity is computed when first asked for, and once."""
 
 from __future__ import annotations
 

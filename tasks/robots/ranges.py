@@ -1,4 +1,4 @@
-"""The limits of a robot: those of its model, and those given by hand for all of its joints or for some."""
+"""Joint limits of a Pinocchio robot: the model's, and those given for all joints or for some."""
 
 from __future__ import annotations
 

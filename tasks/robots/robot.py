@@ -1,4 +1,4 @@
-"""The door to robots: what they are, what they answer, and what is refused.
+"""The public interface to robots: protocols, queries with defaults, and checks.
 
 =======================  =================================================================
 :mod:`.abilities`        protocols: what every robot has, and what some have

@@ -1,4 +1,4 @@
-"""The range and speed that the joints which follow a joint leave to it."""
+"""The range and speed that mimic joints leave to the joint they follow."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a robot offers to loops: the numbers of its frames, kept up to date tick after tick."""
+"""The protocol by which a robot keeps the numbers of its frames up to date for compiled loops."""
 
 from __future__ import annotations
 

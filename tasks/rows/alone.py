@@ -1,4 +1,4 @@
-"""A part that is at work by itself: for whoever asks what it measures, or for its rows, at some state."""
+"""Evaluates one part by itself, outside a controller: what it measures, or its rows, at one state."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def _numbers(task: Task) -> dict[str, object]:
 
 
 class _Kept(threading.local):
-    """Those that this thread has at work."""
+    """The evaluators of this thread."""
 
     def __init__(self) -> None:
         self.of: WeakKeyDictionary[Task, dict[bool, _Alone]] = WeakKeyDictionary()
@@ -107,7 +107,7 @@ def _at_work(task: Task, robot: Robot, drifts: bool) -> _Alone:
 
 
 class Unknown:
-    """A robot of which its states tell no more than its sizes."""
+    """A stand-in for the robot of a state that does not name its robot: its sizes alone."""
 
     def __init__(self, nq: int, nv: int) -> None:
         self.nq, self.nv = nq, nv

@@ -1,4 +1,4 @@
-r"""A level that is damped without taking freedom from the levels below.
+r"""A damped level that leaves its null space to the levels below.
 
 A damped level minimises, within what the levels above it leave,
 

@@ -1,4 +1,4 @@
-"""Who writes the rows of each part of a stack, and why Python does where it does."""
+"""The table that ``controller.describe()`` prints: which loop writes the rows of each part, or why Python does."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class WrittenPart:
 
 @dataclass(frozen=True)
 class Description:
-    """Who writes the rows of each part of a stack; ``print`` it as a table, or iterate over the parts.
+    """The loops that write each part of a stack; ``print`` it as a table, or iterate over the parts.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-r"""What the joint limits of one stack know of each other, so that none asks for what another forbids.
+r"""The joint limits of one stack reconciled with each other, so that all can be kept at every tick.
 
 Each limit alone bounds x to an interval that is never empty. Two of them may contradict each other: a joint that
 comes too fast cannot keep both its range and its acceleration limit. The limits are therefore taken in an order of
@@ -61,7 +61,7 @@ class Shared(Protocol):
 
 
 class Claim(NamedTuple):
-    """What one limit asks of the joints.
+    """The bounds that one limit puts on the joints.
 
     Attributes
     ----------
@@ -86,7 +86,7 @@ class Claim(NamedTuple):
 
 
 class Envelope:
-    """The joint limits of one stack at work on one robot: a ledger of claims, which one loop writes.
+    """The joint limits of one stack on one robot, reconciled and written by one loop.
 
     Where a stack has a position limit, but none of another kind, the robot's own counts for braking and for
     the way back.

@@ -1,4 +1,4 @@
-r"""A task as an inequality, at any level: stay above, below or within.
+r"""A task as an inequality, at any level: keep its value above, below or within bounds.
 
 The law of a task, :math:`J x = h`, brings its error to zero at the rate K. To keep :math:`e \le e_{max}` the same law
 is asked of :math:`e - e_{max}`, and only where it would grow: as h has K e in it (K^2 e at acceleration order),

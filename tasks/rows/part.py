@@ -1,4 +1,4 @@
-"""What can stand in a stack: tasks and limits, and how they are put in order."""
+"""The base class of tasks and limits: what can be a member of a stack."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the rows of a part are written: by loops, or in Python, and what has to be brought up to date before."""
+"""The plan of a part: the compiled loops or the Python function that write its rows, and what is updated before."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Plan:
-    """How one part writes its rows.
+    """The compiled loops or the Python function that write the rows of one part.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""A stack at work on one robot: the hierarchy, and who writes which of its rows."""
+"""A stack bound to one robot: the hierarchy, and the loops or functions that write its rows every tick."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 class Rows:
-    """A stack at work on one robot.
+    """A stack bound to one robot: fills its hierarchy every tick.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""A part at work: its rows in the hierarchy of one robot, and all that its loops may ask for."""
+"""Where a part writes: its rows in the hierarchy of one robot, and the quantities that all parts of a stack share."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class Workspace:
 
 
 class Site:
-    """A part at work.
+    """Where one part writes its rows, and the quantities that it may read.
 
     Attributes
     ----------

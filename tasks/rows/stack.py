@@ -1,4 +1,4 @@
-"""Tasks and limits in order of priority, and the hierarchy that they write."""
+"""Stacks: tasks and limits in order of priority, and the hierarchy that they write."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One call of a controller as its parts see it, and the words for what it asks of them."""
+"""The state and settings of one call of a controller, as its parts get them; the orders of control."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""The loop closed: controller and robot, tick after tick, and the record of it.
+r"""Closed-loop simulation: controller and robot, tick after tick, and the record of it.
 
 The command holds over the tick and the robot follows it exactly:
 

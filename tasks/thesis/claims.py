@@ -1,4 +1,4 @@
-"""What the text says of its figures: each claim in short, and the law by which a finding is held against it."""
+"""The claims that the thesis makes of its figures, and the criterion that decides each from a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs beside those of the figures, a table each: what hangs on the line and the tick, and what other stacks do."""
+"""Further runs, a table each: the effect of the line, of the tick, and of other stacks."""
 
 from __future__ import annotations
 

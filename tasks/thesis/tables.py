@@ -1,4 +1,4 @@
-"""Claims against findings: a row a claim, to read in a terminal and in claims.md; and every number of every run."""
+"""Tables of claims against results: for the terminal, for claims.md, and of every number of every run."""
 
 from __future__ import annotations
 

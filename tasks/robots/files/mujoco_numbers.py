@@ -1,4 +1,4 @@
-"""MuJoCo's numbers as Pinocchio takes them: poses, quaternions, joints, and random positions of a joint."""
+"""Conversions from MuJoCo to Pinocchio: poses, quaternions and joints; and random joint positions."""
 
 from __future__ import annotations
 

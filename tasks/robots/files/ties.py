@@ -1,4 +1,4 @@
-r"""Joints that a file ties to others: :math:`q = m\, q_{leader} + o`, where the leader may follow another one in turn.
+r"""Mimic joints: :math:`q = m\, q_{leader} + o`, where the leader may follow another joint in turn.
 
 Both move together, so each has to stay in the range of the other as well: the range of the leader is narrowed to what
 all its followers allow, and its speed to what theirs do. A leader that is fixed has the position 0.
