@@ -280,7 +280,7 @@ def reachable(root: object) -> Iterator[Live]:
 
 
 def _kept(value: Any) -> Any:
-    """The value, an array as one that is nobody else's, and that nobody can write into."""
+    """The value; an array as a read-only copy."""
     if isinstance(value, np.ndarray) and (value.flags.writeable or not value.flags.owndata):
         value = value.copy()
         value.flags.writeable = False

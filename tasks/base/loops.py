@@ -30,7 +30,7 @@ Entry: TypeAlias = "int | np.integer[Any] | NDArray[Any] | Table"
 
 
 class Table:
-    """Sizes and addresses that a loop is told of, in one array; whoever has the table keeps what it tells of.
+    """The arguments of a loop, sizes and addresses in one array; the table keeps the arrays alive.
 
     Parameters
     ----------

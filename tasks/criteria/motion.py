@@ -7,7 +7,7 @@ Whitney (1969) takes, of the motions that meet a task :math:`J x = h`, the one t
 and with the mass matrix, :math:`W = M(q)`, the one of least kinetic energy :math:`\tfrac12 \dot q^T M \dot q`. With
 :math:`W = L L^T` it is the last level :math:`L^T x = 0`, as in :func:`hqp.nearest`.
 
-At acceleration order that would leave any speed alone that is in the freedom left: joints once set in motion never
+At acceleration order that would leave any speed alone that is in the null space: joints once set in motion never
 stop. There the rows are :math:`L^T (\ddot q + K \dot q) = 0`, which brake it at the rate K.
 """
 

@@ -14,7 +14,7 @@ a level these are rows :math:`M \ddot q = m - b` of weights 1/h. Below a task :m
     \ddot q_0 = M^{-1} (m - b), \quad W = (M D^2 M)^{-1}, \quad D = \operatorname{diag}(1/h).
 
 What is best at every instant is not best for the motion: torques are saved by letting joints swing, and the speed that
-they gather in the freedom left has to be paid for later, by centripetal torques that grow with its square. On long
+they gather in the null space has to be paid for later, by centripetal torques that grow with its square. On long
 motions the arm whips up and torques *rise* far above those of least accelerations, which is what Hollerbach and Suh
 found. The remedy is a share of least motion on the same level (a balance as of Ma 1996), with a velocity term:
 

@@ -10,6 +10,6 @@ if TYPE_CHECKING:
 
 
 def on_pinocchio(robot: object) -> TypeGuard[PinocchioRobot]:
-    """Whether this is a robot of Pinocchio, and not one of somebody's own that happens to have a model."""
+    """Whether this is a :class:`~tasks.robots.pinocchio.PinocchioRobot`, not a user's class with a `model`."""
     module = sys.modules.get(f"{__package__}.pinocchio")  # there is none without it
     return module is not None and isinstance(robot, module.PinocchioRobot)

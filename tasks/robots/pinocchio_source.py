@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class PinocchioSource:
-    """The data of one robot, computed as far as somebody asks for it; see :class:`tasks.rows.blocks.Source`.
+    """Frames and dynamics of one robot for loops, computed on demand; see :class:`tasks.robots.source.Source`.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ class Links(Protocol):
 
 
 class PlanarSource:
-    """Every frame by a loop over the links; see :class:`tasks.rows.blocks.Source`.
+    """Every frame by a loop over the links; see :class:`tasks.robots.source.Source`.
 
     Parameters
     ----------

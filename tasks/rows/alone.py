@@ -127,7 +127,7 @@ _unknown = lru_cache(maxsize=16)(Unknown)
 
 
 def write_alone(part: Part, tick: Tick, A: Array, lower: Array, upper: Array) -> None:
-    """Write the rows of a part for one tick by its own loops, in a workspace that nobody shares.
+    """Write the rows of a part for one tick by its own loops, in a workspace of its own.
 
     Parameters
     ----------

@@ -126,7 +126,7 @@ class PoseSetpoint:
 
 
 class Watched:
-    """A rotation in time that somebody else computes: what is no rotation becomes NaN, and the tick INVALID.
+    """A rotation trajectory given as a user's function: an invalid rotation becomes NaN, and the tick INVALID.
 
     Parameters
     ----------

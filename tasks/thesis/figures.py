@@ -1,4 +1,4 @@
-"""One picture a figure, a column a law: the arm along its path, and what it takes to get there."""
+"""The full picture of a figure, a column a law: the arm along its path, and panels of phi, speeds, torques, limits."""
 
 from __future__ import annotations
 
