@@ -1,4 +1,4 @@
-"""Joint speeds and task errors of every remedy, beside each other."""
+"""The picture of the singularity benchmark: joint speeds and task errors of every remedy."""
 
 from __future__ import annotations
 
