@@ -11,7 +11,8 @@ import hqp
 from hqp import InvalidInput
 from tasks.thesis import laws
 from tasks.thesis.claims import BOTH, FOLLOWS, MOSTLY, NOT_THROUGHOUT, OVERCOMES, SINGULAR
-from tasks.thesis.findings import Finding, measure, reversals
+from tasks.thesis.finding import Finding
+from tasks.thesis.findings import measure, reversals
 from tasks.thesis.runs import Job, jobs_of, run
 from tasks.thesis.scenarios import SCENARIOS, Course, scenario
 

@@ -1,4 +1,4 @@
-"""Loops: what they are told, by sizes and addresses, and the call that runs one.
+"""Calls of compiled loops: arguments as sizes and addresses in one table.
 
 A loop is a kernel (:func:`hqp.kernels.compile.entry`) of one address, that of a table. It is compiled when it is first
 wanted, and kept on disk; under ``NUMBA_DISABLE_JIT=1`` the interpreter runs it.
@@ -30,7 +30,7 @@ Entry: TypeAlias = "int | np.integer[Any] | NDArray[Any] | Table"
 
 
 class Table:
-    """Sizes and addresses that a loop is told of, in one array; whoever has the table keeps what it tells of.
+    """The arguments of a loop, sizes and addresses in one array; the table keeps the arrays alive.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""One call a tick: robot state in, motion out."""
+"""The controller: robot state in, joint velocities, accelerations or torques out, one call a tick."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""A task that slows down where its manipulability is small, instead of a Jacobian that is damped.
+r"""Task reconstruction: a task is slowed down where its manipulability is small; an alternative to damping.
 
 After Kim, Marani, Chung and Yuh, Task reconstruction method for real-time singularity avoidance for robotic
 manipulators (Advanced Robotics, 2006), with a share of its own. Let

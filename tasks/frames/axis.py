@@ -1,4 +1,4 @@
-r"""Which way an axis of a frame points, while the frame may turn about it.
+r"""Task: the direction of one axis of a frame; the rotation about that axis stays free.
 
 With the axis a and the wanted direction d, unit vectors in the world, the shortest turn from a to d is
 :math:`\vartheta` about :math:`a \times d`. It has no part along a: two rows, U, perpendicular to the axis in the frame

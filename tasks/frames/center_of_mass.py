@@ -1,4 +1,4 @@
-"""Where the weight is."""
+"""Task: the position of the centre of mass."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""A frame brought to a place: the law of position, orientation and pose.
+r"""The base class of position, orientation and pose tasks: a frame is driven to a target pose.
 
 In the axes of the world, with the frame at p, R and its target at :math:`p^d, R^d`,
 
@@ -44,7 +44,7 @@ Mask = str | Sequence[bool]
 
 
 class PlaceTask(FrameTask, LoopTask):
-    """Base of the tasks that bring a frame to a place.
+    """Base of position, orientation and pose tasks.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How far a frame is in front of a plane."""
+"""Task: the signed distance of a frame from a plane."""
 
 from __future__ import annotations
 

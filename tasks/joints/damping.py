@@ -1,4 +1,4 @@
-r"""Stillness as a wish of a level: damped least squares.
+r"""Damped least squares as rows: small x as a competing task on the same level.
 
 Beside a task :math:`J x = h` on the same level, rows :math:`\lambda x = 0` make that level minimise
 
@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 
 
 class Damping(Part):
-    """Keep the command itself small: rows ``x = 0`` in every joint, joined to a task by ``+``.
+    """Damped least squares: rows ``x = 0`` in every joint, joined to a task by ``+``.
 
     ``OrientationTask(0.0, gain=2.0) + Damping(0.1)`` damps the orientation and nothing above it. The
-    rows take up all freedom that is left, so that nothing below them can be met: damp the last level.
+    rows leave no null space, so that nothing below them can be met: damp the last level.
 
     Parameters
     ----------

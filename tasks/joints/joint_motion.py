@@ -1,4 +1,4 @@
-r"""The motion that a task would make alone, as a task in joint space.
+r"""The joint motion that solves a task alone, tracked as a task in joint space.
 
 The thesis's law, Eq. 4.8,
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 class JointMotion(Part):
-    """Follow, joint by joint, what `task` would do alone: rows ``x = J# h``.
+    """Track, joint by joint, the motion that solves `task` alone: rows ``x = J# h``.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Which joint of a chain carries which: what the change of a frame's Jacobian hangs on."""
+"""The order of joints along a kinematic chain, on which the derivative of a Jacobian depends."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from .robot import Robot
+from .abilities import Robot
 
 #: The place of a joint that does not move a frame.
 APART = -1

@@ -1,4 +1,4 @@
-"""What a robot offers to loops: the numbers of its frames, kept up to date tick after tick."""
+"""The protocol by which a robot keeps the numbers of its frames up to date for compiled loops."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..base.checks import Array
 
 if TYPE_CHECKING:
     from ..base.loops import Call
-    from .abilities import RobotState
+    from .state import RobotState
 
 #: Whether drifts and velocities are asked for, of all frames: one number, 0 or not.
 Flag: TypeAlias = NDArray[np.int64]

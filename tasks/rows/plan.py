@@ -1,11 +1,11 @@
-"""How the rows of a part are written: by loops, or in Python, and what has to be brought up to date before."""
+"""The plan of a part: the compiled loops or the Python function that write its rows, and what is updated before."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,16 +14,16 @@ from hqp import InvalidInput
 
 from ..base.checks import Array, numbers, per_row
 from ..base.once import once
+from .site import Site
+from .tick import Tick
 
 if TYPE_CHECKING:
     from ..base.loops import Call
-    from .part import Part, Tick
-    from .site import Site
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How one part writes its rows.
+    """The compiled loops or the Python function that write the rows of one part.
 
     Attributes
     ----------
@@ -67,14 +67,25 @@ class Plan:
         return total
 
 
-def plan_of(part: Part, site: Site) -> Plan:
+class Planned(Protocol):
+    """A part as far as its plan goes; see :class:`tasks.rows.part.Part`."""
+
+    @property
+    def says(self) -> tuple[str, ...]: ...
+
+    def plan(self, site: Site) -> Plan: ...
+
+    def python_plan(self, site: Site) -> Plan: ...
+
+
+def plan_of(part: Planned, site: Site) -> Plan:
     """How a part writes its rows here: by the plan of its class, unless a subclass says what that cannot know."""
     own = overridden(type(part), part.says)
     return part.plan(site) if own is None else replace(part.python_plan(site), why=own)
 
 
 @once
-def overridden(kind: type[Part], says: tuple[str, ...], knows: str = "plan") -> str | None:
+def overridden(kind: type, says: tuple[str, ...], knows: str = "plan") -> str | None:
     """What a subclass says in Python, below the class that has the plan; None where the plan is right for it too.
 
     So it is of any other method that `knows` what is said in Python.

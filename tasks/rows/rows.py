@@ -1,4 +1,4 @@
-"""A stack at work on one robot: the hierarchy, and who writes which of its rows."""
+"""A stack bound to one robot: the hierarchy, and the loops or functions that write its rows every tick."""
 
 from __future__ import annotations
 
@@ -18,16 +18,17 @@ from ..robots.robot import Robot, RobotState
 from .description import Description, WrittenPart
 from .envelope import Envelope
 from .own_limits import OwnLimits
-from .part import Order, Part, Tick
+from .part import Part
 from .plan import Plan, plan_of
 from .site import Site, Workspace
+from .tick import Order, Tick
 
 if TYPE_CHECKING:
     from .stack import Stack
 
 
 class Rows:
-    """A stack at work on one robot.
+    """A stack bound to one robot: fills its hierarchy every tick.
 
     Attributes
     ----------

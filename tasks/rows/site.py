@@ -1,9 +1,9 @@
-"""A part at work: its rows in the hierarchy of one robot, and all that its loops may ask for."""
+"""Where a part writes: its rows in the hierarchy of one robot, and the quantities that all parts of a stack share."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -15,16 +15,30 @@ from ..robots.source import Source
 from ..targets.turns import stands_still
 from .blocks import Blocks, StateSource
 from .envelope import Envelope
+from .tick import Order
 
 if TYPE_CHECKING:
     from ..base.loops import Call, Table
-    from .part import Order
-    from .task import Task
 
 #: Brings a target up to date, by the time [s].
 Move = Callable[[float], None]
 #: What is measured of every row of a task: see :mod:`tasks.rows.kernels.law`.
 KINDS = 5
+
+
+class Governed(Protocol):
+    """The parameters of the law of a task; see :class:`tasks.rows.task.Task`."""
+
+    @property
+    def gain(self) -> Array: ...
+
+    @property
+    def damping_ratio(self) -> float: ...
+
+    @property
+    def plain(self) -> bool: ...
+
+    def label(self) -> str: ...
 
 
 class Workspace:
@@ -95,7 +109,7 @@ class Workspace:
 
 
 class Site:
-    """A part at work.
+    """Where one part writes its rows, and the quantities that it may read.
 
     Attributes
     ----------
@@ -143,7 +157,7 @@ class Site:
             self.shared.blocks.drifts[0] = 1
         return self.shared.blocks.center_of_mass(relative_to)
 
-    def law(self, task: Task) -> Table:
+    def law(self, task: Governed) -> Table:
         """What the law of a task is told of; see :mod:`tasks.rows.kernels.law`."""
         from ..base.loops import Table
         from .kernels import law as of

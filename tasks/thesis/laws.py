@@ -15,7 +15,7 @@ r"""Four laws for position prior to orientation, each a stack.
     the joints off their limits, but does not end their swinging: in 4.3 they turn back 14 times, with it and without.
 
 Without task priority (even figures) the second level is left out. Eq. 4.8 and the strict stack are
-then the same, :math:`\ddot\theta = J_1^\# h_1`. Under joint limits the freedom that is left goes to
+then the same, :math:`\ddot\theta = J_1^\# h_1`. Under joint limits the null space is used for
 manipulability (section 2.2): an arm that leaves it alone can be led to a singularity, and limits that
 hold it there take the tip off its path (by 32 mm in 4.26).
 

@@ -1,4 +1,4 @@
-"""Runs beside those of the figures, a table each: what hangs on the line and the tick, and what other stacks do."""
+"""Further runs, a table each: the effect of the line, of the tick, and of other stacks."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import hqp
 
-from .findings import Finding
+from .finding import Finding
 from .laws import BRAKED, DAMPED, LIMITS, RESTING, STRICT, THESIS, TIP, TIP_HELD, TIP_LIMITS, Law
 from .runs import Job
 from .scenarios import INCLINED, MINUTE, Course, Scenario, scenario

@@ -1,4 +1,4 @@
-"""Many loops by one call: from Python each would cost more than most of them take."""
+"""Runs many loops by one call: from Python each call would cost more than most loops take."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""What tasks of the joints measure: how far they are from where they are to be.
+r"""Error and Jacobian of tasks of the joints: postures and couplings.
 
 A *posture* has one row a joint, of the identity, and by its joint's kind
 
