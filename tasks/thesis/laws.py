@@ -12,7 +12,7 @@ r"""Four laws for position prior to orientation, each a stack.
     loss of reach it is bang-bang.
 ``damped``
     The same with damping on the level of the orientation, :math:`\lambda (\ddot\theta + c_1 \dot\theta) = 0` beside
-    the task. It keeps the joints off their limits and ends their swinging: in 4.3 one turns back 4 times, without it 14.
+    the task. It keeps the joints off their limits and ends their swinging: in 4.3 one turns back 4 times instead of 14.
 
 Without task priority (even figures) the second level is left out. Eq. 4.8 and the strict stack are
 then the same, :math:`\ddot\theta = J_1^\# h_1`. Under joint limits the freedom that is left goes to
