@@ -294,7 +294,7 @@ class Controller(Live, Generic[V, A, T]):
         return self._rows.hierarchy
 
     @property
-    def aims(self) -> Mapping[int, Array]:
+    def aims(self) -> Mapping[int | str, Array]:
         """What damped levels were damped towards at the last tick (views), by level; those without are zero."""
         return self._rows.aims or {}
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -54,7 +54,8 @@ class Rows:
         self._names = [_row_names(part, robot, order) for part in stack]
         self._rates = np.zeros(len(stack))
         braked = [k for k, rule in enumerate(stack.damping) if rule is not None and order == "acceleration"]
-        self.aims = {k: np.zeros(robot.nv) for k in braked} or None
+        self._aims = {k: np.zeros(robot.nv) for k in braked}
+        self.aims: Mapping[int | str, Array] | None = dict(self._aims) or None
         self._take_up()
         if isinstance(robot, Live):
             watch_alone(robot, self)
@@ -136,13 +137,13 @@ class Rows:
 
     def _aiming(self) -> list[Call]:
         """What keeps the aims of damped levels up to date."""
-        if self.aims is None:
+        if not self._aims:
             return []
         from ..base.loops import Call
         from ..joints.kernels.joints import write_damping
 
         n, v, rates = self._shared.n, self._shared.v, self._rates
-        return [Call(write_damping, n, rates[k : k + 1], v, aim, aim) for k, aim in self.aims.items()]
+        return [Call(write_damping, n, rates[k : k + 1], v, aim, aim) for k, aim in self._aims.items()]
 
     @property
     def envelope(self) -> Envelope:
