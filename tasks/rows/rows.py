@@ -53,9 +53,8 @@ class Rows:
         self._own_limits = None if isinstance(robot, Live) else OwnLimits(robot)
         self._names = [_row_names(part, robot, order) for part in stack]
         self._rates = np.zeros(len(stack))
-        braked = [k for k, rule in enumerate(stack.damping) if rule is not None and order == "acceleration"]
-        self._aims = {k: np.zeros(robot.nv) for k in braked}
-        self.aims: Mapping[int | str, Array] | None = dict(self._aims) or None
+        self._braked = [k for k, rule in enumerate(stack.damping) if rule is not None and order == "acceleration"]
+        self.aims: Mapping[int | str, Array] | None = {k: np.zeros(robot.nv) for k in self._braked} or None
         self._take_up()
         if isinstance(robot, Live):
             watch_alone(robot, self)
@@ -137,13 +136,13 @@ class Rows:
 
     def _aiming(self) -> list[Call]:
         """What keeps the aims of damped levels up to date."""
-        if not self._aims:
+        if self.aims is None:
             return []
         from ..base.loops import Call
         from ..joints.kernels.joints import write_damping
 
         n, v, rates = self._shared.n, self._shared.v, self._rates
-        return [Call(write_damping, n, rates[k : k + 1], v, aim, aim) for k, aim in self._aims.items()]
+        return [Call(write_damping, n, rates[k : k + 1], v, self.aims[k], self.aims[k]) for k in self._braked]
 
     @property
     def envelope(self) -> Envelope:
