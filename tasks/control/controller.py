@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import isfinite
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, get_args, overload
@@ -106,7 +106,7 @@ class _Left:
         self.stack, self._rows, self._solver, self.before = stack, rows, solver, before
 
     def __call__(self, state: RobotState, t: float) -> tuple[Array, bool]:
-        solution = self._solver.solve(self._rows.fill(state, t))
+        solution = self._solver.solve(self._rows.fill(state, t), aims=self._rows.aims)
         if self.before is None or not solution.ok:
             return solution.x, solution.ok
         return self.before.blend(state, t, solution.x)[0], True
@@ -294,6 +294,11 @@ class Controller(Live, Generic[V, A, T]):
         """The rows of the last tick (views: the next call refills them)."""
         return self._rows.hierarchy
 
+    @property
+    def aims(self) -> Mapping[int | str, Array]:
+        """What damped levels were damped towards at the last tick (views), by level; those without are zero."""
+        return self._rows.aims or {}
+
     def __call__(self, q: ArrayLike, v: ArrayLike, t: float = 0.0) -> Step[V, A, T]:
         """The motion for this tick.
 
@@ -435,7 +440,9 @@ class Controller(Live, Generic[V, A, T]):
     def _solve(self, state: RobotState, time: float, fault: str | None) -> Solution:
         if fault is None and isfinite(time):
             self._rows.fill(state, time)
-            return self._solver.solve(self.hierarchy, state.v) if type(self._solver) is not Solver else self._solver.solve(self.hierarchy)
+            if self._damping is not None and not any(self.stack.damping):
+                return self._solver.solve(self.hierarchy, state.v)
+            return self._solver.solve(self.hierarchy, aims=self._rows.aims)
         self.hierarchy.lower.fill(np.nan)  # no task is asked, and no bound left that could be met
         solution, message = self._solver.solve(self.hierarchy), fault or f"t = {time} s must be finite"
         return replace(solution, message=message)

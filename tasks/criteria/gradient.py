@@ -77,6 +77,10 @@ class GradientTask(Part):
         """K [1/s]."""
         return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
 
+    def decay_rate(self) -> float:
+        """K: its law slows a speed at the rate 2 K."""
+        return float(self.gain)
+
     @number
     def weight(self, value: ArrayLike) -> Array:
         """Weight of the rows inside their level, shape () or (rows,)."""

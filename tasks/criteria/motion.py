@@ -55,6 +55,10 @@ class _LeastMotion(Part):
                 " braked that nothing above asks for"
             )
 
+    def decay_rate(self) -> float:
+        """K / 2: its law slows a speed at the rate K."""
+        return 0.5 * (self.gain or 0.0)
+
     def _wanted(self, tick: Tick) -> Array:
         """The x that would be best, shape (nv,)."""
         if tick.order != "acceleration" or self.gain is None:

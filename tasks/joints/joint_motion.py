@@ -71,6 +71,10 @@ class JointMotion(Part):
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.task.check(robot, order, dt)
 
+    def decay_rate(self) -> float:
+        """That of the task."""
+        return self.task.decay_rate()
+
     def error(self, state: RobotState, t: float) -> Array:
         """The error of the task itself, shape (rows of the task,)."""
         return self.task.error(state, t)

@@ -84,6 +84,10 @@ class Inequality(Part):
     def size(self, robot: Robot) -> int:
         return self.task.size(robot)
 
+    def decay_rate(self) -> float:
+        """That of the task."""
+        return self.task.decay_rate()
+
     def variables(self, robot: Robot) -> NDArray[np.intp]:
         return self.task.variables(robot)
 

@@ -95,6 +95,13 @@ class Part(Live):
         InvalidInput
         """
 
+    def decay_rate(self) -> float:
+        """The ``zeta K`` [1/s] of its law, half the rate at which that slows a speed; 0 if it asks for no motion.
+
+        At acceleration order what is damped beside it, or with it, is damped towards ``-2 zeta K v``.
+        """
+        return 0.0
+
     def claim(self, site: Site) -> None:
         """Tell the envelope, where it is at work, how it limits the joints; before any part is planned."""
 

@@ -123,10 +123,15 @@ class Site:
         Whether the task only bounds.
     off : list of (array, array, array)
         Of those who follow the law: the error, and how far from it below and above a task may be, shape (rows,) each.
+    rate : array, shape (1,)
+        The largest :meth:`tasks.Part.decay_rate` on its level [1/s], at acceleration order; else 0.
     """
 
-    def __init__(self, shared: Workspace, A: Array | None, lower: Array, upper: Array) -> None:
+    def __init__(
+        self, shared: Workspace, A: Array | None, lower: Array, upper: Array, rate: Array | None = None
+    ) -> None:
         self.shared, self.A, self.lower, self.upper = shared, A, lower, upper
+        self.rate: Array = np.zeros(1) if rate is None else rate
         self.rows = len(lower)
         self.below: Array = np.zeros(())
         self.above: Array = np.zeros(())
@@ -141,7 +146,7 @@ class Site:
 
     def within(self, below: Array, above: Array) -> Site:
         """The same rows as an inequality: the error between -above and -below."""
-        site = Site(self.shared, self.A, self.lower, self.upper)
+        site = Site(self.shared, self.A, self.lower, self.upper, self.rate)
         site.below, site.above, site.bounds, site.off = below, above, True, self.off
         return site
 

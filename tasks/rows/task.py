@@ -109,6 +109,10 @@ class Task(Part):
         """``Jdot v``, shape (rows,); needed at acceleration order where the Jacobian changes."""
         return 0.0
 
+    def decay_rate(self) -> float:
+        """``zeta K`` [1/s] of its fastest row."""
+        return self.damping_ratio * float(self.gain.max())
+
     def feedforward(self, t: float) -> tuple[Array | float, Array | float]:
         """Velocity and acceleration of the desired value at time t [s]; zero for one that stands still."""
         return 0.0, 0.0

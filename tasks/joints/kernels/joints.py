@@ -87,11 +87,11 @@ def write_coupling(here):
 
 @stamp
 @entry
-def write_rest(here):
-    """Rows that ask for nothing but stillness: how many, and their bounds."""
-    told = ints(here, 0, 3)
-    rows = told[0]
-    lower, upper = floats(told[1], 0, rows), floats(told[2], 0, rows)
+def write_damping(here):
+    """What the joints are damped towards, -2 r v: how many, the rate r [1/s], v, and where it goes, twice."""
+    told = ints(here, 0, 5)
+    rows, rate = told[0], floats(told[1], 0, 1)[0]
+    v, lower, upper = floats(told[2], 0, rows), floats(told[3], 0, rows), floats(told[4], 0, rows)
     for r in range(rows):
-        lower[r] = upper[r] = 0.0
+        lower[r] = upper[r] = -2.0 * rate * v[r] if rate > 0.0 else 0.0
     return 0
