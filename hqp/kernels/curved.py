@@ -38,7 +38,7 @@ VIOLATED = 1e-9
 def set_aside(here, i, row, own, d):
     """Hold one more row below: `row` is what of it is along Z, `own` itself. Of Z one direction less is left."""
     n, basis, T = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), matrix(here, at.T)
-    size, end, reach = length(row, d), basis[d - 1], vector(here, at.REACH)
+    size, reach = length(row, d), vector(here, at.REACH)
     # The reflection that brings the last direction to where the row is, I - 2 u u' / |u|^2.
     sign = -1.0 if row[d - 1] > 0.0 else 1.0
     for j in range(n):
@@ -88,7 +88,7 @@ def hold(here, i, r, d):
 @inner
 def freeze(here, k, count, d, x):
     """What of level k is held, or soft, below it, where x is its answer: how many directions are left."""
-    head, ptr, ids, state = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.IDS), marks(here, at.STATE)
+    head, ids, state = ints(here, 0, plain.HEAD), marks(here, at.IDS), marks(here, at.STATE)
     n, lower, upper = head[plain.N], vector(here, plain.LOWER), vector(here, plain.UPPER)
     weights, value_of, rows = vector(here, plain.WEIGHTS), vector(here, at.VALUE), matrix(here, at.ROW)
     J, mixed = matrix(here, at.J), False
@@ -148,9 +148,9 @@ def soften(here, count, d, x):
     head, ids, state = ints(here, 0, plain.HEAD), marks(here, at.IDS), marks(here, at.STATE)
     n, m, weights = head[plain.N], head[plain.ROWS], vector(here, plain.WEIGHTS)
     reached, rows, stiffness = vector(here, at.VALUE), matrix(here, at.ROW), vector(here, at.STIFFNESS)
-    J, G, left = matrix(here, at.J), matrix(here, at.G), vector(here, at.MU)
+    J, left = matrix(here, at.J), vector(here, at.MU)
     shares_met(here, count, d)
-    Q, shares, basis, had = matrix(here, at.U), vector(here, at.VALUES), matrix(here, at.BASIS), d
+    Q, shares, basis = matrix(here, at.U), vector(here, at.VALUES), matrix(here, at.BASIS)
     for r in range(count):
         i, q, row, value = ids[r], Q[r], rows[ids[r]], 0.0
         for j in range(n):
@@ -378,10 +378,10 @@ def at_limits(here):
     """Whether the strict answer is at a bound of the levels above those that are curved."""
     head, lower, upper = ints(here, 0, plain.HEAD), vector(here, plain.LOWER), vector(here, plain.UPPER)
     side = marks(marks(here, at.DIRECTORIES)[head[plain.LEVELS]], plain.SIDE)
+    some = False
     for i in range(marks(here, plain.PTR)[head[at.TOP]]):
-        if side[i] != INACTIVE and lower[i] != upper[i]:
-            return True
-    return False
+        some = some or (side[i] != INACTIVE and lower[i] != upper[i])
+    return some
 
 
 @inner
@@ -394,9 +394,8 @@ def solve_all(here, numbers):
     if outcome != OPTIMAL or head[at.OPENED] < levels:
         return outcome
     outcome = called_on(head[at.SOLVE], marks(here, at.DIRECTORIES)[levels], numbers)
-    if outcome == OPTIMAL and vector(here, at.LAST)[0] == vector(here, at.LAST)[0]:
-        if at_limits(here):
-            return solve_stages(here, head[at.TOP])
+    if outcome == OPTIMAL and vector(here, at.LAST)[0] == vector(here, at.LAST)[0] and at_limits(here):
+        return solve_stages(here, head[at.TOP])
     return outcome
 
 

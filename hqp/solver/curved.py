@@ -124,7 +124,8 @@ class CurvedSolver:
         self._plain = Solver(backend, self.settings)
         self._levels = len(hierarchy.levels)
         self._stages = [
-            _stage(hierarchy, k, linearisation.curved) if curved else None for k, curved in enumerate(linearisation.curved)
+            _stage(hierarchy, k, linearisation.curved) if curved else None
+            for k, curved in enumerate(linearisation.curved)
         ]
         make_ready(kernel.solve_curved, WHAT)
         self._hierarchy = hierarchy
@@ -215,12 +216,18 @@ class CurvedSolver:
             assert stage is not None
             told.append(
                 Solution(
-                    reached[k], Status.OPTIMAL, self.backend, stage.with_numbers(numbers), zero, self.settings, staged=None
+                    reached[k],
+                    Status.OPTIMAL,
+                    self.backend,
+                    stage.with_numbers(numbers),
+                    zero,
+                    self.settings,
+                    staged=None,
                 )
             )
         dampings = {k: float(np.sqrt(damped[k].max())) for k, _ in stages}
         once = partial(_solve_once, self.backend, self.settings)
-        return Stages(tuple(told), dampings, {k: zero for k in dampings}, told[-1].hierarchy, once)
+        return Stages(tuple(told), dampings, dict.fromkeys(dampings, zero), told[-1].hierarchy, once)
 
     def _answer_stage(self, directory: int, numbers: int) -> int:
         """Solve the stage of this directory by the backend: an outcome."""
@@ -248,7 +255,7 @@ def _asked(answer: Callable[[int, int], int]) -> Any:
         KNOWN.append(answer)
         return len(KNOWN) - 1
     callback = _CALLBACK(answer)
-    address = _Address(ctypes.cast(callback, ctypes.c_void_p).value)
+    address = _Address(ctypes.cast(callback, ctypes.c_void_p).value or 0)
     address.kept = callback
     return address
 
@@ -269,7 +276,7 @@ def _stage(hierarchy: Hierarchy, k: int, curved: Sequence[bool]) -> Hierarchy:
     """The hierarchy of the stage of level k, without numbers."""
     n, levels = hierarchy.n, list[Level]()
     for j, level in enumerate(hierarchy.levels[: k + 1]):
-        m, labels = len(level), [hierarchy.label_of(row) for row in range(*hierarchy.pointers[j : j + 2])]
+        labels = [hierarchy.label_of(row) for row in range(*hierarchy.pointers[j : j + 2])]
         if j < k and not curved[j]:
             levels.append(level)
             continue
@@ -326,12 +333,18 @@ class Work:
         made[at.S] = linearisation.curvature
         directory = np.zeros(plain.HEAD + 3 * at.PLACES, dtype=np.int64)
         directory[[plain.N, plain.LEVELS, plain.ROWS, at.MEASURES, at.TOP]] = (
-            n, levels, m, len(measured), next((k for k, curved in enumerate(linearisation.curved) if curved), levels),
+            n,
+            levels,
+            m,
+            len(measured),
+            next((k for k, curved in enumerate(linearisation.curved) if curved), levels),
         )
         entries = directory[plain.HEAD :].reshape(-1, 3)
         for place, array in made.items():
             entries[place] = array.ctypes.data, len(array), 1 if array.ndim == 1 else array.shape[1]
-        for place, shape in zip((plain.A, plain.LOWER, plain.UPPER, plain.WEIGHTS), ((len(hierarchy.A), n), *[(m, 1)] * 3), strict=True):
+        for place, shape in zip(
+            (plain.A, plain.LOWER, plain.UPPER, plain.WEIGHTS), ((len(hierarchy.A), n), *[(m, 1)] * 3), strict=True
+        ):
             entries[place, 1:] = shape
         self._kept, self._directory = (made, linearisation), directory
         self.head, self.address = directory[: plain.HEAD], int(directory.ctypes.data)

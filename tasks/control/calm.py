@@ -42,13 +42,23 @@ def linearised(rows: Rows, dt: float | None, order: str, rules: Sequence[Damping
     first = min((k for k, _, part, _, _ in work if not part.is_limit), default=levels)
     curved = tuple(k >= first for k in range(levels))
     shares = np.where(gains > 0.0, gains * (dt or 0.0), 1.0)
-    return Linearisation(curved, errors, contractions, S, shares, np.zeros((levels, n)), np.full(n, np.nan), (tables, work))
+    return Linearisation(
+        curved, errors, contractions, S, shares, np.zeros((levels, n)), np.full(n, np.nan), (tables, work)
+    )
 
 
 class CalmSolver:
     """Solves the rows of a stack, damped where they mislead."""
 
-    def __init__(self, rows: Rows, dt: float | None, order: str, rules: Sequence[DampingRule | None], backend: str, settings: Settings | None) -> None:
+    def __init__(
+        self,
+        rows: Rows,
+        dt: float | None,
+        order: str,
+        rules: Sequence[DampingRule | None],
+        backend: str,
+        settings: Settings | None,
+    ) -> None:
         self._rows, self._told = rows, (dt, order, rules)
         self._solver = CurvedSolver(rows.hierarchy, linearised(rows, *self._told), backend, settings)
         self._planned, self.backend = rows.planned, backend

@@ -217,7 +217,7 @@ class Controller(Live, Generic[V, A, T]):
         backend: str = hqp.DEFAULT_BACKEND,
         settings: Settings | None = None,
         torque: bool = False,
-        damping: str | None = "curvature",
+        damping: str | None = None,
     ) -> None:
         one_of(order, get_args(Command), "order")
         self.robot = as_robot(robot)

@@ -65,8 +65,8 @@ class Damping(Part):
     def plan(self, site: Site) -> Plan:
         """The bounds; the rows are those of the identity from the start."""
         from ..base.loops import Call
+        from ..rows.kernels.braking import write_damping
         from ..rows.plan import Plan
-        from .kernels.joints import write_damping
 
         return Plan((Call(write_damping, site.rows, site.rate, site.shared.v, site.lower, site.upper),))
 

@@ -146,7 +146,7 @@ class Rows:
         if self.aims is None:
             return []
         from ..base.loops import Call
-        from ..joints.kernels.joints import write_damping
+        from .kernels.braking import write_damping
 
         n, v, rates = self._shared.n, self._shared.v, self._rates
         return [Call(write_damping, n, rates[k : k + 1], v, self.aims[k], self.aims[k]) for k in self._braked]
@@ -157,7 +157,7 @@ class Rows:
 
     @property
     def work(self) -> list[tuple[int, int, Part, Plan, Site]]:
-        """Of every part, from the highest level down: its level, its first row, itself, its plan, and where it works."""
+        """Of every part, from the highest level down: level, first row, the part, its plan, and where it works."""
         levels = [k for k, parts in enumerate(self._stack.levels) for _ in parts]
         first = np.cumsum([0, *(site.rows for _, site in self._views)])
         plans = (plan for _, plan in self.plans)
