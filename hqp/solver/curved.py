@@ -204,12 +204,12 @@ class CurvedSolver:
         fields["_noted"] = hierarchy, hierarchy.numbers.copy(), np.zeros(hierarchy.n), self._always
         if opened < self._levels:
             stages = [(k, stage.numbers.copy()) for k, stage in enumerate(self._stages) if stage and k >= opened]
-            fields["_points"] = stages, self._work.points.copy(), self._work.damped.copy()
+            fields["_points"] = stages, self._work.points.copy(), self._work.strengths.copy()
         return solution
 
     def _tell(self, solution: Solution, points: Any, aims: Any = None) -> Stages:
         """The stages of an answer."""
-        stages, reached, damped = points
+        stages, reached, strengths = points
         zero, told = np.zeros(solution.hierarchy.n), list[Solution]()
         for k, numbers in stages:
             stage = self._stages[k]
@@ -225,7 +225,7 @@ class CurvedSolver:
                     staged=None,
                 )
             )
-        dampings = {k: float(np.sqrt(damped[k].max())) for k, _ in stages}
+        dampings = {k: float(strengths[k, 0]) for k, _ in stages}
         once = partial(_solve_once, self.backend, self.settings)
         return Stages(tuple(told), dampings, dict.fromkeys(dampings, zero), told[-1].hierarchy, once)
 
@@ -349,4 +349,4 @@ class Work:
         self._kept, self._directory = (made, linearisation), directory
         self.head, self.address = directory[: plain.HEAD], int(directory.ctypes.data)
         self.points: Array = made[at.POINTS]
-        self.damped: Array = made[at.DAMPED]
+        self.strengths: Array = made[at.STRENGTHS]
