@@ -12,12 +12,12 @@ import math
 from . import curved_layout as at
 from . import layout as plain
 from .active_set import OPTIMAL
-from .bend import bend, gather, measure, norm_of, project, stack_above
+from .bend import bend, gather, measure, norm_of, project, quiet, stack_above
 from .call import called_on
 from .compile import entry, inner, integer, stamp
 from .memory import floats, given, ints, marks, matrix, vector
 from .orthogonal import length
-from .rows import INACTIVE
+from .solver import SUSPECT
 from .symmetric import cholesky, eigen
 
 #: Soft rows are so stiff against the levels below where they are met as well as missed; stiffer ones are held.
@@ -27,6 +27,8 @@ STIFF, STIFFEST = 15.0, 1e4
 LEAN, LEAN_BELOW = 0.0316, 0.8
 #: A combination of rows that is so much shorter is none; and what is added to a matrix that has to be definite.
 NONE, REGULAR = 1e-9, 1e-12
+#: A bound counts from so much of the room on.
+NEAR = 0.05
 #: A row further from its bounds than this, relative to both, is violated.
 VIOLATED = 1e-9
 
@@ -197,8 +199,9 @@ def soften(here, count, d, x, size):
         reach, _ = along(here, row, d, left)
         if d == 0 or not reach > 0.0:
             continue
-        if soft[r] * STIFFEST > STIFF:
-            state[i], stiffness[i] = at.SOFT, STIFF / (soft[r] * reach)
+        stiff = vector(here, at.TUNING)[0] / vector(here, at.SHARES)[ints(here, 0, plain.HEAD)[at.TOP]]
+        if soft[r] * STIFFEST > stiff:
+            state[i], stiffness[i] = at.SOFT, stiff / (soft[r] * reach)
         else:
             state[i] = at.HELD
             set_aside(here, left, d)
@@ -359,29 +362,37 @@ def solve_stage(here, k, d, size, lean):
 
 
 @inner
-def solve_stages(here, forced):
-    """The stages from the first level on that is damped, or that is forced to be: the outcome of the last."""
-    head, strengths = ints(here, 0, plain.HEAD), vector(here, at.STRENGTHS)
-    d, levels, curved, J = head[plain.N], head[plain.LEVELS], marks(here, at.CURVED), matrix(here, at.J)
-    outcome, opened, above, damped = integer(OPTIMAL), False, integer(0), 0.0
+def solve_stages(here, gate):
+    """The stages from the first level on that is damped, or leans: the outcome of the last."""
+    head, strengths, J = ints(here, 0, plain.HEAD), vector(here, at.STRENGTHS), matrix(here, at.J)
+    d, levels, tune = head[plain.N], head[plain.LEVELS], vector(here, at.TUNING)
+    outcome, opened, above, damped, first = integer(OPTIMAL), False, integer(0), 0.0, True
     head[at.OPENED] = levels
     begin(here)
     for k in range(head[at.TOP], levels):
         strengths[k] = 0.0
         count = gather(here, k)
-        least, size = project(here, count, d), 0.0
+        least, size, before = project(here, count, d), 0.0, gate
         if opened:
-            least, size = 0.0, norm_of(here, count)
+            size = norm_of(here, count)
             measure(here, k, d, count, size)
-        strength = bend(here, k, count, d, above, least, damped)
+        strength, ratio = bend(here, k, count, d, above, least, damped)
+        fade = min(1.0, max(0.0, (ratio - tune[3]) / (tune[4] - tune[3])))
+        gate = max(gate, fade * fade * fade)
         above = stack_above(here, count, above)
-        if strength == 0.0 and not opened and k < forced:
+        if strength == 0.0 and gate == 0.0 and not opened:
             for r in range(count):
                 d = hold(here, J[r], d)
+            first = False
             continue
         if not opened:
             head[at.OPENED], size = k, norm_of(here, count)
-        outcome = solve_stage(here, k, d, size, LEAN_BELOW if opened else LEAN)
+        heavy = before if tune[5] > 0.0 else gate
+        if first:
+            heavy = 0.0
+        first = False
+        lean = math.sqrt(gate * tune[1] * tune[1] + heavy * tune[2] * tune[2])
+        outcome = solve_stage(here, k, d, size, lean)
         if outcome != OPTIMAL:
             return outcome
         opened, strengths[k] = True, math.sqrt(strength)
@@ -392,29 +403,43 @@ def solve_stages(here, forced):
 
 
 @inner
-def at_limits(here):
-    """Whether the strict answer is at a bound of the levels above those that are curved."""
-    head, lower, upper = ints(here, 0, plain.HEAD), vector(here, plain.LOWER), vector(here, plain.UPPER)
-    side = marks(marks(here, at.DIRECTORIES)[head[plain.LEVELS]], plain.SIDE)
-    some = False
+def crowded(here):
+    """How close the strict answer is to the bounds of the levels above those that are curved: 0 if not, 1 if at one."""
+    head, x = ints(here, 0, plain.HEAD), vector(marks(here, at.DIRECTORIES)[ints(here, 0, plain.HEAD)[plain.LEVELS]], plain.X)
+    n, col, row_of, A = head[plain.N], marks(here, plain.COL), marks(here, plain.ROW_OF), matrix(here, plain.A)
+    lower, upper, gate = vector(here, plain.LOWER), vector(here, plain.UPPER), 0.0
     for i in range(marks(here, plain.PTR)[head[at.TOP]]):
-        some = some or (side[i] != INACTIVE and lower[i] != upper[i])
-    return some
+        room = upper[i] - lower[i]
+        if not room > 0.0 or room == math.inf:
+            continue
+        value = 0.0
+        if col[i] >= 0:
+            value = x[col[i]]
+        else:
+            row = A[row_of[i]]
+            for j in range(n):
+                value += row[j] * x[j]
+        near = min(value - lower[i], upper[i] - value) / room
+        gate = max(gate, min(1.0, max(0.0, 1.0 - near / NEAR)))
+    return gate
 
 
 @inner
 def solve_all(here, numbers):
     """Strict where nothing speaks against it, else in stages: the outcome of the last solve."""
     head = ints(here, 0, plain.HEAD)
-    levels = head[plain.LEVELS]
+    levels, gate = head[plain.LEVELS], 0.0
+    strict = called_on(head[at.SOLVE], marks(here, at.DIRECTORIES)[levels], numbers)
+    if strict == SUSPECT:
+        return strict
     note_errors(here)
-    outcome = solve_stages(here, levels)
-    if outcome != OPTIMAL or head[at.OPENED] < levels:
-        return outcome
-    outcome = called_on(head[at.SOLVE], marks(here, at.DIRECTORIES)[levels], numbers)
-    if outcome == OPTIMAL and vector(here, at.LAST)[0] == vector(here, at.LAST)[0] and at_limits(here):
-        return solve_stages(here, head[at.TOP])
-    return outcome
+    if vector(here, at.LAST)[0] == vector(here, at.LAST)[0]:
+        gate = crowded(here) if strict == OPTIMAL else 1.0
+    if gate == 0.0 and head[at.QUICK] != 0 and quiet(here, marks(here, at.DIRECTORIES)[levels]):
+        head[at.OPENED] = levels
+        return strict
+    outcome = solve_stages(here, gate)
+    return outcome if head[at.OPENED] < levels else strict
 
 
 @stamp

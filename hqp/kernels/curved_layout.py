@@ -7,8 +7,9 @@ from __future__ import annotations
 
 #: Numbers at the head beside N and LEVELS of any hierarchy: the first level that was solved in a stage of its own (as
 #: many as there are levels: none), the outcome, its stage, the loop that solves a hierarchy, how many
-#: parts measure errors, and the first level that is curved.
-OPENED, OUTCOME, STAGE, SOLVE, MEASURES, TOP = 5, 6, 7, 8, 9, 10
+#: parts measure errors, the first level
+#: that is curved, and whether the answer of the whole leaves a basis.
+OPENED, OUTCOME, STAGE, SOLVE, MEASURES, TOP, QUICK = 5, 6, 7, 8, 9, 10, 11
 
 #: Which levels are curved. For every level, the directory of its stage, and of the whole as it is; its numbers; how
 #: many rows of A and rows these have; of every level above it, where its rows begin there, and those of A (-1: none).
@@ -31,8 +32,8 @@ CURVED = 1
 # What has become of every row: how it is held, the row itself, its value, how stiff it is.
 (STATE, ROW, VALUE, STIFFNESS) = range(42, 46)
 # What every level has reached, and how strongly it was damped.
-(POINTS, STRENGTHS) = range(46, 48)
-PLACES = 48
+(POINTS, STRENGTHS, TUNING) = range(46, 49)
+PLACES = 49
 
 #: What becomes of a row below its level: as it is given; a combination of its level, held, or soft; or nothing.
 GIVEN, HELD, SOFT, LOST = 0, 1, 2, 3
@@ -44,5 +45,5 @@ def shapes(n, levels, m, widest):
     reals = {J: (widest, n), G: (widest, n), WANTED: (m, 1), PULL: (n, 1), ERRORS: (m, 1)}
     reals |= {ABOVE: (m, n), GRAM: (m, m), TRIANGLE: (m, m), MU: (max(m, n), 1), VALUES: (wide, 1), REACH: (n, 1)}
     reals |= dict.fromkeys((BASIS, METRIC, KEPT), (n, n)) | dict.fromkeys((P, E, U, M, HALF, Q), (wide, wide))
-    reals |= {ROW: (m, n), VALUE: (m, 1), STIFFNESS: (m, 1), POINTS: (levels, n), STRENGTHS: (levels, 1)}
+    reals |= {ROW: (m, n), VALUE: (m, 1), STIFFNESS: (m, 1), POINTS: (levels, n), STRENGTHS: (levels, 1), TUNING: (8, 1)}
     return ints, reals

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..backends.native import SIGNATURE, Memory, door, make_ready
-from ..certificate import row_states
 from ..guard import Guard
 from ..hierarchy import Hierarchy, Label, Level
 from ..kernels import curved as kernel
@@ -170,7 +169,7 @@ class CurvedSolver:
     def _solve(self, hierarchy: Hierarchy) -> Solution:
         work, head = self._work, self._head
         if self._native:
-            head[at.SOLVE] = self._quickly
+            head[at.SOLVE], head[at.QUICK] = self._quickly, 1
             work.directories[:] = self._directories
             if self._run(hierarchy.address) == OPTIMAL:
                 opened = int(head[at.OPENED])
@@ -182,7 +181,7 @@ class CurvedSolver:
         if hierarchy.find_fault():
             return self._plain.solve(hierarchy)
         self._failed.clear()
-        head[at.SOLVE] = self._ask
+        head[at.SOLVE], head[at.QUICK] = self._ask, 0
         work.directories[:] = self._slowly
         outcome = self._run(hierarchy.address)
         opened = int(head[at.OPENED])
@@ -234,7 +233,6 @@ class CurvedSolver:
         k = int(np.flatnonzero(self._slowly == directory)[0])
         if k == self._levels:
             solution = self._plain.solve(self._hierarchy)
-            self._sides[:] = row_states(self._hierarchy, solution.x, np.zeros(self._hierarchy.n), 1e-9).sides
         else:
             if k not in self._solvers:
                 self._solvers[k] = Solver(self.backend, self.settings)
@@ -346,6 +344,8 @@ class Work:
             (plain.A, plain.LOWER, plain.UPPER, plain.WEIGHTS), ((len(hierarchy.A), n), *[(m, 1)] * 3), strict=True
         ):
             entries[place, 1:] = shape
+        import os
+        made[at.TUNING][:6, 0] = [float(x) for x in os.environ.get("TUNE", "15,.0316,.8,.5,2,0").split(",")]
         self._kept, self._directory = (made, linearisation), directory
         self.head, self.address = directory[: plain.HEAD], int(directory.ctypes.data)
         self.points: Array = made[at.POINTS]

@@ -41,7 +41,7 @@ def linearised(rows: Rows, dt: float | None, order: str, rules: Sequence[Damping
             contractions.append(Contraction(loop, address(table), weights, row))
     first = min((k for k, _, part, _, _ in work if not part.is_limit), default=levels)
     curved = tuple(k >= first for k in range(levels))
-    shares = np.maximum.accumulate(gains) * (dt or 0.0)
+    shares = np.full(levels, gains.max()) * (dt or 0.0)
     shares[shares == 0.0] = 1.0
     return Linearisation(
         curved, errors, contractions, S, shares, np.zeros((levels, n)), np.full(n, np.nan), (tables, work)
