@@ -219,7 +219,13 @@ def add_bent(here, d, positive, negative):
 def measure(here, k, d, count, size):
     """How stiff the soft rows above make the directions that are left: L L' = 1 + R' R, and G in these: whether any."""
     head, ptr, state = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.STATE)
-    n, basis, L, M, G = head[plain.N], matrix(here, at.BASIS), matrix(here, at.METRIC), matrix(here, at.M), matrix(here, at.G)
+    n, basis, L, M, G = (
+        head[plain.N],
+        matrix(here, at.BASIS),
+        matrix(here, at.METRIC),
+        matrix(here, at.M),
+        matrix(here, at.G),
+    )
     rows, stiffness, left, some = matrix(here, at.ROW), vector(here, at.STIFFNESS), vector(here, at.VALUES), False
     for p in range(d):
         for q in range(d):
@@ -317,6 +323,8 @@ def quiet(here, there):
     lower, upper, ids = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, at.IDS)
     for k in range(head[at.TOP], levels):
         count, least = gather(here, k), math.inf
+        if marks(here, at.CURVED)[k] == at.SPARED:
+            continue
         for r in range(count):
             if lower[ids[r]] != upper[ids[r]]:
                 return False

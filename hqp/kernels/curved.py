@@ -96,7 +96,12 @@ def freeze(here, k, count, d, x, size):
     """What of level k is held, or soft, below it, where x is its answer: how many directions are left."""
     n, ids, state = ints(here, 0, plain.HEAD)[plain.N], marks(here, at.IDS), marks(here, at.STATE)
     lower, upper, weights = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, plain.WEIGHTS)
-    reached, rows, J, mixed = vector(here, at.VALUE), matrix(here, at.ROW), matrix(here, at.J), False
+    reached, rows, J, mixed = (
+        vector(here, at.VALUE),
+        matrix(here, at.ROW),
+        matrix(here, at.J),
+        marks(here, at.CURVED)[k] == at.SPARED,
+    )
     for r in range(count):
         mixed = mixed or lower[ids[r]] != upper[ids[r]]
     if not mixed:
@@ -122,7 +127,11 @@ def compliance(here, count, d, size):
     """
     G, P, L, M = matrix(here, at.G), matrix(here, at.P), matrix(here, at.METRIC), matrix(here, at.M)
     U, Q, E, half, values = (
-        matrix(here, at.U), matrix(here, at.Q), matrix(here, at.E), matrix(here, at.HALF), vector(here, at.VALUES),
+        matrix(here, at.U),
+        matrix(here, at.Q),
+        matrix(here, at.E),
+        matrix(here, at.HALF),
+        vector(here, at.VALUES),
     )
     for i in range(d):  # D = P + |J|^2 (1 - L^-1 L^-T); by columns of L^-1
         for j in range(d):
@@ -283,7 +292,12 @@ def write_stage(here, k, d, size, lean):
 @inner
 def write_damping(here, k, d, address, place, row, lower, upper, weights, lean):
     r"""The rows of damping, one a direction: :math:`(y - r)^T L P L^T (y - r) + w^2 |y - v|^2`, x being :math:`Z^T y`."""
-    n, basis, L, P = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), matrix(here, at.METRIC), matrix(here, at.P)
+    n, basis, L, P = (
+        ints(here, 0, plain.HEAD)[plain.N],
+        matrix(here, at.BASIS),
+        matrix(here, at.METRIC),
+        matrix(here, at.P),
+    )
     M, K, half = matrix(here, at.M), matrix(here, at.U), matrix(here, at.HALF)
     aim, last, towards = matrix(here, at.AIMS)[k], vector(here, at.LAST), vector(here, at.MU)
     for p in range(d):
@@ -362,6 +376,16 @@ def solve_stage(here, k, d, size, lean):
 
 
 @inner
+def spare(here, d):
+    """No damping: what :func:`hqp.kernels.bend.bend` gives of a level that is left strict."""
+    P = matrix(here, at.P)
+    for i in range(d):
+        for j in range(d):
+            P[i][j] = 0.0
+    return 0.0, 0.0
+
+
+@inner
 def solve_stages(here, gate):
     """The stages from the first level on that is damped, or leans: the outcome of the last."""
     head, strengths, J = ints(here, 0, plain.HEAD), vector(here, at.STRENGTHS), matrix(here, at.J)
@@ -376,11 +400,15 @@ def solve_stages(here, gate):
         if opened:
             size = norm_of(here, count)
             measure(here, k, d, count, size)
-        strength, ratio = bend(here, k, count, d, above, least, damped)
+        spared = marks(here, at.CURVED)[k] == at.SPARED
+        if spared:
+            strength, ratio = spare(here, d)
+        else:
+            strength, ratio = bend(here, k, count, d, above, least, damped)
         fade = min(1.0, max(0.0, (ratio - tune[3]) / (tune[4] - tune[3])))
         gate = max(gate, fade * fade * fade)
         above = stack_above(here, count, above)
-        if strength == 0.0 and gate == 0.0 and not opened:
+        if strength == 0.0 and (gate == 0.0 or spared) and not opened:
             for r in range(count):
                 d = hold(here, J[r], d)
             first = False
@@ -391,7 +419,7 @@ def solve_stages(here, gate):
         if first:
             heavy = 0.0
         first = False
-        lean = math.sqrt(gate * tune[1] * tune[1] + heavy * tune[2] * tune[2])
+        lean = 0.0 if spared else math.sqrt(gate * tune[1] * tune[1] + heavy * tune[2] * tune[2])
         outcome = solve_stage(here, k, d, size, lean)
         if outcome != OPTIMAL:
             return outcome
@@ -405,7 +433,10 @@ def solve_stages(here, gate):
 @inner
 def crowded(here):
     """How close the strict answer is to the bounds of the levels above those that are curved: 0 if not, 1 if at one."""
-    head, x = ints(here, 0, plain.HEAD), vector(marks(here, at.DIRECTORIES)[ints(here, 0, plain.HEAD)[plain.LEVELS]], plain.X)
+    head, x = (
+        ints(here, 0, plain.HEAD),
+        vector(marks(here, at.DIRECTORIES)[ints(here, 0, plain.HEAD)[plain.LEVELS]], plain.X),
+    )
     n, col, row_of, A = head[plain.N], marks(here, plain.COL), marks(here, plain.ROW_OF), matrix(here, plain.A)
     lower, upper, gate = vector(here, plain.LOWER), vector(here, plain.UPPER), 0.0
     for i in range(marks(here, plain.PTR)[head[at.TOP]]):
