@@ -29,7 +29,7 @@ def run(scene: Scene, method: str) -> Run:
             reported[level.name] = max(reported.get(level.name, 0.0), level.residual_norm)
         return bool(solution.certify().ok)
 
-    controller = Controller(scene.robot, stack, dt=TICK)
+    controller = Controller(scene.robot, stack, dt=TICK, damping=None)
     record = simulate(
         controller, scene.start, duration=scene.duration, speed_cap=CAP, certify=EVERY, proof=proof
     )  # fmt: skip

@@ -42,7 +42,7 @@ class Ours(Driver):
         if acceleration is not None:
             self.robot.acceleration_limit = np.full(self.robot.nv, acceleration)
         self.stack, targets = declare(scene, self.robot, damping)
-        self.controller = Controller(self.robot, self.stack, dt=scene.dt)
+        self.controller = Controller(self.robot, self.stack, dt=scene.dt, damping=None)
         self.q, self.v = list(stream.q), list(stream.v)
         self.targets = [(target, list(stream.positions[name])) for name, target in targets.positions.items()]
         self.targets += [(target, list(stream.rotations[name])) for name, target in targets.rotations.items()]
