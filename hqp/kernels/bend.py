@@ -315,6 +315,11 @@ def quiet(here, there):
     n, levels, last, cut = head[plain.N], head[plain.LEVELS], levels_that_count(there), marks(there, plain.CUT)
     pivot, L, weights = marks(there, plain.PIVOT), matrix(there, plain.L), vector(here, plain.WEIGHTS)
     lower, upper, ids = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, at.IDS)
+    if cut[last] < 0:  # it was proved without one
+        return False
+    for q in range(cut[last]):
+        if lower[pivot[q]] != upper[pivot[q]]:
+            return False
     for k in range(head[at.TOP], levels):
         count, least = gather(here, k), math.inf
         for r in range(count):

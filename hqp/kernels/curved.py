@@ -429,6 +429,10 @@ def solve_all(here, numbers):
     """Strict where nothing speaks against it, else in stages: the outcome of the last solve."""
     head = ints(here, 0, plain.HEAD)
     levels, gate = head[plain.LEVELS], 0.0
+    if head[at.QUICK] != 0:
+        cut = marks(marks(here, at.DIRECTORIES)[levels], plain.CUT)
+        for k in range(levels + 1):
+            cut[k] = -1
     strict = called_on(head[at.SOLVE], marks(here, at.DIRECTORIES)[levels], numbers)
     if strict == SUSPECT:
         return strict
