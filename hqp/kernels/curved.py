@@ -334,7 +334,8 @@ def write_damping(here, k, d, address, place, row, lower, upper, weights, lean):
 
 @inner
 def note_errors(here):
-    """By how much every row is off: its error, as far as that is outside its band."""
+    """By how much every row is off: its error, as far as that is outside its band, and as fast as it is to go."""
+    scales = vector(here, at.SCALES)
     errors, calls, of = vector(here, at.ERRORS), marks(here, at.MEASURED), ints(here, 0, plain.HEAD)[at.MEASURES]
     for p in range(of):
         count, begin = calls[5 * p + 4], calls[5 * p + 3]
@@ -342,7 +343,7 @@ def note_errors(here):
         above = floats(calls[5 * p + 2], 0, count)
         for i in range(count):
             low, high = error[i] + below[i], error[i] + above[i]
-            errors[begin + i] = low if low > 0.0 else high if high < 0.0 else 0.0
+            errors[begin + i] = scales[begin + i] * (low if low > 0.0 else high if high < 0.0 else 0.0)
 
 
 @inner

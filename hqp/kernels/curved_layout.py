@@ -32,8 +32,8 @@ CURVED = 1
 # What has become of every row: how it is held, the row itself, its value, how stiff it is.
 (STATE, ROW, VALUE, STIFFNESS) = range(42, 46)
 # What every level has reached, and how strongly it was damped.
-(POINTS, STRENGTHS, TUNING) = range(46, 49)
-PLACES = 49
+(POINTS, STRENGTHS, TUNING, SCALES) = range(46, 50)
+PLACES = 50
 
 #: What becomes of a row below its level: as it is given; a combination of its level, held, or soft; or nothing.
 GIVEN, HELD, SOFT, LOST = 0, 1, 2, 3

@@ -82,6 +82,8 @@ class Linearisation:
     contractions : sequence of Contraction
     curvature : array, shape (n, n)
         What the contractions add to.
+    scales : array, shape (m,)
+        How fast each row's error is to go, relative to the fastest.
     shares : array, shape (levels,)
         What share of its error a level takes away in one step.
     aims : array, shape (levels, n)
@@ -94,6 +96,7 @@ class Linearisation:
     errors: Sequence[Errors]
     contractions: Sequence[Contraction]
     curvature: Array
+    scales: Array
     shares: Array
     aims: Array
     last: Array
@@ -327,7 +330,7 @@ class Work:
         made: dict[int, NDArray[Any]] = dict(arrays)
         made |= {place: np.zeros(shape[0] * shape[1], dtype=np.int64) for place, shape in ints.items()}
         made |= {place: np.zeros(shape) for place, shape in reals.items()}
-        made |= {at.SHARES: linearisation.shares, at.AIMS: linearisation.aims, at.LAST: linearisation.last}
+        made |= {at.SCALES: linearisation.scales, at.SHARES: linearisation.shares, at.AIMS: linearisation.aims, at.LAST: linearisation.last}
         made[at.S] = linearisation.curvature
         directory = np.zeros(plain.HEAD + 3 * at.PLACES, dtype=np.int64)
         directory[[plain.N, plain.LEVELS, plain.ROWS, at.MEASURES, at.TOP]] = (

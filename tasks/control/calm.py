@@ -26,13 +26,14 @@ def linearised(rows: Rows, dt: float | None, order: str, rules: Sequence[Damping
 
     hierarchy, work = rows.hierarchy, rows.work
     n, levels = hierarchy.n, len(hierarchy.levels)
-    S, tables = np.zeros((n, n)), list[Table]()
+    S, tables, speeds = np.zeros((n, n)), list[Table](), np.zeros(hierarchy.m)
     contractions, errors, gains = list[Contraction](), list[Errors](), np.zeros(levels)
     for k, row, part, plan, site in work:
         errors += [Errors(*off, row) for off in site.off]
         task = getattr(part, "task", part)
         if isinstance(task, Task) and site.off:
             gains[k] = max(gains[k], float(task.gain.max()))
+            speeds[row : row + site.rows] = task.gain
         if plan.curvature is not None:
             weights = np.zeros(site.rows)
             table = Table(weights, S, *plan.curvature.table.told[2:])
@@ -43,8 +44,9 @@ def linearised(rows: Rows, dt: float | None, order: str, rules: Sequence[Damping
     curved = tuple(k >= first for k in range(levels))
     shares = np.full(levels, gains.max()) * (dt or 0.0)
     shares[shares == 0.0] = 1.0
+    scales = speeds / max(float(speeds.max()), 1e-300)
     return Linearisation(
-        curved, errors, contractions, S, shares, np.zeros((levels, n)), np.full(n, np.nan), (tables, work)
+        curved, errors, contractions, S, scales, shares, np.zeros((levels, n)), np.full(n, np.nan), (tables, work)
     )
 
 
