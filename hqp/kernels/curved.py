@@ -405,7 +405,7 @@ def solve_stages(here, gate):
 
 @inner
 def crowded(here):
-    """How close the strict answer is to the bounds of the levels above those that are curved: 0 if not, 1 if at one."""
+    """How close the strict answer moves along bounds of the levels above those that are curved: from 0 to 1, at one."""
     head, x = ints(here, 0, plain.HEAD), vector(marks(here, at.DIRECTORIES)[ints(here, 0, plain.HEAD)[plain.LEVELS]], plain.X)
     n, col, row_of, A = head[plain.N], marks(here, plain.COL), marks(here, plain.ROW_OF), matrix(here, plain.A)
     lower, upper, gate = vector(here, plain.LOWER), vector(here, plain.UPPER), 0.0
@@ -421,7 +421,9 @@ def crowded(here):
             for j in range(n):
                 value += row[j] * x[j]
         near = min(value - lower[i], upper[i] - value) / room
-        gate = max(gate, min(1.0, max(0.0, 1.0 - near / NEAR)))
+        if near < NEAR:  # who rests at a bound is calm
+            moving = min(1.0, 2.0 * abs(value) / max(abs(lower[i]), abs(upper[i])))
+            gate = max(gate, moving * min(1.0, 1.0 - near / NEAR))
     return gate
 
 

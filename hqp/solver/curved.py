@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..backends.native import SIGNATURE, Memory, door, make_ready
+from ..backends.native import ONE_SWEEP, SIGNATURE, Memory, door, make_ready
 from ..guard import Guard
 from ..hierarchy import Hierarchy, Label, Level
 from ..kernels import curved as kernel
@@ -31,6 +31,7 @@ from ..solution import Counts, Solution, Stages, Status
 from .solver import DEFAULT_BACKEND, Solver
 
 WHAT = "curved levels"
+new = object.__new__
 _CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, ctypes.c_int64)
 
 
@@ -130,19 +131,16 @@ class CurvedSolver:
             for k, curved in enumerate(linearisation.curved)
         ]
         make_ready(kernel.solve_curved, WHAT)
-        self._hierarchy = hierarchy
-        self.relinearise(linearisation)
+        self._hierarchy, self._native, n = hierarchy, backend == DEFAULT_BACKEND, hierarchy.n
         self._solvers: dict[int, Solver] = {}
-        self._ask = _asked(self._answer_stage)
-        self._native = backend == DEFAULT_BACKEND
-        n = hierarchy.n
+        self._ask, self._zero = _asked(self._answer_stage), np.zeros(n)
         if self._native:
-            self._memories = [
-                Memory(hierarchy.structure if stage is None else stage.structure, self.settings)
-                for stage in [*self._stages, None]
-            ]
+            structures = [hierarchy.structure if stage is None else stage.structure for stage in [*self._stages, None]]
+            self._memories = [Memory(structure, self.settings) for structure in structures]
             self._directories = np.array([memory.address for memory in self._memories], dtype=np.int64)
+            self._strict_x, self._counted = self._memories[-1].x, self._memories[-1].head.item
             self._quickly = address_of(kernel_solver.solve, SIGNATURE)
+        self.relinearise(linearisation)
         self._points = [np.zeros(n) for _ in range(self._levels + 1)]
         self._sides = np.zeros(hierarchy.m, dtype=np.int64)
         self._plain_directories = [_directory(point, self._sides) for point in self._points]
@@ -155,6 +153,14 @@ class CurvedSolver:
         self._linearisation = linearisation
         self._work = Work(self._hierarchy, linearisation, self._stages)
         self._head, self._run = self._work.head, partial(door(kernel.solve_curved), self._work.address)
+        self._told = self._head.item
+        if self._native:
+            self._go_native()
+
+    def _go_native(self) -> None:
+        """Have stages solved by the compiled solver."""
+        self._head[at.SOLVE], self._head[at.QUICK] = self._quickly, 1
+        self._work.directories[:] = self._directories
 
     def forget(self) -> None:
         """Make the next call a cold one."""
@@ -167,26 +173,40 @@ class CurvedSolver:
     def solve(self, hierarchy: Hierarchy) -> Solution:
         """Solve it, as its linearisation is now."""
         with self._guard:
-            return self._solve(hierarchy)
+            if not self._native or self._run(hierarchy.address) != OPTIMAL:
+                return self._solve(hierarchy)
+            opened = self._told(at.OPENED)
+            if opened < self._levels:
+                return self._of_stages(hierarchy, opened)
+            sweeps, iterations = self._counted(plain.SWEEPS), self._counted(plain.ITERATIONS)
+            once = sweeps == 1 and iterations < 64
+            solution = new(Solution)
+            fields = solution.__dict__
+            fields["x"], fields["status"] = self._strict_x.copy(), Status.OPTIMAL
+            fields["counts"] = ONE_SWEEP[iterations] if once else Counts(sweeps, iterations)
+            fields["_noted"] = hierarchy, hierarchy.numbers.copy(), self._zero, self._always
+            return solution
+
+    def _of_stages(self, hierarchy: Hierarchy, opened: int) -> Solution:
+        """The answer of the last stage, as it has been found."""
+        sweeps = iterations = 0
+        for memory in self._memories[opened : self._levels]:
+            sweeps += memory.head.item(plain.SWEEPS)
+            iterations += memory.head.item(plain.ITERATIONS)
+        x = self._memories[self._levels - 1].x.copy()
+        return self._solution(hierarchy, x, Counts(sweeps, iterations), opened)
 
     def _solve(self, hierarchy: Hierarchy) -> Solution:
+        """By the backend, one stage after the other."""
         work, head = self._work, self._head
-        if self._native:
-            head[at.SOLVE], head[at.QUICK] = self._quickly, 1
-            work.directories[:] = self._directories
-            if self._run(hierarchy.address) == OPTIMAL:
-                opened = int(head[at.OPENED])
-                asked = range(opened, self._levels) if opened < self._levels else (self._levels,)
-                solved = [self._memories[k] for k in asked if k == self._levels or self._stages[k] is not None]
-                heads = [memory.head for memory in solved]
-                counts = Counts(sum(int(h[plain.SWEEPS]) for h in heads), sum(int(h[plain.ITERATIONS]) for h in heads))
-                return self._solution(hierarchy, solved[-1].x.copy(), counts, opened)
         if hierarchy.find_fault():
             return self._plain.solve(hierarchy)
         self._failed.clear()
         head[at.SOLVE], head[at.QUICK] = self._ask, 0
         work.directories[:] = self._slowly
         outcome = self._run(hierarchy.address)
+        if self._native:
+            self._go_native()
         opened = int(head[at.OPENED])
         if opened == self._levels:
             return self._failed[self._levels]
@@ -203,7 +223,7 @@ class CurvedSolver:
         solution = object.__new__(Solution)
         fields = solution.__dict__
         fields["x"], fields["status"], fields["counts"] = x, Status.OPTIMAL, counts
-        fields["_noted"] = hierarchy, hierarchy.numbers.copy(), np.zeros(hierarchy.n), self._always
+        fields["_noted"] = hierarchy, hierarchy.numbers.copy(), self._zero, self._always
         if opened < self._levels:
             stages = [(k, stage.numbers.copy()) for k, stage in enumerate(self._stages) if stage and k >= opened]
             fields["_points"] = stages, self._work.points.copy(), self._work.strengths.copy()
@@ -330,7 +350,12 @@ class Work:
         made: dict[int, NDArray[Any]] = dict(arrays)
         made |= {place: np.zeros(shape[0] * shape[1], dtype=np.int64) for place, shape in ints.items()}
         made |= {place: np.zeros(shape) for place, shape in reals.items()}
-        made |= {at.SCALES: linearisation.scales, at.SHARES: linearisation.shares, at.AIMS: linearisation.aims, at.LAST: linearisation.last}
+        made |= {
+            at.SCALES: linearisation.scales,
+            at.SHARES: linearisation.shares,
+            at.AIMS: linearisation.aims,
+            at.LAST: linearisation.last,
+        }
         made[at.S] = linearisation.curvature
         directory = np.zeros(plain.HEAD + 3 * at.PLACES, dtype=np.int64)
         directory[[plain.N, plain.LEVELS, plain.ROWS, at.MEASURES, at.TOP]] = (
@@ -348,6 +373,7 @@ class Work:
         ):
             entries[place, 1:] = shape
         import os
+
         made[at.TUNING][:6, 0] = [float(x) for x in os.environ.get("TUNE", "15,.0316,.8,.5,2,0").split(",")]
         self._kept, self._directory = (made, linearisation), directory
         self.head, self.address = directory[: plain.HEAD], int(directory.ctypes.data)
