@@ -64,7 +64,7 @@ def gather(here, k):
 
 @inner
 def project(here, count, d):
-    """J along the directions Z that are left, to G; a bound from below for the square of its smallest singular value."""
+    """J along the directions Z that are left, to G; a bound from below for its smallest singular value, squared."""
     n, basis = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS)
     J, G, gram = matrix(here, at.J), matrix(here, at.G), matrix(here, at.E)
     for i in range(count):
@@ -219,7 +219,13 @@ def add_bent(here, d, positive, negative):
 def measure(here, k, d, count, size):
     """How stiff the soft rows above make the directions that are left: L L' = 1 + R' R, and G in these: whether any."""
     head, ptr, state = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.STATE)
-    n, basis, L, M, G = head[plain.N], matrix(here, at.BASIS), matrix(here, at.METRIC), matrix(here, at.M), matrix(here, at.G)
+    n, basis, L, M, G = (
+        head[plain.N],
+        matrix(here, at.BASIS),
+        matrix(here, at.METRIC),
+        matrix(here, at.M),
+        matrix(here, at.G),
+    )
     rows, stiffness, left, some = matrix(here, at.ROW), vector(here, at.STIFFNESS), vector(here, at.VALUES), False
     for p in range(d):
         for q in range(d):
@@ -249,8 +255,9 @@ def measure(here, k, d, count, size):
 
 @inner
 def bend(here, k, count, d, above, least, damped):
-    """How strongly level k is damped, as a matrix P in the directions that are left: the norm of P, 0 if not at all, and
-    how large the curvatures are beside the least that the rows can.
+    """How strongly level k is damped, as a matrix P in the directions that are left: its norm, 0 if not at all.
+
+    And how large the curvatures are beside the least square of the rows.
 
     In reach nothing but the norms of the curvatures is looked at.
     """
@@ -322,6 +329,8 @@ def quiet(here, there):
             return False
     for k in range(head[at.TOP], levels):
         count, least = gather(here, k), math.inf
+        if marks(here, at.CURVED)[k] == at.SPARED:
+            continue
         for r in range(count):
             if lower[ids[r]] != upper[ids[r]]:
                 return False
@@ -357,7 +366,7 @@ def least_of(L, pivot, first, end, column):
 
 @inner
 def pushed(here, there, k, c, n):
-    """The weights of the curvatures above level k, by the triangle of the first c rows of V: False if nothing pushes."""
+    """The weights of the curvatures above level k, by the triangle of the first c rows of V: whether any."""
     V, L, pivot = matrix(there, plain.V), matrix(there, plain.L), marks(there, plain.PIVOT)
     pull, mu, wanted = vector(here, at.PULL), vector(here, at.MU), vector(here, at.WANTED)
     ptr, weights, some = marks(here, plain.PTR), vector(here, plain.WEIGHTS), False

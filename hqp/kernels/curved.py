@@ -12,7 +12,7 @@ import math
 from . import curved_layout as at
 from . import layout as plain
 from .active_set import OPTIMAL
-from .bend import bend, gather, measure, norm_of, project, quiet, stack_above
+from .bend import TRUSTED, bend, gather, measure, norm_of, project, quiet, stack_above
 from .call import called_on
 from .compile import entry, inner, integer, stamp
 from .memory import floats, given, ints, marks, matrix, vector
@@ -20,8 +20,11 @@ from .orthogonal import length
 from .solver import SUSPECT
 from .symmetric import cholesky, eigen
 
-#: Soft rows are so stiff against the levels below where they are met as well as missed; stiffer ones are held.
-STIFF, STIFFEST = 15.0, 1e4
+#: So stiff against the levels below are soft rows that are met as well as missed, times gain dt; and above the second
+#: number they are held.
+STIFF, STIFFEST = 6.0, 1e4
+#: From where on curvatures count so much, beside the least square of the rows, that levels lean with all their weight.
+DOUBTED = 2.5
 #: How strongly a level leans on the last x, relative to its rows, times the root of gain dt: the first one, and those
 #: below it.
 LEAN, LEAN_BELOW = 0.0316, 0.8
@@ -96,7 +99,12 @@ def freeze(here, k, count, d, x, size):
     """What of level k is held, or soft, below it, where x is its answer: how many directions are left."""
     n, ids, state = ints(here, 0, plain.HEAD)[plain.N], marks(here, at.IDS), marks(here, at.STATE)
     lower, upper, weights = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, plain.WEIGHTS)
-    reached, rows, J, mixed = vector(here, at.VALUE), matrix(here, at.ROW), matrix(here, at.J), False
+    reached, rows, J, mixed = (
+        vector(here, at.VALUE),
+        matrix(here, at.ROW),
+        matrix(here, at.J),
+        marks(here, at.CURVED)[k] == at.SPARED,
+    )
     for r in range(count):
         mixed = mixed or lower[ids[r]] != upper[ids[r]]
     if not mixed:
@@ -122,7 +130,11 @@ def compliance(here, count, d, size):
     """
     G, P, L, M = matrix(here, at.G), matrix(here, at.P), matrix(here, at.METRIC), matrix(here, at.M)
     U, Q, E, half, values = (
-        matrix(here, at.U), matrix(here, at.Q), matrix(here, at.E), matrix(here, at.HALF), vector(here, at.VALUES),
+        matrix(here, at.U),
+        matrix(here, at.Q),
+        matrix(here, at.E),
+        matrix(here, at.HALF),
+        vector(here, at.VALUES),
     )
     for i in range(d):  # D = P + |J|^2 (1 - L^-1 L^-T); by columns of L^-1
         for j in range(d):
@@ -199,7 +211,7 @@ def soften(here, count, d, x, size):
         reach, _ = along(here, row, d, left)
         if d == 0 or not reach > 0.0:
             continue
-        stiff = vector(here, at.TUNING)[0] / vector(here, at.SHARES)[ints(here, 0, plain.HEAD)[at.TOP]]
+        stiff = STIFF / vector(here, at.SHARES)[ints(here, 0, plain.HEAD)[at.TOP]]
         if soft[r] * STIFFEST > stiff:
             state[i], stiffness[i] = at.SOFT, stiff / (soft[r] * reach)
         else:
@@ -283,7 +295,12 @@ def write_stage(here, k, d, size, lean):
 @inner
 def write_damping(here, k, d, address, place, row, lower, upper, weights, lean):
     r"""The rows of damping, one a direction: :math:`(y - r)^T L P L^T (y - r) + w^2 |y - v|^2`, x being :math:`Z^T y`."""
-    n, basis, L, P = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), matrix(here, at.METRIC), matrix(here, at.P)
+    n, basis, L, P = (
+        ints(here, 0, plain.HEAD)[plain.N],
+        matrix(here, at.BASIS),
+        matrix(here, at.METRIC),
+        matrix(here, at.P),
+    )
     M, K, half = matrix(here, at.M), matrix(here, at.U), matrix(here, at.HALF)
     aim, last, towards = matrix(here, at.AIMS)[k], vector(here, at.LAST), vector(here, at.MU)
     for p in range(d):
@@ -363,36 +380,47 @@ def solve_stage(here, k, d, size, lean):
 
 
 @inner
+def spare(here, d):
+    """No damping: what :func:`hqp.kernels.bend.bend` gives of a level that is left strict."""
+    P = matrix(here, at.P)
+    for i in range(d):
+        for j in range(d):
+            P[i][j] = 0.0
+    return 0.0, 0.0
+
+
+@inner
 def solve_stages(here, gate):
     """The stages from the first level on that is damped, or leans: the outcome of the last."""
     head, strengths, J = ints(here, 0, plain.HEAD), vector(here, at.STRENGTHS), matrix(here, at.J)
-    d, levels, tune = head[plain.N], head[plain.LEVELS], vector(here, at.TUNING)
+    d, levels = head[plain.N], head[plain.LEVELS]
     outcome, opened, above, damped, first = integer(OPTIMAL), False, integer(0), 0.0, True
     head[at.OPENED] = levels
     begin(here)
     for k in range(head[at.TOP], levels):
         strengths[k] = 0.0
         count = gather(here, k)
-        least, size, before = project(here, count, d), 0.0, gate
+        least, size = project(here, count, d), 0.0
         if opened:
             size = norm_of(here, count)
             measure(here, k, d, count, size)
-        strength, ratio = bend(here, k, count, d, above, least, damped)
-        fade = min(1.0, max(0.0, (ratio - tune[3]) / (tune[4] - tune[3])))
-        gate = max(gate, fade * fade * fade)
+        spared = marks(here, at.CURVED)[k] == at.SPARED
+        if spared:
+            strength, ratio = spare(here, d)
+        else:
+            strength, ratio = bend(here, k, count, d, above, least, damped)
+        fade = min(1.0, max(0.0, (ratio - TRUSTED) / (DOUBTED - TRUSTED))) ** 3
+        gate = max(gate, fade)
         above = stack_above(here, count, above)
-        if strength == 0.0 and gate == 0.0 and not opened:
+        if strength == 0.0 and (gate == 0.0 or spared) and not opened:
             for r in range(count):
                 d = hold(here, J[r], d)
             first = False
             continue
         if not opened:
             head[at.OPENED], size = k, norm_of(here, count)
-        heavy = before if tune[5] > 0.0 else gate
-        if first:
-            heavy = 0.0
+        lean = 0.0 if spared else math.sqrt(fade) * LEAN if first else math.sqrt(gate) * LEAN_BELOW
         first = False
-        lean = math.sqrt(gate * tune[1] * tune[1] + heavy * tune[2] * tune[2])
         outcome = solve_stage(here, k, d, size, lean)
         if outcome != OPTIMAL:
             return outcome
@@ -406,7 +434,8 @@ def solve_stages(here, gate):
 @inner
 def crowded(here):
     """How close the strict answer moves along bounds of the levels above those that are curved: from 0 to 1, at one."""
-    head, x = ints(here, 0, plain.HEAD), vector(marks(here, at.DIRECTORIES)[ints(here, 0, plain.HEAD)[plain.LEVELS]], plain.X)
+    head = ints(here, 0, plain.HEAD)
+    x = vector(marks(here, at.DIRECTORIES)[head[plain.LEVELS]], plain.X)
     n, col, row_of, A = head[plain.N], marks(here, plain.COL), marks(here, plain.ROW_OF), matrix(here, plain.A)
     lower, upper, gate = vector(here, plain.LOWER), vector(here, plain.UPPER), 0.0
     for i in range(marks(here, plain.PTR)[head[at.TOP]]):

@@ -11,7 +11,7 @@ from __future__ import annotations
 #: that is curved, and whether the answer of the whole leaves a basis.
 OPENED, OUTCOME, STAGE, SOLVE, MEASURES, TOP, QUICK = 5, 6, 7, 8, 9, 10, 11
 
-#: Which levels are curved. For every level, the directory of its stage, and of the whole as it is; its numbers; how
+#: Which levels are curved: may be damped, or are SPARED, so that they count and are held, but never give way. For every level, the directory of its stage, and of the whole as it is; its numbers; how
 #: many rows of A and rows these have; of every level above it, where its rows begin there, and those of A (-1: none).
 CURVED = 1
 (DIRECTORIES, NUMBERS, SIZES, FIRST, DENSE) = range(8, 13)
@@ -32,9 +32,11 @@ CURVED = 1
 # What has become of every row: how it is held, the row itself, its value, how stiff it is.
 (STATE, ROW, VALUE, STIFFNESS) = range(42, 46)
 # What every level has reached, and how strongly it was damped.
-(POINTS, STRENGTHS, TUNING, SCALES) = range(46, 50)
-PLACES = 50
+(POINTS, STRENGTHS, SCALES) = range(46, 49)
+PLACES = 49
 
+#: A curved level that is left strict.
+SPARED = 2
 #: What becomes of a row below its level: as it is given; a combination of its level, held, or soft; or nothing.
 GIVEN, HELD, SOFT, LOST = 0, 1, 2, 3
 
@@ -45,5 +47,11 @@ def shapes(n, levels, m, widest):
     reals = {J: (widest, n), G: (widest, n), WANTED: (m, 1), PULL: (n, 1), ERRORS: (m, 1)}
     reals |= {ABOVE: (m, n), GRAM: (m, m), TRIANGLE: (m, m), MU: (max(m, n), 1), VALUES: (wide, 1), REACH: (n, 1)}
     reals |= dict.fromkeys((BASIS, METRIC, KEPT), (n, n)) | dict.fromkeys((P, E, U, M, HALF, Q), (wide, wide))
-    reals |= {ROW: (m, n), VALUE: (m, 1), STIFFNESS: (m, 1), POINTS: (levels, n), STRENGTHS: (levels, 1), TUNING: (8, 1)}
+    reals |= {
+        ROW: (m, n),
+        VALUE: (m, 1),
+        STIFFNESS: (m, 1),
+        POINTS: (levels, n),
+        STRENGTHS: (levels, 1),
+    }
     return ints, reals
