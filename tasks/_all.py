@@ -5,6 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .base.rotations import from_rpy, from_xyzw
+from .contacts.contact import Contact
+from .contacts.dynamics import Dynamics
+from .contacts.surface import Surface
 from .control.controller import Controller, Step
 from .criteria.gradient import GradientTask
 from .criteria.joint_ranges import JointCentringTask
@@ -82,12 +85,14 @@ __all__ = [
     "Change",
     "Circle",
     "Command",
+    "Contact",
     "Controller",
     "Damped",
     "Damping",
     "Degrees",
     "DistanceLimit",
     "DynamicManipulabilityTask",
+    "Dynamics",
     "Fixed",
     "FixedRotation",
     "Frame",
@@ -138,6 +143,7 @@ __all__ = [
     "Stack",
     "Step",
     "Stop",
+    "Surface",
     "TargetTask",
     "Task",
     "Tick",
