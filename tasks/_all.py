@@ -5,9 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .base.rotations import from_rpy, from_xyzw
+from .contacts.balance import CapturePointTask, SupportLimit
 from .contacts.contact import Contact
 from .contacts.dynamics import Dynamics
+from .contacts.force_task import CenterOfPressureTask, ForceTask
+from .contacts.loop import Loop
+from .contacts.momentum import MomentumTask
 from .contacts.surface import Surface
+from .contacts.torque_task import TorqueTask
 from .control.controller import Controller, Step
 from .criteria.gradient import GradientTask
 from .criteria.joint_ranges import JointCentringTask
@@ -80,7 +85,9 @@ __all__ = [
     "AxisTask",
     "BoxLimit",
     "Capsule",
+    "CapturePointTask",
     "CenterOfMassTask",
+    "CenterOfPressureTask",
     "Chain",
     "Change",
     "Circle",
@@ -95,6 +102,7 @@ __all__ = [
     "Dynamics",
     "Fixed",
     "FixedRotation",
+    "ForceTask",
     "Frame",
     "FrameTask",
     "FrameVelocityLimit",
@@ -112,9 +120,11 @@ __all__ = [
     "Line",
     "LinkCapsule",
     "LookAtTask",
+    "Loop",
     "ManipulabilityTask",
     "MinimumMotionTask",
     "MinimumTorqueTask",
+    "MomentumTask",
     "MujocoPlant",
     "Order",
     "OrientationTask",
@@ -143,10 +153,12 @@ __all__ = [
     "Stack",
     "Step",
     "Stop",
+    "SupportLimit",
     "Surface",
     "TargetTask",
     "Task",
     "Tick",
+    "TorqueTask",
     "Trajectory",
     "Turn",
     "VelocityEllipse",

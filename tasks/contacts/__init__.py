@@ -1,1 +1,1 @@
-"""Contacts and the forces in them: what a robot stands on, what its joints then need, and tasks of forces and momentum."""
+"""Contacts: what a robot stands on, the forces in it, and tasks of forces, momentum and balance."""

@@ -191,7 +191,7 @@ class Contact(Part):
         here, below = ((), motion) if self.may_slip else (motion, ())
         if setting.order != "acceleration" or not setting.has_dynamics:
             return Companions(here, below=below)
-        limits = ()
+        limits: tuple[Part, ...] = ()
         if self.unilateral:
             if self.friction is None:
                 raise InvalidInput(f"{self.label()}: needs its friction, as in Contact({self.frame!r}, friction=0.6)")
@@ -219,7 +219,7 @@ class Contact(Part):
     # What its forces come to.
 
     def forces(self, f: Array, axes: Array) -> Array:
-        """In the axes of the world: at every point, shape (k, 3) [N]; of a wrench (6,), [N] and [N m] about the centre."""
+        """In world axes: at every point, shape (k, 3) [N]; of a wrench (6,), [N] and [N m] about the centre."""
         world = np.asarray(f.reshape(-1, 3) @ axes[:9].reshape(3, 3))
         return world.ravel() if self.wrench else world
 

@@ -30,7 +30,14 @@ def keep_map(contact: Contact, shared: Workspace) -> tuple[Move, ...]:
     known.clear()
     G = wrench_map(contact, shared)
     count = len(shape.points) if contact in shared.unknowns else 0
-    told = shared.n, shared.blocks.frame(contact.frame), contact.wrench and bool(count), count, shape.points, shape.centre
+    told = (
+        shared.n,
+        shared.blocks.frame(contact.frame),
+        contact.wrench and bool(count),
+        count,
+        shape.points,
+        shape.centre,
+    )
     known.append(Call(write_contact_map, *told, slot.surface, contact.normal, shape.along, slot.axes, G))
     return () if contact.surface is None else contact.surface.kept_up(slot.surface)
 

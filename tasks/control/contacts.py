@@ -11,6 +11,7 @@ from hqp import InvalidInput
 
 from ..base.checks import Array, finite_scalar, nearest
 from ..contacts.contact import Contact
+from ..contacts.loop import Loop
 from ..robots.robot import base
 from ..rows.rows import Rows
 
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 #: Weight of a robot may be borne by one point; what more a contact may bear while it is being made is not said.
 GRAVITY = 9.81
+#: Of forces that are along the axes of the world.
+NO_AXES = np.zeros(0)
 
 
 class Forces(Mapping[str, Array]):
@@ -30,15 +33,18 @@ class Forces(Mapping[str, Array]):
 
     def __init__(self, rows: Rows, x: Array) -> None:
         unknowns, shared = rows.unknowns, rows.shared
-        self._of: dict[str, tuple[Contact, Array, Array]] = {}
+        self._of: dict[str, tuple[Contact | Loop, Array, Array]] = {}
         for block in unknowns.blocks:
-            contact = block.owner
-            assert isinstance(contact, Contact)
-            self._of[block.name] = contact, x[unknowns.of(contact)], contact.slot(shared).axes.copy()
+            owner = block.owner
+            axes = owner.slot(shared).axes.copy() if isinstance(owner, Contact) else NO_AXES
+            assert isinstance(owner, Contact | Loop)
+            self._of[block.name] = owner, x[unknowns.of(owner)], axes
 
     def __getitem__(self, name: str) -> Array:
-        contact, f, axes = self._find(name)
-        return contact.forces(f, axes)
+        if name not in self._of:
+            raise KeyError(f"{name!r} is no contact{nearest(str(name), self._of)}")
+        owner, f, axes = self._of[name]
+        return owner.forces(f, axes) if isinstance(owner, Contact) else owner.forces(f)
 
     def cop(self, name: str) -> Array:
         """The centre of pressure of a contact in the coordinates of its frame, shape (3,) [m]; NaN without pressure."""
@@ -51,9 +57,15 @@ class Forces(Mapping[str, Array]):
         return contact.normal_forces(f)
 
     def _find(self, name: str) -> tuple[Contact, Array, Array]:
-        if name not in self._of:
-            raise KeyError(f"{name!r} is no contact{nearest(str(name), self._of)}")
-        return self._of[name]
+        found = self._of.get(name)
+        if found is None or not isinstance(found[0], Contact):
+            raise KeyError(f"{name!r} is no contact{nearest(str(name), self.contacts)}")
+        return found[0], found[1], found[2]
+
+    @property
+    def contacts(self) -> tuple[str, ...]:
+        """The names of those that are contacts, and no loops."""
+        return tuple(name for name, (owner, _, _) in self._of.items() if isinstance(owner, Contact))
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._of)
@@ -75,10 +87,10 @@ class Pressures(Mapping[str, Array]):
         return self._forces.cop(name)
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._forces)
+        return iter(self._forces.contacts)
 
     def __len__(self) -> int:
-        return len(self._forces)
+        return len(self._forces.contacts)
 
     def __repr__(self) -> str:
         return f"Pressures({', '.join(f'{name}: {self[name].round(4).tolist()}' for name in self)})"
@@ -113,7 +125,9 @@ def check_change(old: Stack, old_rows: Rows, new: Stack, new_rows: Rows, order: 
     if order == "torque":
         check_torques(new)
         if has_dynamics(old) != has_dynamics(new):
-            raise InvalidInput("change: one of both stacks has Dynamics() and the other not; both must have it, or none")
+            raise InvalidInput(
+                "change: one of both stacks has Dynamics() and the other not; both must have it, or none"
+            )
     if not at_once and not old_rows.unknowns.alike(new_rows.unknowns):
         raise InvalidInput(
             "change: the new stack has other contacts; put all of them into both stacks, and release and make them, or"
@@ -160,7 +174,7 @@ def release(stack: Stack, rows: Rows, forces: Forces | None, contact: Contact | 
     slot = found.slot(rows.shared)
     if not slot.on:
         raise InvalidInput(f"{found.label()}: is off already; it can be made")
-    now = np.zeros(len(slot.caps)) if forces is None or found.name not in forces else forces.normal(found.name)
+    now = np.zeros(len(slot.caps)) if forces is None or found.name not in forces.contacts else forces.normal(found.name)
     slot.release(np.maximum(now, 0.0), time)
 
 

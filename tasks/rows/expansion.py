@@ -96,7 +96,9 @@ def expand(stack: Stack, robot: Robot, order: Order) -> Expanded:
     blocks = [each.block for level in found for each in level if each.block is not None]
     unknowns = Unknowns(robot.nv, blocks)
     given = zip(stack.levels, found, strict=True)
-    if all(each.here == (part,) and not each.top for level, own in given for part, each in zip(level, own, strict=True)):
+    if all(
+        each.here == (part,) and not each.top for level, own in given for part, each in zip(level, own, strict=True)
+    ):
         return Expanded(stack, unknowns)
     return Expanded(_placed(stack, found), unknowns)
 

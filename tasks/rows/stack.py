@@ -102,9 +102,7 @@ class Stack(Live):
             If one of them is not in the stack, or nothing is left.
         """
         gone = {id(part) for part in parts if self._level(part) >= 0}
-        return of_levels(
-            (tuple(part for part in level if id(part) not in gone), rule) for level, rule in self._ruled()
-        )
+        return of_levels((tuple(part for part in level if id(part) not in gone), rule) for level, rule in self._ruled())
 
     def inserted(self, part: Part | Stack, *, below: Part | None = None) -> Stack:
         """The stack with a new level, or levels, right below that of another part; without it, at the top.

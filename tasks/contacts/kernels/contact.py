@@ -72,7 +72,11 @@ def write_contact_map(here):
     n, count, wrench = told[N], told[COUNT], told[WRENCH] != 0
     block, J = floats(told[BLOCK], 0, at.JACOBIAN), floats(told[BLOCK], at.JACOBIAN, 6 * n)
     S, rotation = floats(told[AXES], 0, 9), floats(told[AXES], 9, 9)
-    surface, normal, along = floats(told[SURFACE], 0, SURFACE_SIZE), floats(told[NORMAL], 0, 3), floats(told[ALONG], 0, 3)
+    surface, normal, along = (
+        floats(told[SURFACE], 0, SURFACE_SIZE),
+        floats(told[NORMAL], 0, 3),
+        floats(told[ALONG], 0, 3),
+    )
     surface_axes(block, surface, normal, along, S)
     F = at.ROTATION
     for k in range(9):
@@ -117,7 +121,9 @@ def held_place(block, p, surface, slot, work):
     for r in range(3):
         row = R + 3 * r
         work[18 + r] = (
-            surface[row] * slot[own.PLACE] + surface[row + 1] * slot[own.PLACE + 1] + surface[row + 2] * slot[own.PLACE + 2]
+            surface[row] * slot[own.PLACE]
+            + surface[row + 1] * slot[own.PLACE + 1]
+            + surface[row + 2] * slot[own.PLACE + 2]
         )
         work[r] = surface[P + r] + work[18 + r] - p[r]
         work[6 + r], work[9 + r] = surface[V + r], surface[V + 3 + r]
