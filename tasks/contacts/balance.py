@@ -163,7 +163,8 @@ class SupportLimit(Part):
     r"""Keep the capture point above what the robot stands on, whatever is asked of its centre of mass below.
 
     For every edge of the support polygon, with the outward normal n and at the distance d,
-    :math:`n^T \dot\xi \le K (d - n^T \xi)`. The contact forces can do it from any capture point inside, as long as the height changes slowly: the robot stands.
+    :math:`n^T \dot\xi \le K (d - n^T \xi)`. The contact forces can do it from any capture point inside, as long as the
+    height changes slowly: the robot stands.
     Contacts that are being released no longer count; those on walls, steeper than 60 degrees, never.
 
     Parameters

@@ -1,7 +1,7 @@
 r"""A closed chain: two frames of one robot that are held together, by a pin or by a weld.
 
-The forces f on the first frame, and -f on the second, along the axes of the world, close the loop; at velocity order, and
-without the motion equation, a loop is its motion alone:
+The forces f on the first frame, and -f on the second, along the axes of the world, close the loop; at velocity order,
+and without the motion equation, a loop is its motion alone:
 
 .. math:: (J_a - J_b)\, x = h, \qquad G = J_a - J_b .
 """
@@ -162,7 +162,7 @@ class LoopMotion(LoopTask):
 
         shared, loop = site.shared, self.loop
         kept: Array = shared.kept(loop, lambda: np.zeros(10))
-        blocks, rows = (site.frame(loop.a), site.frame(loop.b)), site.rows
+        blocks = site.frame(loop.a), site.frame(loop.b)
         where = shared.unknowns.of(loop) if loop in shared.unknowns else slice(shared.n, shared.n)
         G = shared.wrenches[where.start - shared.n : where.stop - shared.n]
         call = Call(write_loop, site.law(self), *blocks, loop.at, loop.at_b, kept, shared.work, G, len(G))

@@ -76,7 +76,7 @@ class MomentumTask(LoopTask):
         return as_trajectory(value, self.rows, self.label())
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        if not able.has(robot, able.Sourced) or not able.has(robot, able.Centroidal):
+        if not {able.Sourced, able.Centroidal} <= _abilities(robot):
             raise InvalidInput(f"{self.label()}: {robot!r} does not tell its momentum; robots of Pinocchio do")
         if order == "step":
             raise InvalidInput(f"{self.label()}: a step of inverse kinematics has no momentum")
@@ -106,3 +106,7 @@ class MomentumTask(LoopTask):
 
     def _shown(self) -> list[str]:
         return [repr(self.target), f"kind={self.kind!r}"]
+
+
+def _abilities(robot: Robot) -> set[type]:
+    return {kind for kind in (able.Sourced, able.Centroidal) if able.has(robot, kind)}

@@ -30,8 +30,8 @@ class Slot:
     caps : array, shape (points,)
         The largest normal force at each point at present [N].
     axes : array, shape (18,)
-        As of the last tick, in the world: the axes of the surface, t1, t2 and n, one after the other, and the rotation of
-        the frame, by rows.
+        As of the last tick, in the world: the axes of the surface, t1, t2 and n, one after the other, and the rotation
+        of the frame, by rows.
     surface : array
         Where its surface is, and how it moves.
     """
@@ -71,7 +71,7 @@ class Slot:
         self._ramp = ramp
 
     def make(self, most: float, duration: float, law: Timing = cubic) -> None:
-        """Hold where it is from the next tick on; normal forces may grow to `most` [N] in this time [s], then freely."""
+        """Hold where it is from the next tick on; normal forces may grow to `most` [N] in this time [s]."""
         self.numbers[at.ON] = self.numbers[at.BEARS] = 1.0
         self.numbers[at.TAKEN] = 0.0
         begin: float | None = None

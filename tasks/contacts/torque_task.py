@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 class TorqueTask(Part):
     """Bring the torques of all joints that have a motor to a target, or to zero: least torque, on the last level.
 
-    Alone it lets freedom swing that nothing else asks for, as :class:`~tasks.MinimumTorqueTask` does: join it to a posture.
+    Alone it lets freedom swing that nothing else asks for, as :class:`~tasks.MinimumTorqueTask` does: join a posture.
 
     Parameters
     ----------
@@ -63,8 +63,8 @@ class TorqueTask(Part):
     def companions(self, setting: Setting) -> Companions:
         if base(setting.robot) and not setting.has_dynamics:
             raise InvalidInput(
-                f"{self.label()}: {setting.robot!r} has a floating base, which no joint torque drives; add Dynamics() and"
-                " contacts to the stack"
+                f"{self.label()}: {setting.robot!r} has a floating base, which no joint torque drives; add Dynamics()"
+                " and contacts to the stack"
             )
         return super().companions(setting)
 

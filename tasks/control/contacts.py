@@ -1,4 +1,4 @@
-"""What a controller tells of contacts and asks of them: forces, centres of pressure, joint torques; release and make."""
+"""What a controller tells of contacts: forces, centres of pressure, joint torques; and how it makes and releases them."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ NO_AXES = np.zeros(0)
 class Forces(Mapping[str, Array]):
     """The forces of one tick, by the names of the contacts, each computed when it is asked for.
 
-    ``forces["left"]`` is what the world does to the robot, in the axes of the world: at every point, shape (k, 3) [N]; of
-    a contact with one wrench, shape (6,), [N] and [N m] about its centre. :meth:`cop` is where they press.
+    ``forces["left"]`` is what the world does to the robot, in the axes of the world: at every point, shape (k, 3) [N];
+    of a contact with one wrench, shape (6,), [N] and [N m] about its centre. :meth:`cop` is where they press.
     """
 
     def __init__(self, rows: Rows, x: Array) -> None:
@@ -111,7 +111,8 @@ def check_torques(stack: Stack) -> None:
     for part in stack:
         if isinstance(part, Contact) and not has_dynamics(stack):
             raise InvalidInput(
-                f"{part.label()}: torques hang on its forces, and the stack has no Dynamics(); add it beside the contacts"
+                f"{part.label()}: torques hang on its forces, and the stack has no Dynamics(); add it beside"
+                " the contacts"
             )
 
 
@@ -125,9 +126,7 @@ def check_change(old: Stack, old_rows: Rows, new: Stack, new_rows: Rows, order: 
     if order == "torque":
         check_torques(new)
         if has_dynamics(old) != has_dynamics(new):
-            raise InvalidInput(
-                "change: one of both stacks has Dynamics() and the other not; both must have it, or none"
-            )
+            raise InvalidInput("change: only one of both stacks has Dynamics(); both must have it, or none")
     if not at_once and not old_rows.unknowns.alike(new_rows.unknowns):
         raise InvalidInput(
             "change: the new stack has other contacts; put all of them into both stacks, and release and make them, or"

@@ -39,9 +39,10 @@ from . import contacts as of
 from .transition import Limits, Transition
 
 if TYPE_CHECKING:
+    from typing_extensions import TypeVar
+
     from ..contacts.contact import Contact
     from ..rows.site import Memory
-    from typing_extensions import TypeVar
 
     V = TypeVar("V", default=Any)
     A = TypeVar("A", default=Any)
@@ -80,7 +81,7 @@ class Step(NamedTuple, Generic[V, A, T]):
         How much of the stack counts: less than 1 while the controller changes to it from another one. Then v or a lies
         between the answers of both, and `solution` is that of the new one alone.
     forces : Forces or None
-        What the world does to the robot, by the names of the contacts: ``forces["left"]``, in the axes of the world [N].
+        What the world does to the robot, by the names of the contacts: ``forces["left"]``, in world axes [N].
     """
 
     order: Command

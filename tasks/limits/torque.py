@@ -7,8 +7,8 @@ and gravity torques. A limit on them is a limit on all accelerations together, o
 
 M is invertible: some a always keeps all rows, alone. Beside other limits it may not, and then the levels decide.
 
-With contacts and :class:`~tasks.Dynamics` in the stack, whose forces f are unknowns too, :math:`\tau = M a + b - G^T f`:
-the rows are :math:`(M, -G^T)`, and a base that floats, which no motor drives, has none.
+With contacts and :class:`~tasks.Dynamics` in the stack, whose forces f are unknowns too,
+:math:`\tau = M a + b - G^T f`: the rows are :math:`(M, -G^T)`, and a base that floats, which no motor drives, has none.
 
 ``JointTorqueLimit() >> JointLimits() >> tasks``
     What motors can do stands first, as in nature. A joint whose motors are too weak to brake overshoots its range, and
@@ -87,8 +87,8 @@ class JointTorqueLimit(Part):
     def companions(self, setting: Setting) -> Companions:
         if setting.order == "acceleration" and base(setting.robot) and not setting.has_dynamics:
             raise InvalidInput(
-                f"{self.label()}: {setting.robot!r} has a floating base, which no joint torque drives; add Dynamics() and"
-                " contacts to the stack"
+                f"{self.label()}: {setting.robot!r} has a floating base, which no joint torque drives; add Dynamics()"
+                " and contacts to the stack"
             )
         return super().companions(setting)
 

@@ -1,7 +1,7 @@
 """From the stack that was declared to the one that is solved: a part may stand for several, on levels of their own.
 
-A contact, for one, is a bound on its forces, which stands above all else, a motion that it forbids, which stands where the
-contact does, and friction, which stands with the limits. Most parts stand for themselves.
+A contact, for one, is a bound on its forces, which stands above all else, a motion that it forbids, which stands where
+the contact does, and friction, which stands with the limits. Most parts stand for themselves.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from .unknowns import Block, Unknowns
 
 if TYPE_CHECKING:
     from .part import Order, Part
-    from .stack import Stack
+    from .stack import Ruled, Stack
 
     Levels = list[tuple[Part, ...]]
 
@@ -95,10 +95,8 @@ def expand(stack: Stack, robot: Robot, order: Order) -> Expanded:
     found = [[part.companions(setting) for part in level] for level in stack.levels]
     blocks = [each.block for level in found for each in level if each.block is not None]
     unknowns = Unknowns(robot.nv, blocks)
-    given = zip(stack.levels, found, strict=True)
-    if all(
-        each.here == (part,) and not each.top for level, own in given for part, each in zip(level, own, strict=True)
-    ):
+    alone = [each.here for level in found for each in level] == [(part,) for part in stack]
+    if alone and not any(each.top for level in found for each in level):
         return Expanded(stack, unknowns)
     return Expanded(_placed(stack, found), unknowns)
 
@@ -116,7 +114,7 @@ def _placed(stack: Stack, found: list[list[Companions]]) -> Stack:
             elif limits is not None:
                 levels.here[limits] += each.limits
             levels.below.setdefault(k if limits is None else limits, []).extend(each.below)
-    ruled = [(tuple(levels.top), None)]
+    ruled: list[Ruled] = [(tuple(levels.top), None)]
     for k, (parts, rule) in enumerate(zip(levels.here, stack.damping, strict=True)):
         ruled += [(tuple(parts), rule), (tuple(levels.limits.get(k, ())), None), (tuple(levels.below.get(k, ())), None)]
     return of_levels(ruled)

@@ -89,9 +89,7 @@ class Rows:
         """Begin anew with the numbers that all parts and the robot have now."""
         robot, order, dt = self._robot, self._order, self._dt
         self.shared = shared = Workspace(robot, order, dt, self.unknowns, self._memory)
-        self._joints: list[
-            tuple[Part, Array, Array]
-        ] = []  # the motion of the joints, and the rows that it is a part of
+        self._joints: list[tuple[Part, Array, Array]] = []  # of wide rows: the joints' part
         self._views: list[tuple[Part, Site]] = []
         self._weights: list[tuple[Array, NDArray[np.intp]]] = []  # and which rows ask for nothing
         self._owners: dict[int, list[int]] = {}  # of all that is reachable from a part: the parts

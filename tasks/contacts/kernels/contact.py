@@ -17,8 +17,8 @@ from ...rows.kernels import law as of
 from . import layout as own
 from .layout import CHANGE, SURFACE_SIZE, P, R, V
 
-#: Of the map: joint velocities; the block of the frame (of a loop, of both); whether it has moments too; how many points,
-#: where they are, and their centre; the surface, the normal on it, a direction of the frame in it; the axes (out), and G.
+#: Of the map: joint velocities; the block of the frame; whether it has moments too; how many points, where they are, and
+#: their centre; the surface, the normal on it, a direction of the frame in it; the axes (out), and G.
 N, BLOCK, WRENCH, COUNT, POINTS, CENTRE, SURFACE, NORMAL, ALONG, AXES, MAP = range(11)
 #: Of the motion: the table of its law, and the slot; the block, the centre, the surface, the axes; which turning it
 #: forbids, and how many; work space.
