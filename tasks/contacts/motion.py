@@ -71,7 +71,7 @@ class ContactMotion(LoopTask):
         slot, block = self.contact.slot(shared), site.frame(self.contact.frame)
         moves = keep_map(self.contact, shared)
         told: list[Any] = [site.law(self), slot.numbers, block, shape.centre, slot.surface, slot.axes]
-        return Plan((Call(write_contact_motion, *told, shape.turning, len(shape.turning), shared.work),), moves)
+        return Plan((Call(write_contact_motion, *told, len(shape.turning), shape.along, shared.work),), moves)
 
     def __repr__(self) -> str:
         return f"motion of {self.contact!r}"

@@ -14,6 +14,9 @@ from ..base.checks import Array
 from ..targets.timing import Timing, cubic
 from .kernels import layout as at
 
+#: How far the motion of a contact that is let go is off that which would hold at last, before it is free [m/s^2].
+WIDE = 100.0
+
 
 class Slot:
     """What a contact keeps from tick to tick.
@@ -38,7 +41,7 @@ class Slot:
 
     def __init__(self, points: int) -> None:
         self.numbers = np.zeros(at.SLOT_SIZE)
-        self.numbers[at.ON] = self.numbers[at.BEARS] = 1.0
+        self.numbers[[at.ON, at.LOADED, at.BEARS]] = 1.0
         self.caps = np.full(points, np.inf)
         self.axes = np.concatenate([np.eye(3).ravel()] * 2)
         self.surface = np.zeros(at.SURFACE_SIZE)
@@ -56,40 +59,46 @@ class Slot:
         return bool(self.numbers[at.BEARS])
 
     def release(self, forces: Array, duration: float, law: Timing = cubic) -> None:
-        """Let the largest normal forces fall from these to 0 in this time [s], and then let go."""
+        """Let the largest normal forces fall to 0 in this time [s], and then let the motion go, in as much time."""
         self.numbers[at.BEARS] = 0.0
-        begin: float | None = None
 
-        def ramp(t: float) -> None:
-            nonlocal begin
-            begin = t if begin is None else begin
-            share = 1.0 if duration == 0.0 else law((t - begin) / duration)[0]
-            self.caps[:] = forces * (1.0 - share)
-            if share >= 1.0:
+        def ramp(share: float) -> None:
+            if share < 1.0:
+                self.caps[:] = forces * (1.0 - law(share)[0])
+            elif share < 2.0:
+                self.caps[:] = self.numbers[at.LOADED] = 0.0
+                self.numbers[at.OPEN] = WIDE * law(share - 1.0)[0]
+            else:
                 self.let_go()
 
-        self._ramp = ramp
+        self._begin(ramp, duration, 2.0)
 
     def make(self, most: float, duration: float, law: Timing = cubic) -> None:
         """Hold where it is from the next tick on; normal forces may grow to `most` [N] in this time [s]."""
-        self.numbers[at.ON] = self.numbers[at.BEARS] = 1.0
-        self.numbers[at.TAKEN] = 0.0
-        begin: float | None = None
+        self.numbers[[at.ON, at.LOADED, at.BEARS]] = 1.0
+        self.numbers[[at.TAKEN, at.OPEN]] = 0.0
 
-        def ramp(t: float) -> None:
-            nonlocal begin
-            begin = t if begin is None else begin
-            share = 1.0 if duration == 0.0 else law((t - begin) / duration)[0]
-            self.caps[:] = most * share if share < 1.0 else np.inf
+        def ramp(share: float) -> None:
+            self.caps[:] = most * law(share)[0] if share < 1.0 else np.inf
             if share >= 1.0:
                 self._ramp = None
 
-        self._ramp = ramp
+        self._begin(ramp, duration, 1.0)
+
+    def _begin(self, ramp: Callable[[float], None], duration: float, end: float) -> None:
+        """Go through a ramp from the next tick on, in shares of this time [s]."""
+        begin: float | None = None
+
+        def at_time(t: float) -> None:
+            nonlocal begin
+            begin = t if begin is None else begin
+            ramp(end if duration == 0.0 else (t - begin) / duration)
+
+        self._ramp = at_time
 
     def let_go(self) -> None:
         """Be off."""
-        self.numbers[at.ON] = self.numbers[at.BEARS] = 0.0
-        self.caps[:] = 0.0
+        self.numbers[[at.ON, at.LOADED, at.BEARS, at.OPEN]] = self.caps[:] = 0.0
         self._ramp = None
 
     def move(self, t: float) -> None:

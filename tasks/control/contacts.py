@@ -1,4 +1,4 @@
-"""What a controller tells of contacts: forces, centres of pressure, joint torques; and how it makes and releases them."""
+"""What a controller tells of contacts: forces, centres of pressure, joint torques; and how it releases them."""
 
 from __future__ import annotations
 
@@ -184,6 +184,17 @@ def make(stack: Stack, rows: Rows, contact: Contact | str, duration: float) -> N
     if slot.bears:
         raise InvalidInput(f"{found.label()}: is on already; it can be released")
     slot.make(weight_of(rows) if found in rows.unknowns else np.inf, time)
+
+
+def off(stack: Stack, rows: Rows) -> list[Contact]:
+    """The contacts that are off, or being released."""
+    return [part for part in stack if isinstance(part, Contact) and not part.slot(rows.shared).bears]
+
+
+def let_go(contacts: list[Contact], rows: Rows) -> None:
+    """Have them be off."""
+    for contact in contacts:
+        contact.slot(rows.shared).let_go()
 
 
 def _duration(value: float, what: str) -> float:

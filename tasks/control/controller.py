@@ -277,7 +277,8 @@ class Controller(Live, Generic[V, A, T]):
             change = left.before
         settings, torque = self._settings, self._torque is not None and self.order != "torque"
         own = {"order": self.order, "dt": self.dt, "backend": self._backend, "settings": settings, "torque": torque}
-        return {"robot": self.robot, "stack": self.stack, "options": own, "changes": changes}
+        off = of.off(self.stack, self._rows)
+        return {"robot": self.robot, "stack": self.stack, "options": own, "changes": changes, "off": off}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         changes = state["changes"]
@@ -287,6 +288,7 @@ class Controller(Live, Generic[V, A, T]):
             self.change(stack, duration=duration, law=law)
             assert self._transition is not None
             self._transition.begin = begin
+        of.let_go(state["off"], self._rows)
 
     def _inverse_dynamics(self) -> Callable[[Array, Array, Array], Array]:
         asked = "order = 'torque'" if self.order == "torque" else "torque = True"
@@ -386,7 +388,7 @@ class Controller(Live, Generic[V, A, T]):
         return tau if valid and np.isfinite(tau).all() else np.zeros_like(tau)
 
     def release(self, contact: Contact | str, duration: float = 0.0) -> None:
-        """Let a contact go: the largest normal forces fall from what they are to 0, and then it is off.
+        """Let a contact go: the largest normal forces fall from what they are to 0; then its motion is let go.
 
         Nothing of the structure changes, and the solver stays warm.
 
@@ -394,7 +396,7 @@ class Controller(Live, Generic[V, A, T]):
         ----------
         contact : Contact or its name
         duration : float
-            How long the forces take to fall [s].
+            How long the forces take to fall, and then the bounds of its motion to open [s].
 
         Raises
         ------

@@ -17,12 +17,12 @@ from ...rows.kernels import law as of
 from . import layout as own
 from .layout import CHANGE, SURFACE_SIZE, P, R, V
 
-#: Of the map: joint velocities; the block of the frame; whether it has moments too; how many points, where they are, and
+#: Of the map: joint velocities; the block of the frame; whether it has moments too; how many points, where, and
 #: their centre; the surface, the normal on it, a direction of the frame in it; the axes (out), and G.
 N, BLOCK, WRENCH, COUNT, POINTS, CENTRE, SURFACE, NORMAL, ALONG, AXES, MAP = range(11)
 #: Of the motion: the table of its law, and the slot; the block, the centre, the surface, the axes; which turning it
-#: forbids, and how many; work space.
-LAW, SLOT, M_BLOCK, M_CENTRE, M_SURFACE, M_AXES, TURNING, TURNS, WORK = range(9)
+#: forbids, and how many; the direction of a line; work space.
+LAW, SLOT, M_BLOCK, M_CENTRE, M_SURFACE, M_AXES, TURNS, M_ALONG, WORK = range(9)
 
 
 @inner
@@ -143,6 +143,20 @@ def held_place(block, p, surface, slot, work):
     crossed(a, b, c, b * z - c * y, c * x - a * z, a * y - b * x, 1.0, work, 12)
 
 
+@inner
+def turning_axes(block, S, along, turns, axes):
+    """About which it cannot turn: those of the surface, or the two that are across a line."""
+    for k in range(9):
+        axes[k] = S[k]
+    if turns != 2:
+        return
+    from_origin(block, along, axes)
+    x, y, z = unit(axes[0], axes[1], axes[2])
+    a, b, c = unit(S[7] * z - S[8] * y, S[8] * x - S[6] * z, S[6] * y - S[7] * x)
+    axes[0], axes[1], axes[2] = a, b, c
+    axes[3], axes[4], axes[5] = y * c - z * b, z * a - x * c, x * b - y * a
+
+
 @stamp
 @entry
 def write_contact_motion(here):
@@ -152,21 +166,22 @@ def write_contact_motion(here):
     rows, n, turns = law[of.ROWS], law[of.N], told[TURNS]
     block, J = floats(told[M_BLOCK], 0, at.JACOBIAN), floats(told[M_BLOCK], at.JACOBIAN, 6 * n)
     slot, surface = floats(told[SLOT], 0, own.SLOT_SIZE), floats(told[M_SURFACE], 0, SURFACE_SIZE)
-    S, work, turning = floats(told[M_AXES], 0, 9), floats(told[WORK], 0, 64), ints(told[TURNING], 0, turns)
+    S, work = floats(told[M_AXES], 0, 9), floats(told[WORK], 0, 64)
     A, measured = floats(law[of.MATRIX], 0, rows * n), floats(law[of.MEASURED], 0, of.KINDS * rows)
     arm, p = work[40:43], work[43:46]
     from_origin(block, floats(told[M_CENTRE], 0, 3), arm)
     for k in range(3):
         p[k] = block[k] + arm[k]
     r0, r1, r2 = arm[0], arm[1], arm[2]
+    T = work[46:55]
+    turning_axes(block, S, floats(told[M_ALONG], 0, 3), turns, T)
     for j in range(n):
         a, b, c = J[3 * n + j], J[4 * n + j], J[5 * n + j]
         x, y, z = J[j] + b * r2 - c * r1, J[n + j] + c * r0 - a * r2, J[2 * n + j] + a * r1 - b * r0
         for k in range(3):
             A[k * n + j] = S[3 * k] * x + S[3 * k + 1] * y + S[3 * k + 2] * z
-        for s in range(turns):
-            k = 3 * turning[s]
-            A[(3 + s) * n + j] = S[k] * a + S[k + 1] * b + S[k + 2] * c
+        for k in range(turns):
+            A[(3 + k) * n + j] = T[3 * k] * a + T[3 * k + 1] * b + T[3 * k + 2] * c
     if slot[own.ON] == 0.0:
         lower, upper = floats(law[of.LOWER], 0, rows), floats(law[of.UPPER], 0, rows)
         for r in range(rows):
@@ -188,12 +203,16 @@ def write_contact_motion(here):
             work[18 + k] = 0.0
     for kind in range(4):  # error, velocity and acceleration of the place, drift
         for r in range(rows):
-            k, first = (r, 6 * kind) if r < 3 else (turning[r - 3], 6 * kind + 3)
+            first, k = 6 * kind + 3 * (r // 3), 3 * (r % 3)
+            axis = S if r < 3 else T
             measured[kind * rows + r] = (
-                S[3 * k] * work[first] + S[3 * k + 1] * work[first + 1] + S[3 * k + 2] * work[first + 2]
+                axis[k] * work[first] + axis[k + 1] * work[first + 1] + axis[k + 2] * work[first + 2]
             )
     of.moving(told[LAW])
     of.law(told[LAW])
+    lower, upper = floats(law[of.LOWER], 0, rows), floats(law[of.UPPER], 0, rows)
+    for r in range(rows):
+        lower[r], upper[r] = lower[r] - slot[own.OPEN], upper[r] + slot[own.OPEN]
     return 0
 
 
@@ -210,7 +229,7 @@ def write_force_bounds(here):
     slot, count, pulls = floats(told[F_SLOT], 0, own.SLOT_SIZE), told[F_COUNT], told[PULLS] != 0
     size = 6 if told[F_WRENCH] != 0 else 3 * count
     caps, lower, upper = floats(told[CAPS], 0, count), floats(told[F_LOWER], 0, size), floats(told[F_UPPER], 0, size)
-    most = math.inf if slot[own.ON] != 0.0 else 0.0
+    most = math.inf if slot[own.LOADED] != 0.0 else 0.0
     for i in range(size):
         lower[i], upper[i] = -most, most
     for i in range(1 if told[F_WRENCH] != 0 else count):
@@ -234,7 +253,7 @@ def write_friction(here):
     told = ints(here, 0, C_UPPER + 1)
     slot, rows, total = floats(told[C_SLOT], 0, own.SLOT_SIZE), told[C_ROWS], floats(told[TOTAL], 0, 2)
     lower, upper = floats(told[C_LOWER], 0, rows), floats(told[C_UPPER], 0, rows)
-    on = slot[own.ON] != 0.0
+    on = slot[own.LOADED] != 0.0
     for r in range(rows - 1):
         lower[r], upper[r] = -math.inf, 0.0 if on else math.inf
     lower[rows - 1] = total[0] if slot[own.BEARS] != 0.0 and total[0] > 0.0 else -math.inf
