@@ -24,6 +24,7 @@ from tasks import (
     JointLimits,
     JointTorqueLimit,
     Loop,
+    PoseTask,
     PositionTask,
     PostureTask,
     Stack,
@@ -154,11 +155,8 @@ def test_forces_act_at_their_points() -> None:
 def test_a_sole_of_points_and_one_of_a_wrench_bear_the_same() -> None:
     steps = []
     for scene in humanoid(rectangle=True), humanoid(rectangle=True, wrench=True):
-        stack = (
-            scene.limits
-            >> CenterOfMassTask(scene.com + np.array([0.01, 0.02, 0.0]), gain=5.0)
-            >> PostureTask(scene.q, gain=4.0)
-        )
+        com = CenterOfMassTask(scene.com + np.array([0.01, 0.02, 0.0]), gain=5.0)
+        stack = scene.limits >> com >> PostureTask(scene.q, gain=4.0)
         steps.append((scene, controller_of(scene, stack)(scene.q, scene.v)))
     (points, first), (wrench, second) = steps
     assert np.allclose(first.a, second.a, atol=1e-7)
@@ -209,7 +207,9 @@ def test_a_switch_changes_no_structure_and_jumps_nowhere() -> None:
     scene = humanoid()
     over = scene.robot.at(scene.q, scene.v).frame(FEET[0]).position
     com = np.array([scene.com[0], over[1], scene.com[2]])
-    controller = controller_of(scene, scene.limits >> CenterOfMassTask(com, gain=6.0) >> scene.rest())
+    foot = scene.robot.at(scene.q, scene.v).frame(FEET[1])
+    swing = PoseTask((foot.position, foot.rotation), frame=FEET[1], gain=20.0)
+    controller = controller_of(scene, scene.limits >> CenterOfMassTask(com, gain=6.0) + swing >> scene.rest())
     q, v, taus = scene.q, scene.v, []
     rows, solver, hierarchy = controller._rows, controller._solver, controller.hierarchy
     for k in range(1100):

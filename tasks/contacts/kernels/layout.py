@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 #: Of a slot: whether the motion is forbidden; whether there may be forces; whether it is one to rely on, which ends as
-#: soon as it is being released; whether the place where it holds has been taken; how far the motion is let off at present
+#: soon as it is being released; whether the place where it holds has been taken; how far the motion is let off
 #: [m/s^2], [rad/s^2].
 ON, LOADED, BEARS, TAKEN, OPEN = range(5)
 #: That place on its surface: where (3,), and the axes of the frame there (9, by rows).
