@@ -218,7 +218,7 @@ class SupportRows(_Balance):
         self.rows = max(self.points, 4)
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
-        return [Label(self.name, f"edge {i}", "m" + PER[order]) for i in range(self.size(robot))]
+        return [Label(self.name, f"edge {i}", "m" + PER[order], place="polygon") for i in range(self.size(robot))]
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         super().check(robot, order, dt)

@@ -67,7 +67,11 @@ class Friction(OfForces):
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         contact, name = self.contact, self.name
-        found = [Label(name, f"{at}face {i}", "N") for at in contact.places() for i in range(contact.faces)]
+        found = [
+            Label(name, f"{at}face {i}", "N", place=at.strip() or "point")
+            for at in contact.places()
+            for i in range(contact.faces)
+        ]
         if contact.wrench:
             edges = ("edge at t2 > 0", "edge at t2 < 0", "edge at t1 < 0", "edge at t1 > 0")
             found += [Label(f"{contact.name}: sole", edge, "N m") for edge in edges]

@@ -74,12 +74,12 @@ class Slot:
         self._begin(ramp, duration, 2.0)
 
     def make(self, most: float, duration: float, law: Timing = cubic) -> None:
-        """Hold where it is from the next tick on; normal forces may grow to `most` [N] in this time [s]."""
+        """Hold where it is from the next tick on; their sum may grow to `most` [N] in this time [s]."""
         self.numbers[[at.ON, at.LOADED, at.BEARS]] = 1.0
         self.numbers[[at.TAKEN, at.OPEN]] = 0.0
 
         def ramp(share: float) -> None:
-            self.caps[:] = most * law(share)[0] if share < 1.0 else np.inf
+            self.caps[:] = most / len(self.caps) * law(share)[0] if share < 1.0 else np.inf
             if share >= 1.0:
                 self._ramp = None
 
