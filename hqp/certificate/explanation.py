@@ -327,7 +327,14 @@ def _causes(
     total = sum(map(length, forces.values()))
     causes = [
         Cause(
-            k, part, row, side, tuple(groups[name]), force, length(force), length(force) / total,
+            k,
+            part,
+            row,
+            side,
+            tuple(groups[name]),
+            force,
+            length(force),
+            length(force) / total,
             _where(part, [labels[i].place for i in groups[name]], labels, range(*hierarchy.pointers[k : k + 2])),
         )  # fmt: skip
         for name, force in forces.items()

@@ -52,7 +52,7 @@ class Companions:
     top : tuple of Part
         On a level above all others, which all parts share.
     limits : tuple of Part
-        On the first level from its own on that has limits; on a new one below its own, if there is none.
+        On the first level from its own on that limits joints; on a new one below its own, if there is none.
     below : tuple of Part
         On a level right below the limits, which all parts share.
     block : Block, optional
@@ -106,7 +106,7 @@ def _placed(stack: Stack, found: list[list[Companions]]) -> Stack:
 
     levels = _Levels([[part for each in level for part in each.here] for level in found])
     for k, level in enumerate(found):
-        limits = next((i for i in range(k, len(found)) if any(part.is_limit for part in stack.levels[i])), None)
+        limits = next((i for i in range(k, len(found)) if any(part.limited for part in stack.levels[i])), None)
         for each in level:
             levels.top += each.top
             if each.limits and limits is None:
