@@ -97,9 +97,8 @@ def quadruped() -> Scene:
 
 
 def advanced(robot: PinocchioRobot, q: np.ndarray, v: np.ndarray, a: np.ndarray, dt: float = DT) -> tuple:
-    """The state after a tick of ideal integration: v first, then q by it."""
-    v = v + dt * a
-    return robot.integrate(q, dt * v), v
+    """The state after a tick in which a holds."""
+    return robot.integrate(q, dt * v + 0.5 * dt * dt * a), v + dt * a
 
 
 def moved(scene: Scene, seed: int = 0, share: float = 1.0) -> tuple[np.ndarray, np.ndarray]:

@@ -327,27 +327,23 @@ def _causes(
     total = sum(map(length, forces.values()))
     causes = [
         Cause(
-            k,
-            part,
-            row,
-            side,
-            tuple(groups[name]),
-            force,
-            length(force),
-            length(force) / total,
-            _where(part, [labels[i].place for i in groups[name]], labels, range(*hierarchy.pointers[k : k + 2])),
-        )  # fmt: skip
+            k, part, row, side, own, force, length(force), length(force) / total, _where(hierarchy, labels, part, own)
+        )
         for name, force in forces.items()
-        if length(force) >= LEAST_SHARE * total > 0.0
+        for size in [length(force)]
+        if size >= LEAST_SHARE * total > 0.0
         for k, part, row, side, _ in [name]
+        for own in [tuple(groups[name])]
     ]
     return tuple(sorted(causes, key=lambda cause: -cause.strength))
 
 
-def _where(part: str, places: list[str], labels: list[Label], level: range) -> str:
-    """At how many of its places a part pushes; empty where its rows have none."""
+def _where(hierarchy: Hierarchy, labels: list[Label], part: str, own: tuple[int, ...]) -> str:
+    """At how many of its places a part pushes with these rows; empty where they have none."""
+    places = {labels[row].place for row in own}
     if not all(places):
         return ""
-    known = {labels[row].place for row in level if labels[row].part == part}
-    noun = f"{places[0].rstrip('0123456789 ')}s"
-    return part if len(known) == 1 else f"{part}, at {len(set(places))} of {len(known)} {noun}"
+    first, end = hierarchy.pointers[hierarchy.locate(own[0])[0] :][:2]
+    known = {label.place for label in labels[first:end] if label.part == part}
+    noun = f"{min(places).rstrip('0123456789 ')}s"
+    return part if len(known) == 1 else f"{part}, at {len(places)} of {len(known)} {noun}"
