@@ -326,9 +326,7 @@ def _causes(
     forces = {name: multipliers[own] @ dense[own] for name, own in groups.items()}
     total = sum(map(length, forces.values()))
     causes = [
-        Cause(
-            k, part, row, side, own, force, length(force), length(force) / total, _where(hierarchy, labels, part, own)
-        )
+        Cause(k, part, row, side, own, force, size, size / total, _where(hierarchy, labels, part, own))
         for name, force in forces.items()
         for size in [length(force)]
         if size >= LEAST_SHARE * total > 0.0

@@ -76,7 +76,7 @@ class Friction(OfForces):
             edges = ("edge at t2 > 0", "edge at t2 < 0", "edge at t1 < 0", "edge at t1 > 0")
             found += [Label(f"{contact.name}: sole", edge, "N m") for edge in edges]
             found += [Label(f"{contact.name}: torsion", turn, "N m") for turn in ("left", "right")]
-        return [*found, Label(f"{contact.name}: normal force", "", "N")]
+        return [*found, Label(f"{contact.name}: normal force", "sum", "N")]
 
     def plan(self, site: Site) -> Plan:
         from ..base.loops import Call
