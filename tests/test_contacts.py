@@ -32,6 +32,7 @@ from tasks import (
     Surface,
     TorqueTask,
     load_robot,
+    simulate,
 )
 from tasks.contacts.motion import ContactMotion
 
@@ -201,6 +202,18 @@ def test_ideal_sine_of_the_centre_of_mass() -> None:
     for foot in scene.feet:
         here, there = (scene.robot.at(p, v).frame(foot.frame).position for p in (q, scene.q))
         assert np.linalg.norm(here - there) < 1e-5
+
+
+def test_a_run_is_recorded_with_its_torques() -> None:
+    scene = humanoid()
+    task = CenterOfMassTask(scene.com + np.array([0.0, 0.02, 0.0]), gain=5.0)
+    record = simulate(controller_of(scene, scene.limits >> task >> scene.rest()), scene.q, duration=0.2)
+    assert record.tau.shape == (100, 29)
+    assert record.certified_share == 1.0
+    assert record.active["torque"].shape == (100, 29)
+    assert not record.active["torque"].any()
+    step = controller_of(scene, scene.limits >> task >> scene.rest())(scene.q, scene.v)
+    assert np.allclose(record.tau[0], step.tau)
 
 
 def test_a_switch_changes_no_structure_and_jumps_nowhere() -> None:

@@ -191,7 +191,7 @@ def simulate(
         if not speed <= cap:  # NaN too
             stopped = Stop(t + dt, f"diverged at t = {t + dt:g} s: {_fastest(robot, v)}", diverged=True)
             break
-        log.tick(k, a, step.solution.status)
+        log.tick(k, a, step.tau, step.solution.status)
         if progress is not None and (k + 1) % report_every == 0:
             progress((k + 1) / ticks)
     else:
