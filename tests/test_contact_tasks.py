@@ -107,6 +107,19 @@ def test_torques_have_their_values() -> None:
     assert norms[0] < norms[1]
 
 
+def test_motors_give_less_the_faster_they_turn() -> None:
+    robot = load_robot("panda", lock=["panda_finger_joint1"])
+    limit = JointTorqueLimit(80.0, speeds=(1.0, 3.0))
+    rows = (limit >> PostureTask(robot.home, gain=1.0)).build(robot, "acceleration", DT)
+    v = np.array([0.5, 2.0, -2.0, 5.0, -5.0, 0.0, -0.5])
+    filled = rows.fill(robot.at(robot.home, v), 0.0)
+    bias = robot.bias(robot.home, v)
+    assert np.allclose(filled.upper[:7] + bias, 80.0 * np.array([1.0, 0.5, 1.0, 0.0, 1.0, 1.0, 1.0]))
+    assert np.allclose(filled.lower[:7] + bias, -80.0 * np.array([1.0, 1.0, 0.5, 1.0, 0.0, 1.0, 1.0]))
+    with pytest.raises(ValueError, match="the first must be below the second"):
+        limit.speeds = (2.0, 1.0)
+
+
 def test_least_forces_share_the_weight() -> None:
     scene = humanoid()
     _, _, step = stepped(scene, CenterOfMassTask(scene.com, gain=5.0))

@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
-from ..base.checks import Array, numbers, positive
+from ..base.checks import Array, not_negative, numbers, pair, per_row, positive
 from ..base.live import number
 from ..robots.robot import Robot, base, check_dynamics, joint_names, joint_units
 from ..rows.part import Order, Part
@@ -47,13 +47,17 @@ class JointTorqueLimit(Part):
     ----------
     limit : float or array, shape (nv,), optional
         Positive [N m], of a sliding joint [N]; None for the robot's own.
+    speeds : pair of float or array, shape (nv,), optional
+        Joint speeds [rad/s], [m/s] up to which a motor gives all of its torque in the direction in which it turns, and
+        from which on none; between them it falls in proportion. Against its direction, braking, it gives all.
     name : str, optional
 
     Raises
     ------
     InvalidInput
-        If a limit is not positive; and, with a robot, if there is not one a joint, the order is velocity, the base
-        floats and the stack has no :class:`~tasks.Dynamics`, or the robot does not know its mass matrix.
+        If a limit is not positive, or the first speed not below the second; and, with a robot, if there is not one a
+        joint, the order is velocity, the base floats and the stack has no :class:`~tasks.Dynamics`, or the robot does
+        not know its mass matrix.
     """
 
     is_limit: ClassVar[bool] = True
@@ -61,15 +65,32 @@ class JointTorqueLimit(Part):
     rows = None
     wide = True
 
-    def __init__(self, limit: ArrayLike | None = None, *, name: str = "torque") -> None:
+    def __init__(
+        self,
+        limit: ArrayLike | None = None,
+        *,
+        speeds: tuple[ArrayLike, ArrayLike] | None = None,
+        name: str = "torque",
+    ) -> None:
         self.name = of_type(name, str, "name of a JointTorqueLimit")
         self.weight = numbers(1.0, "weight")
-        self.limit = limit
+        self.limit, self.speeds = limit, speeds
 
     @number
     def limit(self, value: ArrayLike | None) -> Array | None:
         """The largest torque of each joint [N m], [N], shape () or (nv,); None for the robot's own."""
         return None if value is None else positive(value, f"{self.label()}: limit", unit="N m")
+
+    @number
+    def speeds(self, value: tuple[ArrayLike, ArrayLike] | None) -> tuple[Array, Array] | None:
+        """Joint speeds up to which motors give all of their torque, and from which on none [rad/s], [m/s]."""
+        if value is None:
+            return None
+        what = f"{self.label()}: speeds"
+        full, none = (not_negative(speed, what, unit="rad/s") for speed in pair(value, what, "all and no torque"))
+        if not np.all(full < none):
+            raise InvalidInput(f"{what} = {full.tolist()}, {none.tolist()}; the first must be below the second")
+        return full, none
 
     def largest(self, robot: Robot) -> Array:
         """The limit of each joint of this robot [N m], [N], shape (nv,); infinite where it has none.
@@ -106,11 +127,18 @@ class JointTorqueLimit(Part):
         if order == "step":  # which takes none
             return
         check_dynamics(robot, self.label())
+        self._speeds(robot)
         largest = self.largest(robot)[base(robot) :]
         if np.isinf(largest).all():
             raise InvalidInput(
                 f"{self.label()}: the model of {robot!r} has no effort limits; give some in N m: JointTorqueLimit(50.0)"
             )
+
+    def _speeds(self, robot: Robot) -> Array:
+        """Of all joints, shape (2, nv); infinite where torques do not fade."""
+        if self.speeds is None:
+            return np.full((2, robot.nv), np.inf)
+        return np.array([per_row(speed, robot.nv, f"{self.label()}: speeds", "joint") for speed in self.speeds])
 
     def plan(self, site: Site) -> Plan:
         """One loop, from the mass matrix and the bias of the tick; a step of inverse kinematics takes no torques."""
@@ -125,7 +153,9 @@ class JointTorqueLimit(Part):
         limit = np.ascontiguousarray(self.largest(shared.robot)[first:])
         assert site.A is not None
         motion = shared.n, shared.unknowns.n, first, site.rows, blocks.mass_matrix(), blocks.bias(), shared.wrenches
-        return Plan((Call(loops.write_torque_limit, *motion, site.A, site.lower, site.upper, limit),))
+        fading = np.ascontiguousarray(self._speeds(shared.robot)[:, first:])
+        own = site.A, site.lower, site.upper, limit, fading, shared.v
+        return Plan((Call(loops.write_torque_limit, *motion, *own),))
 
     def __repr__(self) -> str:
         return f"JointTorqueLimit({'' if self.limit is None else self.limit.tolist()})"
