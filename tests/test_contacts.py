@@ -33,6 +33,7 @@ from tasks import (
     TorqueTask,
     load_robot,
     simulate,
+    solve_ik,
 )
 from tasks.contacts.motion import ContactMotion
 
@@ -344,6 +345,37 @@ def test_at_velocity_order_a_contact_is_its_motion_alone() -> None:
             np.linalg.norm(state.frame(foot.frame).position - scene.robot.at(scene.q, v).frame(foot.frame).position)
             < 1e-4
         )
+
+
+def test_at_velocity_order_a_foot_is_released_and_made() -> None:
+    scene = humanoid()
+    left, right = scene.feet
+    start = scene.robot.at(scene.q, scene.v).frame(FEET[1]).position.copy()
+    lift = PositionTask(start + np.array([0.0, 0.0, 0.05]), frame=FEET[1], gain=5.0)
+    stack = left + right >> JointLimits() >> lift
+    controller, q, v, heights = Controller(scene.robot, stack, dt=0.005), scene.q, scene.v, []
+    for k in range(600):
+        if k in (100, 400):
+            (controller.release if k == 100 else controller.make)("right", 0.2)
+        if k == 400:
+            lift.target = start
+        step = controller(q, v, 0.005 * k)
+        q, v = scene.robot.integrate(q, 0.005 * step.v), step.v
+        heights.append(scene.robot.at(q, v).frame(FEET[1]).position[2] - start[2])
+    assert abs(heights[99]) < 1e-9
+    assert np.isclose(heights[399], 0.05, atol=1e-3)
+    assert np.isclose(heights[599], heights[401], atol=1e-6)  # it holds where it was made
+
+
+def test_inverse_kinematics_keeps_contacts() -> None:
+    scene = humanoid()
+    com = scene.com + np.array([0.01, 0.02, -0.03])
+    stack = scene.feet[0] + scene.feet[1] >> JointLimits() >> CenterOfMassTask(com, gain=1.0)
+    found = solve_ik(scene.robot, stack, scene.q)
+    assert found.reached
+    for frame in FEET:
+        here, there = (scene.robot.at(q, scene.v).frame(frame).position for q in (found.q, scene.q))
+        assert np.linalg.norm(here - there) < 1e-6
 
 
 def test_a_hand_presses_a_table() -> None:

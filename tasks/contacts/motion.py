@@ -70,6 +70,8 @@ class ContactMotion(LoopTask):
         shared, shape = site.shared, self.contact.shape
         slot, block = self.contact.slot(shared), site.frame(self.contact.frame)
         moves = keep_map(self.contact, shared)
+        if self.contact not in shared.unknowns:  # else it goes with the bounds of its forces
+            moves = (*moves, slot.move)
         told: list[Any] = [site.law(self), slot.numbers, block, shape.centre, slot.surface, slot.axes]
         return Plan((Call(write_contact_motion, *told, len(shape.turning), shape.along, shared.work),), moves)
 

@@ -18,8 +18,9 @@ from ..rows.rows import Rows
 if TYPE_CHECKING:
     from ..rows.stack import Stack
 
-#: Weight of a robot may be borne by one point; what more a contact may bear while it is being made is not said.
-GRAVITY = 9.81
+#: What a contact may come to bear while it is being made: the weight of the robot, by this gravity [m/s^2]; where the
+#: base is fixed, which says nothing of it, so much [N].
+GRAVITY, FIXED = 9.81, 1000.0
 #: Of forces that are along the axes of the world.
 NO_AXES = np.zeros(0)
 
@@ -145,10 +146,8 @@ def joint_torques(rows: Rows, x: Array) -> Array:
 
 
 def weight_of(rows: Rows) -> float:
-    """What the robot weighs [N]: as much as one of its contacts may come to bear."""
-    first = base(rows.shared.robot)
-    M = rows.shared.blocks.mass_matrix()
-    return GRAVITY * float(M[0, 0] if first else np.trace(M))
+    """As much as one of its contacts may come to bear [N]."""
+    return GRAVITY * float(rows.shared.blocks.mass_matrix()[0, 0]) if base(rows.shared.robot) else FIXED
 
 
 def find_contact(stack: Stack, contact: Contact | str) -> Contact:

@@ -412,7 +412,8 @@ class Controller(Live, Generic[V, A, T]):
         ----------
         contact : Contact or its name
         duration : float
-            In which its normal forces may grow, from 0 up to the weight of the robot [s]; then freely.
+            In which the sum of its normal forces may grow, from 0 up to the weight of the robot, or 1000 N where its
+            base is fixed [s]; then freely.
 
         Raises
         ------

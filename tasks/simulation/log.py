@@ -92,7 +92,7 @@ class Log:
         q, v = first.q[None], first.v[None]
         self._torque = _asked_at_once(inverse_dynamics(controller.robot), "inverse_dynamics", (q, v, v), (1, nv))
         self._manipulability = _asked_at_once(manipulability(controller.robot), "manipulability", (q,), (1,))
-        self._levels = len(controller.stack)
+        self._levels = len(controller.hierarchy.levels)
 
     def state(self, k: int, t: float, state: RobotState) -> None:
         """Where tick k began."""

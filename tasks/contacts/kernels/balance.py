@@ -117,7 +117,7 @@ def write_capture_point(here):
             e = target[r] - centre[r] - speed / omega
             h = omega * (target[2 + r] + K * e - speed) - centre[at.LINEAR_DRIFT + r]
         else:
-            h = omega * (target[r] - centre[r])
+            h = (omega if told[ORDER] == of.VELOCITY else 1.0) * (target[r] - centre[r])
         lower[r] = upper[r] = h
     return 0
 
@@ -209,5 +209,5 @@ def write_support(here):
         if told[ORDER] == of.ACCELERATION:
             upper[r] = omega * (K * (room - speed / omega) - speed) - drift
         else:
-            upper[r] = K * room
+            upper[r] = K * room if told[ORDER] == of.VELOCITY else room
     return 0
