@@ -246,6 +246,38 @@ def test_a_switch_changes_no_structure_and_jumps_nowhere() -> None:
     assert jumps[895:].max() < 0.5  # those of a ramp up to the weight, of 0.2 s
 
 
+def test_a_foot_that_may_slip_slips_rather_than_that_a_limit_is_passed() -> None:
+    """The ground is pulled away faster than friction can follow."""
+    still = np.zeros(3)
+    for may_slip in False, True:
+        scene = humanoid(friction=0.1, may_slip=may_slip, surface=Surface(lambda t: (still, still, [300.0, 0.0, 0.0])))
+        step = controller_of(scene, scene.limits >> PostureTask(scene.q, gain=4.0))(scene.q, scene.v)
+        assert step.ok
+        assert step.solution.certify().ok
+        told = str(step.solution.explain()).splitlines()
+        if may_slip:
+            check_mechanics(scene, scene.q, scene.v, step)
+            assert next(line for line in told if "left short by" in line).count("friction")
+        else:  # what it is to hold stands above its friction
+            assert any("friction short by" in line for line in told)
+
+
+def test_a_change_of_stacks_keeps_the_motion_equation_all_the_way() -> None:
+    scene = humanoid()
+    limits = scene.limits
+    here, there = (CenterOfMassTask(scene.com + np.array([0.0, y, 0.0]), gain=5.0) for y in (0.02, -0.02))
+    controller, q, v = controller_of(scene, limits >> here >> scene.rest()), scene.q, scene.v
+    for k in range(120):
+        if k == 20:
+            controller.change(limits >> there >> scene.rest(), duration=0.1)
+        step = controller(q, v, k * DT)
+        assert step.ok
+        if k % 10 == 5:
+            check_mechanics(scene, q, v, step)
+        q, v = advanced(scene.robot, q, v, step.a)
+    assert step.share == 1.0
+
+
 def test_off_is_as_if_it_were_not_there() -> None:
     scene = humanoid()
     com = CenterOfMassTask(scene.com, gain=5.0)
