@@ -70,7 +70,7 @@ class PinocchioSource:
         return Call(point_frame, self._robot.nv, block, drifts, data.com[0], data.Jcom, data.vcom[0], data.acom[0])
 
     def axes(self) -> Array | None:
-        J = np.asarray(self._data.J)
+        J = np.reshape(self._data.J, (6, -1))  # of one velocity it is a plain vector
         return J if J.shape[1] == self._robot.nv and not len(self._model.mimicking_joints) else None
 
     def mass_matrix(self, M: Array) -> Call | None:
