@@ -141,10 +141,10 @@ class LeastForces(_ForceRows):
 
     def plan(self, site: Site) -> Plan:
         from ..base.loops import Call
-        from ..joints.kernels.joints import write_rest
         from ..rows.plan import Plan
+        from .kernels.forces import write_least_forces
 
-        return Plan((Call(write_rest, site.rows, site.lower, site.upper),))
+        return Plan((Call(write_least_forces, site.rows, site.lower, site.upper),))
 
 
 class ForceSum(_ForceRows):

@@ -1,8 +1,8 @@
-"""One call a tick: robot state in, motion out."""
+"""The controller: robot state in, joint velocities, accelerations or torques out, one call a tick."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import isfinite
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, get_args, overload
@@ -124,7 +124,7 @@ class _Left:
         self.stack, self._rows, self._solver, self.before = stack, rows, solver, before
 
     def __call__(self, state: RobotState, t: float) -> tuple[Array, bool]:
-        solution = self._solver.solve(self._rows.fill(state, t))
+        solution = self._solver.solve(self._rows.fill(state, t), aims=self._rows.aims)
         if self.before is None or not solution.ok:
             return solution.x, solution.ok
         return self.before.blend(state, t, solution.x)[0], True
@@ -235,6 +235,7 @@ class Controller(Live, Generic[V, A, T]):
         backend: str = hqp.DEFAULT_BACKEND,
         settings: Settings | None = None,
         torque: bool = False,
+        damping: str | None = None,
     ) -> None:
         one_of(order, get_args(Command), "order")
         self.robot = as_robot(robot)
@@ -244,7 +245,7 @@ class Controller(Live, Generic[V, A, T]):
         self._torque = self._inverse_dynamics() if truth(torque, "torque") or order == "torque" else None
         self._memory: Memory = {}
         self._forces: of.Forces | None = None
-        self._backend, self._settings = backend, settings
+        self._backend, self._settings, self._damping = backend, settings, damping
         self._prepared: dict[int, tuple[Stack, Rows, Solver]] = {}
         self._transition: Transition | None = None
         self._limits: Limits | None = None
@@ -317,6 +318,11 @@ class Controller(Live, Generic[V, A, T]):
     def hierarchy(self) -> hqp.Hierarchy:
         """The rows of the last tick (views: the next call refills them)."""
         return self._rows.hierarchy
+
+    @property
+    def aims(self) -> Mapping[int | str, Array]:
+        """What damped levels were damped towards at the last tick (views), by level; those without are zero."""
+        return self._rows.aims or {}
 
     def __call__(self, q: ArrayLike, v: ArrayLike, t: float = 0.0) -> Step[V, A, T]:
         """The motion for this tick.
@@ -453,7 +459,13 @@ class Controller(Live, Generic[V, A, T]):
         self._stack, (self._rows, self._solver) = wanted, prepared
         self._limits = None if at_once else Limits.of(self._rows.stack, self.hierarchy, self._backend)
 
-    def _new_solver(self, stack: Stack) -> Solver:
+    def _new_solver(self, stack: Stack, rows: Rows) -> Any:
+        if self._damping is not None and not any(stack.damping):
+            from .calm import CalmSolver
+
+            if rows.unknowns.blocks:
+                raise InvalidInput(f"damping = {self._damping!r} takes a stack without forces; it must be None")
+            return CalmSolver(rows, self.dt, self.order, stack.damping, self._backend, self._settings)
         rules: dict[int | str, hqp.DampingRule | float] = {k: rule for k, rule in enumerate(stack.damping) if rule}
         return Solver(self._backend, self._settings, rules)
 
@@ -463,7 +475,7 @@ class Controller(Live, Generic[V, A, T]):
         if found is None:
             order: Order = "velocity" if self.order == "velocity" else "acceleration"
             rows = stack.build(self.robot, order, self.dt, self._memory)
-            found = stack, rows, self._new_solver(rows.stack)
+            found = stack, rows, self._new_solver(rows.stack, rows)
         self._prepared[id(stack)] = found  # what was asked for last comes last
         while len(self._prepared) > MOST_PREPARED:
             del self._prepared[next(iter(self._prepared))]
@@ -496,7 +508,9 @@ class Controller(Live, Generic[V, A, T]):
     def _solve(self, state: RobotState, time: float, fault: str | None) -> Solution:
         if fault is None and isfinite(time):
             self._rows.fill(state, time)
-            return self._solver.solve(self.hierarchy)
+            if self._damping is not None and not any(self.stack.damping):
+                return self._solver.solve(self.hierarchy, state.v)
+            return self._solver.solve(self.hierarchy, aims=self._rows.aims)
         self.hierarchy.lower.fill(np.nan)  # no task is asked, and no bound left that could be met
         solution, message = self._solver.solve(self.hierarchy), fault or f"t = {time} s must be finite"
         return replace(solution, message=message)

@@ -1,4 +1,4 @@
-"""Frames of a robot of Pinocchio for loops: one pass over its data a tick, and the addresses of what it holds."""
+"""Frames of a Pinocchio robot for compiled loops: one kinematics pass a tick, and the addresses of its results."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from ..base.checks import Array
 
 if TYPE_CHECKING:
     from ..base.loops import Call
-    from .pinocchio import PinocchioRobot
+    from .pinocchio_model import PinocchioModel
     from .pinocchio_state import PinocchioState
     from .source import Flag
 
 
 class PinocchioSource:
-    """The data of one robot, computed as far as somebody asks for it; see :class:`tasks.rows.blocks.Source`.
+    """Frames and dynamics of one robot for loops, computed on demand; see :class:`tasks.robots.source.Source`.
 
     Parameters
     ----------
-    robot : PinocchioRobot
+    robot : PinocchioModel
     q, v : array, shapes (nq,) and (nv,)
         They hold the state of the tick.
     """
 
-    def __init__(self, robot: PinocchioRobot, q: Array, v: Array) -> None:
+    def __init__(self, robot: PinocchioModel, q: Array, v: Array) -> None:
         self._robot, self._model, self._data = robot, robot.model, robot.data
         self._q, self._v, self._still = q, v, np.zeros(robot.nv)
         self._centre = self._inertia = self._momentum = False
@@ -72,6 +72,10 @@ class PinocchioSource:
         pin.jacobianCenterOfMass(self._model, data, self._q)
         return Call(point_frame, self._robot.nv, block, drifts, data.com[0], data.Jcom, data.vcom[0], data.acom[0])
 
+    def axes(self) -> Array | None:
+        J = np.reshape(self._data.J, (6, -1))  # of one velocity it is a plain vector
+        return J if J.shape[1] == self._robot.nv and not len(self._model.mimicking_joints) else None
+
     def mass_matrix(self, M: Array) -> Call | None:
         if len(self._model.mimicking_joints):  # where crba is wrong, see pinocchio_dynamics
             self._matrices.append(M)
@@ -80,7 +84,7 @@ class PinocchioSource:
         from .kernels.frames import symmetric
 
         self._inertia = True
-        pin.crba(self._model, self._data, self._robot.neutral)
+        pin.crba(self._model, self._data, pin.neutral(self._model))  # which lays out the array
         return Call(symmetric, self._robot.nv, np.asarray(self._data.M), M)
 
     def bias(self, b: Array) -> None:
@@ -93,7 +97,7 @@ class PinocchioSource:
         if len(self._model.mimicking_joints):
             raise InvalidInput(f"{self._robot!r}: momentum is not told of robots whose joints follow others")
         self._momentum = True
-        pin.computeCentroidalMapTimeVariation(self._model, self._data, self._robot.neutral, self._still)
+        pin.computeCentroidalMapTimeVariation(self._model, self._data, pin.neutral(self._model), self._still)
         data = self._data
         return Call(momentum_map, self._robot.nv, data.Ag, data.dAg, self._v, G, drift)
 

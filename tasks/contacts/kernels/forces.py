@@ -13,6 +13,17 @@ from . import layout as own
 
 @stamp
 @entry
+def write_least_forces(here):
+    """The bounds of forces that are to be 0: how many, and their bounds."""
+    told = ints(here, 0, 3)
+    lower, upper = floats(told[1], 0, told[0]), floats(told[2], 0, told[0])
+    for r in range(told[0]):
+        lower[r] = upper[r] = 0.0
+    return 0
+
+
+@stamp
+@entry
 def write_force_sum(here):
     """The bounds of a sum of forces: slot, rows, target, bounds; none where the contact is off."""
     told = ints(here, 0, 5)
