@@ -21,7 +21,6 @@ from .unknowns import Unknowns
 
 if TYPE_CHECKING:
     from ..base.loops import Call, Table
-    from .part import Part
 
 #: Brings a target up to date, by the time [s].
 Move = Callable[[float], None]
@@ -118,7 +117,7 @@ class Workspace:
         """What writes all that is shared, when it has come to a state."""
         return [*self.blocks.calls, *chain.from_iterable(self.given.values()), *self.envelope.calls]
 
-    def kept(self, part: Part, make: Callable[[], Any]) -> Any:
+    def kept(self, part: object, make: Callable[[], Any]) -> Any:
         """What a part keeps from tick to tick, made when it is first asked for."""
         if id(part) not in self._memory:
             self._memory[id(part)] = part, make()

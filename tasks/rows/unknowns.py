@@ -10,10 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import accumulate
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from .part import Part
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,13 +19,13 @@ class Block:
     Attributes
     ----------
     owner : Part
-        Which brings them.
+        The part that brings them.
     name : str
     names, units : tuple of str
         Of each unknown.
     """
 
-    owner: Part
+    owner: object
     name: str
     names: tuple[str, ...]
     units: tuple[str, ...]
@@ -58,7 +54,7 @@ class Unknowns:
         self._ends = tuple(accumulate(map(len, self.blocks), initial=nv))
         self.n = self._ends[-1]
 
-    def of(self, owner: Part) -> slice:
+    def of(self, owner: object) -> slice:
         """Where in x the block of a part is."""
         for block, start, end in zip(self.blocks, self._ends, self._ends[1:], strict=False):
             if block.owner is owner:
