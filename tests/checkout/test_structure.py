@@ -10,8 +10,8 @@ from structure import structure
 MOST_ROOMS = 20
 
 
-#: The circles that are left: ``a >> b`` of two parts is a stack, and a stack holds parts, expands and builds their rows;
-#: a contact stands for parts, which are of a contact.
+#: The circles that are left: ``a >> b`` of two parts is a stack, and a stack holds parts, and expands and builds
+#: their rows; a contact stands for parts, which are of a contact.
 MUTUAL = {
     "tasks": [
         [f"tasks.contacts.{name}" for name in ("contact", "forces", "friction", "mapping", "motion")],
