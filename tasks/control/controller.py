@@ -380,8 +380,9 @@ class Controller(Live, Generic[V, A, T]):
         Raises
         ------
         InvalidInput
-            If q, v or t has the wrong shape, or v is None at an order that needs it. Numbers never raise: where they are not finite, or a quaternion or a
-            point of a circle has not norm 1, the status of the solution is INVALID and nothing moves.
+            If q, v or t has the wrong shape, or v is None at an order that needs it. Numbers never raise: where they
+            are not finite, or a quaternion or a point of a circle has not norm 1, the status of the solution is INVALID
+            and nothing moves.
         InUse
             If another thread is inside, or in another controller of the same robot, where it has one workspace.
         """

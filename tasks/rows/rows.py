@@ -50,8 +50,8 @@ class Rows:
     planned : int
         How often rows have been planned: whoever knows plans by their addresses looks at them again.
     aims : dict of int to array, shape (nv,), or None
-        What each damped level is damped towards at this tick, rows of `every_aim`, ``-2 zeta K v`` by the fastest of its tasks; None at
-        other orders than that of accelerations, where it is zero, and where no level is damped.
+        What each damped level is damped towards at this tick, rows of `every_aim`: ``-2 zeta K v`` by the fastest of its
+        tasks. None at other orders than that of accelerations, where it is zero, and where no level is damped.
     """
 
     planned = 0
