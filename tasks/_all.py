@@ -5,6 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .base.rotations import from_rpy, from_xyzw
+from .contacts.balance import CapturePointTask, SupportLimit
+from .contacts.contact import Contact
+from .contacts.dynamics import Dynamics
+from .contacts.force_task import CenterOfPressureTask, ForceTask
+from .contacts.loop import Loop
+from .contacts.momentum import MomentumTask
+from .contacts.surface import Surface
+from .contacts.torque_task import TorqueTask
 from .control.controller import Controller, Step
 from .criteria.gradient import GradientTask
 from .criteria.joint_ranges import JointCentringTask
@@ -77,18 +85,23 @@ __all__ = [
     "AxisTask",
     "BoxLimit",
     "Capsule",
+    "CapturePointTask",
     "CenterOfMassTask",
+    "CenterOfPressureTask",
     "Chain",
     "Change",
     "Circle",
     "Command",
+    "Contact",
     "Controller",
     "Damped",
     "Damping",
     "DistanceLimit",
     "DynamicManipulabilityTask",
+    "Dynamics",
     "Fixed",
     "FixedRotation",
+    "ForceTask",
     "Frame",
     "FrameTask",
     "FrameVelocityLimit",
@@ -106,9 +119,11 @@ __all__ = [
     "Line",
     "LinkCapsule",
     "LookAtTask",
+    "Loop",
     "ManipulabilityTask",
     "MinimumMotionTask",
     "MinimumTorqueTask",
+    "MomentumTask",
     "MujocoPlant",
     "Order",
     "OrientationTask",
@@ -135,9 +150,12 @@ __all__ = [
     "Sphere",
     "Stack",
     "Step",
+    "SupportLimit",
+    "Surface",
     "TargetTask",
     "Task",
     "Tick",
+    "TorqueTask",
     "Trajectory",
     "Turn",
     "VelocityRatioTask",

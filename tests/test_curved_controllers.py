@@ -43,6 +43,8 @@ def arm():
 
 def planar(target, gain=10.0, **options):
     robot = arm()
+    if options.get("order") == "acceleration":
+        robot.acceleration_limit = np.full(3, 30.0)
     tip, turn = PositionTask(target, gain=gain), OrientationTask(0.5, gain=gain)
     return Controller(robot, JointLimits() >> tip >> turn >> PostureTask([0.2] * 3, gain=1.0), dt=DT, **options)
 
@@ -53,7 +55,7 @@ def jerk(record):
 
 def out_and_back(t):
     """Beyond the reach of 1.5 m, with its velocity."""
-    return np.array([1.35 + 0.4 * np.sin(2.0 * t), 0.3]), np.array([0.8 * np.cos(2.0 * t), 0.0])
+    return np.array([1.35 + 0.4 * np.sin(2.0 * t), 0.3]), np.array([0.8 * np.cos(2.0 * t), 0.0]), np.zeros(2)
 
 
 def states(count=12):
@@ -136,7 +138,7 @@ def test_a_panda_at_its_edge_is_calm() -> None:
     hand = robot.at(robot.home, np.zeros(7)).frame()
 
     def target(t):
-        return hand.position + [0.5 * np.sin(2.0 * t), 0.0, 0.0], [np.cos(2.0 * t), 0.0, 0.0]
+        return hand.position + [0.5 * np.sin(2.0 * t), 0.0, 0.0], [np.cos(2.0 * t), 0.0, 0.0], np.zeros(3)
 
     jerks = {}
     for damping in "curvature", None:
@@ -150,7 +152,7 @@ def test_a_panda_at_its_edge_is_calm() -> None:
 
 def test_in_reach_it_is_the_strict_one() -> None:
     def circle(t):
-        return [0.8 + 0.1 * np.cos(t), 0.3 + 0.1 * np.sin(t)], [-0.1 * np.sin(t), 0.1 * np.cos(t)]
+        return [0.8 + 0.1 * np.cos(t), 0.3 + 0.1 * np.sin(t)], [-0.1 * np.sin(t), 0.1 * np.cos(t)], np.zeros(2)
 
     robot, runs = PlanarArm([0.5, 0.5, 0.5], velocity_limit=3.0), []
     for damping in "curvature", None:

@@ -64,7 +64,7 @@ def gather(here, k):
 
 @inner
 def project(here, count, d):
-    """J along the directions Z that are left, to G; a bound from below for the square of its smallest singular value."""
+    """J along the directions Z that are left, to G; a bound from below for its smallest singular value, squared."""
     n, basis = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS)
     J, G, gram = matrix(here, at.J), matrix(here, at.G), matrix(here, at.E)
     for i in range(count):
@@ -255,8 +255,9 @@ def measure(here, k, d, count, size):
 
 @inner
 def bend(here, k, count, d, above, least, damped):
-    """How strongly level k is damped, as a matrix P in the directions that are left: the norm of P, 0 if not at all, and
-    how large the curvatures are beside the least that the rows can.
+    """How strongly level k is damped, as a matrix P in the directions that are left: its norm, 0 if not at all.
+
+    And how large the curvatures are beside the least square of the rows.
 
     In reach nothing but the norms of the curvatures is looked at.
     """
@@ -321,6 +322,11 @@ def quiet(here, there):
     n, levels, last, cut = head[plain.N], head[plain.LEVELS], levels_that_count(there), marks(there, plain.CUT)
     pivot, L, weights = marks(there, plain.PIVOT), matrix(there, plain.L), vector(here, plain.WEIGHTS)
     lower, upper, ids = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, at.IDS)
+    if cut[last] < 0:  # it was proved without one
+        return False
+    for q in range(cut[last]):
+        if lower[pivot[q]] != upper[pivot[q]]:
+            return False
     for k in range(head[at.TOP], levels):
         count, least = gather(here, k), math.inf
         if marks(here, at.CURVED)[k] == at.SPARED:
@@ -360,7 +366,7 @@ def least_of(L, pivot, first, end, column):
 
 @inner
 def pushed(here, there, k, c, n):
-    """The weights of the curvatures above level k, by the triangle of the first c rows of V: False if nothing pushes."""
+    """The weights of the curvatures above level k, by the triangle of the first c rows of V: whether any."""
     V, L, pivot = matrix(there, plain.V), matrix(there, plain.L), marks(there, plain.PIVOT)
     pull, mu, wanted = vector(here, at.PULL), vector(here, at.MU), vector(here, at.WANTED)
     ptr, weights, some = marks(here, plain.PTR), vector(here, plain.WEIGHTS), False

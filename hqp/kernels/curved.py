@@ -12,7 +12,7 @@ import math
 from . import curved_layout as at
 from . import layout as plain
 from .active_set import OPTIMAL
-from .bend import bend, gather, measure, norm_of, project, quiet, stack_above
+from .bend import TRUSTED, bend, gather, measure, norm_of, project, quiet, stack_above
 from .call import called_on
 from .compile import entry, inner, integer, stamp
 from .memory import floats, given, ints, marks, matrix, vector
@@ -20,8 +20,11 @@ from .orthogonal import length
 from .solver import SUSPECT
 from .symmetric import cholesky, eigen
 
-#: Soft rows are so stiff against the levels below where they are met as well as missed; stiffer ones are held.
-STIFF, STIFFEST = 15.0, 1e4
+#: So stiff against the levels below are soft rows that are met as well as missed, times gain dt; and above the second
+#: number they are held.
+STIFF, STIFFEST = 6.0, 1e4
+#: From where on curvatures count so much, beside the least square of the rows, that levels lean with all their weight.
+DOUBTED = 2.5
 #: How strongly a level leans on the last x, relative to its rows, times the root of gain dt: the first one, and those
 #: below it.
 LEAN, LEAN_BELOW = 0.0316, 0.8
@@ -208,7 +211,7 @@ def soften(here, count, d, x, size):
         reach, _ = along(here, row, d, left)
         if d == 0 or not reach > 0.0:
             continue
-        stiff = vector(here, at.TUNING)[0] / vector(here, at.SHARES)[ints(here, 0, plain.HEAD)[at.TOP]]
+        stiff = STIFF / vector(here, at.SHARES)[ints(here, 0, plain.HEAD)[at.TOP]]
         if soft[r] * STIFFEST > stiff:
             state[i], stiffness[i] = at.SOFT, stiff / (soft[r] * reach)
         else:
@@ -291,7 +294,7 @@ def write_stage(here, k, d, size, lean):
 
 @inner
 def write_damping(here, k, d, address, place, row, lower, upper, weights, lean):
-    r"""The rows of damping, one a direction: :math:`(y - r)^T L P L^T (y - r) + w^2 |y - v|^2`, x being :math:`Z^T y`."""
+    r"""Rows of damping, one a direction: :math:`(y - r)^T L P L^T (y - r) + w^2 |y - v|^2`, x being :math:`Z^T y`."""
     n, basis, L, P = (
         ints(here, 0, plain.HEAD)[plain.N],
         matrix(here, at.BASIS),
@@ -348,7 +351,8 @@ def write_damping(here, k, d, address, place, row, lower, upper, weights, lean):
 
 @inner
 def note_errors(here):
-    """By how much every row is off: its error, as far as that is outside its band."""
+    """By how much every row is off: its error, as far as that is outside its band, and as fast as it is to go."""
+    scales = vector(here, at.SCALES)
     errors, calls, of = vector(here, at.ERRORS), marks(here, at.MEASURED), ints(here, 0, plain.HEAD)[at.MEASURES]
     for p in range(of):
         count, begin = calls[5 * p + 4], calls[5 * p + 3]
@@ -356,14 +360,14 @@ def note_errors(here):
         above = floats(calls[5 * p + 2], 0, count)
         for i in range(count):
             low, high = error[i] + below[i], error[i] + above[i]
-            errors[begin + i] = low if low > 0.0 else high if high < 0.0 else 0.0
+            errors[begin + i] = scales[begin + i] * (low if low > 0.0 else high if high < 0.0 else 0.0)
 
 
 @inner
 def solve_stage(here, k, d, size, lean):
     """The stage of level k: its outcome."""
     head, point = ints(here, 0, plain.HEAD), matrix(here, at.POINTS)[k]
-    if not vector(here, at.LAST)[0] == vector(here, at.LAST)[0]:
+    if vector(here, at.LAST)[0] != vector(here, at.LAST)[0]:
         lean = 0.0
     write_stage(here, k, d, size, lean / math.sqrt(vector(here, at.SHARES)[k]))
     head[at.STAGE] = k
@@ -389,14 +393,14 @@ def spare(here, d):
 def solve_stages(here, gate):
     """The stages from the first level on that is damped, or leans: the outcome of the last."""
     head, strengths, J = ints(here, 0, plain.HEAD), vector(here, at.STRENGTHS), matrix(here, at.J)
-    d, levels, tune = head[plain.N], head[plain.LEVELS], vector(here, at.TUNING)
+    d, levels = head[plain.N], head[plain.LEVELS]
     outcome, opened, above, damped, first = integer(OPTIMAL), False, integer(0), 0.0, True
     head[at.OPENED] = levels
     begin(here)
     for k in range(head[at.TOP], levels):
         strengths[k] = 0.0
         count = gather(here, k)
-        least, size, before = project(here, count, d), 0.0, gate
+        least, size = project(here, count, d), 0.0
         if opened:
             size = norm_of(here, count)
             measure(here, k, d, count, size)
@@ -405,8 +409,8 @@ def solve_stages(here, gate):
             strength, ratio = spare(here, d)
         else:
             strength, ratio = bend(here, k, count, d, above, least, damped)
-        fade = min(1.0, max(0.0, (ratio - tune[3]) / (tune[4] - tune[3])))
-        gate = max(gate, fade * fade * fade)
+        fade = min(1.0, max(0.0, (ratio - TRUSTED) / (DOUBTED - TRUSTED))) ** 3
+        gate = max(gate, fade)
         above = stack_above(here, count, above)
         if strength == 0.0 and (gate == 0.0 or spared) and not opened:
             for r in range(count):
@@ -415,11 +419,8 @@ def solve_stages(here, gate):
             continue
         if not opened:
             head[at.OPENED], size = k, norm_of(here, count)
-        heavy = before if tune[5] > 0.0 else gate
-        if first:
-            heavy = 0.0
+        lean = 0.0 if spared else math.sqrt(fade) * LEAN if first else math.sqrt(gate) * LEAN_BELOW
         first = False
-        lean = 0.0 if spared else math.sqrt(gate * tune[1] * tune[1] + heavy * tune[2] * tune[2])
         outcome = solve_stage(here, k, d, size, lean)
         if outcome != OPTIMAL:
             return outcome
@@ -432,11 +433,9 @@ def solve_stages(here, gate):
 
 @inner
 def crowded(here):
-    """How close the strict answer is to the bounds of the levels above those that are curved: 0 if not, 1 if at one."""
-    head, x = (
-        ints(here, 0, plain.HEAD),
-        vector(marks(here, at.DIRECTORIES)[ints(here, 0, plain.HEAD)[plain.LEVELS]], plain.X),
-    )
+    """How close the strict answer moves along bounds of the levels above those that are curved: from 0 to 1, at one."""
+    head = ints(here, 0, plain.HEAD)
+    x = vector(marks(here, at.DIRECTORIES)[head[plain.LEVELS]], plain.X)
     n, col, row_of, A = head[plain.N], marks(here, plain.COL), marks(here, plain.ROW_OF), matrix(here, plain.A)
     lower, upper, gate = vector(here, plain.LOWER), vector(here, plain.UPPER), 0.0
     for i in range(marks(here, plain.PTR)[head[at.TOP]]):
@@ -451,7 +450,9 @@ def crowded(here):
             for j in range(n):
                 value += row[j] * x[j]
         near = min(value - lower[i], upper[i] - value) / room
-        gate = max(gate, min(1.0, max(0.0, 1.0 - near / NEAR)))
+        if near < NEAR:  # who rests at a bound is calm
+            moving = min(1.0, 2.0 * abs(value) / max(abs(lower[i]), abs(upper[i])))
+            gate = max(gate, moving * min(1.0, 1.0 - near / NEAR))
     return gate
 
 
@@ -460,6 +461,10 @@ def solve_all(here, numbers):
     """Strict where nothing speaks against it, else in stages: the outcome of the last solve."""
     head = ints(here, 0, plain.HEAD)
     levels, gate = head[plain.LEVELS], 0.0
+    if head[at.QUICK] != 0:
+        cut = marks(marks(here, at.DIRECTORIES)[levels], plain.CUT)
+        for k in range(levels + 1):
+            cut[k] = -1
     strict = called_on(head[at.SOLVE], marks(here, at.DIRECTORIES)[levels], numbers)
     if strict == SUSPECT:
         return strict

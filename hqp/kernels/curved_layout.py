@@ -11,8 +11,8 @@ from __future__ import annotations
 #: that is curved, and whether the answer of the whole leaves a basis.
 OPENED, OUTCOME, STAGE, SOLVE, MEASURES, TOP, QUICK = 5, 6, 7, 8, 9, 10, 11
 
-#: Which levels are curved: may be damped, or are SPARED, so that they count and are held, but never give way. For every level, the directory of its stage, and of the whole as it is; its numbers; how
-#: many rows of A and rows these have; of every level above it, where its rows begin there, and those of A (-1: none).
+#: Which levels are curved: may be damped, or are SPARED, so that they count and are held, but never give way. For every
+#: level, the directory of its stage, and of the whole as it is; its numbers; how many rows of A and rows these have; of every level above it, where its rows begin there, and those of A (-1: none).
 CURVED = 1
 (DIRECTORIES, NUMBERS, SIZES, FIRST, DENSE) = range(8, 13)
 # Loops that contract curvatures, level by level: address, table, address of the weights, row, rows.
@@ -32,7 +32,7 @@ CURVED = 1
 # What has become of every row: how it is held, the row itself, its value, how stiff it is.
 (STATE, ROW, VALUE, STIFFNESS) = range(42, 46)
 # What every level has reached, and how strongly it was damped.
-(POINTS, STRENGTHS, TUNING) = range(46, 49)
+(POINTS, STRENGTHS, SCALES) = range(46, 49)
 PLACES = 49
 
 #: A curved level that is left strict.
@@ -53,6 +53,5 @@ def shapes(n, levels, m, widest):
         STIFFNESS: (m, 1),
         POINTS: (levels, n),
         STRENGTHS: (levels, 1),
-        TUNING: (8, 1),
     }
     return ints, reals

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..backends.native import SIGNATURE, Memory, door, make_ready
+from ..backends.native import ONE_SWEEP, SIGNATURE, Memory, door, make_ready
 from ..guard import Guard
 from ..hierarchy import Hierarchy
 from ..kernels import curved as kernel
@@ -31,6 +31,7 @@ from .linearisation import Linearisation
 from .solver import DEFAULT_BACKEND, Solver
 
 WHAT = "curved levels"
+new = object.__new__
 #: What a loop calls in Python: it gets a directory and numbers, and gives an outcome.
 CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, ctypes.c_int64)
 
@@ -70,19 +71,19 @@ class CurvedSolver:
             for k, curved in enumerate(linearisation.curved)
         ]
         warm_up()
-        self.relinearise(linearisation)
-        if self._native:
-            self._memories = [
-                Memory(hierarchy.structure if stage is None else stage.structure, self.settings)
-                for stage in [*self._stages, None]
-            ]
-            self._directories = np.array([memory.address for memory in self._memories], dtype=np.int64)
-            self._quickly = address_of(kernel_solver.solve, SIGNATURE)
         self._points, sides = [np.zeros(hierarchy.n) for _ in range(self._levels + 1)], np.zeros(hierarchy.m, np.int64)
         self._plain_directories = [directory_of(point, sides) for point in self._points]
         self._slowly = np.array([directory.ctypes.data for directory in self._plain_directories], dtype=np.int64)
         self._callback, self._ask = _asked(self._answer_stage)
+        if self._native:
+            structures = [hierarchy.structure if stage is None else stage.structure for stage in [*self._stages, None]]
+            self._memories = [Memory(structure, self.settings) for structure in structures]
+            self._directories = np.array([memory.address for memory in self._memories], dtype=np.int64)
+            self._quickly, self._strict = address_of(kernel_solver.solve, SIGNATURE), self._memories[-1]
+        self.relinearise(linearisation)
         self._guard, self._failed, self._raised = Guard("the solver"), dict[int, Solution](), list[BaseException]()
+        self._zero = np.zeros(hierarchy.n)
+        self._zero.flags.writeable = False
         self._always = backend, self.settings, self._tell
 
     def relinearise(self, linearisation: Linearisation) -> None:
@@ -90,6 +91,12 @@ class CurvedSolver:
         self._linearisation = linearisation
         self._work = Work(self._hierarchy, linearisation, self._stages)
         self._head, self._run = self._work.head, partial(door(kernel.solve_curved), self._work.address)
+        self._ask_for_stages(self._native)
+
+    def _ask_for_stages(self, native: bool) -> None:
+        """Have the loops ask the native solver, or Python, for what they need solved."""
+        self._head[at.SOLVE], self._head[at.QUICK] = (self._quickly, 1) if native else (self._ask, 0)
+        self._work.directories[:] = self._directories if native else self._slowly
 
     def forget(self) -> None:
         """Make the next call a cold one."""
@@ -102,31 +109,43 @@ class CurvedSolver:
     def solve(self, hierarchy: Hierarchy) -> Solution:
         """Solve it, as its linearisation is now."""
         with self._guard:
+            if self._native and self._run(hierarchy.address) == OPTIMAL:
+                return self._solved(hierarchy)
             try:
                 return self._solve(hierarchy)
             finally:
                 if self._raised:  # in Python, below a loop, through which no exception finds its way
                     raise self._raised.pop()
 
+    def _solved(self, hierarchy: Hierarchy) -> Solution:
+        """What the native solver has just found."""
+        opened, sweeps, iterations = self._head.item(at.OPENED), 0, 0
+        if opened < self._levels:
+            for memory in self._memories[opened : self._levels]:
+                sweeps += memory.head.item(plain.SWEEPS)
+                iterations += memory.head.item(plain.ITERATIONS)
+            x = self._memories[self._levels - 1].x.copy()
+            return self._solution(hierarchy, x, Counts(sweeps, iterations), opened)
+        told = self._strict.head.item
+        sweeps, iterations = told(plain.SWEEPS), told(plain.ITERATIONS)
+        solution = new(Solution)
+        fields = solution.__dict__
+        fields["x"], fields["status"] = self._strict.x.copy(), Status.OPTIMAL
+        fields["counts"] = (
+            ONE_SWEEP[iterations] if sweeps == 1 and iterations < len(ONE_SWEEP) else Counts(sweeps, iterations)
+        )
+        fields["_noted"] = hierarchy, hierarchy.numbers.copy(), self._zero, self._always
+        return solution
+
     def _solve(self, hierarchy: Hierarchy) -> Solution:
-        work, head = self._work, self._head
-        if self._native:
-            head[at.SOLVE], head[at.QUICK] = self._quickly, 1
-            work.directories[:] = self._directories
-            if self._run(hierarchy.address) == OPTIMAL:
-                opened = int(head[at.OPENED])
-                asked = range(opened, self._levels) if opened < self._levels else (self._levels,)
-                solved = [self._memories[k] for k in asked if k == self._levels or self._stages[k] is not None]
-                heads = [memory.head for memory in solved]
-                counts = Counts(sum(int(h[plain.SWEEPS]) for h in heads), sum(int(h[plain.ITERATIONS]) for h in heads))
-                return self._solution(hierarchy, solved[-1].x.copy(), counts, opened)
+        """By the backend, stage after stage, asked in Python."""
         if hierarchy.find_fault():
             return self._plain.solve(hierarchy)
         self._failed.clear()
-        head[at.SOLVE], head[at.QUICK] = self._ask, 0
-        work.directories[:] = self._slowly
+        self._ask_for_stages(native=False)
         outcome = self._run(hierarchy.address)
-        opened = int(head[at.OPENED])
+        self._ask_for_stages(self._native)
+        opened = self._head.item(at.OPENED)
         if opened == self._levels:
             return self._failed[self._levels]
         self._failed.pop(self._levels, None)
@@ -140,10 +159,10 @@ class CurvedSolver:
 
     def _solution(self, hierarchy: Hierarchy, x: Array, counts: Counts, opened: int) -> Solution:
         """The answer with what its stages are told from, where there were some."""
-        solution = object.__new__(Solution)
+        solution = new(Solution)
         fields = solution.__dict__
         fields["x"], fields["status"], fields["counts"] = x, Status.OPTIMAL, counts
-        fields["_noted"] = hierarchy, hierarchy.numbers.copy(), np.zeros(hierarchy.n), self._always
+        fields["_noted"] = hierarchy, hierarchy.numbers.copy(), self._zero, self._always
         if opened < self._levels:
             solved, last = list[tuple[int, Array]](), int(self._head[at.STAGE])
             for k, stage in enumerate(self._stages):

@@ -14,10 +14,6 @@ from ..kernels import curved_layout as at
 from ..kernels import layout as plain
 from .linearisation import Linearisation
 
-#: What the loops go by: how stiff what is handed down is, the leans of the first level and of those below, between
-#: which ratios of curvature to rows these set in, and whether the lower ones wait for the level above.
-TUNING = (15.0, 0.0316, 0.8, 0.5, 2.0, 0.0)
-
 
 def directory_of(x: Array, sides: NDArray[np.int64]) -> NDArray[np.int64]:
     """A directory in which nothing is but x, and the sides of rows."""
@@ -84,7 +80,12 @@ class Work:
         made: dict[int, NDArray[Any]] = dict(arrays)
         made |= {place: np.zeros(shape[0] * shape[1], dtype=np.int64) for place, shape in ints.items()}
         made |= {place: np.zeros(shape) for place, shape in reals.items()}
-        made |= {at.SHARES: linearisation.shares, at.AIMS: linearisation.aims, at.LAST: linearisation.last}
+        made |= {
+            at.SCALES: linearisation.scales,
+            at.SHARES: linearisation.shares,
+            at.AIMS: linearisation.aims,
+            at.LAST: linearisation.last,
+        }
         made[at.S] = linearisation.curvature
         directory = np.zeros(plain.HEAD + 3 * at.PLACES, dtype=np.int64)
         directory[[plain.N, plain.LEVELS, plain.ROWS, at.MEASURES, at.TOP]] = (
@@ -101,7 +102,6 @@ class Work:
             (plain.A, plain.LOWER, plain.UPPER, plain.WEIGHTS), ((len(hierarchy.A), n), *[(m, 1)] * 3), strict=True
         ):
             entries[place, 1:] = shape
-        made[at.TUNING][: len(TUNING), 0] = TUNING
         self._kept, self._directory = (made, linearisation), directory
         self.head, self.address = directory[: plain.HEAD], int(directory.ctypes.data)
         self.points: Array = made[at.POINTS]

@@ -58,6 +58,8 @@ class Linearisation:
     contractions : sequence of Contraction
     curvature : array, shape (n, n)
         What the contractions add to.
+    scales : array, shape (m,)
+        How fast the error of each row is to go, relative to the fastest.
     shares : array, shape (levels,)
         What share of its error a level takes away in one step.
     aims : array, shape (levels, n)
@@ -74,6 +76,7 @@ class Linearisation:
     errors: Sequence[Errors]
     contractions: Sequence[Contraction]
     curvature: Array
+    scales: Array
     shares: Array
     aims: Array
     last: Array

@@ -10,22 +10,23 @@ from hqp.solver.linearisation import Contraction, Errors, Linearisation
 
 from ..base.checks import Array
 from ..rows.rows import Rows
-from ..rows.stack import Rule
 from ..rows.task import Task
 
 #: What explanations say where a task has a direction in which joints hardly move it.
 STRAIGHT = "the arm is straight in this direction"
 
 
-def curved_levels(rows: Rows, rules: tuple[Rule, ...]) -> tuple[int, ...]:
+def curved_levels(rows: Rows) -> tuple[int, ...]:
     """Of every level, whether it may be damped by default (1), is below a task but left strict (2), or neither (0).
 
-    Of limits above all tasks nothing gives way; nor does anything where no task tells how its value bends.
+    Of limits above all tasks nothing gives way; nor does anything where no task tells how its value bends, or where
+    forces of contacts are unknown, too.
     """
-    levels, work = len(rules), rows.work
+    rules, work = rows.stack.damping, rows.work
+    levels = len(rules)
     first = min((k for k, _, part, _, _ in work if not part.is_limit), default=levels)
     bends = any(plan.curvature is not None for _, _, _, plan, _ in work)
-    if not bends or all(rule is False for rule in rules[first:]):
+    if not bends or rows.unknowns.blocks or all(rule is False for rule in rules[first:]):
         return (0,) * levels
     return tuple(0 if k < first else 2 if rule is False else 1 for k, rule in enumerate(rules))
 
@@ -37,23 +38,23 @@ def linearised(rows: Rows, dt: float | None, curved: tuple[int, ...], last: Arra
     from ..base.loops import SIGNATURE, Table, address
 
     work, n, levels = rows.work, rows.hierarchy.n, len(curved)
-    S, tables = np.zeros((n, n)), list[Table]()
-    contractions, errors, gain = list[Contraction](), list[Errors](), 0.0
+    S, tables, gains = np.zeros((n, n)), list[Table](), np.zeros(rows.hierarchy.m)
+    contractions, errors = list[Contraction](), list[Errors]()
     for _, row, part, plan, site in work:
         errors += [Errors(*off, row) for off in site.off]
         task = getattr(part, "task", part)
         if isinstance(task, Task) and site.off:
-            gain = max(gain, float(np.max(task.gain)))
+            gains[row : row + site.rows] = task.gain
         if plan.curvature is not None:
             weights = np.zeros(site.rows)
             table = Table(weights, S, *plan.curvature.table.told[2:])
             tables.append(table)
             loop = address_of(plan.curvature.kernel, SIGNATURE)
             contractions.append(Contraction(loop, address(table), weights, row))
-    shares = np.full(levels, gain * dt if dt and gain else 1.0)
-    return Linearisation(
-        curved, errors, contractions, S, shares, rows.every_aim, last, singular=STRAIGHT, kept=(tables, work)
-    )
+    fastest = float(gains.max())
+    shares, scales = np.full(levels, fastest * dt if dt and fastest else 1.0), gains / (fastest or 1.0)
+    kept = tables, work
+    return Linearisation(curved, errors, contractions, S, scales, shares, rows.every_aim, last, STRAIGHT, kept)
 
 
 class CalmSolver:

@@ -56,7 +56,8 @@ class Record:
         Joint accelerations [rad/s^2] over each tick; at velocity order (v[k + 1] - v[k]) / dt, with a plant those
         commanded.
     tau : array, shape (N, n), or None
-        Joint torques [N m] that a takes where each tick begins (Eq. 4.1); None if the robot cannot tell.
+        Joint torques [N m] that a takes where each tick begins (Eq. 4.1); None if the robot cannot tell. With
+        :class:`tasks.Dynamics` in the stack those that were told, of the joints that have a motor.
     pose : array, shape (N + 1, ...)
         Of the tip, in the coordinates of the robot.
     manipulability : array, shape (N + 1,), or None

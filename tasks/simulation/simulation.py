@@ -204,7 +204,7 @@ class _Run:
         if not speed <= self._cap:  # NaN too
             where = _fastest(controller.robot, self._v)
             return Stop(t + self.dt, f"diverged at t = {t + self.dt:g} s: {where}", diverged=True)
-        self.log.tick(k, a, step.solution.status)
+        self.log.tick(k, a, step.tau, step.solution.status)
         return None
 
     def _move(self, step: Step[Any, Any, Any]) -> Array:
