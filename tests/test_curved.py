@@ -30,7 +30,7 @@ def test_the_native_solver_answers_as_others_do_stage_by_stage(backend: str) -> 
     for mine, theirs in zip(native(), answers(SEEDS, backend), strict=True):
         assert theirs.ok
         assert [level.level for level in theirs.relaxed] == [level.level for level in mine.relaxed]
-        np.testing.assert_allclose(theirs.v, mine.v, atol=1e-6)
+        np.testing.assert_allclose(theirs.v, mine.v, atol=1e-5)
 
 
 def test_the_interpreter_answers_as_the_compiler_does(tmp_path: Path) -> None:
@@ -85,7 +85,7 @@ def stretched(*, damping="curvature", rule=None, target=(1.6, 0.3)):
 
 
 def test_the_explanation_names_the_direction() -> None:
-    step = stretched()([0.0, 0.0, 0.0])
+    step = stretched()([0.15, 0.08, 0.04])
     assert "tip short by" in str(step.solution.explain())
     assert "damped, the arm is straight in this direction (" in str(step.solution.explain())
     weakest = step.relaxed[0].softened[0]
@@ -97,8 +97,20 @@ def test_the_explanation_names_the_direction() -> None:
 def test_without_errors_the_answer_is_the_strict_one_to_the_bit() -> None:
     q = np.array([0.3, 0.7, 0.4])
     robot = PlanarArm([0.5, 0.5, 0.5])
-    target = robot.at(q, np.zeros(3)).pose[:2]
-    default, strict = stretched(target=target)(q), stretched(target=target, damping=None)(q)
+    tip = PositionTask(robot.at(q, np.zeros(3)).pose[:2], gain=10.0)
+    for damping in "curvature", None:
+        controller = Controller(robot, tip >> PostureTask(q, gain=1.0), dt=DT, damping=damping)
+        step = controller(q)
+        np.testing.assert_allclose(step.v, 0.0, atol=1e-12)
+        assert step.relaxed == ()
+
+
+def test_in_the_middle_of_the_range_the_answer_is_the_strict_one_to_the_bit() -> None:
+    robot, q = PlanarArm([0.5, 0.5, 0.5]), np.array([0.3, 0.9, 0.6])
+    tip = PositionTask(robot.at(q, np.zeros(3)).pose[:2] + [0.01, -0.02], gain=10.0)
+    default, strict = (
+        Controller(robot, tip >> PostureTask(q, gain=1.0), dt=DT, damping=damping)(q) for damping in ("curvature", None)
+    )
     assert (default.v == strict.v).all()
     assert default.relaxed == ()
 
@@ -123,7 +135,7 @@ def test_a_wrong_default_is_refused_by_name(wrong: object) -> None:
 
 def test_strict_levels_cannot_be_joined() -> None:
     with pytest.raises(InvalidInput, match="damped as a whole"):
-        Damped(PositionTask([1.0, 0.0]), None) + PostureTask([0.0])
+        Damped(PositionTask([1.0, 0.0], gain=1.0), None) + PostureTask([0.0], gain=1.0)
 
 
 def test_a_stack_without_curvature_is_solved_plainly() -> None:
