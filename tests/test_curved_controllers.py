@@ -128,7 +128,8 @@ def test_unknown_velocities() -> None:
 
 def test_a_planar_arm_at_its_edge_is_calm() -> None:
     default, strict = (
-        simulate(planar(out_and_back, damping=damping), [0.3, 0.5, 0.4], duration=3.0) for damping in ("curvature", None)
+        simulate(planar(out_and_back, damping=damping), [0.3, 0.5, 0.4], duration=3.0)
+        for damping in ("curvature", None)
     )
     assert default.certified_share == 1.0
     assert jerk(default) < 0.01 * jerk(strict)
@@ -180,7 +181,9 @@ def test_no_limit_pays_for_calm(kind: str, gain: float) -> None:
     for damping in "curvature", None:
         guard = GUARDS[kind](gain)
         tip = PositionTask(out_and_back, gain=10.0)
-        controller = Controller(robot, JointLimits() >> guard >> tip >> PostureTask([0.2] * 3, gain=1.0), dt=DT, damping=damping)
+        controller = Controller(
+            robot, JointLimits() >> guard >> tip >> PostureTask([0.2] * 3, gain=1.0), dt=DT, damping=damping
+        )
         q, v, worst = np.array([0.3, 0.5, 0.9]), np.zeros(3), 0.0
         for k in range(400):
             step = controller(q, v, k * DT)
