@@ -35,6 +35,7 @@ from ..robots.robot import Robot, check_joints, integration, joint_names, joint_
 from ..rows.stack import Stack
 from ..targets.timing import Timing, cubic
 from .log import Log
+from .motion import follow
 from .record import Record, Stop
 
 #: Joint speed [rad/s] beyond which a run counts as diverged: 16 turns a second.
@@ -177,15 +178,8 @@ def simulate(
             assert step.tau is not None
             a = step.a
             q, v = plant.advance(q, v, step.tau, dt)
-        elif step.a is not None:
-            a = step.a
-            q = integrate(q, dt * v + (0.5 * dt * dt) * a)
-            v = v + dt * a
         else:
-            assert step.v is not None
-            a = (step.v - v) / dt
-            v = step.v.copy()
-            q = integrate(q, dt * v)
+            q, v, a = follow(integrate, step, q, v, dt)
         q.flags.writeable = v.flags.writeable = False  # ours, and kept as they are: a robot need not copy them
         speed = float(np.abs(v).max(initial=0.0))
         if not speed <= cap:  # NaN too
