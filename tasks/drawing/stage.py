@@ -111,5 +111,5 @@ def look(server: viser.ViserServer, bounds: Array) -> None:
         shadow_opacity=0.0,
     )
     camera = server.initial_camera
-    camera.position = middle + size * np.array([1.1, -0.75, 0.55])
+    camera.position = middle + size * np.array([0.95, -0.62, 0.4])
     camera.look_at = middle

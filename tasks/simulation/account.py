@@ -8,11 +8,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from hqp import Solution
+from hqp.certificate import LevelExplanation
 
 from ..base.checks import Array
 
 #: Causes that are named of a tick, and of a stretch of time.
 MOST_NAMED = 3
+#: What is missing by no more than this is there, to round-off [m/s], [rad/s], ...
+ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
@@ -43,7 +46,7 @@ def shortfalls(solution: Solution) -> tuple[Shortfall, ...]:
     """The levels that a tick could not meet, the highest first."""
     found = []
     for level in solution.explain().levels:
-        if not level.met:
+        if not met(level):
             name = " + ".join(part.part for part in level.parts)
             lacks: dict[str, float] = {}
             for part in level.parts:
@@ -52,6 +55,11 @@ def shortfalls(solution: Solution) -> tuple[Shortfall, ...]:
             causes = tuple(str(cause) for cause in level.causes[:MOST_NAMED])
             found.append(Shortfall(name, {unit: norm for unit, norm in lacks.items() if norm > 0.0}, causes))
     return tuple(found)
+
+
+def met(level: LevelExplanation) -> bool:
+    """Whether a level lacks nothing but round-off."""
+    return all(norm <= ROUND_OFF for part in level.parts for norm in part.residual.values())
 
 
 @dataclass(frozen=True)

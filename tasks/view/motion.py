@@ -17,6 +17,7 @@ from ..control.controller import Controller, Step
 from ..robots.robot import check_joints, home, integration
 from ..rows.part import Part
 from ..rows.stack import Stack
+from ..simulation.account import ROUND_OFF, met
 from ..simulation.log import Log
 from ..simulation.motion import follow
 from ..simulation.record import Record
@@ -148,18 +149,21 @@ class Motion:
         q, v, a = follow(self._integrate, step, self.q, self.v, self.dt)
         if self.ticks % self._every == 0:
             names = map(level_name, self.controller.stack.levels)
-            norms = (float(level.residual_norm) for level in step.solution.levels)
-            self.samples.append(Sample(self.t, dict(zip(names, norms, strict=False)), v))
+            norms = (_plain(level.residual_norm) for level in step.solution.levels)
+            self.samples.append(
+                Sample(self.t, dict(zip(names, norms, strict=False)), np.where(np.abs(v) > ROUND_OFF, v, 0.0))
+            )
         self._write(step, a)
         q.flags.writeable = v.flags.writeable = False
-        self.q, self.v, self.t, self.ticks = q, v, self.t + self.dt, self.ticks + 1
+        self.q, self.v, self.ticks = q, v, self.ticks + 1
+        self.t = self.ticks * self.dt
         return True
 
     def _judge(self, step: Step[Any, Any, Any]) -> Verdict:
         told = []
         for level in step.solution.explain().levels:
             name = " + ".join(part.part for part in level.parts)
-            told.append((name, level.met, str(level)))
+            told.append((name, met(level), f"{name} met, to round-off" if met(level) != level.met else str(level)))
         return Verdict(self.t, bool(step.solution.certify().ok), tuple(told))
 
     # Recording.
@@ -199,3 +203,8 @@ class Motion:
         log.tick(k, a, step.solution.status)
         if log.states >= MOST_RECORDED:
             self.stop_recording()
+
+
+def _plain(norm: float) -> float:
+    """Without round-off, which a plot would draw as large as anything."""
+    return float(norm) if norm > ROUND_OFF else 0.0

@@ -57,11 +57,18 @@ def ready_stack(robot: PinocchioRobot) -> Stack:
             levels.append([OrientationTask(np.eye(3), frame=_trunk(robot), gain=REACH, name="trunk")])
     frames = [(name, state.frame(name)) for name in hands]
     single = len(hands) == 1
-    levels.append([PositionTask(f.position, frame=n, gain=REACH, name="position" if single else n) for n, f in frames])
+    levels.append(
+        [
+            PositionTask(f.position, frame=n, gain=REACH, name="position" if single else _called(n, "hand"))
+            for n, f in frames
+        ]
+    )
     if not feet:
         levels.append(
             [
-                OrientationTask(f.rotation, frame=n, gain=REACH, name="orientation" if single else f"turn of {n}")
+                OrientationTask(
+                    f.rotation, frame=n, gain=REACH, name="orientation" if single else f"{_called(n, 'hand')} turn"
+                )
                 for n, f in frames
             ]
         )
@@ -73,11 +80,9 @@ def limbs(robot: PinocchioRobot) -> tuple[list[str], list[str]]:
     """The frames of feet and of hands, see above; of a robot with a tip, that alone."""
     if not robot.base and robot.tip is not None:
         return [], [robot.tip]
-    model = robot.model
     ends = _ends(robot)
     state = robot.at(robot.home, np.zeros(robot.nv))
-    first = 2 if robot.base else 1
-    lengths = {joint: sum(j >= first for j in model.supports[joint]) for joint in ends}
+    lengths = {joint: _length(robot, joint) for joint in ends}
     heights = {joint: float(state.frame(_frame(robot, joint)).position[2]) for joint in ends}
     feet: list[int] = []
     if robot.base == 6 and ends:
@@ -104,6 +109,15 @@ def _ends(robot: PinocchioRobot) -> list[int]:
     return grouped
 
 
+def _length(robot: PinocchioRobot, joint: int) -> int:
+    """How many joints from the last one that carries several, such as a waist, to this one."""
+    parents = [int(parent) for parent in robot.model.parents]
+    count, first = 1, 2 if robot.base else 1
+    while (joint := parents[joint]) >= first and parents.count(joint) == 1:
+        count += 1
+    return count
+
+
 def _frame(robot: PinocchioRobot, joint: int) -> str:
     """The link that a joint carries."""
     import pinocchio as pin
@@ -118,9 +132,16 @@ def _foot(robot: PinocchioRobot, state: RobotState, name: str) -> Part:
     here = state.frame(name)
     joint = robot.model.frames[robot.frame_index(name)].parentJoint
     if len(robot.model.supports[joint]) - 2 >= WHOLE:
-        return PoseTask(here.position, here.rotation, frame=name, gain=HOLD, name=name)
-    return PositionTask(here.position, frame=name, gain=HOLD, name=name)
+        return PoseTask(here.position, here.rotation, frame=name, gain=HOLD, name=_called(name, "foot"))
+    return PositionTask(here.position, frame=name, gain=HOLD, name=_called(name, "foot"))
 
 
 def _trunk(robot: PinocchioRobot) -> str:
     return _frame(robot, 1)
+
+
+def _called(link: str, limb: str) -> str:
+    """A limb in words where the name of its link tells the side: ``"left foot"``."""
+    words = link.lower().split("_")
+    sides = [side for side in ("left", "right") if side in words or side[0] in words]
+    return f"{sides[0]} {limb}" if len(sides) == 1 else link

@@ -58,12 +58,12 @@ def joints(robot: Robot, q: Array) -> str:
         look = f"color:{BAD};font-weight:bold" if at else "color:inherit"
         rows.append(
             f"<div style='display:flex;gap:6px;align-items:center;{look}'>"
-            f"<span style='width:42%;overflow:hidden;white-space:nowrap;text-overflow:ellipsis'>{escape(name)}</span>"
+            f"<span style='width:34%;overflow:hidden;white-space:nowrap;text-overflow:ellipsis'>{escape(name)}</span>"
             f"<span style='flex:1;height:8px;background:{track};border-radius:4px;position:relative'>"
             f"<span style='position:absolute;left:calc({share:.1f}% - 3px);width:6px;height:12px;top:-2px;"
             f"background:{color};border-radius:3px'></span></span>"
             f"<span style='width:3.6em;text-align:right'>{position:.2f}</span>"
-            f"<span style='width:7.5em;color:{QUIET};font-weight:normal'>{ends}</span></div>"
+            f"<span style='width:7em;color:{QUIET};font-weight:normal'>{ends}</span></div>"
         )
     return _page("".join(rows) or "no joint has a single position")
 
