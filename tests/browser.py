@@ -20,22 +20,27 @@ PATIENCE = 60_000
 
 
 @contextmanager
-def page(url: str, asked: list[str] | None = None, size: tuple[int, int] = (1200, 760)) -> Iterator[Any]:
-    """An open page; `asked` collects the addresses of all that it asks for."""
+def chromium() -> Iterator[Any]:
+    """A browser; one a process at a time."""
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        try:
-            own = browser.new_page(viewport={"width": size[0], "height": size[1]})
-            own.set_default_timeout(PATIENCE)
-            if asked is not None:
-                own.on("request", lambda request: asked.append(request.url))
-                own.on("websocket", lambda socket: asked.append(socket.url))
-            own.goto(url)
-            yield own
-        finally:
-            browser.close()
+        yield browser
+        browser.close()
+
+
+@contextmanager
+def page(browser: Any, url: str, asked: list[str] | None = None, size: tuple[int, int] = (1200, 760)) -> Iterator[Any]:
+    """An open page; `asked` collects the addresses of all that it asks for."""
+    own = browser.new_page(viewport={"width": size[0], "height": size[1]})
+    own.set_default_timeout(PATIENCE)
+    if asked is not None:
+        own.on("request", lambda request: asked.append(request.url))
+        own.on("websocket", lambda socket: asked.append(socket.url))
+    own.goto(url)
+    yield own
+    own.close()
 
 
 @contextmanager

@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 import os
+from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic, sleep
 from urllib.parse import urlparse
 
 import numpy as np
 import pytest
+from browser import CHROMIUM, chromium, drag, page, running
 
-pytest.importorskip("viser")
-pytest.importorskip("playwright")
-pin = pytest.importorskip("pinocchio")
-from browser import CHROMIUM, drag, page, running
-
-from tasks import Controller, Record, load_robot
+from tasks import Record, load_robot, simulate
 from tasks.view.live import Window
 from tasks.view.session import Session
-from tasks.view.stacks import ready_stack
+from tasks.view.stacks import ready_controller
 
 pytestmark = [
     pytest.mark.browser,
-    pytest.mark.skipif(CHROMIUM is None, reason="needs chromium"),
+    pytest.mark.skipif(CHROMIUM is None or find_spec("playwright") is None, reason="needs Chromium and playwright"),
     pytest.mark.filterwarnings("default"),  # of the browser's driver
 ]
 #: Where screenshots are left, to be looked at.
@@ -31,7 +28,7 @@ PICTURES = os.environ.get("HQP_SCREENSHOTS")
 
 def window(name: str, tmp_path: Path, **options) -> Window:
     robot = load_robot(name, **options)
-    return Window(Session(Controller(robot, ready_stack(robot), dt=0.01)), port=8300, folder=tmp_path)
+    return Window(Session(ready_controller(robot, 0.01)), port=8300, folder=tmp_path)
 
 
 def picture(own, name: str) -> None:
@@ -47,10 +44,16 @@ def until(holds, seconds: float = 30.0) -> bool:
 
 
 @pytest.fixture(scope="module")
-def panda(tmp_path_factory):
+def browser():
+    with chromium() as own:
+        yield own
+
+
+@pytest.fixture(scope="module")
+def panda(browser, tmp_path_factory):
     folder, asked = tmp_path_factory.mktemp("recordings"), []
     live = window("panda", folder, lock=["panda_finger_joint1"])
-    with running(live), page(live.url, asked) as own:
+    with running(live), page(browser, live.url, asked) as own:
         own.wait_for_selector("text=certified at")
         assert until(live.server.get_clients)
         yield live, own, asked, folder
@@ -116,7 +119,7 @@ def test_it_is_paused_recorded_and_saved(panda):
 def test_joints_and_plots_are_shown(panda):
     _, own, _, _ = panda
     own.get_by_role("tab", name="Joints").click()
-    own.wait_for_selector("text=panda_joint4")
+    own.get_by_text("panda_joint4", exact=True).wait_for()
     picture(own, "joints")
     own.get_by_role("tab", name="Plots").click()
     own.wait_for_selector("text=/joint velocities .* 10 s/")
@@ -133,27 +136,25 @@ def test_no_request_leaves_the_machine(panda):
     assert live.server._share_tunnel is None
 
 
-def test_a_humanoid_on_its_feet(tmp_path):
+def test_a_humanoid_on_its_feet(browser, tmp_path):
     live = window("g1", tmp_path)
-    with running(live), page(live.url) as own:
+    with running(live), page(browser, live.url) as own:
         own.wait_for_selector("text=certified at")
         assert until(live.server.get_clients)
         hand = next(target for target in live.session.targets if target.name == "left hand")
-        live.session.do(lambda: hand.move(p=hand.p + [0.4, 0.0, 0.2]))
+        live.session.do(lambda: hand.move(p=hand.p + np.array([0.4, 0.0, 0.2])))
         own.wait_for_selector("text=/left hand/")
         own.wait_for_timeout(4000)
         picture(own, "humanoid")
         assert own.get_by_text("left foot and right foot met").count() == 1
 
 
-def test_a_saved_page_plays_from_a_file(tmp_path):
-    from tasks import simulate
-
+def test_a_saved_page_plays_from_a_file(browser, tmp_path):
     robot = load_robot("panda", lock=["panda_finger_joint1"])
-    record = simulate(Controller(robot, ready_stack(robot), dt=0.02), robot.neutral, duration=1.0)
+    record = simulate(ready_controller(robot, 0.02), robot.neutral, duration=1.0)
     record.save_html(tmp_path / "motion.html", rate=10)
     asked: list[str] = []
-    with page((tmp_path / "motion.html").as_uri(), asked, (800, 600)) as own:
+    with page(browser, (tmp_path / "motion.html").as_uri(), asked, (800, 600)) as own:
         own.wait_for_selector("canvas")
         own.wait_for_timeout(4000)
         picture(own, "page")

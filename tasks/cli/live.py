@@ -44,13 +44,11 @@ def live(
     Limits above position above orientation above posture; of a robot on feet, limits above feet above the centre of
     mass above hands above posture. For a stack of your own there is tasks.live(controller). Ctrl-C ends it.
     """
-    from ..control.controller import Controller
     from ..drawing.stage import viser_module
     from ..robots.loading import load_robot
     from ..view.live import live as show
-    from ..view.stacks import ready_stack
+    from ..view.stacks import ready_controller
 
     viser_module()  # before a robot is loaded for nothing
     machine = load_robot(robot, base=base, body=body or None, lock=lock or ())
-    controller = Controller(machine, ready_stack(machine), dt=tick)
-    show(controller, host=host, port=port, certify=certify, folder=folder)
+    show(ready_controller(machine, tick), host=host, port=port, certify=certify, folder=folder)

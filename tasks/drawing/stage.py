@@ -73,7 +73,8 @@ def open_stage(host: str = LOOPBACK, port: int = PORT, label: str = "hqp") -> vi
             server: viser.ViserServer = stage(host=host, port=port, label=label, verbose=False)
     except (OSError, AssertionError, RuntimeError) as error:
         raise InvalidInput(f"cannot listen on {host!r}, port {port}: {error}") from None
-    server.gui.configure_theme(show_share_button=False, show_logo=False, control_layout="fixed", control_width="large")
+    server.gui.configure_theme(show_share_button=False, show_logo=False, control_width="large")
+    server.gui.main_panel.dock_right()
     server.scene.set_up_direction("+z")
     server.scene.configure_default_lights(cast_shadow=False)
     return server
@@ -111,5 +112,5 @@ def look(server: viser.ViserServer, bounds: Array) -> None:
         shadow_opacity=0.0,
     )
     camera = server.initial_camera
-    camera.position = middle + size * np.array([0.95, -0.62, 0.4])
+    camera.position = middle + size * np.array([1.05, -0.7, 0.45])
     camera.look_at = middle

@@ -15,6 +15,8 @@ import numpy as np
 
 from hqp import InvalidInput
 
+from ..base.checks import Array
+from ..control.controller import Controller
 from ..frames.center_of_mass import CenterOfMassTask
 from ..frames.orientation import OrientationTask
 from ..frames.pose import PoseTask
@@ -30,10 +32,30 @@ if TYPE_CHECKING:
 
 #: Gains [1/s]: of the feet, of what is dragged, of the posture.
 HOLD, REACH, REST = 10.0, 3.0, 1.0
+#: Largest accelerations of joints [rad/s^2], [m/s^2].
+BRAKES = 15.0
 #: How far above the lowest end of the robot a foot may be, against its height; and the joints a hand has at least.
 LOW, JOINTS = 0.15, 4
 #: Rows of a foot that is held as a whole.
 WHOLE = 6
+
+
+def ready_controller(robot: PinocchioRobot, dt: float) -> Controller[Array, None, None]:
+    """A controller of the stack to begin with, at velocity order.
+
+    A robot without limits of acceleration is given `BRAKES` for its joints: without any, a strict stack whose target is
+    out of reach throws a stretched arm from one limit of its speed to the other.
+
+    Raises
+    ------
+    InvalidInput
+        See :func:`ready_stack`; or if dt is not positive.
+    """
+    if robot.acceleration_limit is None:
+        brakes = np.full(robot.nv, BRAKES)
+        brakes[: robot.base] = np.inf
+        robot.acceleration_limit = brakes
+    return Controller(robot, ready_stack(robot), dt=dt)
 
 
 def ready_stack(robot: PinocchioRobot) -> Stack:
