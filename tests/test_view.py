@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _thread
 import sys
 import threading
 from types import SimpleNamespace
@@ -434,7 +435,7 @@ def test_a_target_that_is_typed_moves_its_gizmo_and_one_that_is_dragged_its_numb
     np.testing.assert_allclose(target.R, from_rpy(np.pi, 0.0, 0.5 * np.pi), atol=1e-12)
     gizmo = window.scene.gizmos[0]
     gizmo.position = (0.4, 0.1, 0.2)
-    _run(window.scene._dragging(target, gizmo)(PAGE))
+    _run(window.scene._dragging(target, 0, gizmo)(PAGE))
     live.serve()
     np.testing.assert_allclose(point.value, [0.4, 0.1, 0.2])
     np.testing.assert_allclose(target.point.target(0.0)[0], [0.4, 0.1, 0.2])
@@ -482,6 +483,13 @@ def test_without_viser_it_says_how_to_get_it(monkeypatch, capsys):
         tasks.live(Controller(ARM, stack(), dt=0.01), Q)
     assert run(["live", "panda"]) == 2
     assert "pip install 'hqp[live]'" in capsys.readouterr().err
+
+
+def test_it_tells_its_address_and_ends_by_an_interruption(capsys):
+    pytest.importorskip("viser")
+    threading.Timer(0.5, _thread.interrupt_main).start()
+    tasks.live(Controller(ARM, stack(), dt=0.01), Q, port=8800)
+    assert "open http://127.0.0.1:8" in capsys.readouterr().out
 
 
 def _click(group, word: str) -> None:

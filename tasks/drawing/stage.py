@@ -62,7 +62,7 @@ def open_stage(host: str = LOOPBACK, port: int = PORT, label: str = "hqp") -> vi
     port = whole_number(port, "port", least=1)
     if port > LAST_PORT:
         raise InvalidInput(f"port = {port}; it must be at most {LAST_PORT}")
-    stage = _stage()
+    viser_module()
     if host not in OWN:
         tell(
             f"listening on {host!r}: whoever reaches this machine can move what is shown, and there is no password;"
@@ -70,7 +70,7 @@ def open_stage(host: str = LOOPBACK, port: int = PORT, label: str = "hqp") -> vi
         )
     try:
         with redirect_stdout(io.StringIO()):  # the address is told by whoever opens it
-            server: viser.ViserServer = stage(host=host, port=port, label=label, verbose=False)
+            server: viser.ViserServer = _stage()(host=host, port=port, label=label, verbose=False)
     except (OSError, AssertionError, RuntimeError) as error:
         raise InvalidInput(f"cannot listen on {host!r}, port {port}: {error}") from None
     server.gui.configure_theme(show_share_button=False, show_logo=False, control_width="large")

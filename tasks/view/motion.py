@@ -140,12 +140,12 @@ class Motion:
             return False
         step = self.controller.unchecked(self.q, self.v, self.t)
         self.step = step
-        if self._certify and self.ticks % self._certify == 0:
-            self.verdict = self._judge(step)
         if not step.ok:
             self.fault = f"{step.solution.status} at t = {self.t:g} s {step.solution.message}".rstrip()
             self.stop_recording()
             return False
+        if self._certify and self.ticks % self._certify == 0:
+            self.verdict = self._judge(step)
         q, v, a = follow(self._integrate, step, self.q, self.v, self.dt)
         if self.ticks % self._every == 0:
             names = map(level_name, self.controller.stack.levels)

@@ -60,7 +60,7 @@ class Panel:
             self.joints = self._gui.add_html(joints(session.controller.robot, session.q))
         with tabs.add_tab("Plots"):
             self._plots()
-        scene.dragged = self._show_typed
+        scene.moved = self._show_typed
         self._gui.add_markdown(f"Simulated, by the model of its controller; {scene.figure.note}.")
 
     # What is wanted.

@@ -54,8 +54,10 @@ class Scene:
             if name is not None
         }
         self.gizmos = [self._gizmo(target, i, size) for i, target in enumerate(session.targets)]
-        #: Told whenever a target was dragged here.
-        self.dragged: Callable[[Target], None] = lambda target: None
+        #: Where each target was when it was last shown, or dragged.
+        self._seen = [(target.p, target.R) for target in session.targets]
+        #: Told whenever a target was moved, here or by another program.
+        self.moved: Callable[[Target], None] = lambda target: None
         for overlay in overlays:
             overlay.put(server, session)
 
@@ -79,17 +81,18 @@ class Scene:
                 position=position,
                 wxyz=wxyz,
             )
-            gizmo.on_update(self._dragging(target, gizmo))
+            gizmo.on_update(self._dragging(target, number, gizmo))
         self._server.scene.add_label(f"{name}/label", target.name)
         return gizmo
 
-    def _dragging(self, target: Target, gizmo: Any) -> Callable[[Any], Any]:
+    def _dragging(self, target: Target, number: int, gizmo: Any) -> Callable[[Any], Any]:
         async def dragged(event: Any) -> None:  # on the one thread of the server: the order of a drag is kept
             p, R = np.array(gizmo.position), _matrix(gizmo.wxyz)
 
             def move() -> None:
                 target.move(p if target.point is not None else None, R if target.turn is not None else None)
-                self.dragged(target)
+                self._seen[number] = target.p, target.R
+                self.moved(target)
 
             self._session.do(move)
 
@@ -97,18 +100,20 @@ class Scene:
 
     def put(self, target: Target) -> None:
         """Show a target where it is, as after it was typed."""
-        gizmo = self.gizmos[self._session.targets.index(target)]
+        number = self._session.targets.index(target)
+        gizmo, self._seen[number] = self.gizmos[number], (target.p, target.R)
         gizmo.position, gizmo.wxyz = place_of(target)
 
     def show(self) -> None:
-        """The robot where it is, and targets that move where they are."""
+        """The robot where it is, and the targets that moved where they are."""
         self.figure.move(self._session.q)
         for name, parent in self._parents.items():
             parent.position, parent.wxyz = self.figure.place(name)
-        for target in self._session.targets:
-            if not target.fixed:
-                target.follow(self._session.motion.t)
+        for target, (p, R) in zip(self._session.targets, list(self._seen), strict=True):
+            target.follow(self._session.motion.t)
+            if not (np.array_equal(target.p, p) and np.array_equal(target.R, R)):  # moved, but not by a hand here
                 self.put(target)
+                self.moved(target)
         for overlay in self._overlays:
             overlay.show(self._session)
 

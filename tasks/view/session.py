@@ -90,7 +90,7 @@ class Session:
     def reset(self) -> None:
         """Back to the start; targets, gains and priorities stay."""
         self.motion.reset()
-        self.message = ""
+        self.message, self._due = "", 0.0
 
     @property
     def speed(self) -> float:
