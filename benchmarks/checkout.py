@@ -1,4 +1,4 @@
-"""The benchmarks of now on another checkout of the library."""
+"""Runs the present benchmarks on another checkout of the library."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the sweeps need beyond the library itself."""
+"""Checks that the packages which the sweeps need are installed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the timings of one family say: medians, tails, and ratios to the better form of DAQP."""
+"""Statistics of the timings of one family: medians, tails, and ratios to the better form of DAQP."""
 
 from __future__ import annotations
 

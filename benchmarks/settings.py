@@ -1,4 +1,4 @@
-"""How exactly methods are asked to solve: settings by name."""
+"""Accuracy settings of the methods, by name."""
 
 from __future__ import annotations
 

@@ -1,17 +1,15 @@
-"""Joint speeds and task errors of every remedy, beside each other."""
+"""The picture of the singularity benchmark: joint speeds and task errors of every remedy."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-if TYPE_CHECKING:
-    from .singularities import Run
+from .singular_scenes import Run
 
 COLOURS = (
     "#bdbdbd", "#000000", "#0072b2", "#0072b2", "#56b4e9", "#009e73", "#e6c700", "#332288", "#d55e00", "#cc79a7",

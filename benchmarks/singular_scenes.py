@@ -1,4 +1,4 @@
-"""Ways through singularities, and the methods that are to survive them."""
+"""Paths through singularities, the methods compared on them, and the result of one run."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from tasks import (
     PlanarArm,
     PositionTask,
     Reconstructed,
+    Record,
     Robot,
     Stack,
     Task,
@@ -53,6 +54,31 @@ class Scene:
 
 #: From a scene to a stack of its two tasks.
 Method = Callable[[Scene], Stack]
+
+
+@dataclass(frozen=True)
+class Run:
+    """One method on one way: its record, and the largest residual norm reported of each damped task."""
+
+    method: str
+    record: Record
+    reported: dict[str, float]
+
+    @property
+    def speed(self) -> float:
+        """Largest joint speed [rad/s]; infinite for a run that diverged."""
+        stopped = self.record.stopped
+        return np.inf if stopped is not None and stopped.diverged else float(np.abs(self.record.v).max())
+
+    @property
+    def jump(self) -> float:
+        """Largest change of a joint speed from tick to tick, after the first [rad/s]: what chatter is seen by."""
+        return float(np.abs(np.diff(self.record.v[1:], axis=0)).max())
+
+    def errors(self, task: str) -> np.ndarray:
+        """Norms of the task's error [m], [rad], tick by tick."""
+        errors = next(values for name, values in self.record.errors.items() if name.endswith(task))
+        return np.linalg.norm(errors, axis=1)
 
 
 def _strict(scene: Scene) -> Stack:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -10,39 +9,14 @@ import numpy as np
 import typer
 
 from hqp.commands.terminal import console
-from tasks import Controller, Record, simulate
+from tasks import Controller, simulate
 
-from .singular_scenes import METHODS, Scene, scenes
+from .singular_scenes import METHODS, Run, Scene, scenes
 from .tables import Row, show, terminal
 
 #: Tick [s], every how many the certificate and the report are asked for, and the speed [rad/s] of a diverged run.
 TICK, EVERY, CAP = 5e-3, 10, 1000.0
 TASKS = "position", "orientation"
-
-
-@dataclass(frozen=True)
-class Run:
-    """One method on one way: its record, and the largest residual norm reported of each damped task."""
-
-    method: str
-    record: Record
-    reported: dict[str, float]
-
-    @property
-    def speed(self) -> float:
-        """Largest joint speed [rad/s]; infinite for a run that diverged."""
-        stopped = self.record.stopped
-        return np.inf if stopped is not None and stopped.diverged else float(np.abs(self.record.v).max())
-
-    @property
-    def jump(self) -> float:
-        """Largest change of a joint speed from tick to tick, after the first [rad/s]: what chatter is seen by."""
-        return float(np.abs(np.diff(self.record.v[1:], axis=0)).max())
-
-    def errors(self, task: str) -> np.ndarray:
-        """Norms of the task's error [m], [rad], tick by tick."""
-        errors = next(values for name, values in self.record.errors.items() if name.endswith(task))
-        return np.linalg.norm(errors, axis=1)
 
 
 def run(scene: Scene, method: str) -> Run:

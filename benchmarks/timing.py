@@ -1,4 +1,4 @@
-"""How one call is timed."""
+"""Timing of one call."""
 
 from __future__ import annotations
 

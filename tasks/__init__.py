@@ -13,6 +13,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+#: Former names -> what there is instead; each warns, for one version.
+_FORMER = {
+    "Degrees": "robots.manipulability.Degrees",
+    "PlanarState": "robots.planar.PlanarState",
+    "Stop": "simulation.record.Stop",
+    "VelocityEllipse": "robots.manipulability.VelocityEllipse",
+}
+
 if TYPE_CHECKING:
     from ._all import *  # noqa: F403
     from ._all import __all__ as __all__
@@ -22,6 +30,12 @@ else:
         """Everything is imported when the first of it is asked for: the command can then be interrupted meanwhile."""
         from importlib import import_module
 
+        if name in _FORMER:
+            import warnings
+
+            now, _, own = _FORMER[name].rpartition(".")
+            warnings.warn(f"tasks.{name} is tasks.{_FORMER[name]} now", DeprecationWarning, stacklevel=2)
+            return getattr(import_module(f".{now}", __name__), own)
         if name == "__all__" or not name.startswith("_"):
             everything = import_module("._all", __name__)
             if name in everything.__dict__ or name in everything.__dict__.get("__all__", ()):

@@ -39,8 +39,8 @@ from .obstacles.shapes import Capsule, Sphere
 from .robots.frame import Frame
 from .robots.library import available_robots
 from .robots.loading import load_robot
-from .robots.manipulability import Degrees, VelocityEllipse, manipulability, task_degrees, velocity_ellipse
-from .robots.planar import PlanarArm, PlanarState
+from .robots.manipulability import manipulability, task_degrees, velocity_ellipse
+from .robots.planar import PlanarArm
 from .robots.robot import Robot, RobotState
 from .robots.skeleton import skeleton
 from .rows.damped import Damped
@@ -49,7 +49,7 @@ from .rows.part import Command, Order, Part, Tick
 from .rows.stack import Stack
 from .rows.task import TargetTask, Task
 from .simulation.physics import MujocoPlant
-from .simulation.record import Record, Stop
+from .simulation.record import Record
 from .simulation.simulation import Change, Plant, simulate
 from .targets.paths import Chain, Circle, Line, Polygon
 from .targets.polynomial import Polynomial
@@ -86,7 +86,6 @@ __all__ = [
     "Controller",
     "Damped",
     "Damping",
-    "Degrees",
     "DistanceLimit",
     "DynamicManipulabilityTask",
     "Fixed",
@@ -117,7 +116,6 @@ __all__ = [
     "Part",
     "PinocchioRobot",
     "PlanarArm",
-    "PlanarState",
     "PlaneLimit",
     "PlaneTask",
     "Plant",
@@ -138,13 +136,11 @@ __all__ = [
     "Sphere",
     "Stack",
     "Step",
-    "Stop",
     "TargetTask",
     "Task",
     "Tick",
     "Trajectory",
     "Turn",
-    "VelocityEllipse",
     "VelocityRatioTask",
     "Within",
     "available_robots",

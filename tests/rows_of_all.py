@@ -1,4 +1,5 @@
-"""The rows of every kind of part, on a planar arm, a Panda, a robot with unit circles and a humanoid, at all orders.
+"""The rows of every part, and how they bend, on a planar arm, a Panda, a robot with unit circles and a humanoid, at all
+orders.
 
 Run as a program it writes them to a file: in an interpreter of its own, to compare with the rows of this one.
 """
@@ -14,6 +15,7 @@ from live_table import GROUPS, SETTINGS, Setting
 
 from hqp import InvalidInput
 from tasks import JointVelocityLimit, Part, load_robot
+from tasks.rows.plan import Plan
 
 DT = 0.01
 ORDERS: tuple[Any, ...] = ("velocity", "acceleration", "step")
@@ -43,7 +45,7 @@ def parts() -> Iterator[tuple[str, Setting, Part]]:
 
 
 def rows_of_all() -> dict[str, np.ndarray]:
-    """By part, order and how exact they are: A, lower and upper, one after the other."""
+    """By part, order and how exact they are: A, lower, upper and the curvature, one after the other."""
     found = dict[str, np.ndarray]()
     for name, setting, part in parts():
         for order in ORDERS:
@@ -51,15 +53,22 @@ def rows_of_all() -> dict[str, np.ndarray]:
                 rows = (JointVelocityLimit(2.0) >> part).build(setting.robot, order, DT)
             except InvalidInput:  # it does not fit the robot or the order
                 continue
+            plan = rows.plans[-1][1]
             said = " ".join(plan.why for _, plan in rows.plans)
             exact = "by differences" if any(word in said for word in DIFFERENCES) else "exact"
             numbers = [
-                np.concatenate([filled.dense().ravel(), filled.lower, filled.upper])
+                np.concatenate(
+                    [filled.dense().ravel(), filled.lower, filled.upper, bend(plan, part.size(setting.robot))]
+                )
                 for q, v, t in setting.states
                 for filled in [rows.fill(setting.robot.at(q, v), t)]
             ]
             found[f"{name}, {order}, {exact}"] = np.stack(numbers)
     return found
+
+
+def bend(plan: Plan, rows: int) -> np.ndarray:
+    return np.zeros(0) if plan.curvature is None else plan.curvature_of(np.linspace(-1.0, 1.0, rows)).ravel()
 
 
 def _as_it_is(kind: Any) -> Any:

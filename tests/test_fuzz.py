@@ -51,6 +51,7 @@ from tasks import (
     planar_links,
     simulate,
 )
+from tasks.simulation.record import Stop
 
 pytest.importorskip("pinocchio")
 
@@ -125,7 +126,7 @@ def results() -> Iterator[Any]:
     )
     yield from (explanation.levels[1].parts[0], explanation.levels[1].causes[0], damped, damped.relaxed[0])
     yield from (damped.certify(), solution, hqp.lexls.Problem(h), step, record(), step.state)
-    yield from (tasks.Stop(0.0, "why", False), tasks.task_degrees(np.eye(2)), tasks.velocity_ellipse(np.eye(2)))
+    yield from (Stop(0.0, "why", False), tasks.task_degrees(np.eye(2)), tasks.velocity_ellipse(np.eye(2)))
     yield tasks.solve_ik(arm(position_limit=(-3.0, 3.0)), position(), [0.4, 0.3, 0.2], iterations=3)
 
 

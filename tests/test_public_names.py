@@ -9,6 +9,7 @@ from importlib import import_module
 import pytest
 
 import hqp
+import tasks
 
 
 def test_public_names_are_there() -> None:
@@ -34,6 +35,20 @@ def test_former_names_say_what_is_there_now(old: str) -> None:
     with pytest.warns(DeprecationWarning, match=rf"^hqp\.{old} is hqp\.{now} now$"):
         assert getattr(hqp, old) is getattr(import_module(place), name)
     assert old not in hqp.__all__
+
+
+@pytest.mark.parametrize("old", tasks._FORMER)
+def test_former_names_of_tasks_say_where_they_are_now(old: str) -> None:
+    place, _, name = f"tasks.{tasks._FORMER[old]}".rpartition(".")
+    with pytest.warns(DeprecationWarning, match=rf"^tasks\.{old} is {place}\.{name} now$"):
+        assert getattr(tasks, old) is getattr(import_module(place), name)
+    assert old not in tasks.__all__
+
+
+def test_a_frame_task_names_the_tasks_of_a_frame() -> None:
+    """Whoever knows the class of that name in other libraries is told which one is meant."""
+    with pytest.raises(hqp.InvalidInput, match=r"PoseTask.*PositionTask.*OrientationTask"):
+        tasks.FrameTask("tool0", position_cost=1.0, orientation_cost=1.0)  # type: ignore[call-arg]
 
 
 def test_the_former_path_of_the_families() -> None:

@@ -19,9 +19,9 @@ from tasks import (
     PlanarArm,
     PositionTask,
     Record,
-    Stop,
     simulate,
 )
+from tasks.simulation.record import Stop
 
 ARM = PlanarArm([0.5, 0.4, 0.3])
 Q = np.array([0.3, 0.5, -0.4])

@@ -1,1 +1,1 @@
-"""What the results of a run say: metrics, profiles, growth, and what changed from one run to another."""
+"""Analysis of the results of a run: metrics, profiles, growth, and comparison of runs."""

@@ -1,4 +1,4 @@
-"""Where the native solver is not best."""
+"""Families in which the native solver is not certified throughout, or not the fastest."""
 
 from __future__ import annotations
 

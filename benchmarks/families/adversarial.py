@@ -1,4 +1,4 @@
-"""What breaks solvers, each family for one reason: those of :mod:`hqp.problems`, but for what must be refused."""
+"""Adversarial hierarchies, each family for one difficulty: those of :mod:`hqp.problems` that are valid input."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Equality levels alone, in every rank case: where the closed form, Eq. 3.17, has its say."""
+"""Levels of equalities alone, in every rank case: where the closed form, Eq. 3.17, applies."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The benchmarks of now on the library of then: a run of one commit."""
+"""Runs the present benchmarks on another commit of the library."""
 
 from __future__ import annotations
 

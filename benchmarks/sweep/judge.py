@@ -1,4 +1,4 @@
-"""What an answer is worth, whoever found it: by the certificate, and beside the best answer there is."""
+"""Judges an answer: by the certificate, and against the best answer known."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where and with what something was measured."""
+"""The machine, the packages and the sources that a measurement was made with."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What to measure: a plan, its cells, and the plans that have a name."""
+"""A plan of a sweep, families x methods x settings, and its cells."""
 
 from __future__ import annotations
 

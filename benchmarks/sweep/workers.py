@@ -1,7 +1,7 @@
-"""Who does the work: this process, processes beside it, or the workers of a Dask cluster. The results are the same.
+"""Runs the cells of a sweep: in this process, in local processes, or on a Dask cluster, with the same results.
 
-Every way hands out pairs of a cell and what came of it, in any order, and gives a cell to another worker when the one
-that had it dies. Who has other sources than whoever asks measures nothing.
+Each yields pairs of a cell and its result, in any order, and gives a cell to another worker when the one that had it
+dies. A worker whose source files differ from the caller's refuses to measure.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""A hand leads a robot: each library in closed loop with its own motion, all with the same targets."""
+"""Teleoperation: each library in its own closed loop, all following the same targets."""

@@ -1,4 +1,4 @@
-"""Libraries in turn, each in closed loop: where it has led the robot is where it goes on."""
+"""Closed loops of several libraries run in turn, each from the state that it has reached itself."""
 
 from __future__ import annotations
 

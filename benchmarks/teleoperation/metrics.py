@@ -1,4 +1,4 @@
-"""What is measured on a motion, from its numbers alone."""
+"""Metrics of a motion: errors, jerk, spectrum, frozen ticks."""
 
 from __future__ import annotations
 

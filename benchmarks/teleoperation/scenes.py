@@ -1,4 +1,4 @@
-"""What an operator does with which robot: scenes, as data."""
+"""Scenes of teleoperation as data: a robot, and the motion of the target."""
 
 from __future__ import annotations
 

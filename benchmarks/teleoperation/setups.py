@@ -1,4 +1,4 @@
-"""Who follows the hand: libraries, and the settings that their users choose."""
+"""The libraries compared, with the settings that their users choose."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far a hand is from its target, and how far it has to be."""
+"""The distance of a frame from its target, and the least distance that is possible."""
 
 from __future__ import annotations
 

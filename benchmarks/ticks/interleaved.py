@@ -1,4 +1,4 @@
-"""Drivers in turn on one motion, a few ticks each, so that the machine's moods hit all alike."""
+"""Drivers in turn on one motion, a few ticks each, so that disturbances of the machine affect all alike."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""This library."""
+"""Driver of this library."""
 
 from __future__ import annotations
 

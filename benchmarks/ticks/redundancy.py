@@ -1,4 +1,4 @@
-"""What the freedom of a redundant robot is used for, and what a tick of it costs: this library alone."""
+"""The cost of a tick with each secondary criterion: this library alone."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ STATUSES = {
 #: Of the kernel: two addresses, an outcome.
 SIGNATURE = int64(int64, int64)
 
-Damped = Callable[[Hierarchy, Array | None], tuple[Array, Counts, Array] | None]
+Damped = Callable[[Hierarchy, Array | None, Array | None], tuple[Array, Counts, Array] | None]
 Quick = Callable[[Hierarchy, Array | None], tuple[Array, Counts] | None]
 #: What almost every tick of a control loop takes, by its iterations: one sweep. Made anew they were a third of a tick.
 ONE_SWEEP = [Counts(1, iterations) for iterations in range(64)]
@@ -79,7 +79,10 @@ class Native:
         return quick
 
     def prepare_damped(self, structure: tuple[Any, ...], rules: dict[int, DampingRule]) -> Damped | None:
-        """The same where levels are damped, with the points of all stages; None if a rule is none that it knows."""
+        """The same where levels are damped, with the points of all stages; None if a rule is none that it knows.
+
+        The short way takes the aims of the damped levels, (damped, n), too; None where these are x_ref.
+        """
         numbers = [in_numbers(rule) for rule in rules.values()]
         if None in numbers:
             return None
@@ -88,13 +91,22 @@ class Native:
         memory.rules[:, : len(numbers[0] or ())] = numbers
         run, copy, points, reference, zero = memory.run, memory.x.copy, memory.passed.copy, memory.x_ref, True
         told, of_sweeps, of_iterations = memory.head.item, at.SWEEPS, at.ITERATIONS
+        own_aims, aimed = memory.aims, False
 
-        def quick(hierarchy: Hierarchy, x_ref: Array | None) -> tuple[Array, Counts, Array] | None:
-            nonlocal zero
+        def quick(
+            hierarchy: Hierarchy, x_ref: Array | None, aims: Array | None = None
+        ) -> tuple[Array, Counts, Array] | None:
+            nonlocal zero, aimed
             if x_ref is not None:
                 reference[:], zero = x_ref, False
             elif not zero:
                 reference[:], zero = 0.0, True
+            if aims is not None:
+                own_aims[:] = aims
+                if not aimed:
+                    memory.head[at.AIMED], aimed = 1, True
+            elif aimed:
+                memory.head[at.AIMED], aimed = 0, False
             if run(hierarchy.address) != OPTIMAL:
                 return None
             sweeps, iterations = told(of_sweeps), told(of_iterations)
@@ -170,7 +182,7 @@ class Memory:
         entries = self._directory[at.HEAD :].reshape(-1, 3)
         first, count, _ = entries[at.STAGES]
         self._blocks[0][first : first + count] = 0  # but the sides of a stage that no solve has come to
-        begins = {place: int(entries[place, 0]) for place in (at.X, at.X_REF, at.OPTION, at.RULES, at.PASSED)}
+        begins = {place: int(entries[place, 0]) for place in (at.X, at.X_REF, at.OPTION, at.RULES, at.PASSED, at.AIMS)}
         for block, places in zip(self._blocks, at.PLACES, strict=True):
             entries[places, 0] = block.ctypes.data + 8 * entries[places, 0]
         self.head = self._directory[: at.HEAD]
@@ -187,6 +199,7 @@ class Memory:
         count = len(damped)
         self.rules = memory[begins[at.RULES] :][: count * at.RULE].reshape(count, at.RULE)
         self.passed = memory[begins[at.PASSED] :][: count * (2 + 2 * n)].reshape(count, 2 + 2 * n)
+        self.aims = memory[begins[at.AIMS] :][: count * n].reshape(count, n)
         if rows:  # of damping, which the caller has no bounds for
             self._bounds = np.empty((2, int(self.head[at.ROWS])))
             entries[[at.LOWER, at.UPPER], 0] = [array.ctypes.data for array in self._bounds]
@@ -196,7 +209,8 @@ class Memory:
         self.head[at.WARM] = 0
         # The compiled function itself: there is one, and nothing to dispatch.
         entry = kernel_damped.solve_damped if damped else kernel.solve
-        self.run = partial(door(entry), int(self._directory.ctypes.data))
+        self.address = int(self._directory.ctypes.data)
+        self.run = partial(door(entry), self.address)
 
     def share(self, entries: NDArray[np.int64]) -> int:
         """Have the weighted rows where they are in another directory; the address of this one."""

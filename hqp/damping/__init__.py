@@ -9,7 +9,7 @@ from .rules import (
     SingularValueDamping,
     as_rule,
 )
-from .staged import Staged, by_index, rules_of, told
+from .staged import Staged, by_index, index_of, rules_of, told
 
 __all__ = [
     "DampingRule",
@@ -21,6 +21,7 @@ __all__ = [
     "Staged",
     "as_rule",
     "by_index",
+    "index_of",
     "rules_of",
     "told",
 ]

@@ -29,7 +29,7 @@ class DampedLevel:
     above, levels : Hierarchy
         The levels above it, and those with it: as of the last `refill`.
     joined : Hierarchy
-        The levels above, and this one with the rows of damping, ``x = x_ref`` of weight lambda: as of the last
+        The levels above, and this one with the rows of damping, ``x = aim`` of weight lambda: as of the last
         `damp` or `filter`.
     """
 
@@ -67,12 +67,12 @@ class DampedLevel:
         value = self.above.product(x)
         return bool(((self.above.lower <= value) & (value <= self.above.upper)).all())
 
-    def damp(self, damping: float, x_ref: Array) -> None:
+    def damp(self, damping: float, aim: Array) -> None:
         """Join the rows of damping."""
         level = self.level
-        self._write(self._dense(), level.lower, level.upper, level.weights, damping, x_ref)
+        self._write(self._dense(), level.lower, level.upper, level.weights, damping, aim)
 
-    def filter(self, own: NDArray[np.bool_], u: Array, damping: float, filtering: float, x_ref: Array) -> None:
+    def filter(self, own: NDArray[np.bool_], u: Array, damping: float, filtering: float, aim: Array) -> None:
         r"""Join the rows of damping, and weaken the combination u of the rows `own`, which are equalities.
 
         :math:`J^T (J J^T + \lambda^2 I + \beta^2 u u^T)^{-1} r` minimises :math:`\|F (J x - r)\|^2 + \lambda^2
@@ -84,9 +84,9 @@ class DampedLevel:
         combined = np.zeros((len(level), len(level)))  # the other rows are free, or zero
         combined[np.ix_(own, own)] = F * level.weights[own]
         b = combined @ np.where(own, level.lower, 0.0)
-        self._write(combined @ self._dense(), b, b, np.ones(len(b)), damping, x_ref)
+        self._write(combined @ self._dense(), b, b, np.ones(len(b)), damping, aim)
 
-    def freeze(self, x: Array, x_ref: Array, settings: Settings) -> None:
+    def freeze(self, x: Array, aim: Array, settings: Settings) -> None:
         """Hold the equality and violated rows of the level where they are at x, in the whole hierarchy itself."""
         level = self.level
         reached = self._dense() @ x
@@ -94,19 +94,19 @@ class DampedLevel:
             level.lower[:] = level.upper[:] = reached
             return
         self._copy(self.levels)
-        states, first = row_states(self.levels, x, x_ref, tolerance(settings)), self.levels.pointers[-2]
+        states, first = row_states(self.levels, x, aim, tolerance(settings)), self.levels.pointers[-2]
         held = (states.sides[first:] == Side.EQUALITY) | states.violated[first:]
         level.lower[:], level.upper[:] = np.where(held, (reached, reached), (level.lower, level.upper))
 
     def _dense(self) -> Array:
         return self._rows if self.level.A is None else self.level.A
 
-    def _write(self, A: Array, lower: Array, upper: Array, weights: Array, damping: float, x_ref: Array) -> None:
+    def _write(self, A: Array, lower: Array, upper: Array, weights: Array, damping: float, aim: Array) -> None:
         self._copy(self.joined, self.above)
         own, m = self._own, len(lower)
         assert own.A is not None
         own.A[:m], own.lower[:m], own.upper[:m], own.weights[:m] = A, lower, upper, weights
-        own.lower[m:], own.upper[m:], own.weights[m:] = x_ref, x_ref, damping
+        own.lower[m:], own.upper[m:], own.weights[m:] = aim, aim, damping
 
     def _copy(self, part: Hierarchy, top: Hierarchy | None = None) -> None:
         """The numbers of the whole, as far as the levels of `top` go (default: all of the part)."""
@@ -116,7 +116,7 @@ class DampedLevel:
         part.lower[:m], part.upper[:m] = whole.lower[:m], whole.upper[:m]
 
 
-def project(levels: Hierarchy, x: Array, x_ref: Array, settings: Settings) -> tuple[Array, NDArray[np.bool_]]:
+def project(levels: Hierarchy, x: Array, aim: Array, settings: Settings) -> tuple[Array, NDArray[np.bool_]]:
     """The rows of the last level that are active at x, weighted, in the null space of those above.
 
     Returns
@@ -125,7 +125,7 @@ def project(levels: Hierarchy, x: Array, x_ref: Array, settings: Settings) -> tu
     own : array of bool, shape (m_k,)
         Which rows of the level these are.
     """
-    states, first = row_states(levels, x, x_ref, tolerance(settings)), levels.pointers[-2]
+    states, first = row_states(levels, x, aim, tolerance(settings)), levels.pointers[-2]
     rows, active = levels.dense(), (states.sides != Side.INACTIVE) & (states.norms > 0)
     above, own = active[:first], active[first:]
     _, null_space = split(rows[:first][above], states.norms[:first][above], settings.rank_tolerance)

@@ -2,9 +2,10 @@ r"""Damped levels, solved in stages, so that the levels below keep their null sp
 
 A damped level k minimises, within what the levels above it leave,
 
-.. math:: \|D_k w_k\|^2 + \lambda^2 \|x - x_\text{ref}\|^2,
+.. math:: \|D_k w_k\|^2 + \lambda^2 \|x - r_k\|^2,
 
-which is one more plain level, of the rows :math:`[D_k A_k;\; \lambda I]`. Left in the hierarchy, these would
+where :math:`r_k` is the *aim* of the level, :math:`x_\text{ref}` unless given. This is one more plain level, of the
+rows :math:`[D_k A_k;\; \lambda I]`. Left in the hierarchy, these would
 take up all freedom. So the hierarchy is solved in stages, each of them a plain one that any backend solves
 and ``certify`` proves: for each damped level, from the highest, the levels down to it with the rows of
 damping joined to it; then its rows are *frozen* at what they reached, :math:`A_k x = A_k x_k`, and the next
@@ -12,8 +13,12 @@ stage has the null space of :math:`A_k` to move in. Inequality rows that are sat
 The last stage is the whole hierarchy, every damped level frozen;
 it is left out where the lowest level of all is damped, whose stage has decided every x.
 
-For two equality levels of full rank, the second damped, this is, with :math:`\hat J_2 = J_2 N_1` and
-:math:`x_\text{ref} = 0`,
+In all that belongs to a damped level its aim stands for :math:`x_\text{ref}`: its rows ask for it, x is the aim where
+neither they nor the levels above say anything, and :math:`x_a`, where the levels above leave off, is the point of
+theirs that is nearest to it. So whatever is true of damping towards :math:`x_\text{ref}` is true of any aim.
+
+For two equality levels of full rank, the second damped, this is, with :math:`\hat J_2 = J_2 N_1` and aim and
+:math:`x_\text{ref}` zero,
 
 .. math:: x = J_1^\# r_1 + \hat J_2^T (\hat J_2 \hat J_2^T + \lambda^2 I)^{-1} (r_2 - J_2 J_1^\# r_1).
 
@@ -87,35 +92,51 @@ class Staging:
         self._settings, self._solve, self._work = settings, solve, hierarchy.copy()
         self._plan = [(k, rule, DampedLevel(self._work, k)) for k, rule in self.rules.items()]
 
-    def run(self, hierarchy: Hierarchy, x_ref: Array, ask: Ask, known: Mapping[int, Known] | None = None) -> Stages:
-        """Every stage in its turn, up to the first that has no optimum; lambda by the rules, unless it is `known`."""
+    def run(
+        self,
+        hierarchy: Hierarchy,
+        x_ref: Array,
+        ask: Ask,
+        known: Mapping[int, Known] | None = None,
+        aims: Array | None = None,
+    ) -> Stages:
+        """Every stage in its turn, up to the first that has no optimum; lambda by the rules, unless it is `known`.
+
+        Of `aims`, shape (damped, n), each damped level has a row; they are x_ref by default.
+        """
         self._work.numbers[:] = hierarchy.numbers
         dampings, solutions = dict[int, float](), list[Solution]()
-        stages = self._stages(x_ref, dampings, ask) if known is None else self._known(x_ref, dampings, ask, known)
+        aim = {k: x_ref if aims is None else aims[d] for d, k in enumerate(self.rules)}
+        if known is None:
+            stages = self._stages(x_ref, aim, dampings, ask)
+        else:
+            stages = self._known(x_ref, aim, dampings, ask, known)
         for solution in stages:
             solutions.append(solution)
             if not solution.ok:
                 break
-        return Stages(tuple(solutions), dampings, self._work.copy(), self._solve)
+        return Stages(tuple(solutions), dampings, aim, self._work.copy(), self._solve)
 
-    def _stages(self, x_ref: Array, dampings: dict[int, float], ask: Ask) -> Iterator[Solution]:
+    def _stages(self, x_ref: Array, aims: dict[int, Array], dampings: dict[int, float], ask: Ask) -> Iterator[Solution]:
         """Level after level is frozen in the work, and its lambda noted in `dampings`."""
-        x, decided = x_ref, 0  # x is where the levels above `decided` leave off
+        x, start, decided = x_ref, x_ref, 0  # x is where the levels above `decided` leave off, nearest to the start
         for k, rule, level in self._plan:
-            J, own = np.zeros((0, len(x_ref))), None
-            if rule.mixes or rule.looks or (rule.grows and decided != k):
+            J, own, aim = np.zeros((0, len(x_ref))), None, aims[k]
+            known = decided == k and (aim is start or np.array_equal(aim, start))
+            start = aim
+            if rule.mixes or rule.looks or (rule.grows and not known):
                 level.refill()
             if rule.mixes:
                 refuse_inequalities(level.levels)
             # Where the levels above leave off, unless it is known; the active rows of equalities are the same anywhere.
-            if decided != k and (rule.grows or (rule.looks and has_inequalities(level.levels))):
-                x = x_ref
+            if not known and (rule.grows or (rule.looks and has_inequalities(level.levels))):
+                x = aim
                 if not level.satisfied_above(x):
-                    stage = ask(k, True, level.above, x_ref)
+                    stage = ask(k, True, level.above, aim)
                     yield stage
                     x = stage.x
             if rule.looks:
-                J, own = project(level.levels, x, x_ref, self._settings)
+                J, own = project(level.levels, x, aim, self._settings)
             vectors, singular = left_singular(J) if rule.looks else (J, NOTHING)
             damping = rule.damping(singular)
             if rule.grows:
@@ -125,17 +146,22 @@ class Staging:
             if damping < NONE:
                 continue  # strict, as the level stands
             if rule.mixes and own is not None and own.any():
-                level.filter(own, vectors[:, -1], damping, rule.filtering(singular), x_ref)
+                level.filter(own, vectors[:, -1], damping, rule.filtering(singular), aim)
             else:
-                level.damp(damping, x_ref)
-            stage = ask(k, False, level.joined, x_ref)
+                level.damp(damping, aim)
+            stage = ask(k, False, level.joined, aim)
             yield stage
             x, decided = stage.x, k + 1
-            level.freeze(x, x_ref, self._settings)
+            level.freeze(x, aim, self._settings)
         yield from self._last(x_ref, decided, ask)
 
     def _known(
-        self, x_ref: Array, dampings: dict[int, float], ask: Ask, known: Mapping[int, Known]
+        self,
+        x_ref: Array,
+        aims: dict[int, Array],
+        dampings: dict[int, float],
+        ask: Ask,
+        known: Mapping[int, Known],
     ) -> Iterator[Solution]:
         """The same of what a solver has been through."""
         decided = 0
@@ -143,13 +169,13 @@ class Staging:
             dampings[k], alone = known[k]
             if alone:
                 level.refill()
-                yield ask(k, True, level.above, x_ref)
+                yield ask(k, True, level.above, aims[k])
             if dampings[k] >= NONE:
-                level.damp(dampings[k], x_ref)
-                stage = ask(k, False, level.joined, x_ref)
+                level.damp(dampings[k], aims[k])
+                stage = ask(k, False, level.joined, aims[k])
                 yield stage
                 decided = k + 1
-                level.freeze(stage.x, x_ref, self._settings)
+                level.freeze(stage.x, aims[k], self._settings)
         yield from self._last(x_ref, decided, ask)
 
     def _last(self, x_ref: Array, decided: int, ask: Ask) -> Iterator[Solution]:
@@ -183,16 +209,16 @@ class Staged:
         self._structure: tuple[Any, ...] | None = None
         self._staging: Staging
 
-    def solve(self, hierarchy: Hierarchy, x_ref: Array) -> Stages:
-        """Solve; numbers that mean nothing are those of the only stage, which says so."""
+    def solve(self, hierarchy: Hierarchy, x_ref: Array, aims: Array | None = None) -> Stages:
+        """Solve; numbers that mean nothing are those of the only stage, which says so. Aims as of `Staging.run`."""
         if hierarchy.structure is not self._structure:
             self._structure = None  # what solves the stages stays warm if it says the same
             self._staging = Staging(hierarchy, self._damping, self._settings, self._solve)
             self._structure = hierarchy.structure
         if hierarchy.find_fault() or not (np.abs(x_ref) <= LARGEST).all():
             told = self._ask(len(hierarchy.levels), False, hierarchy, x_ref)
-            return Stages((told,), {}, hierarchy.copy(), self._solve)
-        return self._staging.run(hierarchy, x_ref, self._ask)
+            return Stages((told,), {}, {}, hierarchy.copy(), self._solve)
+        return self._staging.run(hierarchy, x_ref, self._ask, aims=aims)
 
     def forget(self) -> None:
         """Make the next call a cold one."""
@@ -210,6 +236,7 @@ def told(
     solve: Callable[[Hierarchy, Array], Solution],
     solution: Solution,
     points: Array,
+    aims: Array | None,
 ) -> Stages:
     """The stages of an answer for which all were solved at once; the last one has the counts of all.
 
@@ -217,6 +244,8 @@ def told(
     ----------
     points : array, shape (damped, 2 + 2 n)
         Of every damped level lambda, whether the levels above were solved alone, their x, and its own.
+    aims : array, shape (damped, n), or None
+        See :meth:`Staging.run`.
     """
     staging, n = Staging(solution.hierarchy, damping, solution.settings, solve), solution.hierarchy.n
     of, end = dict(zip(staging.rules, points, strict=True)), len(solution.hierarchy.levels)
@@ -229,7 +258,7 @@ def told(
         return Solution(x.copy(), Status.OPTIMAL, kind, given, x_ref, solution.settings, counts=counts, staged=None)
 
     known = {k: Known(float(point[0]), bool(point[1])) for k, point in of.items()}
-    return staging.run(solution.hierarchy, solution.x_ref, ask, known)
+    return staging.run(solution.hierarchy, solution.x_ref, ask, known, aims)
 
 
 def rules_of(damping: object) -> dict[int | str, DampingRule]:
@@ -244,14 +273,20 @@ def rules_of(damping: object) -> dict[int | str, DampingRule]:
 
 def by_index(hierarchy: Hierarchy, damping: Mapping[int | str, DampingRule]) -> dict[int, DampingRule]:
     """The rules by the index of their level, in order."""
-    labels = [hierarchy.label(k) for k in range(len(hierarchy.levels))]
     rules: dict[int, DampingRule] = {}
     for key, rule in damping.items():
-        named = [k for k, level in enumerate(hierarchy.levels) if k == key or (level.name == key != "")]
-        if len(named) != 1:
-            what = "is no level of the hierarchy" if not named else f"names {len(named)} of its levels"
-            raise InvalidInput(f"damping: {key!r} {what}, which has {', '.join(labels) or 'none'}")
-        if named[0] in rules:
-            raise InvalidInput(f"damping: {labels[named[0]]} is given twice, by its index and by its name")
-        rules[named[0]] = rule
+        k = index_of(hierarchy, key, "damping")
+        if k in rules:
+            raise InvalidInput(f"damping: {hierarchy.label(k)} is given twice, by its index and by its name")
+        rules[k] = rule
     return dict(sorted(rules.items()))
+
+
+def index_of(hierarchy: Hierarchy, key: object, what: str) -> int:
+    """The level that an index or a name means, or InvalidInput that begins with `what`."""
+    named = [k for k, level in enumerate(hierarchy.levels) if k == key or (level.name == key != "")]
+    if len(named) == 1:
+        return named[0]
+    problem = "is no level of the hierarchy" if not named else f"names {len(named)} of its levels"
+    labels = [hierarchy.label(k) for k in range(len(hierarchy.levels))]
+    raise InvalidInput(f"{what}: {key!r} {problem}, which has {', '.join(labels) or 'none'}")

@@ -1,14 +1,16 @@
 r"""Damped levels: stage by stage (:mod:`hqp.damping.staged`), in one pass over one basis where all is warm.
 
 A stage is a plain hierarchy: the levels down to a damped one, with a bound on every variable more in that one, the
-*rows of damping* :math:`\lambda (x - x_\text{ref}) = 0`. In the sweep they cost next to nothing. Where x starts at
-:math:`x_\text{ref}` and V is orthonormal, they are :math:`\lambda y = 0` in the directions that the level itself adds
-to V, so that its least squares has as many rows more as directions:
+*rows of damping* :math:`\lambda (x - r_k) = 0`, with the aim :math:`r_k` of the level, which is :math:`x_\text{ref}`
+unless given. In the sweep they cost next to nothing. Where x starts at :math:`x_0 = r_k` and V is orthonormal, they are
+:math:`\lambda y = 0` in the directions that the level itself adds to V, so that its least squares has as many rows more
+as directions:
 
 .. math:: \min_y \|L_k y - r\|^2 + \lambda^2 \|y\|^2 .
 
 In the next stage the rows of the level keep the value that they have: the same directions, the same y. So where the
-guess of the next stage agrees on all rows down to there, the sweep goes on below, on top of the basis that there is.
+guess of the next stage agrees on all rows down to there, the sweep goes on below, on top of the basis that there is;
+where that stage starts at another :math:`x_0`, y is shifted by :math:`V` times the difference.
 Every stage is verified like any hierarchy, with the force of the damping in the balance of its level; where that fails,
 its rows of damping are rows like any other, and it is solved as such (:mod:`.solver`), and verified by a plain sweep.
 """
@@ -64,14 +66,14 @@ def with_rows(here, last, level, damping, warm):
     head = ints(here, 0, at.HEAD)
     there, n, damped = head[at.TWIN], head[at.N], head[at.DAMPED]
     twin, ptr, which = ints(there, 0, at.HEAD), marks(here, at.PTR), marks(here, at.WHICH)
-    x, x_ref, side = vector(here, at.X), vector(here, at.X_REF), marks(here, at.SIDE)
+    x, x0, side = vector(here, at.X), vector(here, at.X0), marks(here, at.SIDE)
     lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
     sides, points = marks(there, at.SIDE), vector(there, at.X)
     low, high, norms = vector(there, at.LO), vector(there, at.HI), vector(there, at.NORM)
     zero, reference = vector(there, at.X0), vector(there, at.X_REF)
     lower, upper = vector(there, at.LOWER), vector(there, at.UPPER)
     for j in range(n):
-        points[j], zero[j], reference[j] = x[j], x_ref[j], x_ref[j]
+        points[j], zero[j], reference[j] = x[j], x0[j], x0[j]
     r, d = integer(0), integer(0)
     for k in range(last):
         for i in range(ptr[k], ptr[k + 1]):
@@ -82,8 +84,8 @@ def with_rows(here, last, level, damping, warm):
         if d < damped and which[d] == k:
             for j in range(n):
                 norms[r], sides[r] = (damping, EQUALITY) if k == level else (0.0, INACTIVE)
-                low[r] = high[r] = damping * x_ref[j]
-                lower[r] = upper[r] = x_ref[j]
+                low[r] = high[r] = damping * x0[j]
+                lower[r] = upper[r] = x0[j]
                 r += 1
             d += 1
     for place in (at.DEADLINE, at.SWEEPS, at.ITERATIONS):
@@ -258,6 +260,9 @@ def solve_stages(here):
     ptr, which = marks(here, at.PTR), marks(here, at.WHICH)
     x, x_ref, x0 = vector(here, at.X), vector(here, at.X_REF), vector(here, at.X0)
     tau, rules, passed = vector(here, at.OPTION)[at.TAU], matrix(here, at.RULES), matrix(here, at.PASSED)
+    aimed, aims, moved = head[at.AIMED] != 0, matrix(here, at.AIMS), False
+    if aimed and not bounded(aims, damped, n):
+        return SUSPECT
     for j in range(n):
         x[j] = x0[j] = x_ref[j]
     note_blur(here)
@@ -265,10 +270,12 @@ def solve_stages(here):
     for d in range(damped):
         k, kind, note = which[d], rules[d][0], passed[d]
         note[1] = 0.0
-        if decided != k and (kind == ERROR or (kind != FIXED and unequal(here, ptr[k + 1]))):
-            if satisfied(here, ptr[k], x_ref):
+        if aimed:
+            moved = start_at(here, aims[d], c)
+        if (decided != k or moved) and (kind == ERROR or (kind != FIXED and unequal(here, ptr[k + 1]))):
+            if satisfied(here, ptr[k], x0):
                 for j in range(n):
-                    x[j] = x_ref[j]
+                    x[j] = x0[j]
             else:
                 status, through, c = run_stage(here, 2 * d, k, STRICT, 0.0, warm, through, c, none, none)
                 if status != OPTIMAL:
@@ -295,9 +302,11 @@ def solve_stages(here):
         freeze_level(here, k)
         decided = k + 1
     if decided < levels or decided == 0:
+        if aimed:
+            start_at(here, x_ref, c)
         last = levels_that_count(here)
         if last < levels:
-            shift(here, c)
+            shift(here, c, x_ref, x0)
             note_blur(here)
         status, through, c = run_stage(here, 2 * damped, last, STRICT, 0.0, warm, through, c, none, none)
     head[at.WARM] = 1
@@ -305,12 +314,35 @@ def solve_stages(here):
 
 
 @inner
-def shift(here, c):
-    """x0 is no longer x_ref: what y is in V[:c], from the new one."""
-    head = ints(here, 0, at.HEAD)
-    n = head[at.N]
+def bounded(numbers, rows, n):
+    """Whether all of them mean something."""
+    good = True
+    for d in range(rows):
+        for j in range(n):
+            good = good and abs(numbers[d][j]) <= LARGEST
+    return good
+
+
+@inner
+def start_at(here, reference, c):
+    """Let x start at this reference from now on; whether that is another one than before."""
+    n, x0, same = ints(here, 0, at.HEAD)[at.N], vector(here, at.X0), True
+    for j in range(n):
+        same = same and x0[j] == reference[j]
+    if not same:
+        shift(here, c, x0, reference)
+        for j in range(n):
+            x0[j] = reference[j]
+        note_blur(here)
+    return not same
+
+
+@inner
+def shift(here, c, old, new):
+    """What y is in V[:c] where x does not start at the old x0 but at a new one."""
+    n = ints(here, 0, at.HEAD)[at.N]
     pinned, free = marks(here, at.PINNED), marks(here, at.FREE)
-    x0, x_ref, y, V = vector(here, at.X0), vector(here, at.X_REF), vector(here, at.Y), matrix(here, at.V)
+    y, V = vector(here, at.Y), matrix(here, at.V)
     f = integer(0)
     for j in range(n):
         if pinned[j] < 0:
@@ -319,7 +351,7 @@ def shift(here, c):
     for q in range(c):
         direction, along = V[q], 0.0
         for t in range(f):
-            along += direction[t] * (x_ref[free[t]] - x0[free[t]])
+            along += direction[t] * (old[free[t]] - new[free[t]])
         y[q] += along
 
 

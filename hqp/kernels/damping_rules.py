@@ -33,11 +33,11 @@ def forgiven(here, i, value, bound, size, way):
 
 @inner
 def lengths(here):
-    """Of x, and of the longest way that it has come."""
+    """Of x, and of the longest way that it has come, from the aim of the level."""
     n = ints(here, 0, at.HEAD)[at.N]
-    x, x_ref, away = vector(here, at.X), vector(here, at.X_REF), 0.0
+    x, x0, away = vector(here, at.X), vector(here, at.X0), 0.0
     for j in range(n):
-        away += (x[j] - x_ref[j]) * (x[j] - x_ref[j])
+        away += (x[j] - x0[j]) * (x[j] - x0[j])
     size = length(x, n)
     return size, max(size, math.sqrt(away))
 

@@ -1,7 +1,7 @@
-"""A cold guess of the active set, from one weighted problem in place of the strict hierarchy.
+"""A guess of the active set without a warm start: one weighted problem in place of the strict hierarchy.
 
-The answer is not exact, but which rows are active it mostly gets right, where at most the last level is out of reach;
-the sweep decides. Where others are, those below move them by more than decades of softness hide.
+Its x is approximate, but its active rows are mostly right where only the last level cannot be met; the sweep verifies
+them. Where higher levels cannot be met either, finite weights let the levels below shift them, and the guess is poor.
 """
 
 from __future__ import annotations

@@ -19,9 +19,9 @@ WARM, TRUSTED, LEVEL, SWEEPS, ITERATIONS, OUTCOME = 4, 5, 6, 7, 8, 15
 #: x_ref (0: the same for all), x, sides and outcomes.
 COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES = 9, 10, 11, 12, 13, 14
 #: When the call began, by the clock of :mod:`.memory` (0: when the kernel does). And what a solve notes for itself:
-#: when it must end, and whether the sides at the end of each level mean something. And how many levels are damped, and
-#: the address of the directory with rows for that.
-BEGAN, DEADLINE, HISTORY, DAMPED, TWIN, HEAD = 16, 17, 18, 19, 20, 21
+#: when it must end, and whether the sides at the end of each level mean something. And how many levels are damped, the
+#: address of the directory with rows for that, and whether these levels have aims of their own (0: x_ref).
+BEGAN, DEADLINE, HISTORY, DAMPED, TWIN, AIMED, HEAD = 16, 17, 18, 19, 20, 21, 22
 
 #: Places in OPTION: relative tolerances on rank and on rows, most iterations, most seconds; and, of each solve, what
 #: round-off in x0 adds to the length of x where a tolerance is relative to it.
@@ -49,8 +49,8 @@ RULE = 3
 # and the members of the dual active set, in order, see :mod:`.members`.
 (MEMBERS, FACTOR, DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED) = range(56, 66)
 # And of damped levels, see :mod:`.damped`: which ones; kind and numbers of the rule of each; the sides at the end of
-# each stage, (2 damped + 1, m); of each level lambda, whether x_a was asked for, x_a and x_k.
-(WHICH, RULES, STAGES, PASSED) = range(66, 70)
+# each stage, (2 damped + 1, m); of each level lambda, whether x_a was asked for, x_a and x_k; and its aim.
+(WHICH, RULES, STAGES, PASSED, AIMS) = range(66, 71)
 
 
 def shapes(n, levels, m, dense, widest, damped):
@@ -68,7 +68,7 @@ def shapes(n, levels, m, dense, widest, damped):
     reals |= dict.fromkeys((LENGTHS, RHS), (deep, 1))
     reals |= dict.fromkeys((ANCHOR, EXACT, APPROACH), (n, 1)) | {P: (m + n, n), LAMBDA: (m, 1), FACTOR: (many, many)}
     reals |= dict.fromkeys((DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED), (many, 1))
-    reals |= {RULES: (damped, RULE), PASSED: (damped, 2 + 2 * n)}
+    reals |= {RULES: (damped, RULE), PASSED: (damped, 2 + 2 * n), AIMS: (damped, n)}
     return ints, reals
 
 
@@ -106,7 +106,7 @@ def lay_out(structure, damped=(), rows_of_damping=False):
     owned = {place: np.array(given, dtype=np.int64) for place, given in owned.items()}
 
     m, rows = len(columns), int(dense.sum())
-    directory = np.zeros(HEAD + 3 * (PASSED + 1), dtype=np.int64)
+    directory = np.zeros(HEAD + 3 * (AIMS + 1), dtype=np.int64)
     directory[[N, LEVELS, ROWS, BOXED, DAMPED]] = n, len(levels), m, distinct[:1] == [True], len(damped)
     entries = directory[HEAD:].reshape(-1, 3)
     for place, array in owned.items():

@@ -25,13 +25,13 @@ DUAL = 1e-9
 
 @inner
 def damping_pulls(here, damping, size):
-    r"""The forces of a damped level's :math:`\lambda (x - x_\text{ref})`, and whether that counts as zero."""
+    r"""The forces of a damped level's :math:`\lambda (x - x_0)`, x0 its aim, and whether that counts as zero."""
     n, tol = ints(here, 0, at.HEAD)[at.N], vector(here, at.OPTION)[at.TOL]
-    x, x_ref = vector(here, at.X), vector(here, at.X_REF)
+    x, x0 = vector(here, at.X), vector(here, at.X0)
     pull, met = 0.0, True
     for j in range(n):
-        away = abs(x[j] - x_ref[j])
-        met = met and away <= tol * (abs(x_ref[j]) + size)
+        away = abs(x[j] - x0[j])
+        met = met and away <= tol * (abs(x0[j]) + size)
         pull += damping * damping * away
     return pull, met
 
@@ -121,7 +121,6 @@ def judge_multipliers(here, last, undecided, damped, damping):
     follow, decided, cut = marks(here, at.FOLLOW), marks(here, at.DECIDED), marks(here, at.CUT)
     pivot = marks(here, at.PIVOT)
     norm, x0, x, w = vector(here, at.NORM), vector(here, at.X0), vector(here, at.X), vector(here, at.W)
-    x_ref = vector(here, at.X_REF)
     y, g, G, forces_of = vector(here, at.Y), vector(here, at.G), vector(here, at.BALANCE), vector(here, at.FORCES)
     B, L = matrix(here, at.B), matrix(here, at.L)
     option, faults = vector(here, at.OPTION), 0
@@ -145,7 +144,7 @@ def judge_multipliers(here, last, undecided, damped, damping):
                 for q in range(c):
                     g[q] += damping * damping * y[q]
                 for j in range(n):
-                    G[j] += damping * damping * (x[j] - x_ref[j])
+                    G[j] += damping * damping * (x[j] - x0[j])
         else:
             c = cut[last]
             for q in range(c):

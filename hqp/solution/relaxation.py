@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
+from ..arrays import Array
+
 
 @dataclass(frozen=True, eq=False)
 class Relaxation:
@@ -17,6 +19,8 @@ class Relaxation:
         Index and name in the hierarchy.
     damping : float
         The lambda that the rule chose; 0 where the level was left strict.
+    aim : array, shape (n,)
+        What it is damped towards.
     residual_norm : float
         ``||D_k w_k||`` as it came out.
     """
@@ -24,6 +28,7 @@ class Relaxation:
     level: int
     name: str
     damping: float
+    aim: Array = field(repr=False)
     residual_norm: float
     _strict: Callable[[], float] = field(repr=False)
 

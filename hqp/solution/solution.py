@@ -135,6 +135,8 @@ class Stages:
         OPTIMAL, those that should have come after it are missing.
     dampings : dict of int to float
         The lambda of every damped level that was reached; 0 where it was left strict.
+    aims : dict of int to array
+        What every damped level is damped towards; see :mod:`hqp.damping.staged`.
     frozen : Hierarchy
         The hierarchy with every damped level frozen at what it reached.
     solve : callable
@@ -143,6 +145,7 @@ class Stages:
 
     solutions: tuple[Solution, ...]
     dampings: dict[int, float]
+    aims: dict[int, Array]
     frozen: Hierarchy
     solve: Callable[[Hierarchy, Array], Solution]
 
@@ -189,7 +192,7 @@ class Solution:
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         if name == "staged":
             points, tell = self.__dict__.get("_points"), noted[3][2]
-            self.__dict__["staged"] = None if points is None else tell(self, points)
+            self.__dict__["staged"] = None if points is None else tell(self, points, self.__dict__.get("_aims"))
             return self.__dict__["staged"]
         template, numbers, x_ref, (backend, settings, _) = noted
         self.__dict__.update(hierarchy=template.with_numbers(numbers), x_ref=x_ref, backend=backend, settings=settings)
@@ -259,12 +262,17 @@ class Solution:
         """The lambda of every damped level that was reached, 0 where it was left strict."""
         return {} if self.staged is None else self.staged.dampings
 
+    @property
+    def aims(self) -> dict[int, Array]:
+        """What every damped level is damped towards, by its index: x_ref, unless an aim was given."""
+        return {} if self.staged is None else self.staged.aims
+
     @cached_property
     def relaxed(self) -> tuple[Relaxation, ...]:
         """Where strictness was relaxed, and by how much: one entry for each damped level, highest first."""
-        names = [level.name for level in self.hierarchy.levels]
+        h, names = self.hierarchy, [level.name for level in self.hierarchy.levels]
         return tuple(
-            Relaxation(k, names[k], damping, _residual_norm(self.hierarchy, k, self.x), partial(self._strict_norm, k))
+            Relaxation(k, names[k], damping, self.aims[k], _residual_norm(h, k, self.x), partial(self._strict_norm, k))
             for k, damping in self.dampings.items()
         )
 

@@ -16,8 +16,8 @@ from ..arrays import Array, finite_vector, real_array
 from ..backends.base import Answer
 from ..backends.registry import make_backend
 from ..checks import of_type
-from ..damping import DampingRule, Staged, by_index, rules_of, told
-from ..errors import InvalidInput, Unsupported
+from ..damping import DampingRule, Staged, by_index, index_of, rules_of, told
+from ..errors import InvalidInput, Unsupported, brief
 from ..guard import Guard
 from ..hierarchy import LARGEST, Hierarchy
 from ..settings import Settings
@@ -32,7 +32,7 @@ OPTIMAL = Status.OPTIMAL
 new = object.__new__
 
 
-def _nothing(hierarchy: Hierarchy, x_ref: Array | None) -> None:
+def _nothing(hierarchy: Hierarchy, x_ref: Array | None, aims: Array | None = None) -> None:
     """The short way of a backend that has none."""
 
 
@@ -79,6 +79,7 @@ class Solver:
         self._backend = make_backend(backend, self.settings)
         self._staged = self._new_staged() if self.damping else None
         self._by_number, self._rules = not any(isinstance(key, str) for key in self.damping), dict[int, DampingRule]()
+        self._places: dict[int | str, int] = {}  # of the aims of levels, by what these are called
         # The native solver has a short way for what its first sweep proves, and looks at the numbers on it.
         self._prepare = getattr(self._backend, "prepare", None)
         self._quick: Callable[..., tuple[Any, ...] | None] = _nothing
@@ -94,7 +95,12 @@ class Solver:
         """A copy is made from what defines it: memory that a kernel knows by its address cannot be copied."""
         return type(self), (self.backend, self.settings, self.damping)
 
-    def solve(self, hierarchy: Hierarchy, x_ref: ArrayLike | None = None) -> Solution:
+    def solve(
+        self,
+        hierarchy: Hierarchy,
+        x_ref: ArrayLike | None = None,
+        aims: Mapping[int | str, ArrayLike] | None = None,
+    ) -> Solution:
         """Solve, warm if the last hierarchy had the same structure.
 
         Parameters
@@ -102,12 +108,15 @@ class Solver:
         hierarchy : Hierarchy
         x_ref : array, shape (n,), optional
             Reference of the implicit last level ``min ||x - x_ref||`` (default: zero).
+        aims : mapping of int or str to array, shape (n,), optional
+            Of damped levels, by index or by name: what they are damped towards, ``lambda (x - aim) = 0``, in place of
+            x_ref.
 
         Raises
         ------
         InvalidInput
-            If x_ref is no array of real numbers, or has the wrong shape; if a damped level is not in the hierarchy, or
-            numerical filtering meets an inequality row.
+            If x_ref or an aim is no array of real numbers, or has the wrong shape; if a damped level is not in the
+            hierarchy, one with an aim is not damped, or numerical filtering meets an inequality row.
         InUse
             If another thread is solving with it.
         """
@@ -116,11 +125,17 @@ class Solver:
         except IndexError:
             self._guard.refuse()
         try:
-            return self._solve(hierarchy, x_ref)
+            return self._solve(hierarchy, x_ref, aims)
         finally:
             self._give(None)
 
-    def _solve(self, hierarchy: Hierarchy, x_ref: ArrayLike | None, now: int | None = None) -> Solution:
+    def _solve(
+        self,
+        hierarchy: Hierarchy,
+        x_ref: ArrayLike | None,
+        aims: Mapping[int | str, ArrayLike] | None,
+        now: int | None = None,
+    ) -> Solution:
         if self._began is not None and now is None:
             now = time.monotonic_ns()
         try:
@@ -134,8 +149,14 @@ class Solver:
                 self._adopt_damped(hierarchy)
         if self._began is not None:
             self._began(now)
-        proved = fault = None
-        if x_ref is None:
+        proved = fault = own_aims = None
+        if aims is not None:
+            fault, reference = (None, self._zero) if x_ref is None else self._reference(x_ref)
+            own_aims = self._own_aims(hierarchy, aims, reference)
+            if fault is None:
+                given = (hierarchy, reference) if own_aims is None else (hierarchy, reference, own_aims)
+                proved = self._quick(*given)
+        elif x_ref is None:
             reference = self._zero
             proved = self._quick(hierarchy, None)
         else:
@@ -150,9 +171,11 @@ class Solver:
                 fields["x"], fields["counts"] = proved
             else:
                 fields["x"], fields["counts"], fields["_points"] = proved
+                fields["_aims"] = own_aims
             fields["status"] = OPTIMAL
         elif self._staged is not None:
-            return self._solve_in_stages(hierarchy, self._zero if x_ref is None else real_array(x_ref, "x_ref"))
+            reference = self._zero if x_ref is None else real_array(x_ref, "x_ref")
+            return self._solve_in_stages(hierarchy, reference, own_aims)
         else:
             answer = self._answer(hierarchy, reference, fault)
             fields["x"], fields["status"], fields["counts"] = answer.x, answer.status, answer.counts
@@ -170,14 +193,40 @@ class Solver:
         once = partial(_solve_once, self.backend, self.settings)
         return Staged(self.damping, self.settings, lambda: Solver(self.backend, self.settings).solve, once)
 
-    def _new_tell(self) -> Callable[[Solution, Array], Stages]:
+    def _new_tell(self) -> Callable[[Solution, Array, Array | None], Stages]:
         """Tells the stages of an answer from its points."""
         return partial(told, self.damping, partial(_solve_once, self.backend, self.settings))
 
-    def _solve_in_stages(self, hierarchy: Hierarchy, reference: Array) -> Solution:
+    def _own_aims(self, hierarchy: Hierarchy, aims: Mapping[int | str, ArrayLike], reference: Array) -> Array | None:
+        """What each damped level is damped towards, a row each: its own aim, or x_ref; None where none is damped."""
+        if not isinstance(aims, Mapping):
+            raise InvalidInput(f"aims = {brief(aims)} must map damped levels to arrays, as in {{1: np.zeros(7)}}")
+        own = np.empty((len(self._rules), len(reference)))
+        if len(aims) < len(own):
+            own[:] = reference
+        for key, aim in aims.items():
+            place = self._places.get(key)
+            if place is None:
+                k = index_of(hierarchy, key, "aims")
+                if k not in self._rules:
+                    raise InvalidInput(f"aims: {hierarchy.label(k)} is not damped, and takes no aim")
+                place = self._places[key] = list(self._rules).index(k)
+            row = aim if type(aim) is np.ndarray and aim.dtype == np.float64 else real_array(aim, f"aim of {key!r}")
+            if row.shape != reference.shape:
+                raise InvalidInput(f"aim of {key!r} has shape {row.shape}; it must be {reference.shape}")
+            own[place] = row
+        return own if len(own) else None
+
+    def _solve_in_stages(self, hierarchy: Hierarchy, reference: Array, aims: Array | None) -> Solution:
         """Stage by stage, where the backend does not take all at once, or has failed."""
         assert self._staged is not None
-        staged = self._staged.solve(hierarchy, reference)
+        if aims is not None and not (np.abs(aims) <= LARGEST).all() and not hierarchy.find_fault():
+            k, aim = next((k, aim) for k, aim in zip(self._rules, aims, strict=True) if not _bounded(aim))
+            message = f"aim of {hierarchy.label(k)} = {aim} must be finite, and at most {LARGEST:g} in size"
+            x = np.where(np.abs(reference) <= LARGEST, reference, 0.0)
+            given = hierarchy.copy(), x, self.settings, message
+            return Solution(x.copy(), Status.INVALID, self.backend, *given, staged=None)
+        staged = self._staged.solve(hierarchy, reference, aims)
         last = staged.solutions[-1]
         solved, levels = len(last.hierarchy.levels), len(hierarchy.levels)
         where = f"in the stage of levels 0 to {solved - 1}: " if solved < levels else ""
@@ -217,7 +266,7 @@ class Solver:
 
     def _adopt_damped(self, hierarchy: Hierarchy) -> None:
         """The same where levels are damped; which ones their names mean may differ though the structure does not."""
-        known = self._structure
+        known, self._places = self._structure, {}
         self._adopt(hierarchy)
         if hierarchy.structure == known and self._by_number:
             return
@@ -233,9 +282,14 @@ class Solver:
         reference = real_array(x_ref, "x_ref")
         if reference.shape != self._zero.shape:
             raise InvalidInput(f"x_ref has shape {reference.shape}; it must be {self._zero.shape}")
-        if (np.abs(reference) <= LARGEST).all():
+        if _bounded(reference):
             return None, reference
         return f"x_ref = {reference} must be finite, and at most {LARGEST:g} in size", self._zero
+
+
+def _bounded(vector: Array) -> bool:
+    """Whether all its numbers mean something."""
+    return bool((np.abs(vector) <= LARGEST).all())
 
 
 def solve(
@@ -245,6 +299,7 @@ def solve(
     x_ref: ArrayLike | None = None,
     settings: Settings | None = None,
     damping: Mapping[int | str, DampingRule | float] | None = None,
+    aims: Mapping[int | str, ArrayLike] | None = None,
 ) -> Solution:
     """Solve a hierarchy once.
 
@@ -258,6 +313,8 @@ def solve(
     settings : Settings, optional
     damping : mapping of int or str to DampingRule or float, optional
         The levels to damp, by index or by name, each with its rule; a number is a :class:`FixedDamping`.
+    aims : mapping of int or str to array, shape (n,), optional
+        What damped levels are damped towards, ``lambda (x - aim) = 0``, in place of x_ref.
 
     Returns
     -------
@@ -267,8 +324,8 @@ def solve(
     Raises
     ------
     InvalidInput
-        If a number of the hierarchy or of x_ref cannot mean anything, names level and row; if a rule is none, or its
-        level not in the hierarchy.
+        If a number of the hierarchy, of x_ref or of an aim cannot mean anything, names level and row; if a rule is
+        none, its level not in the hierarchy, or a level with an aim not damped.
     UnknownBackend
         If no backend of that name can run here; lists those that can.
     Unsupported
@@ -279,7 +336,7 @@ def solve(
     if x_ref is not None and isinstance(hierarchy, Hierarchy):
         x_ref = finite_vector(x_ref, hierarchy.n, "x_ref")
     key, solver = _borrow(hierarchy, backend, settings, damping)
-    solution = solver._solve(hierarchy, x_ref, now)
+    solution = solver._solve(hierarchy, x_ref, aims, now)
     _return(key, solver)
     if solution.status is Status.INVALID:
         raise InvalidInput(solution.message)

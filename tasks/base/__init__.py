@@ -1,1 +1,1 @@
-"""What stands on nothing of robotics: checks, rotations, live attributes, loops."""
+"""The lowest floor, without robotics: checks, rotations, live attributes, loops."""

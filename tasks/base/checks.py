@@ -1,4 +1,4 @@
-"""Refusals that the whole package shares: each names the thing, its value, and what is allowed."""
+"""Checks of arguments: each refusal names the thing, its value, and what is allowed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Attributes that are set on an object at work: seen by whoever works with it, or refused.
+"""Live attributes: changing one on an object in use takes effect at the next tick, or is refused.
 
 A class derived from :class:`Live` declares its public attributes:
 
@@ -280,7 +280,7 @@ def reachable(root: object) -> Iterator[Live]:
 
 
 def _kept(value: Any) -> Any:
-    """The value, an array as one that is nobody else's, and that nobody can write into."""
+    """The value; an array as a read-only copy."""
     if isinstance(value, np.ndarray) and (value.flags.writeable or not value.flags.owndata):
         value = value.copy()
         value.flags.writeable = False

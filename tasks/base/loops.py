@@ -1,4 +1,4 @@
-"""Loops: what they are told, by sizes and addresses, and the call that runs one.
+"""Calls of compiled loops: arguments as sizes and addresses in one table.
 
 A loop is a kernel (:func:`hqp.kernels.compile.entry`) of one address, that of a table. It is compiled when it is first
 wanted, and kept on disk; under ``NUMBA_DISABLE_JIT=1`` the interpreter runs it.
@@ -18,6 +18,7 @@ from numba import int64
 from numpy.typing import NDArray
 
 from hqp.backends.native import door, make_ready
+from hqp.kernels.call import address_of
 from hqp.kernels.compile import INTERPRETED, entries
 
 from .once import once
@@ -30,7 +31,7 @@ Entry: TypeAlias = "int | np.integer[Any] | NDArray[Any] | Table"
 
 
 class Table:
-    """Sizes and addresses that a loop is told of, in one array; whoever has the table keeps what it tells of.
+    """The arguments of a loop, sizes and addresses in one array; the table keeps the arrays alive.
 
     Parameters
     ----------
@@ -98,8 +99,7 @@ def chained(calls: Iterable[Call]) -> Callable[[], object]:
 def compiled(kernel: Any) -> int:
     """The address of a compiled loop."""
     ready(kernel)
-    found = kernel.overloads[SIGNATURE.args]
-    return int(found.library.get_pointer_to_function(found.fndesc.llvm_cfunc_wrapper_name))
+    return int(address_of(kernel, SIGNATURE))
 
 
 def warm_up() -> bool:

@@ -1,4 +1,4 @@
-"""Functions that are asked once for each of their arguments."""
+"""A cache for functions of one or few arguments."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What libraries in C++ print by themselves, caught."""
+"""Captures what C++ libraries print to stdout and stderr."""
 
 from __future__ import annotations
 

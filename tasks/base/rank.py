@@ -1,4 +1,4 @@
-"""When a matrix has lost rank, for all measures of Jacobians."""
+"""The tolerance at which a Jacobian has lost rank."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is worth a word and no refusal: told by logging, once."""
+"""Messages logged once: worth a word, and no error."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``hqp ik``: the joints of a robot for a place of one of its frames, and what stopped them where there are none."""
+"""``hqp ik``: inverse kinematics from the command line, with what stopped it where a pose cannot be reached."""
 
 from __future__ import annotations
 
@@ -91,8 +91,6 @@ def ik(
 
     Exit code 1 if it cannot be brought there; the nearest is printed, and what stops it.
     """
-    import numpy as np
-
     from hqp.files.whole import writable
 
     from ..base.checks import finite
@@ -107,9 +105,7 @@ def ik(
     if plot is not None:
         writable(plot.parent, [plot.name])
     machine = load_robot(robot, base=base, body=body or None, lock=lock or ())
-    begin = machine.neutral if start == "neutral" else machine.home
-    if start == "random":
-        begin = machine.on_base(machine.home, machine.random(np.random.default_rng(seed)))
+    begin = _begin(machine, start, seed)
     stack = PositionTask(place, frame=frame, gain=1.0) >> PostureTask(begin, gain=1.0)
     if rotation is not None:
         above, below = stack.levels
@@ -130,6 +126,15 @@ def ik(
         print(f"drawn: {plot}")
     if not result.reached:
         raise typer.Exit(NOT_REACHED)
+
+
+def _begin(robot: PinocchioRobot, start: str, seed: int) -> Array:
+    """The configuration to start from; a random one keeps the base where it stands at home."""
+    import numpy as np
+
+    if start == "random":
+        return robot.on_base(robot.home, robot.random(np.random.default_rng(seed)))
+    return robot.neutral if start == "neutral" else robot.home
 
 
 def _is_number(word: str) -> bool:

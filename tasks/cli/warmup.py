@@ -1,4 +1,4 @@
-"""``hqp warmup``: have the kernels compiled before they are needed, as when a machine is set up."""
+"""``hqp warmup``: compile all kernels ahead of time, as when a machine is set up."""
 
 from __future__ import annotations
 

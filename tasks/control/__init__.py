@@ -1,1 +1,1 @@
-"""From the state of a robot to its motion, one call a tick, and from one stack to another without a jump."""
+"""The controller, one call a tick, and transitions from one stack to another."""

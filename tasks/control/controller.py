@@ -1,8 +1,8 @@
-"""One call a tick: robot state in, motion out."""
+"""The controller: robot state in, joint velocities, accelerations or torques out, one call a tick."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import isfinite
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, get_args, overload
@@ -106,7 +106,7 @@ class _Left:
         self.stack, self._rows, self._solver, self.before = stack, rows, solver, before
 
     def __call__(self, state: RobotState, t: float) -> tuple[Array, bool]:
-        solution = self._solver.solve(self._rows.fill(state, t))
+        solution = self._solver.solve(self._rows.fill(state, t), aims=self._rows.aims)
         if self.before is None or not solution.ok:
             return solution.x, solution.ok
         return self.before.blend(state, t, solution.x)[0], True
@@ -217,6 +217,7 @@ class Controller(Live, Generic[V, A, T]):
         backend: str = hqp.DEFAULT_BACKEND,
         settings: Settings | None = None,
         torque: bool = False,
+        damping: str | None = None,
     ) -> None:
         one_of(order, get_args(Command), "order")
         self.robot = as_robot(robot)
@@ -224,7 +225,7 @@ class Controller(Live, Generic[V, A, T]):
         self.order = order
         self.dt = None if dt is None else positive_scalar(dt, "dt", unit="s")
         self._torque = self._inverse_dynamics() if truth(torque, "torque") or order == "torque" else None
-        self._backend, self._settings = backend, settings
+        self._backend, self._settings, self._damping = backend, settings, damping
         self._prepared: dict[int, tuple[Stack, Rows, Solver]] = {}
         self._transition: Transition | None = None
         self._limits: Limits | None = None
@@ -292,6 +293,11 @@ class Controller(Live, Generic[V, A, T]):
     def hierarchy(self) -> hqp.Hierarchy:
         """The rows of the last tick (views: the next call refills them)."""
         return self._rows.hierarchy
+
+    @property
+    def aims(self) -> Mapping[int | str, Array]:
+        """What damped levels were damped towards at the last tick (views), by level; those without are zero."""
+        return self._rows.aims or {}
 
     def __call__(self, q: ArrayLike, v: ArrayLike, t: float = 0.0) -> Step[V, A, T]:
         """The motion for this tick.
@@ -387,7 +393,11 @@ class Controller(Live, Generic[V, A, T]):
         self._stack, (self._rows, self._solver) = wanted, prepared
         self._limits = None if at_once else Limits.of(wanted, self.hierarchy, self._backend)
 
-    def _new_solver(self, stack: Stack) -> Solver:
+    def _new_solver(self, stack: Stack, rows: Rows) -> Any:
+        if self._damping is not None and not any(stack.damping):
+            from .calm import CalmSolver
+
+            return CalmSolver(rows, self.dt, self.order, stack.damping, self._backend, self._settings)
         rules: dict[int | str, hqp.DampingRule | float] = {k: rule for k, rule in enumerate(stack.damping) if rule}
         return Solver(self._backend, self._settings, rules)
 
@@ -396,7 +406,8 @@ class Controller(Live, Generic[V, A, T]):
         found = self._prepared.pop(id(stack), None)
         if found is None:
             order: Order = "velocity" if self.order == "velocity" else "acceleration"
-            found = stack, stack.build(self.robot, order, self.dt), self._new_solver(stack)
+            rows = stack.build(self.robot, order, self.dt)
+            found = stack, rows, self._new_solver(stack, rows)
         self._prepared[id(stack)] = found  # what was asked for last comes last
         while len(self._prepared) > MOST_PREPARED:
             del self._prepared[next(iter(self._prepared))]
@@ -429,7 +440,9 @@ class Controller(Live, Generic[V, A, T]):
     def _solve(self, state: RobotState, time: float, fault: str | None) -> Solution:
         if fault is None and isfinite(time):
             self._rows.fill(state, time)
-            return self._solver.solve(self.hierarchy)
+            if self._damping is not None and not any(self.stack.damping):
+                return self._solver.solve(self.hierarchy, state.v)
+            return self._solver.solve(self.hierarchy, aims=self._rows.aims)
         self.hierarchy.lower.fill(np.nan)  # no task is asked, and no bound left that could be met
         solution, message = self._solver.solve(self.hierarchy), fault or f"t = {time} s must be finite"
         return replace(solution, message=message)

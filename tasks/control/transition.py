@@ -1,4 +1,4 @@
-r"""From one stack to another without a jump.
+r"""Transition from one stack to another without a jump of the command.
 
 Tasks that are inserted, removed or put into another order change the answer of a hierarchy at once. Over the time of a
 change both stacks are solved, and what is commanded goes from one answer to the other,
@@ -63,7 +63,7 @@ class Limits:
 
 
 class Transition:
-    """A change under way.
+    """A transition under way.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""What to do with the freedom that other tasks leave: secondary criteria."""
+"""Secondary criteria, optimised in the null space of the tasks above."""

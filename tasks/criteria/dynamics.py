@@ -1,4 +1,4 @@
-"""What criteria of energy and torque ask of a robot: ``mass_matrix(q)`` and ``bias(q, v)``, and masses in all links."""
+"""Checks of a robot's dynamics for criteria of energy and torque: ``mass_matrix(q)`` and ``bias(q, v)``."""
 
 from __future__ import annotations
 

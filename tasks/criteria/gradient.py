@@ -1,4 +1,4 @@
-r"""A scalar that the joints climb, or descend, with what freedom is left.
+r"""The base class of criteria that follow a gradient: a scalar function of q, in the null space of the tasks above.
 
 Liegeois (1977) puts the gradient of a scalar H(q) into the null space of a task. As a level below the task that is
 
@@ -36,7 +36,7 @@ STEP = 1e-5
 
 
 class GradientTask(Part):
-    """Raise a scalar of the configuration, in every joint but a floating base: it uses up all freedom left.
+    """Ascend a scalar function of the configuration, in every joint but a floating base; leaves no null space below.
 
     A criterion of your own needs `value`, and may give its `gradient`:
 
@@ -76,6 +76,10 @@ class GradientTask(Part):
     def gain(self, value: float) -> float:
         """K [1/s]."""
         return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
+
+    def decay_rate(self) -> float:
+        """K: its law slows a speed at the rate 2 K."""
+        return float(self.gain)
 
     @number
     def weight(self, value: ArrayLike) -> Array:

@@ -1,4 +1,4 @@
-r"""Away from the ends of the joints' ranges, with what freedom is left.
+r"""Secondary criterion: distance from the joint limits, optimised in the null space of the tasks above.
 
 Liegeois (1977): the mean squared distance of the n joints that have a range from its middle, in halves of it,
 

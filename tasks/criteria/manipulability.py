@@ -1,4 +1,4 @@
-r"""Away from singularities, and well placed for what comes, with what freedom is left.
+r"""Secondary criteria: measures of manipulability, maximised in the null space of the tasks above.
 
 Three measures of how well a task can be moved, which its Jacobian J (m rows) and the mass matrix M tell:
 
@@ -46,7 +46,7 @@ SHORTEST = 1e-150
 
 
 class _MeasureOfTask(GradientTask):
-    """A measure of another task's Jacobian; a floating base is left alone.
+    """Base of criteria that increase a measure of another task's Jacobian, in every joint but a floating base.
 
     Parameters
     ----------

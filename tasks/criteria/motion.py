@@ -1,4 +1,4 @@
-r"""As little motion as the levels above permit, by joint or by kinetic energy.
+r"""Secondary criteria: the least motion that the levels above permit, by joint or by kinetic energy.
 
 Whitney (1969) takes, of the motions that meet a task :math:`J x = h`, the one that is least in a norm of weights W,
 
@@ -7,7 +7,7 @@ Whitney (1969) takes, of the motions that meet a task :math:`J x = h`, the one t
 and with the mass matrix, :math:`W = M(q)`, the one of least kinetic energy :math:`\tfrac12 \dot q^T M \dot q`. With
 :math:`W = L L^T` it is the last level :math:`L^T x = 0`, as in :func:`hqp.nearest`.
 
-At acceleration order that would leave any speed alone that is in the freedom left: joints once set in motion never
+At acceleration order that would leave any speed alone that is in the null space: joints once set in motion never
 stop. There the rows are :math:`L^T (\ddot q + K \dot q) = 0`, which brake it at the rate K.
 """
 
@@ -55,6 +55,10 @@ class _LeastMotion(Part):
                 " braked that nothing above asks for"
             )
 
+    def decay_rate(self) -> float:
+        """K / 2: its law slows a speed at the rate K."""
+        return 0.5 * (self.gain or 0.0)
+
     def _wanted(self, tick: Tick) -> Array:
         """The x that would be best, shape (nv,)."""
         if tick.order != "acceleration" or self.gain is None:
@@ -74,7 +78,7 @@ class _LeastMotion(Part):
 
 
 class MinimumMotionTask(_LeastMotion):
-    """Move each joint as little as possible: least ``sum weight_i^2 x_i^2``. It uses up all freedom left.
+    """Move each joint as little as possible: least ``sum weight_i^2 x_i^2``. Leaves no null space below.
 
     From a posture to which the joints are to come back it is ``PostureTask(posture, gain=K, weight=...)``.
 
@@ -119,7 +123,7 @@ class MinimumMotionTask(_LeastMotion):
 
 
 class KineticEnergyTask(_LeastMotion):
-    """Move with as little kinetic energy as possible: rows ``L^T x``, M = L L^T. It uses up all freedom left.
+    """Move with as little kinetic energy as possible: rows ``L^T x``, M = L L^T. Leaves no null space below.
 
     Parameters
     ----------

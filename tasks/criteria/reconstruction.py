@@ -1,4 +1,4 @@
-r"""A task that slows down where its manipulability is small, instead of a Jacobian that is damped.
+r"""Task reconstruction: a task is slowed down where its manipulability is small; an alternative to damping.
 
 After Kim, Marani, Chung and Yuh, Task reconstruction method for real-time singularity avoidance for robotic
 manipulators (Advanced Robotics, 2006), with a share of its own. Let
@@ -140,7 +140,8 @@ class Reconstructed(Part):
             self._slow(tick, site, above)
 
         moves = tuple(move for plan in plans for move in plan.moves)
-        return Plan(moves=moves, python=write, why="the gradient of its measure is taken from other states")
+        why = "the gradient of its measure is taken from other states"
+        return Plan(moves=moves, python=write, why=why, curvature=plans[0].curvature)
 
     def _slow(self, tick: Tick, site: Site, above: Site | None) -> None:
         """Write h' in the place of h."""

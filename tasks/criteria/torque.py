@@ -1,4 +1,4 @@
-r"""As little joint torque as the levels above permit, at acceleration order.
+r"""Secondary criterion: the least joint torque that the levels above permit, at acceleration order.
 
 Hollerbach and Suh (1987) spend the freedom that a task leaves on the torques of the same instant,
 
@@ -14,7 +14,7 @@ a level these are rows :math:`M \ddot q = m - b` of weights 1/h. Below a task :m
     \ddot q_0 = M^{-1} (m - b), \quad W = (M D^2 M)^{-1}, \quad D = \operatorname{diag}(1/h).
 
 What is best at every instant is not best for the motion: torques are saved by letting joints swing, and the speed that
-they gather in the freedom left has to be paid for later, by centripetal torques that grow with its square. On long
+they gather in the null space has to be paid for later, by centripetal torques that grow with its square. On long
 motions the arm whips up and torques *rise* far above those of least accelerations, which is what Hollerbach and Suh
 found. The remedy is a share of least motion on the same level (a balance as of Ma 1996), with a velocity term:
 
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 
 
 class MinimumTorqueTask(Part):
-    """Bring the joint torques to zero, or to the middle of their range. It uses up all freedom left.
+    """Minimise the joint torques, or their distance to the middle of their range; leaves no null space to levels below.
 
     Alone it is unstable on long motions: join it to a :class:`~tasks.MinimumMotionTask` by ``+``.
 

@@ -1,4 +1,4 @@
-r"""Which way an axis of a frame points, while the frame may turn about it.
+r"""Task: the direction of one axis of a frame; the rotation about that axis stays free.
 
 With the axis a and the wanted direction d, unit vectors in the world, the shortest turn from a to d is
 :math:`\vartheta` about :math:`a \times d`. It has no part along a: two rows, U, perpendicular to the axis in the frame
@@ -51,16 +51,19 @@ class PointingTask(FrameTask, LoopTask):
         """The rows U."""
         return perpendicular(self.axis)
 
-    def _pointing(self, site: Site, kernel: Any) -> Plan:
-        """One loop, told of the axis and its target."""
+    def _pointing(self, site: Site, kernel: Any, *, at_point: bool) -> Plan:
+        """One loop, told of the axis and its target, and one for whoever asks how they bend."""
         from ..base.loops import Call
+        from ..rows.curvature import bending
         from ..rows.plan import Plan
+        from .kernels import curvature as bends
         from .kernels.directions import work_size
 
-        target, axis = np.zeros((3, 3)), np.vstack([self.axis, self._across])
+        target, axis, law = np.zeros((3, 3)), np.vstack([self.axis, self._across]), site.law(self)
         moves = kept_up(self.target, *target)
-        call = Call(kernel, site.law(self), self.block(site), target, axis, np.zeros(work_size(site.shared.n)))
-        return Plan((call,), moves)
+        call = Call(kernel, law, self.block(site), target, axis, np.zeros(work_size(site.shared.n)))
+        curvature = bending(site, bends.bend_direction, self.bends(site), bends.WORK_SIZE, law, target, axis, at_point)
+        return Plan((call,), moves, curvature=curvature)
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:
         return [("across 1", "rad"), ("across 2", "rad")]
@@ -125,7 +128,7 @@ class AxisTask(PointingTask):
         """One loop; the direction is written every tick where it moves."""
         from .kernels.directions import write_axis
 
-        return self._pointing(site, write_axis)
+        return self._pointing(site, write_axis, at_point=False)
 
     def reading(self) -> Reading:
         from .kernels.place import LOCAL

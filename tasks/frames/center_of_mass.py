@@ -1,4 +1,4 @@
-"""Where the weight is."""
+"""Task: the position of the centre of mass."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from .place import Mask
 from .position import PositionTask
 
 if TYPE_CHECKING:
+    from ..base.loops import Table
     from ..rows.site import Site
 
 
@@ -65,6 +66,11 @@ class CenterOfMassTask(PositionTask):
 
     def block(self, site: Site) -> Array:
         return site.center_of_mass(self.relative_to)
+
+    def bends(self, site: Site) -> Table | None:
+        from ..rows.curvature import center_bends
+
+        return center_bends(site.shared, self.relative_to)
 
     def reading(self) -> None:
         """No joint carries the centre of mass as it carries a frame."""

@@ -1,8 +1,8 @@
-"""What tasks of a frame share: which frame, and who sees it."""
+"""The base class of tasks of a frame: which frame, and in the coordinates of which other one."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 from numpy.typing import ArrayLike
 
@@ -18,11 +18,12 @@ from ..rows.part import Order
 from ..rows.task import Task
 
 if TYPE_CHECKING:
+    from ..base.loops import Table
     from ..rows.site import Site
 
 
 class Reading(NamedTuple):
-    """Which part of the motion of a frame the rows of a task are.
+    """The linear map from the twist of a frame to the rows of a task.
 
     Attributes
     ----------
@@ -37,7 +38,7 @@ class Reading(NamedTuple):
 
 
 class FrameTask(Task):
-    """Base of the tasks of one frame.
+    """Base of the tasks of one frame; make a PoseTask, a PositionTask or an OrientationTask, or a subclass of your own.
 
     Parameters
     ----------
@@ -58,6 +59,15 @@ class FrameTask(Task):
     relative_to: str | None = structure()
     spatial: ClassVar[bool] = False
     says: ClassVar[tuple[str, ...]] = (*Task.says, "seen")
+
+    def __new__(cls, *args: Any, **options: Any) -> Self:
+        if cls is FrameTask:
+            raise InvalidInput(
+                "FrameTask is the base of the tasks of a frame; use PoseTask(position, rotation, frame=..., gain=...),"
+                " PositionTask(position, ...) or OrientationTask(rotation, ...), the latter two on levels of their own"
+                " where one goes before the other"
+            )
+        return super().__new__(cls)
 
     def __init__(
         self,
@@ -85,6 +95,12 @@ class FrameTask(Task):
     def block(self, site: Site) -> Array:
         """The same for loops: its block, see :mod:`tasks.robots.kernels.block`."""
         return site.frame(self.frame, self.relative_to)
+
+    def bends(self, site: Site) -> Table | None:
+        """How the frame bends, see :mod:`tasks.rows.curvature`; None where nobody tells."""
+        from ..rows.curvature import frame_bends
+
+        return frame_bends(site.shared, self.frame, self.relative_to)
 
     def reading(self) -> Reading | None:
         """What its rows take of the motion of the frame; None where that is no constant."""

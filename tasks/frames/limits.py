@@ -1,4 +1,4 @@
-"""What a frame may do: how fast it moves, and where."""
+"""Cartesian limits of a frame: its speed, a half-space, a box."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ OF_A_CORNER = "(3,), or (2,) for a planar arm"
 
 
 class FrameVelocityLimit(Part):
-    """No coordinate of a frame changes faster than this: a box for its velocity.
+    """Bounds on the velocity of a frame, coordinate by coordinate.
 
     At acceleration order the velocity at the end of the tick is limited, so that the controller needs its dt.
 

@@ -1,4 +1,4 @@
-r"""An axis of a frame that points at a point: a camera that follows, a lamp, a hand that faces its grasp.
+r"""Task: an axis of a frame points at a point, as of a camera that follows or a hand that faces its grasp.
 
 With the point c at the distance :math:`\rho` in the direction :math:`d = (c - p) / \rho`, which turns as the frame
 moves, the axis turns against it by
@@ -70,4 +70,4 @@ class LookAtTask(PointingTask):
         """One loop; the point is written every tick where it moves."""
         from .kernels.directions import write_sight
 
-        return self._pointing(site, write_sight)
+        return self._pointing(site, write_sight, at_point=True)

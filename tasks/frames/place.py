@@ -1,4 +1,4 @@
-r"""A frame brought to a place: the law of position, orientation and pose.
+r"""The base class of position, orientation and pose tasks: a frame is driven to a target pose.
 
 In the axes of the world, with the frame at p, R and its target at :math:`p^d, R^d`,
 
@@ -33,6 +33,7 @@ from ..targets.turns import AboutZ
 from .frame_task import FrameTask, Reading
 
 if TYPE_CHECKING:
+    from ..base.loops import Call, Table
     from ..rows.plan import Plan
     from ..rows.site import Site
 
@@ -43,7 +44,7 @@ Mask = str | Sequence[bool]
 
 
 class PlaceTask(FrameTask, LoopTask):
-    """Base of the tasks that bring a frame to a place.
+    """Base of position, orientation and pose tasks.
 
     Parameters
     ----------
@@ -92,11 +93,11 @@ class PlaceTask(FrameTask, LoopTask):
         from ..rows.plan import Plan
         from .kernels import place as loops
 
-        target = np.zeros(loops.TARGET_SIZE)
+        target, law = np.zeros(loops.TARGET_SIZE), site.law(self)
         moves = self._keep_up(target)
         call = Call(
             loops.write_place,
-            site.law(self),
+            law,
             self.block(site),
             target,
             site.shared.work,
@@ -106,7 +107,16 @@ class PlaceTask(FrameTask, LoopTask):
             isinstance(self.rotation, AboutZ),
             np.array(self.mask, dtype=np.int64),
         )
-        return Plan((call,), moves)
+        return Plan((call,), moves, curvature=self._curvature(site, law))
+
+    def _curvature(self, site: Site, law: Table) -> Call | None:
+        """One loop more, for whoever asks."""
+        from ..rows.curvature import bending
+        from .kernels import curvature as bends
+
+        first, mask = (0 if self.position is not None else 3), np.array(self.mask, dtype=np.int64)
+        told = law, self.axes, self.rotation is not None, first, mask
+        return bending(site, bends.bend_place, self.bends(site), bends.WORK_SIZE, *told)
 
     def reading(self) -> Reading | None:
         first = 0 if self.position is not None else 3

@@ -1,4 +1,4 @@
-"""How far a frame is in front of a plane."""
+"""Task: the signed distance of a frame from a plane."""
 
 from __future__ import annotations
 
@@ -85,12 +85,16 @@ class PlaneTask(FrameTask, LoopTask):
     def plan(self, site: Site) -> Plan:
         """One loop; the distance is written every tick where it moves."""
         from ..base.loops import Call
+        from ..rows.curvature import bending
         from ..rows.plan import Plan
+        from .kernels import curvature as bends
         from .kernels.directions import write_plane
 
         target = np.zeros((3, 1))
         moves = kept_up(self.target, *target)
-        return Plan((Call(write_plane, site.law(self), self.block(site), target, self.normal),), moves)
+        call = Call(write_plane, site.law(self), self.block(site), target, self.normal)
+        curvature = bending(site, bends.bend_plane, self.bends(site), bends.WORK_SIZE, self.normal)
+        return Plan((call,), moves, curvature=curvature)
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:
         return [("distance", "m")]

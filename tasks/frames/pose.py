@@ -1,4 +1,4 @@
-"""Where a frame is and how it is turned, on one level."""
+"""Task: position and orientation of a frame on one level."""
 
 from __future__ import annotations
 

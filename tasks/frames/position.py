@@ -1,4 +1,4 @@
-"""Where a frame is."""
+"""Task: the position of a frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""Where the joints have to be: a strict hierarchy of tasks, solved to convergence.
+r"""Inverse kinematics: joint positions that solve a strict hierarchy of tasks, iterated to convergence.
 
 The stack is solved step by step, each step a hierarchy linearised where the joints are (:mod:`tasks.ik.newton`), with
 the ranges of the joints above all levels and exactly:
@@ -62,7 +62,7 @@ REST = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class IkResult:
-    """What inverse kinematics found.
+    """The result of :func:`solve_ik`.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""A stack linearised at one configuration after another: the hierarchy of one step, and how large the errors are."""
+"""A stack linearised at successive configurations: the hierarchy of one step, and the norms of the errors."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ HALF_TURN = np.pi
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Visit:
-    """A configuration, judged.
+    """A configuration with its errors.
 
     Attributes
     ----------

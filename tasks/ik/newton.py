@@ -1,4 +1,4 @@
-r"""What a stack asks of one Newton step of the joints, and how far that step may go.
+r"""The rows of one Newton step of a stack, and the bounds of that step.
 
 Its rows are those of order "step" (:mod:`tasks.rows.kernels.law`): a task asks for the whole of its error, an
 inequality leaves what there is to its bounds, whatever the gain and however the target moves. Of the joint limits only
@@ -38,7 +38,7 @@ DROPPED = (JointLimit, JointLimits, FrameVelocityLimit)
 
 
 class Room(Part):
-    """How far every joint may go in one step: to the end of its range, and not beyond the trust region.
+    """Bounds of one step: the joint ranges and the trust region.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Tasks of the joints: posture, coupling, the motion that a task would make alone, damping."""
+"""Tasks of the joints: posture, coupling, joint motion of another task, damping."""

@@ -1,4 +1,4 @@
-"""Joints that move together."""
+"""Task: a linear relation between joint positions."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ MIXED = "(rad, m)"
 
 
 class Factors(Mapping[str | int, float]):
-    """Joint -> factor, which nobody can write into."""
+    """Joint -> factor, read-only."""
 
     def __init__(self, factors: Mapping[str | int, float]) -> None:
         self._of = dict(factors)

@@ -1,16 +1,23 @@
-r"""Stillness as a wish of a level: damped least squares.
+r"""Damped least squares as rows: small x as a competing task on the same level.
 
-Beside a task :math:`J x = h` on the same level, rows :math:`\lambda x = 0` make that level minimise
+Beside a task :math:`J x = h` on the same level, rows :math:`\lambda (x - r) = 0` make that level minimise
 
-.. math:: \lVert J x - h \rVert^2 + \lambda^2 \lVert x \rVert^2,
+.. math:: \lVert J x - h \rVert^2 + \lambda^2 \lVert x - r \rVert^2,
 
 the damped least squares of Wampler (1986) and of Nakamura and Hanafusa (1986), within what the levels
 above leave. Where the task goes out of reach the exact answer jumps, and limits on top make it
 bang-bang; the damped one does not jump, and pays with a small error of its own task only.
 
-At acceleration order x are the accelerations: what is damped is their size, and a speed that is there stays. Joints may
-swing on, past the loss of reach. What brakes them is :class:`tasks.MinimumMotionTask` in its place, whose rows ask for
-:math:`\lambda (\ddot q + K \dot q) = 0`.
+At velocity order r = 0. At acceleration order that would let the joints coast: a speed that is there would stay, and
+where the task is weak they would swing on. So there :math:`r = -2 \zeta K \dot q`, by the law
+:math:`J \ddot q = \ddot r^d - \dot J \dot q + 2 \zeta K \dot e + K^2 e` of the task: along a singular direction of
+value :math:`\sigma`, and for a target at rest,
+
+.. math:: \ddot q = \frac{\sigma}{\sigma^2 + \lambda^2} K^2 e - 2 \zeta K \dot q .
+
+All speed is braked at the one rate, whatever :math:`\lambda`, and only the way back is softer: the damping ratio is
+:math:`\zeta \sqrt{1 + \lambda^2 / \sigma^2}`, never below that of the task. Of several tasks the fastest counts; with
+none there is nothing to go by, and r = 0.
 """
 
 from __future__ import annotations
@@ -29,10 +36,12 @@ if TYPE_CHECKING:
 
 
 class Damping(Part):
-    """Keep the command itself small: rows ``x = 0`` in every joint, joined to a task by ``+``.
+    """Damped least squares: rows ``x = 0`` in every joint, joined to a task by ``+``.
+
+    At acceleration order they are ``x = -2 zeta K v``, by the gain K of the task: speeds are braked, nothing swings.
 
     ``OrientationTask(0.0, gain=2.0) + Damping(0.1)`` damps the orientation and nothing above it. The
-    rows take up all freedom that is left, so that nothing below them can be met: damp the last level.
+    rows leave no null space, so that nothing below them can be met: damp the last level.
 
     Parameters
     ----------
@@ -56,10 +65,10 @@ class Damping(Part):
     def plan(self, site: Site) -> Plan:
         """The bounds; the rows are those of the identity from the start."""
         from ..base.loops import Call
+        from ..rows.kernels.braking import write_damping
         from ..rows.plan import Plan
-        from .kernels.joints import write_rest
 
-        return Plan((Call(write_rest, site.rows, site.lower, site.upper),))
+        return Plan((Call(write_damping, site.rows, site.rate, site.shared.v, site.lower, site.upper),))
 
     def __repr__(self) -> str:
         return f"Damping({self.weight.tolist()})"

@@ -1,4 +1,4 @@
-r"""The motion that a task would make alone, as a task in joint space.
+r"""The joint motion that solves a task alone, tracked as a task in joint space.
 
 The thesis's law, Eq. 4.8,
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 class JointMotion(Part):
-    """Follow, joint by joint, what `task` would do alone: rows ``x = J# h``.
+    """Track, joint by joint, the motion that solves `task` alone: rows ``x = J# h``.
 
     Parameters
     ----------
@@ -71,6 +71,10 @@ class JointMotion(Part):
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.task.check(robot, order, dt)
 
+    def decay_rate(self) -> float:
+        """That of the task."""
+        return self.task.decay_rate()
+
     def error(self, state: RobotState, t: float) -> Array:
         """The error of the task itself, shape (rows of the task,)."""
         return self.task.error(state, t)
@@ -88,7 +92,7 @@ class JointMotion(Part):
         damping, work = np.array([self.damping]), np.zeros(work_size(rows, n))
         call = Call(write_alone, rows, n, own.A, own.lower, damping, work, site.lower, site.upper)
         plan = plan_of(self.task, own)
-        return replace(plan, calls=(*plan.calls, call))
+        return replace(plan, calls=(*plan.calls, call), curvature=None)
 
     def __repr__(self) -> str:
         damping = f", damping={self.damping:g}" if self.damping else ""

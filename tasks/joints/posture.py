@@ -1,4 +1,4 @@
-"""How the joints stand."""
+"""Task: a posture, desired positions of all joints or of some."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class PostureTask(LoopTask, TargetTask):
-    """Bring joints to given positions (r2 = theta, Eq. 3.18): J = I, so all of them use up all freedom left.
+    """Bring joints to given positions (r2 = theta, Eq. 3.18): J = I, so all of them together leave no null space below.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""What the joints can do, as levels of plain bounds, and what a frame may do: one kind of limit a file."""
+"""Joint limits, one kind a file: position, velocity, acceleration, torque."""

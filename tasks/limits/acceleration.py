@@ -1,4 +1,4 @@
-"""How fast the joints may change their speed."""
+"""Joint acceleration limits."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .limit import SymmetricLimit
 
 
 class JointAccelerationLimit(SymmetricLimit):
-    r"""No joint accelerates faster than its limit [rad/s^2].
+    r"""Bounds on the joint accelerations [rad/s^2], [m/s^2].
 
     Acceleration order: :math:`-a_{max} \le a \le a_{max}`. Velocity order:
     :math:`v - a_{max} dt \le x \le v + a_{max} dt`, where v is the velocity of the tick before.

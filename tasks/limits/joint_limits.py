@@ -33,7 +33,7 @@ SAME = 1e-9
 
 
 class JointLimits(Part):
-    """Every limit that the robot has: position, velocity and, where it names one, acceleration.
+    """All joint limits that the robot has, on one level: position, velocity and, where it names one, acceleration.
 
     ``JointLimits() >> task`` is the level that most stacks begin with.
 

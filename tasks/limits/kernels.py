@@ -1,4 +1,4 @@
-"""Rows of torque limits. Those of joint motion are in :mod:`tasks.rows.kernels.envelope`."""
+"""The loop that writes the rows of torque limits; joint motion limits are in :mod:`tasks.rows.kernels.envelope`."""
 
 from __future__ import annotations
 

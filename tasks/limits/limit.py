@@ -1,4 +1,4 @@
-"""What joint limits share: a bound on x itself, in every joint."""
+"""The base class of joint limits: bounds on every component of x."""
 
 from __future__ import annotations
 

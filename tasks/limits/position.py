@@ -1,4 +1,4 @@
-r"""How far the joints may turn.
+r"""Joint position limits.
 
 A joint keeps its range only if it begins to brake in time. Both orders choose the velocity p at the end of the
 tick; from there it can stop by :math:`p, p - s, p - 2 s, \dots, 0`, a tick each, with :math:`s = a_{max} dt`. The
@@ -49,7 +49,7 @@ RETURN_SPEED = 0.5
 
 
 class JointPositionLimit(JointLimit):
-    r"""No joint leaves its range [rad], [m], and one that is outside is driven back into it.
+    r"""Bounds on the joint positions [rad], [m]; a joint that is outside is driven back.
 
     Velocity order: :math:`-p_{max}(D_{lower}) \le x \le p_{max}(D_{upper})`. Acceleration order:
     :math:`(-p_{max}(D_{lower}) - v)/dt \le a \le (p_{max}(D_{upper}) - v)/dt`. See :mod:`tasks.limits.position`

@@ -1,4 +1,4 @@
-r"""How hard the joints may be driven.
+r"""Joint torque limits.
 
 The torques that accelerations a take are :math:`\tau = M(q)\,a + b(q, v)` (Eq. 4.1), with b the Coriolis, centrifugal
 and gravity torques. A limit on them is a limit on all accelerations together, one dense row a joint:
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 
 class JointTorqueLimit(Part):
-    """No joint is driven by more than its limit, at acceleration and at torque order.
+    """Bounds on the joint torques, at acceleration and at torque order.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How fast the joints may turn."""
+"""Joint velocity limits."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .limit import SymmetricLimit
 
 
 class JointVelocityLimit(SymmetricLimit):
-    r"""No joint turns faster than its limit [rad/s].
+    r"""Bounds on the joint speeds [rad/s], [m/s].
 
     Velocity order: :math:`-v_{max} \le x \le v_{max}`. Acceleration order:
     :math:`(-v_{max} - v)/dt \le a \le (v_{max} - v)/dt`, so that the *next* velocity ``v + a dt``

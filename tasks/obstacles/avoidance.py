@@ -1,4 +1,4 @@
-r"""The point nearest to an obstacle is driven away: the one-dimensional task.
+r"""Task: drive the link point nearest to an obstacle away from it, one row.
 
 .. math::
 

@@ -1,4 +1,4 @@
-r"""Links stay away from obstacles: one linear inequality a pair, safe within the tick.
+r"""Limit: links keep a distance from obstacles, one linear inequality a pair, safe within the tick.
 
 With the distance d of a link to an obstacle, n the unit normal from the obstacle to the link and J the Jacobian of the
 witness, :math:`\dot d = n^T (J \dot q - \dot o)`. That is linear now, not at the end of the tick: what the turn of the
@@ -134,7 +134,7 @@ class DistanceLimit(Part):
         if tick.order == "step":
             return
         assert tick.envelope is not None
-        rate = tick.envelope.braking_rate(tick)
+        rate = tick.envelope.braking_rate()
         if rate < np.inf and any(obstacle.moves for obstacle in self.pairs.obstacles):
             tell(
                 f"{self.label()}: an obstacle moves, and the joints take up to {1.0 / rate:.3g} s to stop: where it"

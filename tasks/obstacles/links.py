@@ -1,4 +1,4 @@
-"""Links of a robot as capsules that a frame carries."""
+"""Links of a robot as capsules, each carried by a frame."""
 
 from __future__ import annotations
 

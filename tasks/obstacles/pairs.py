@@ -1,4 +1,4 @@
-"""Links and obstacles, pair by pair."""
+"""All pairs of a link and an obstacle, and their distances."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .shapes import Obstacle
 
 
 class Pairs(Live):
-    """Every link against every obstacle, the obstacles of the first link first.
+    """Every pair of a link and an obstacle, the obstacles of the first link first.
 
     Parameters
     ----------

@@ -1,9 +1,9 @@
-"""Links and obstacles as loops read them: arrays, which those that move are written into at every tick."""
+"""Links and obstacles as arrays for the compiled loops; moving ones are written anew every tick."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -12,11 +12,22 @@ from hqp import InvalidInput
 from ..base.checks import Array
 from ..base.once import once
 from ..robots.robot import Robot
+from .links import LinkCapsule
 from .shapes import Obstacle
 
 if TYPE_CHECKING:
     from ..rows.site import Move
-    from .pairs import Pairs
+
+
+class Paired(Protocol):
+    """Links and obstacles, see :class:`tasks.obstacles.pairs.Pairs`."""
+
+    links: tuple[LinkCapsule, ...]
+    obstacles: tuple[Obstacle, ...]
+
+    def __len__(self) -> int: ...
+
+    def bind(self, robot: Robot) -> list[Array]: ...
 
 
 class Scene:
@@ -47,7 +58,7 @@ class Scene:
 
     def __init__(
         self,
-        pairs: Pairs,
+        pairs: Paired,
         robot: Robot,
         block: Callable[[str], Array],
         t: float = 0.0,

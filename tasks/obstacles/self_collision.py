@@ -1,4 +1,4 @@
-r"""A robot stays away from itself: the nearest pairs of its own bodies, by the shapes of its file.
+r"""Limit: self-collision avoidance between the nearest pairs of a robot's bodies, with the shapes of its file.
 
 With the witnesses p_1 and p_2 of a pair, n the unit normal from the second to the first,
 

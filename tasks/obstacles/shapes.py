@@ -1,4 +1,4 @@
-r"""Shapes of obstacles.
+r"""Shapes of obstacles: spheres and capsules.
 
 Every shape is a core, the convex hull of a few points, and a radius about it: a sphere has one point, a capsule two.
 The distance of two shapes is that of their cores less both radii. In the plane z = 0 a sphere is a circle.

@@ -1,1 +1,1 @@
-"""Robots: the protocol that every task talks to, and one file a kind of robot."""
+"""Robots: protocols, planar arms, Pinocchio robots, and readers of model files."""

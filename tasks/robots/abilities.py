@@ -1,4 +1,4 @@
-"""What robots can be asked: two protocols that every robot answers, and its abilities, each a protocol of its own.
+"""Protocols of robots: what every robot has, and optional abilities, each a protocol of its own.
 
 A robot has an ability if it has all attributes of the protocol: there is nothing to inherit from, and nothing to
 register. :func:`tasks.robots.admission.as_robot` looks once at what each of them holds; :mod:`tasks.robots.robot` asks.
@@ -8,7 +8,7 @@ The attributes named here mean what is said here, and no others mean anything: a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol, TypeGuard, TypeVar, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,37 +16,12 @@ from numpy.typing import NDArray
 from hqp.guard import Guard
 
 from ..base.checks import Array
-from ..base.once import once
+from ..base.protocols import has as has
 from .frame import Frame
-
-if TYPE_CHECKING:
-    from .source import Source
-
-T = TypeVar("T")
+from .source import Source
+from .state import RobotState
 
 # What every robot has.
-
-
-@runtime_checkable
-class RobotState(Protocol):
-    """One robot at one instant: everything that tasks of the same tick share, computed once.
-
-    Attributes
-    ----------
-    q : array, shape (nq,)
-        Configuration: joint positions [rad, m], and whatever else the robot needs to say where it is.
-    v : array, shape (nv,)
-        Joint velocities [rad/s, m/s].
-    """
-
-    @property
-    def q(self) -> Array: ...
-    @property
-    def v(self) -> Array: ...
-
-    def frame(self, name: str | None = None) -> Frame:
-        """The frame of that name, by default the tip of the robot."""
-        ...
 
 
 @runtime_checkable
@@ -319,42 +294,3 @@ class Sourced(Protocol):
     def circles(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
         """Where in q the cosines of their angles are, the sines being next; -1 for one that is on no circle."""
         ...
-
-
-#: Of a value that has no such attribute.
-ABSENT = object()
-
-
-def has(value: object, kind: type[T]) -> TypeGuard[T]:
-    """Whether a value has all attributes of a protocol; a method that is None is none.
-
-    As ``isinstance`` says, which takes microseconds where Python is old, and asks properties for their values.
-    """
-    by_class = _by_class(type(value), kind)
-    return by_class or all(_there(value, name, method) for name, method in _members(kind))
-
-
-@once
-def _by_class(of: type, kind: type) -> bool:
-    """Whether a class has them all, so that there is nothing to ask of its objects."""
-    own = [(getattr(of, name, ABSENT), method) for name, method in _members(kind)]
-    return all(value is not ABSENT and not (method and value is None) for value, method in own)
-
-
-def _there(value: object, name: str, method: bool) -> bool:
-    own = getattr(type(value), name, ABSENT)
-    if own is ABSENT:
-        own = getattr(value, name, ABSENT)
-    return own is not ABSENT and not (method and own is None)
-
-
-@once
-def _members(kind: type) -> tuple[tuple[str, bool], ...]:
-    """The attributes of a protocol, and whether each is a method."""
-    found: dict[str, bool] = {}
-    for base in reversed(kind.__mro__):
-        if getattr(base, "_is_protocol", False) and base is not Protocol:
-            found |= dict.fromkeys(vars(base).get("__annotations__", {}), False)
-            own = {name: value for name, value in vars(base).items() if not name.startswith("_")}
-            found |= {name: not isinstance(value, property) and callable(value) for name, value in own.items()}
-    return tuple(found.items())

@@ -1,4 +1,4 @@
-"""A robot of one's own, looked at once: what its attributes hold is what they mean to this package, or it is refused.
+"""Checks a user's own robot class once: every attribute with a meaning here must hold what it means, or is refused.
 
 An attribute that means something else here, such as a `home` that is a street, is told by its name: under another one
 it is nobody's business.
@@ -20,7 +20,7 @@ from hqp.errors import brief
 
 from ..base.checks import finite, numbers, position_range
 from . import abilities as able
-from .abilities import Robot, RobotState
+from .abilities import Robot
 from .answers import (
     Quantity,
     abilities,
@@ -32,6 +32,7 @@ from .answers import (
     robot_of,
     state_abilities,
 )
+from .state import RobotState
 
 #: The sizes of bases: mounted, planar, floating.
 BASES = (0, 3, 6)

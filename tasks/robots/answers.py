@@ -1,4 +1,4 @@
-"""What a robot answers: every question once, with what holds for a robot that lacks the ability.
+"""Queries of a robot, each with the default for a robot that lacks the ability.
 
 The only place that asks whether a robot, or a state, has an ability. To ask takes microseconds: what is wanted tick
 after tick is a function that was asked for once, as by :func:`integration` and :func:`joint_reader`.
@@ -6,10 +6,9 @@ after tick is a function that was asked for once, as by :func:`integration` and 
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from operator import add, attrgetter, sub
-from typing import TYPE_CHECKING, Literal, TypeGuard
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,11 +18,9 @@ from hqp.guard import Guard
 
 from ..base.checks import Array
 from . import abilities as able
-from .abilities import Robot, RobotState
+from .abilities import Robot
 from .frame import Frame
-
-if TYPE_CHECKING:
-    from .pinocchio import PinocchioRobot
+from .state import RobotState
 
 #: What a robot may have limits of.
 Quantity = Literal["position", "velocity", "acceleration", "torque"]
@@ -59,12 +56,6 @@ def abilities(robot: Robot) -> frozenset[type]:
 def state_abilities(state: RobotState) -> frozenset[type]:
     """Those that a state has all attributes of."""
     return frozenset(kind for kind in STATE_ABILITIES if able.has(state, kind))
-
-
-def on_pinocchio(robot: object) -> TypeGuard[PinocchioRobot]:
-    """Whether this is a robot of Pinocchio, and not one of somebody's own that happens to have a model."""
-    module = sys.modules.get(f"{__package__}.pinocchio")  # there is none without it
-    return module is not None and isinstance(robot, module.PinocchioRobot)
 
 
 # Configurations.

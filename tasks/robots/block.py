@@ -1,4 +1,4 @@
-"""Frames as blocks of numbers, which loops read and write; see :mod:`tasks.robots.kernels.block` for what is where."""
+"""Converts frames to blocks of numbers for loops, and back; the layout is in :mod:`tasks.robots.kernels.block`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which joint of a chain carries which: what the change of a frame's Jacobian hangs on."""
+"""The order of joints along a kinematic chain, on which the derivative of a Jacobian depends."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from .robot import Robot
+from .abilities import Robot
 
 #: The place of a joint that does not move a frame.
 APART = -1
@@ -39,3 +39,33 @@ def chain_order(robot: Robot, frame: str | None, relative_to: str | None = None)
 def closed_form(robot: Robot, frame: str | None, relative_to: str | None = None) -> bool:
     """Whether the gradient of a measure of this frame's Jacobian has a closed form."""
     return chain_order(robot, frame, relative_to) is not None
+
+
+@runtime_checkable
+class Branched(Protocol):
+    """A robot that knows the order of all its joints, on whatever branch."""
+
+    def tree_order(self) -> NDArray[np.int64] | None:
+        """The place of every velocity (columns) in the chain to what each velocity (rows) moves, shape (nv, nv)."""
+        ...
+
+
+def carried(places: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The pairs of velocities of a chain of which one carries the other, itself included, and whether they are one
+    joint; shape (k, 3)."""
+    own = np.flatnonzero(places != APART)
+    return np.array(
+        [
+            (a, b, int(places[a] == places[b] and a != b))
+            for a in own
+            for b in own
+            if places[a] < places[b] or (places[a] == places[b] and a <= b)
+        ],
+        dtype=np.int64,
+    ).reshape(-1, 3)
+
+
+def carried_in_tree(tree: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The same of all velocities."""
+    pairs = [pair for b, places in enumerate(tree) for pair in carried(places) if pair[1] == b]
+    return np.array(pairs, dtype=np.int64).reshape(-1, 3)

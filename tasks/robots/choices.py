@@ -1,4 +1,4 @@
-"""What is chosen when a robot is loaded."""
+"""The values of options of ``load_robot``."""
 
 from __future__ import annotations
 

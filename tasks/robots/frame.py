@@ -1,4 +1,4 @@
-r"""A frame of a robot: where it is, and how it follows the joints.
+r"""Frames of a robot: pose, Jacobian and drift.
 
 In the coordinates of the world, with p the origin of the frame and the columns of R its axes,
 
@@ -54,7 +54,7 @@ def without_round_off(jacobian: Array) -> Array:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class FixedFrame:
-    """A frame whose numbers are all there."""
+    """A frame with all its numbers computed."""
 
     position: Array
     rotation: Array

@@ -1,4 +1,4 @@
-"""Models of Pinocchio in copies and files.
+"""Copying and pickling Pinocchio models.
 
 Pinocchio writes a model with joints that follow others in a way that it cannot read again: the process ends. Such a
 model is kept as the one without these ties, and how they were made.
@@ -28,7 +28,7 @@ NUMBERS = (
 
 @dataclass(frozen=True)
 class Recipe:
-    """How a model with ties was made.
+    """How a model with mimic joints was made.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Recipe:
 
 @dataclass(frozen=True)
 class Kept:
-    """A model on its way into a copy, or into a file.
+    """A model being copied or pickled.
 
     Attributes
     ----------

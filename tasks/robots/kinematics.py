@@ -1,4 +1,4 @@
-"""Pinocchio's workspace for one robot, and whose kinematics it holds: all frames of a state share one pass."""
+"""Pinocchio's workspace for one robot, and the state whose kinematics it holds: all frames share one pass."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hqp import InvalidInput
 from ..base.checks import Array
 
 if TYPE_CHECKING:
-    from .abilities import RobotState
+    from .state import RobotState
 
 
 class Kinematics:

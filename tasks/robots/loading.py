@@ -82,9 +82,7 @@ def load_robot(
     """
     entry, file, what = _find(source)
     chosen = _base(base, floating_base, entry)
-    for given, allowed, option in (mimic, get_args(Mimic), "mimic"), (chosen, (None, *get_args(Base)), "base"):
-        if not isinstance(given, str | None) or given not in allowed:
-            raise InvalidInput(f"{option} = {brief(given)}; it must be one of {', '.join(map(repr, allowed))}")
+    _check_option(mimic, get_args(Mimic), "mimic")
     from .files.language import describe
     from .pinocchio import PinocchioRobot
     from .verification import verify
@@ -92,9 +90,8 @@ def load_robot(
     positions = _positions(lock)
     described = describe(file, chosen, _bodies(body), what)
     verify(described.model, what)
-    if described.left_out:
-        tell(f"{what}: left out of the robot: {', '.join(described.left_out)}")
-    given = {"position": position_limit, "velocity": velocity_limit, "torque": torque_limit}
+    _tell_left_out(described, what)
+    given: dict[str, Any] = {"position": position_limit, "velocity": velocity_limit, "torque": torque_limit}
     named = {key: limit for key, limit in given.items() if isinstance(limit, Mapping)}
     model, neutral, rooms, recipe = _arranged(_limited(described, named, what), mimic, positions, what)
     _check_named(model, named, what)
@@ -110,14 +107,30 @@ def load_robot(
         rooms=rooms,
     )
     robot.start_from(neutral)
+    _take_home(robot, entry)
+    robot.recipe, robot.left_out = recipe, described.left_out
+    robot.source = file.resolve() if isinstance(file, Path) else None
+    return robot
+
+
+def _take_home(robot: PinocchioRobot, entry: Entry) -> None:
+    """Give the robot the home configuration that the library knows, if any, at its height above the ground."""
     if entry.home or entry.height:
         robot.home = robot.near({joint: q for joint, q in entry.home.items() if joint in robot.joint_names})
         if robot.base == 6:
             robot.home[2] += entry.height
         robot.home.flags.writeable = False
-    robot.recipe, robot.left_out = recipe, described.left_out
-    robot.source = file.resolve() if isinstance(file, Path) else None
-    return robot
+
+
+def _tell_left_out(described: Description, what: str) -> None:
+    if described.left_out:
+        tell(f"{what}: left out of the robot: {', '.join(described.left_out)}")
+
+
+def _check_option(given: Any, allowed: tuple[Any, ...], option: str) -> None:
+    """Refuse a word that is none of those allowed."""
+    if not isinstance(given, str | None) or given not in allowed:
+        raise InvalidInput(f"{option} = {brief(given)}; it must be one of {', '.join(map(repr, allowed))}")
 
 
 def _limited(described: Description, named: Mapping[str, Any], what: str) -> Description:
@@ -198,7 +211,9 @@ def _base(base: Any, floating_base: bool | None, entry: Entry) -> Any:
         if base not in (None, old):
             raise InvalidInput(f"floating_base = {floating_base!r}, but base = {base!r}; give base alone")
         return old
-    return entry.base if base is None and entry.file else base
+    chosen = entry.base if base is None and entry.file else base
+    _check_option(chosen, (None, *get_args(Base)), "base")
+    return chosen
 
 
 def _bodies(body: Any) -> list[str] | None:

@@ -1,4 +1,4 @@
-r"""How well a task can be moved from where the joints are: what the singular values of its Jacobian tell.
+r"""Manipulability measures of a Jacobian, from its singular values.
 
 With the singular values :math:`\sigma_1 \ge \dots \ge \sigma_m` of J, m rows and n columns:
 
@@ -28,7 +28,7 @@ from ..base.rank import RANK_TOLERANCE
 
 @dataclass(frozen=True, eq=False)
 class VelocityEllipse:
-    """Where joint velocities of norm one take a task: an ellipse, or ellipsoid, filled where n > m.
+    """The velocity ellipsoid: the task velocities that joint velocities of norm one give.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class VelocityEllipse:
 
 @dataclass(frozen=True, eq=False)
 class Degrees:
-    """Of how many directions a task disposes, and how many it leaves.
+    """The degrees of manipulability and of redundancy of a task.
 
     Attributes
     ----------

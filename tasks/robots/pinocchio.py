@@ -8,42 +8,36 @@ angular velocity along its own axes.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import hypot
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from hqp import InvalidInput, MissingPackage
 from hqp.checks import of_type
 from hqp.guard import Guard
 
 from ..base.checks import Array, finite, finite_scalar, nearest, own_numbers
-from ..base.live import Live, number, structure
-from .robot import joint_index
+from ..base.live import number
+from .refusals import joint_index
+from .room import Room
 
 try:
     import pinocchio as pin
 except ImportError as error:  # pragma: no cover
     raise MissingPackage("spatial robots need Pinocchio: pip install 'hqp[robots]'") from error
 
-from . import pinocchio_dynamics as dynamics
-from .axes import NONE, axes, base_of, sequence, unit_parts
-from .chain import APART
-from .files.ties import Room
+from .axes import NONE
 from .files.xml import root_of
-from .frame_names import frame_numbers
 from .keeping import Kept, Recipe
 from .kinematics import Kinematics
+from .pinocchio_model import PinocchioModel
 from .pinocchio_source import PinocchioSource
 from .pinocchio_state import PinocchioState
 from .ranges import SAME, both_ways, largest, no_faster, no_position, within
 from .ranges import position_limit as limits_of
-from .verification import tell_of_inertias, verify
 
-#: How far a norm may be from 1: what is as good as 1, and what is round-off.
-EXACT, ROUND_OFF = 1e-15, 1e-6
 #: The unit of a limit for a joint that turns, and for one that slides.
 SPEED = {"rad": "rad/s", "m": "m/s"}
 ACCELERATION = {"rad": "rad/s^2", "m": "m/s^2"}
@@ -55,7 +49,7 @@ Limit = ArrayLike | Mapping[str, float]
 Range = tuple[ArrayLike, ArrayLike] | Mapping[str, tuple[float, float]]
 
 
-class PinocchioRobot(Live):
+class PinocchioRobot(PinocchioModel):
     """A robot with a Pinocchio model. One robot serves one thread; copies share the model.
 
     Parameters
@@ -108,19 +102,7 @@ class PinocchioRobot(Live):
         model moves nothing or has names, axes or numbers that mean nothing; names the joint.
     """
 
-    model: pin.Model = structure()
-    name: str = structure()
-    nq: int = structure()
-    nv: int = structure()
-    base: int = structure()
-    joint_names: tuple[str, ...] = structure()
-    joint_units: tuple[str, ...] = structure()
-    frame_names: tuple[str, ...] = structure()
-    tip: str | None = structure()
-    kinematics: Kinematics = structure()
-    guard: Guard = structure()
     home: Array
-    _instead = "load or make another robot"
 
     def __init__(
         self,
@@ -134,30 +116,11 @@ class PinocchioRobot(Live):
         torque_limit: Limit | None = None,
         rooms: Mapping[str, Room] | None = None,
     ) -> None:
-        self.model = of_type(model, pin.Model, "model")
-        self.name = str(model.name) if name is None else of_type(name, str, "name of a robot")
-        self.nq, self.nv = int(model.nq), int(model.nv)
-        verify(model, repr(self))
-        tell_of_inertias(model, repr(self))
-        self.kinematics = Kinematics(model, repr(self))
-        self._base, self.base = base_of(model)
-        self._axes = axes(model)
-        self.joint_names = tuple(axis.name for axis in self._axes)
-        self.joint_units = tuple(axis.unit for axis in self._axes)
-        self._units = unit_parts(model)
-        self._frame_numbers = frame_numbers(model)
-        self.frame_names = tuple(dict.fromkeys(frame.name for frame in model.frames))
-        places = np.array([axis.place for axis in self._axes], dtype=np.intp)
-        self._columns = np.flatnonzero(places != NONE)
-        self._places = places[self._columns]
-        self._frames: dict[str | None, int] = {}
-        self._support: dict[int, list[tuple[int, int]]] = {}
-        self.guard = Guard(f"the workspace of {self!r}")
+        super().__init__(model, tip, name)
         self._rooms: Mapping[str, Room] = rooms or {}
         self._loaded = rooms is not None
         self.position_limit, self.velocity_limit = position_limit, velocity_limit
         self.acceleration_limit, self.torque_limit = acceleration_limit, torque_limit
-        self.tip = None if tip is None else self.check_frame(of_type(tip, str, "tip"))
         self.left_out: tuple[str, ...] = ()
         self.recipe: Recipe | None = None
         self.start_from(pin.neutral(model))
@@ -242,14 +205,6 @@ class PinocchioRobot(Live):
         return self.source
 
     # The configuration.
-
-    def integrate(self, q: Array, step: Array) -> Array:
-        """The configuration after a step of the joints."""
-        return np.asarray(pin.integrate(self.model, q, step))
-
-    def difference(self, start: Array, end: Array) -> Array:
-        """The step, shape (nv,), that leads from one configuration to another."""
-        return np.asarray(pin.difference(self.model, start, end))
 
     def _inside(self, q: Array) -> Array:
         """The same configuration with every joint inside its range."""
@@ -347,107 +302,7 @@ class PinocchioRobot(Live):
         """The configuration whose base stands as in the first one, and whose joints stand as in the second."""
         return np.concatenate([base[: self._base], joints[self._base :]])
 
-    @property
-    def data(self) -> pin.Data:
-        """Pinocchio's data, which hold what was last computed."""
-        return self.kinematics.data
-
-    def positions(self, q: Array) -> Array:
-        """The position of each joint that has one, 0 elsewhere, shape (nv,)."""
-        if self.nq == self.nv:
-            return q
-        positions = np.zeros(self.nv)
-        positions[self._columns] = q[self._places]
-        return positions
-
-    def places(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
-        """Where in q the positions of these velocities are, shape (k,); -1 for one that has none of its own."""
-        places = np.full(self.nv, -1, dtype=np.int64)
-        places[self._columns] = self._places
-        return places[columns]
-
-    def circles(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
-        """Where in q the cosines of these joints are, each before its sine, shape (k,); -1 for one on no circle."""
-        return np.array([self._axes[i].circle for i in columns], dtype=np.int64)
-
-    def support(self, joint: int) -> list[tuple[int, int]]:
-        """What moves that which a joint of the model carries: columns of Pinocchio's Jacobian of the joints, and the
-        velocity of each. A joint that follows another one has a column of its own, and the velocity of that one."""
-        found = self._support.get(joint)
-        if found is None:
-            joints = [self.model.joints[i] for i in self.model.supports[joint]][1:]
-            found = [(joint.idx_vExtended + i, joint.idx_v + i) for joint in joints for i in range(joint.nvExtended)]
-            self._support[joint] = found
-        return found
-
-    def chain_order(self, frame: str | None, relative_to: str | None = None) -> NDArray[np.int64] | None:
-        """The place of every velocity in the chain to a frame; see :func:`tasks.robots.chain.chain_order`."""
-        start, end = ([] if relative_to is None else self._supports(relative_to)), self._supports(frame)
-        steps = [(joint, True) for joint in reversed(start) if joint not in end]
-        steps += [(joint, False) for joint in end if joint not in start]
-        places, free = np.full(self.nv, APART, dtype=np.int64), 0
-        for index, backwards in steps:
-            joint = self.model.joints[index]
-            own = sequence(joint)
-            if own is None or (backwards and len(own) > len(set(own))):
-                return None
-            for i, place in enumerate(own):
-                if places[joint.idx_v + i] != APART:  # one number moves two joints
-                    return None
-                places[joint.idx_v + i] = free + (max(own) - place if backwards else place)
-            free += 1 + max(own)
-        return places
-
-    def _supports(self, frame: str | None) -> list[int]:
-        """The joints that carry a frame, from the base on."""
-        return list(self.model.supports[self.model.frames[self.frame_index(frame)].parentJoint])[1:]
-
     # The state.
-
-    def has_frame(self, name: str) -> bool:
-        """Whether this names a frame, plainly or by kind, as in ``"joint:gripper"``."""
-        return name in self._frame_numbers
-
-    def check_frame(self, name: str) -> str:
-        """`name`, which must be a frame of this robot.
-
-        Raises
-        ------
-        InvalidInput
-            Tells the nearest names.
-        """
-        if not self.has_frame(name):
-            raise InvalidInput(f"{name!r} is no frame of {self!r}{nearest(str(name), self.frame_names)}")
-        return name
-
-    def frame_index(self, name: str | None) -> int:
-        """Pinocchio's number of a frame; of the tip, if no name is given."""
-        found = self._frames.get(name)
-        if found is None:
-            if name is None and self.tip is None:
-                raise InvalidInput(f"{self!r} has no tip; name a frame")
-            found = self._frames[name] = self._frame_numbers[self.check_frame(name or str(self.tip))]
-        return found
-
-    def on_manifold(self, q: Array) -> tuple[Array, str | None]:
-        """q with its circles and quaternions of norm 1, and what is wrong if one is farther from it than by round-off.
-
-        A norm that is off by at most 1e-6 is taken as round-off. NaN passes: the solver reports it.
-        """
-        for name, first, count in self._units:
-            part = q[first : first + count]
-            norm = hypot(*part.tolist())
-            if abs(norm - 1.0) <= EXACT or norm != norm:
-                continue
-            if not abs(norm - 1.0) <= ROUND_OFF:
-                what = "quaternion" if count == 4 else "cosine and sine"
-                return q, (
-                    f"q[{first}:{first + count}], the {what} of joint {name!r}, has norm {norm:g};"
-                    f" it must be 1, as of robot.integrate and robot.configuration"
-                )
-            q = np.array(q)
-            q[first : first + count] = part / norm
-        return q, None
 
     def at(self, q: ArrayLike, v: ArrayLike) -> PinocchioState:
         """Everything that tasks ask for at (q, v), each quantity computed when first asked for.
@@ -483,24 +338,6 @@ class PinocchioRobot(Live):
         """Its frames for loops; q and v hold the state of the tick."""
         return PinocchioSource(self, q, v)
 
-    def compute_center_of_mass(self, q: Array) -> None:
-        """Have the data hold the centre of mass at q, and its Jacobian."""
-        self.kinematics.center_of_mass(q)
-
-    def mass_matrix(self, q: ArrayLike) -> Array:
-        """M(q) [kg m^2; kg m and kg where joints slide], symmetric, shape (..., nv, nv)."""
-        return dynamics.mass_matrix(self.model, self.kinematics.overwritten(), *dynamics.rows_of(self, q=q))
-
-    def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """What torques [N m], forces [N] hold without acceleration: Coriolis, centripetal, gravity, shape (..., nv)."""
-        return dynamics.bias(self.model, self.kinematics.overwritten(), *dynamics.rows_of(self, q=q, v=v))
-
-    def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
-        """Joint torques [N m], forces [N] for accelerations a, gravity included, shape (..., nv)."""
-        return dynamics.inverse_dynamics(
-            self.model, self.kinematics.overwritten(), *dynamics.rows_of(self, q=q, v=v, a=a)
-        )
-
     def __getstate__(self) -> dict[str, Any]:
         own = dict(self.__dict__, model=Kept(self.model, self.recipe), kinematics=None, guard=None)
         return dict(own, _geometry=None, _visuals=None)
@@ -509,6 +346,3 @@ class PinocchioRobot(Live):
         own = vars(self)
         own.update(state, model=state["model"].model)
         own.update(kinematics=Kinematics(self.model, repr(self)), guard=Guard(f"the workspace of {self!r}"))
-
-    def __repr__(self) -> str:
-        return f"PinocchioRobot({self.name!r}, {self.nv} degrees of freedom)"

@@ -1,4 +1,4 @@
-"""Frames of a robot of Pinocchio for loops: one pass over its data a tick, and the addresses of what it holds."""
+"""Frames of a Pinocchio robot for compiled loops: one kinematics pass a tick, and the addresses of its results."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from ..base.checks import Array
 
 if TYPE_CHECKING:
     from ..base.loops import Call
-    from .pinocchio import PinocchioRobot
+    from .pinocchio_model import PinocchioModel
     from .pinocchio_state import PinocchioState
     from .source import Flag
 
 
 class PinocchioSource:
-    """The data of one robot, computed as far as somebody asks for it; see :class:`tasks.rows.blocks.Source`.
+    """Frames and dynamics of one robot for loops, computed on demand; see :class:`tasks.robots.source.Source`.
 
     Parameters
     ----------
-    robot : PinocchioRobot
+    robot : PinocchioModel
     q, v : array, shapes (nq,) and (nv,)
         They hold the state of the tick.
     """
 
-    def __init__(self, robot: PinocchioRobot, q: Array, v: Array) -> None:
+    def __init__(self, robot: PinocchioModel, q: Array, v: Array) -> None:
         self._robot, self._model, self._data = robot, robot.model, robot.data
         self._q, self._v, self._still = q, v, np.zeros(robot.nv)
         self._centre = self._inertia = False
@@ -69,6 +69,10 @@ class PinocchioSource:
         data = self._data
         return Call(point_frame, self._robot.nv, block, drifts, data.com[0], data.Jcom, data.vcom[0], data.acom[0])
 
+    def axes(self) -> Array | None:
+        J = np.reshape(self._data.J, (6, -1))  # of one velocity it is a plain vector
+        return J if J.shape[1] == self._robot.nv and not len(self._model.mimicking_joints) else None
+
     def mass_matrix(self, M: Array) -> Call | None:
         if len(self._model.mimicking_joints):  # where crba is wrong, see pinocchio_dynamics
             self._matrices.append(M)
@@ -77,7 +81,7 @@ class PinocchioSource:
         from .kernels.frames import symmetric
 
         self._inertia = True
-        pin.crba(self._model, self._data, self._robot.neutral)
+        pin.crba(self._model, self._data, pin.neutral(self._model))  # which lays out the array
         return Call(symmetric, self._robot.nv, np.asarray(self._data.M), M)
 
     def bias(self, b: Array) -> None:

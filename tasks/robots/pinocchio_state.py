@@ -1,4 +1,4 @@
-"""A robot of Pinocchio at one instant, and its frames: each quantity computed when first asked for, and once."""
+"""The state of a Pinocchio robot and its frames; each quantity is computed when first asked for, and once."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from ..base.checks import Array
 from .frame import FixedFrame, without_round_off
 
 if TYPE_CHECKING:
-    from .pinocchio import PinocchioRobot
+    from .pinocchio_model import PinocchioModel
 
 
 class PinocchioState:
     """A robot at one instant; see :class:`tasks.robots.robot.RobotState`."""
 
-    def __init__(self, robot: PinocchioRobot, q: Array, v: Array) -> None:
+    def __init__(self, robot: PinocchioModel, q: Array, v: Array) -> None:
         self.robot, self.q, self.v = robot, q, v
         self._frames: dict[str | None, PinocchioFrame] = {}
 

@@ -1,4 +1,4 @@
-r"""The motion equation of a planar arm, Eq. 4.1: the torque that an acceleration takes.
+r"""Dynamics of a planar arm, Eq. 4.1: mass matrix, Coriolis matrix and inverse dynamics.
 
 .. math:: \tau = M(q)\,a + C(q, v)\,v
 

@@ -3,23 +3,35 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from ..base.checks import Array
 from .kernels import block as at
-from .robot import RobotState
+from .state import RobotState
 
 if TYPE_CHECKING:
     from ..base.loops import Call
-    from .planar import PlanarArm
     from .source import Flag
 
 
+class Links(Protocol):
+    """The arm as its loops need it: links, frames and dynamics; see :class:`tasks.robots.planar.PlanarArm`."""
+
+    lengths: Array
+    nv: int
+
+    def links_to(self, frame: str | None) -> int: ...
+
+    def mass_matrix(self, q: Array) -> Array: ...
+
+    def bias(self, q: Array, v: Array) -> Array: ...
+
+
 class PlanarSource:
-    """Every frame by a loop over the links; see :class:`tasks.rows.blocks.Source`.
+    """Every frame by a loop over the links; see :class:`tasks.robots.source.Source`.
 
     Parameters
     ----------
@@ -28,7 +40,7 @@ class PlanarSource:
         They hold the state of the tick.
     """
 
-    def __init__(self, arm: PlanarArm, q: Array, v: Array) -> None:
+    def __init__(self, arm: Links, q: Array, v: Array) -> None:
         self._arm, self._q, self._v = arm, q, v
         self._matrices: list[Array] = []
         self._biases: list[Array] = []
@@ -38,6 +50,9 @@ class PlanarSource:
 
     def center_of_mass(self, block: Array, drifts: Flag) -> Call:
         raise NotImplementedError("a planar arm does not tell its centre of mass")
+
+    def axes(self) -> None:
+        """Asked for with the centre of mass alone."""
 
     def mass_matrix(self, M: Array) -> None:
         self._matrices.append(M)
@@ -56,13 +71,13 @@ class _Ends(threading.local):
     """The loops that this thread has at work, by arm and number of links, and what they read and write: q, v, block."""
 
     def __init__(self) -> None:
-        self.of: WeakKeyDictionary[PlanarArm, dict[int, tuple[Call, Array, Array, Array]]] = WeakKeyDictionary()
+        self.of: WeakKeyDictionary[Links, dict[int, tuple[Call, Array, Array, Array]]] = WeakKeyDictionary()
 
 
 _ends = _Ends()
 
 
-def block_of(arm: PlanarArm, q: Array, v: Array, name: str | None) -> Array:
+def block_of(arm: Links, q: Array, v: Array, name: str | None) -> Array:
     """The block of one frame at (q, v)."""
     own, end = _ends.of.setdefault(arm, {}), arm.links_to(name)
     if end not in own:
@@ -74,7 +89,7 @@ def block_of(arm: PlanarArm, q: Array, v: Array, name: str | None) -> Array:
     return block.copy()
 
 
-def _written(arm: PlanarArm, block: Array, drifts: Flag, q: Array, v: Array, links: int) -> Call:
+def _written(arm: Links, block: Array, drifts: Flag, q: Array, v: Array, links: int) -> Call:
     from ..base.loops import Call
     from .kernels.frames import planar_frame
 

@@ -1,9 +1,9 @@
-"""The limits of a robot: those of its model, and those given by hand for all of its joints or for some."""
+"""Joint limits of a Pinocchio robot: the model's, and those given for all joints or for some."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -13,10 +13,8 @@ from hqp import InvalidInput
 from ..base.checks import LARGEST, Array, not_negative, per_joint, position_range, positive, scalar
 from ..base.telling import tell
 from .axes import NONE, Axis, axes, kind
-from .robot import joint_index
-
-if TYPE_CHECKING:
-    from .files.ties import Room
+from .refusals import joint_index
+from .room import Room
 
 #: What a model is told of a joint that is held by a speed of 0: by 0 it says that it knows nothing.
 HELD = 1e-300

@@ -1,4 +1,4 @@
-"""Refusals of what a robot has not: each names the thing, and what is near."""
+"""Checks of names, joints and abilities against a robot; refusals tell the nearest names."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The door to robots: what they are, what they answer, and what is refused.
+"""The public interface to robots: protocols, queries with defaults, and checks.
 
 =======================  =================================================================
 :mod:`.abilities`        protocols: what every robot has, and what some have
@@ -8,7 +8,7 @@
 =======================  =================================================================
 """
 
-from .abilities import Robot, RobotState
+from .abilities import Robot
 from .admission import as_robot, check_states
 from .answers import (
     Quantity,
@@ -35,7 +35,6 @@ from .answers import (
     mass_matrix,
     neutral,
     numbered,
-    on_pinocchio,
     points,
     pose_reader,
     positioned,
@@ -47,6 +46,7 @@ from .answers import (
     towards,
     workspace,
 )
+from .kinds import on_pinocchio
 from .refusals import (
     check_dynamics,
     check_fixed_base,
@@ -56,6 +56,7 @@ from .refusals import (
     check_positioned,
     joint_index,
 )
+from .state import RobotState
 
 __all__ = [
     "Quantity",

@@ -1,4 +1,4 @@
-"""What a robot offers to loops: the numbers of its frames, kept up to date tick after tick."""
+"""The protocol by which a robot keeps the numbers of its frames up to date for compiled loops."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..base.checks import Array
 
 if TYPE_CHECKING:
     from ..base.loops import Call
-    from .abilities import RobotState
+    from .state import RobotState
 
 #: Whether drifts and velocities are asked for, of all frames: one number, 0 or not.
 Flag: TypeAlias = NDArray[np.int64]
@@ -25,6 +25,11 @@ class Source(Protocol):
         ...
 
     def center_of_mass(self, block: Array, drifts: Flag) -> Call | None: ...
+
+    def axes(self) -> Array | None:
+        """Along what every velocity turns, in the axes of the world: rows 3 to 5 of (6, n), by columns, written before
+        any loop runs. None where that is not known, or not one axis a velocity."""
+        ...
 
     def mass_matrix(self, M: Array) -> Call | None: ...
 

@@ -1,4 +1,4 @@
-"""What every model must be, whichever reader it came from: sizes that fit, names that name one thing, axes, ranges."""
+"""Checks of every loaded model, whatever its format: sizes, unique names, axes, ranges, inertias."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""From parts to rows: how what tasks and limits ask for becomes the numbers of a hierarchy, tick after tick."""
+"""Parts and stacks, and how they write the rows of a hierarchy every tick."""

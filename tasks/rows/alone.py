@@ -1,4 +1,4 @@
-"""A part that is at work by itself: for whoever asks what it measures, or for its rows, at some state."""
+"""Evaluates one part by itself, outside a controller: what it measures, or its rows, at one state."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ import numpy as np
 from ..base.checks import Array
 from ..robots.robot import Robot, RobotState
 from ..robots.robot import robot_of as owner
-from .part import Tick
+from .site import Site, Workspace
+from .tick import Tick
 
 if TYPE_CHECKING:
-    from .part import Part, Tick
+    from .part import Part
     from .task import Task
 
 
@@ -54,8 +55,6 @@ class _Alone:
     """The loops of one task, in a workspace of their own."""
 
     def __init__(self, task: Task, robot: Robot, drifts: bool) -> None:
-        from .site import Site, Workspace
-
         rows = task.size(robot)
         self._shared = Workspace(robot, "acceleration" if drifts else "velocity", None)
         self._site = Site(self._shared, np.zeros((rows, robot.nv)), *np.zeros((2, rows)))
@@ -90,7 +89,7 @@ def _numbers(task: Task) -> dict[str, object]:
 
 
 class _Kept(threading.local):
-    """Those that this thread has at work."""
+    """The evaluators of this thread."""
 
     def __init__(self) -> None:
         self.of: WeakKeyDictionary[Task, dict[bool, _Alone]] = WeakKeyDictionary()
@@ -108,7 +107,7 @@ def _at_work(task: Task, robot: Robot, drifts: bool) -> _Alone:
 
 
 class Unknown:
-    """A robot of which its states tell no more than its sizes."""
+    """A stand-in for the robot of a state that does not name its robot: its sizes alone."""
 
     def __init__(self, nq: int, nv: int) -> None:
         self.nq, self.nv = nq, nv
@@ -128,7 +127,7 @@ _unknown = lru_cache(maxsize=16)(Unknown)
 
 
 def write_alone(part: Part, tick: Tick, A: Array, lower: Array, upper: Array) -> None:
-    """Write the rows of a part for one tick by its own loops, in a workspace that nobody shares.
+    """Write the rows of a part for one tick by its own loops, in a workspace of its own.
 
     Parameters
     ----------
@@ -138,11 +137,10 @@ def write_alone(part: Part, tick: Tick, A: Array, lower: Array, upper: Array) ->
     lower, upper : array, shape (rows,)
     """
     from ..base.loops import run_all
-    from .site import Site, Workspace
 
     shared = Workspace(tick.robot, tick.order, tick.dt)
     if tick.envelope is not None:
-        shared.envelope, shared.braking[0] = tick.envelope, tick.envelope.braking_rate(tick)
+        shared.envelope, shared.braking[0] = tick.envelope, tick.envelope.braking_rate()
     plan = part.plan(Site(shared, A, lower, upper))
     for move in plan.moves:
         move(tick.t)

@@ -35,6 +35,9 @@ class StateSource:
     def center_of_mass(self, block: Array, drifts: Flag) -> None:
         self._centres.append(block)
 
+    def axes(self) -> None:
+        """A state does not tell them."""
+
     def mass_matrix(self, M: Array) -> None:
         self._matrices.append(M)
 
@@ -77,6 +80,10 @@ class Blocks:
     def center_of_mass(self, relative_to: str | None = None) -> Array:
         """That of the centre of mass, along the axes of the world or of a frame."""
         return self._of(("center of mass", None), relative_to)
+
+    def axes(self) -> Array | None:
+        """The Jacobian of all joints, each on its own, (6, n) by columns, or None; see :class:`Source`."""
+        return self._source.axes()
 
     def mass_matrix(self) -> Array:
         """M, shape (n, n)."""

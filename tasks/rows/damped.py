@@ -1,4 +1,4 @@
-r"""A level that is damped without taking freedom from the levels below.
+r"""A damped level that leaves its null space to the levels below.
 
 A damped level minimises, within what the levels above it leave,
 
@@ -8,7 +8,7 @@ is then frozen at what it reached, and the levels below have all of the null spa
 :mod:`hqp.damping.staged`. At velocity order x are the joint velocities, and what the level adds to them is at most its
 missing part over :math:`2 \lambda`, for any posture: see :mod:`hqp.damping`.
 
-The rows of :class:`~tasks.joints.damping.Damping` beside a task ask for the same, and use up all freedom: for a last
+The rows of :class:`~tasks.joints.damping.Damping` beside a task ask for the same, and leave no null space: for a last
 level they do the same in one solve.
 """
 

@@ -1,15 +1,13 @@
-"""Who writes the rows of each part of a stack, and why Python does where it does."""
+"""The table that ``controller.describe()`` prints: which loop writes the rows of each part, or why Python does."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from hqp import Label
 
-if TYPE_CHECKING:
-    from .plan import Plan
+from .plan import Plan
 
 #: Rows whose names are all told; of more, the first and the last.
 FEW = 4
@@ -59,7 +57,7 @@ class WrittenPart:
 
 @dataclass(frozen=True)
 class Description:
-    """Who writes the rows of each part of a stack; ``print`` it as a table, or iterate over the parts.
+    """The loops that write each part of a stack; ``print`` it as a table, or iterate over the parts.
 
     Attributes
     ----------

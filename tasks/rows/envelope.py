@@ -1,4 +1,4 @@
-r"""What the joint limits of one stack know of each other, so that none asks for what another forbids.
+r"""The joint limits of one stack reconciled with each other, so that all can be kept at every tick.
 
 Each limit alone bounds x to an interval that is never empty. Two of them may contradict each other: a joint that
 comes too fast cannot keep both its range and its acceleration limit. The limits are therefore taken in an order of
@@ -23,9 +23,10 @@ is none the velocity within reach.
 from __future__ import annotations
 
 from itertools import chain
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hqp import InvalidInput
 
@@ -34,12 +35,33 @@ from ..robots.robot import Quantity, Robot, limit_of
 
 if TYPE_CHECKING:
     from ..base.loops import Call, Entry
-    from .part import Tick
-    from .site import Site, Workspace
+
+
+class Bounded(Protocol):
+    """Where the rows of a part are; see :class:`tasks.rows.site.Site`."""
+
+    lower: Array
+    upper: Array
+
+
+class Shared(Protocol):
+    """What a stack shares on one robot; see :class:`tasks.rows.site.Workspace`."""
+
+    robot: Robot
+    n: int
+    v: Array
+    positions: Array
+    braking: Array
+
+    @property
+    def order(self) -> str: ...
+
+    @property
+    def places(self) -> NDArray[np.signedinteger]: ...
 
 
 class Claim(NamedTuple):
-    """What one limit asks of the joints.
+    """The bounds that one limit puts on the joints.
 
     Attributes
     ----------
@@ -64,7 +86,7 @@ class Claim(NamedTuple):
 
 
 class Envelope:
-    """The joint limits of one stack at work on one robot: a ledger of claims, which one loop writes.
+    """The joint limits of one stack on one robot, reconciled and written by one loop.
 
     Where a stack has a position limit, but none of another kind, the robot's own counts for braking and for
     the way back.
@@ -85,7 +107,7 @@ class Envelope:
         self._claims: list[Claim] = []
         self._braking = np.array([np.inf])
 
-    def claim(self, part: str, kind: Quantity, values: Array, site: Site, *, return_speed: float = np.inf) -> None:
+    def claim(self, part: str, kind: Quantity, values: Array, site: Bounded, *, return_speed: float = np.inf) -> None:
         """Ask for a limit of all joints, in the rows of a part.
 
         Parameters
@@ -102,7 +124,7 @@ class Envelope:
         """
         self._claims.append(Claim(kind, values[0], values[1], site.lower, site.upper, part, return_speed))
 
-    def close(self, shared: Workspace) -> None:
+    def close(self, shared: Shared) -> None:
         """Have the loop ready, when all claims are there, and the rate of braking from rest.
 
         Raises
@@ -125,7 +147,7 @@ class Envelope:
             self.calls = (self._loop(shared),)
             self.calls[0].run()
 
-    def loops(self, site: Site) -> tuple[str, ...]:
+    def loops(self, site: Bounded) -> tuple[str, ...]:
         """The name of the loop that writes the rows of a part, if there are limits in them."""
         own = any(claim.lower is site.lower for claim in self._claims)
         return tuple(call.kernel.__name__ for call in self.calls) if own else ()
@@ -135,7 +157,7 @@ class Envelope:
         """Whether some acceleration is limited, and not the velocity from which to brake."""
         return bool((np.isfinite(self.acceleration) & np.isinf(self.velocity)).any())
 
-    def braking_rate(self, tick: Tick) -> float:
+    def braking_rate(self) -> float:
         """The largest rate [1/s] at which a frame may near a bound in this tick, if the joints are to stop in time.
 
         It is infinite where nothing limits the acceleration.
@@ -153,7 +175,7 @@ class Envelope:
             limits = [per_row(own, robot.nv, f"{robot!r}: {kind} limit", "joint")]
         return np.asarray(np.min([np.full(robot.nv, np.inf), *limits], axis=0))
 
-    def _loop(self, shared: Workspace) -> Call:
+    def _loop(self, shared: Shared) -> Call:
         """The loop, told of all claims, the harder first."""
         from ..base.loops import Call, Table, address
         from .kernels import envelope as loop

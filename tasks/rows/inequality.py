@@ -1,4 +1,4 @@
-r"""A task as an inequality, at any level: stay above, below or within.
+r"""A task as an inequality, at any level: keep its value above, below or within bounds.
 
 The law of a task, :math:`J x = h`, brings its error to zero at the rate K. To keep :math:`e \le e_{max}` the same law
 is asked of :math:`e - e_{max}`, and only where it would grow: as h has K e in it (K^2 e at acceleration order),
@@ -19,7 +19,7 @@ order the velocity at the end of the tick, and the place where it is reached, ob
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,12 +31,11 @@ from ..base.live import number, structure
 from ..base.telling import tell
 from ..robots.robot import Robot, RobotState
 from ..targets.turns import stands_still
-from .part import Order, Part, Tick
+from .part import Part
+from .plan import Plan, plan_of
+from .site import Site
 from .task import Task
-
-if TYPE_CHECKING:
-    from .plan import Plan
-    from .site import Site
+from .tick import Order, Tick
 
 
 class Inequality(Part):
@@ -85,6 +84,10 @@ class Inequality(Part):
     def size(self, robot: Robot) -> int:
         return self.task.size(robot)
 
+    def decay_rate(self) -> float:
+        """That of the task."""
+        return self.task.decay_rate()
+
     def variables(self, robot: Robot) -> NDArray[np.intp]:
         return self.task.variables(robot)
 
@@ -105,7 +108,7 @@ class Inequality(Part):
 
     def check_beside(self, tick: Tick) -> None:
         assert tick.envelope is not None
-        rate = tick.envelope.braking_rate(tick)
+        rate = tick.envelope.braking_rate()
         if self.plain or not rate < np.inf:
             return
         if tick.envelope.brakes_blindly:
@@ -133,8 +136,6 @@ class Inequality(Part):
 
     def plan(self, site: Site) -> Plan:
         """The law of the task, of its error between both bounds."""
-        from .plan import plan_of
-
         return plan_of(self.task, site.within(self.below, self.above))
 
     def __repr__(self) -> str:

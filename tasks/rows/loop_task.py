@@ -1,4 +1,4 @@
-"""A task that loops measure: what it tells of itself in Python is what they write."""
+"""The base class of tasks measured by compiled loops, with ``error`` and ``jacobian`` as views for Python."""
 
 from __future__ import annotations
 

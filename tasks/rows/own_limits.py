@@ -1,4 +1,4 @@
-"""The limits of a robot that tells nobody when they are set: looked at every tick."""
+"""Watches the limits of a user's own robot class, which does not report changes, by comparison every tick."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ..robots.robot import Robot, limits_reader
 
 
 class OwnLimits:
-    """Whether a robot of somebody's own still has the limits that were taken from it.
+    """Detects changes of the limits of a robot that is not a :class:`tasks.base.live.Live`.
 
     Parameters
     ----------

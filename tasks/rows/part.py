@@ -1,8 +1,7 @@
-"""What can stand in a stack: tasks and limits, and how they are put in order."""
+"""The base class of tasks and limits: what can be a member of a stack."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
@@ -13,37 +12,16 @@ from hqp.checks import whole_number
 
 from ..base.checks import Array, not_negative, per_row
 from ..base.live import Live, number, structure
-from ..robots.robot import Robot, RobotState, joint_names
+from ..robots.robot import Robot, joint_names
+from .plan import Plan
+from .site import Site
+from .tick import PER as PER
+from .tick import Command as Command
+from .tick import Order as Order
+from .tick import Tick as Tick
 
 if TYPE_CHECKING:
-    from .envelope import Envelope
-    from .plan import Plan
-    from .site import Site
     from .stack import Stack
-
-#: What the unknown x of the hierarchy is: joint velocities [rad/s], joint accelerations [rad/s^2], or a step of the
-#: joints [rad], as inverse kinematics takes it.
-Order = Literal["velocity", "acceleration", "step"]
-#: What a controller commands. Torques [N m] are those of the accelerations: below them the order is "acceleration".
-Command = Literal["velocity", "acceleration", "torque"]
-#: What follows the unit of a position, in the unit of x.
-PER: dict[str, str] = {"velocity": "/s", "acceleration": "/s^2", "step": ""}
-
-
-@dataclass(frozen=True, slots=True)
-class Tick:
-    """One call of the controller.
-
-    Robot, its state, the time t [s], the order of control, the tick dt [s], and what the joint limits of the
-    stack know of each other.
-    """
-
-    robot: Robot
-    state: RobotState
-    t: float
-    order: Order
-    dt: float | None
-    envelope: Envelope | None = None
 
 
 class Part(Live):
@@ -117,6 +95,13 @@ class Part(Live):
         InvalidInput
         """
 
+    def decay_rate(self) -> float:
+        """The ``zeta K`` [1/s] of its law, half the rate at which that slows a speed; 0 if it asks for no motion.
+
+        At acceleration order what is damped beside it, or with it, is damped towards ``-2 zeta K v``.
+        """
+        return 0.0
+
     def claim(self, site: Site) -> None:
         """Tell the envelope, where it is at work, how it limits the joints; before any part is planned."""
 
@@ -130,7 +115,6 @@ class Part(Live):
 
     def python_plan(self, site: Site) -> Plan:
         """The same by what :attr:`says` names, called in Python every tick."""
-        from .plan import Plan
 
         def write(tick: Tick) -> None:
             self.write(tick, site.A, site.lower, site.upper)

@@ -1,23 +1,29 @@
-"""How the rows of a part are written: by loops, or in Python, and what has to be brought up to date before."""
+"""The plan of a part: the compiled loops or the Python function that write its rows, and what is updated before."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from ..base.checks import Array, numbers, per_row
 from ..base.once import once
+from .site import Site
+from .tick import Tick
 
 if TYPE_CHECKING:
     from ..base.loops import Call
-    from .part import Part, Tick
-    from .site import Site
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How one part writes its rows.
+    """The compiled loops or the Python function that write the rows of one part.
 
     Attributes
     ----------
@@ -29,22 +35,57 @@ class Plan:
         What Python writes, before the calls.
     why : str
         Why Python does.
+    curvature : Call, optional
+        Adds ``S(w)`` of :mod:`tasks.rows.curvature`, when somebody asks, at the state of the last tick. The first two
+        entries of its table are where the weights (rows,) are, and the sum (nv, nv); whoever runs it may put other
+        addresses there. Without one the rows are straight, or nobody tells how they bend.
     """
 
     calls: tuple[Call, ...] = ()
     moves: tuple[Callable[[float], None], ...] = ()
     python: Callable[[Tick], None] | None = None
     why: str = ""
+    curvature: Call | None = None
+
+    def curvature_of(self, weights: ArrayLike) -> Array:
+        """``S(w)`` of these weights, one a row, at the state of the last tick; shape (nv, nv).
+
+        Raises
+        ------
+        InvalidInput
+            If the part has no curvature.
+        """
+        if self.curvature is None:
+            raise InvalidInput("this part has no curvature: its rows are straight, or nobody tells how they bend")
+        from ..base.loops import address, ready
+
+        table = self.curvature.table.numbers.copy()
+        rows, total = (np.zeros_like(told) for told in self.curvature.table.told[:2])
+        rows[:] = per_row(numbers(weights, "weights"), len(rows), "weights")
+        table[:2] = address(rows), address(total)
+        ready(self.curvature.kernel)(address(table))
+        return total
 
 
-def plan_of(part: Part, site: Site) -> Plan:
+class Planned(Protocol):
+    """A part as far as its plan goes; see :class:`tasks.rows.part.Part`."""
+
+    @property
+    def says(self) -> tuple[str, ...]: ...
+
+    def plan(self, site: Site) -> Plan: ...
+
+    def python_plan(self, site: Site) -> Plan: ...
+
+
+def plan_of(part: Planned, site: Site) -> Plan:
     """How a part writes its rows here: by the plan of its class, unless a subclass says what that cannot know."""
     own = overridden(type(part), part.says)
     return part.plan(site) if own is None else replace(part.python_plan(site), why=own)
 
 
 @once
-def overridden(kind: type[Part], says: tuple[str, ...], knows: str = "plan") -> str | None:
+def overridden(kind: type, says: tuple[str, ...], knows: str = "plan") -> str | None:
     """What a subclass says in Python, below the class that has the plan; None where the plan is right for it too.
 
     So it is of any other method that `knows` what is said in Python.

@@ -1,8 +1,8 @@
-"""A stack at work on one robot: the hierarchy, and who writes which of its rows."""
+"""A stack bound to one robot: the hierarchy, and the loops or functions that write its rows every tick."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,16 +18,18 @@ from ..robots.robot import Robot, RobotState
 from .description import Description, WrittenPart
 from .envelope import Envelope
 from .own_limits import OwnLimits
-from .part import Order, Part, Tick
+from .part import Part
 from .plan import Plan, plan_of
 from .site import Site, Workspace
+from .tick import Order, Tick
 
 if TYPE_CHECKING:
+    from ..base.loops import Call
     from .stack import Stack
 
 
 class Rows:
-    """A stack at work on one robot.
+    """A stack bound to one robot: fills its hierarchy every tick.
 
     Attributes
     ----------
@@ -39,7 +41,14 @@ class Rows:
         Whether loops write all of them.
     envelope : Envelope
         The joint limits of the stack.
+    planned : int
+        How often rows have been planned: whoever knows plans by their addresses looks at them again.
+    aims : dict of int to array, shape (nv,), or None
+        What each damped level is damped towards at this tick, ``-2 zeta K v`` by the fastest of its tasks; None at
+        other orders than that of accelerations, where it is zero, and where no level is damped.
     """
+
+    planned = 0
 
     def __init__(self, stack: Stack, robot: Robot, order: Order, dt: float | None) -> None:
         self._stack, self._robot, self._order, self._dt = stack, robot, order, dt
@@ -48,6 +57,9 @@ class Rows:
         self.hierarchy = Hierarchy([_empty_level(level, robot, order) for level in stack.levels], n=robot.nv)
         self._own_limits = None if isinstance(robot, Live) else OwnLimits(robot)
         self._names = [_row_names(part, robot, order) for part in stack]
+        self._rates = np.zeros(len(stack))
+        self._braked = [k for k, rule in enumerate(stack.damping) if rule is not None and order == "acceleration"]
+        self.aims: Mapping[int | str, Array] | None = {k: np.zeros(robot.nv) for k in self._braked} or None
         self._take_up()
         if isinstance(robot, Live):
             watch_alone(robot, self)
@@ -80,12 +92,13 @@ class Rows:
         self._views: list[tuple[Part, Site]] = []
         self._weights: list[tuple[Array, NDArray[np.intp]]] = []  # and which rows ask for nothing
         self._owners: dict[int, list[int]] = {}  # of all that is reachable from a part: the parts
-        for view, parts in zip(self.hierarchy.levels, self._stack.levels, strict=True):
-            row = 0
+        for level, (view, parts) in enumerate(zip(self.hierarchy.levels, self._stack.levels, strict=True)):
+            row, rate = 0, self._rates[level : level + 1]
             for part in parts:
                 own = slice(row, row + part.size(robot))
                 row = own.stop
-                site = Site(shared, None if view.A is None else view.A[own], view.lower[own], view.upper[own])
+                A = None if view.A is None else view.A[own]
+                site = Site(shared, A, view.lower[own], view.upper[own], rate)
                 part.claim(site)
                 self._views.append((part, site))
                 self._weights.append((view.weights[own], np.zeros(0, dtype=np.intp)))
@@ -98,11 +111,13 @@ class Rows:
         from ..base.loops import chained
 
         robot, shared = self._robot, self._shared
+        self.planned += 1
         rest = Tick(robot, self._rest, 0.0, self._order, self._dt, shared.envelope)
         for k in which:
             part, site = self._views[k]
             with np.errstate(all="ignore"):  # what is infinite is refused in words
                 part.check_beside(rest)
+            site.off.clear()
             self.plans[k] = part, plan_of(part, site)
             weights = part.weights(robot)
             without = np.flatnonzero(weights == 0.0)
@@ -114,18 +129,42 @@ class Rows:
                 owners = self._owners.setdefault(id(held), [])
                 if k not in owners:
                     owners.append(k)
+        if self._order == "acceleration":
+            self._rates[:] = [max(part.decay_rate() for part in level) for level in self._stack.levels]
         pairs = zip(self._views, self._weights, strict=True)
         self._unweighted = [(site.lower, site.upper, without) for (_, site), (_, without) in pairs if without.size]
         self._moves = [move for _, plan in self.plans for move in plan.moves]
         self._python = [plan.python for _, plan in self.plans if plan.python is not None]
         own = [call for _, plan in self.plans for call in plan.calls]
+        own += self._aiming()
         self.compiled = not self._python
         self._before = chained(shared.calls) if self._python else None  # what Python may ask for
         self._run = chained(own if self._python else [*shared.calls, *own])
 
+    def _aiming(self) -> list[Call]:
+        """What keeps the aims of damped levels up to date."""
+        if self.aims is None:
+            return []
+        from ..base.loops import Call
+        from .kernels.braking import write_damping
+
+        n, v, rates = self._shared.n, self._shared.v, self._rates
+        return [Call(write_damping, n, rates[k : k + 1], v, self.aims[k], self.aims[k]) for k in self._braked]
+
     @property
     def envelope(self) -> Envelope:
         return self._shared.envelope
+
+    @property
+    def work(self) -> list[tuple[int, int, Part, Plan, Site]]:
+        """Of every part, from the highest level down: level, first row, the part, its plan, and where it works."""
+        levels = [k for k, parts in enumerate(self._stack.levels) for _ in parts]
+        first = np.cumsum([0, *(site.rows for _, site in self._views)])
+        plans = (plan for _, plan in self.plans)
+        return [
+            (k, int(row), part, plan, site)
+            for k, row, plan, (part, site) in zip(levels, first, plans, self._views, strict=False)
+        ]
 
     def bounds(self, part: Part) -> tuple[Array, Array] | None:
         """Lower and upper bounds that a part writes (views), or None if it is not in the stack."""

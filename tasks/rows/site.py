@@ -1,9 +1,9 @@
-"""A part at work: its rows in the hierarchy of one robot, and all that its loops may ask for."""
+"""Where a part writes: its rows in the hierarchy of one robot, and the quantities that all parts of a stack share."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -15,16 +15,30 @@ from ..robots.source import Source
 from ..targets.turns import stands_still
 from .blocks import Blocks, StateSource
 from .envelope import Envelope
+from .tick import Order
 
 if TYPE_CHECKING:
     from ..base.loops import Call, Table
-    from .part import Order
-    from .task import Task
 
 #: Brings a target up to date, by the time [s].
 Move = Callable[[float], None]
 #: What is measured of every row of a task: see :mod:`tasks.rows.kernels.law`.
 KINDS = 5
+
+
+class Governed(Protocol):
+    """The parameters of the law of a task; see :class:`tasks.rows.task.Task`."""
+
+    @property
+    def gain(self) -> Array: ...
+
+    @property
+    def damping_ratio(self) -> float: ...
+
+    @property
+    def plain(self) -> bool: ...
+
+    def label(self) -> str: ...
 
 
 class Workspace:
@@ -95,7 +109,7 @@ class Workspace:
 
 
 class Site:
-    """A part at work.
+    """Where one part writes its rows, and the quantities that it may read.
 
     Attributes
     ----------
@@ -107,15 +121,23 @@ class Site:
         How far from its target a task may be; 0 where it is to be met.
     bounds : bool
         Whether the task only bounds.
+    off : list of (array, array, array)
+        Of those who follow the law: the error, and how far from it below and above a task may be, shape (rows,) each.
+    rate : array, shape (1,)
+        The largest :meth:`tasks.Part.decay_rate` on its level [1/s], at acceleration order; else 0.
     """
 
-    def __init__(self, shared: Workspace, A: Array | None, lower: Array, upper: Array) -> None:
+    def __init__(
+        self, shared: Workspace, A: Array | None, lower: Array, upper: Array, rate: Array | None = None
+    ) -> None:
         self.shared, self.A, self.lower, self.upper = shared, A, lower, upper
+        self.rate: Array = np.zeros(1) if rate is None else rate
         self.rows = len(lower)
         self.below: Array = np.zeros(())
         self.above: Array = np.zeros(())
         self.bounds = False
         self.measured = np.zeros((KINDS, self.rows))
+        self.off: list[tuple[Array, Array, Array]] = []
 
     @property
     def drifts(self) -> bool:
@@ -124,8 +146,8 @@ class Site:
 
     def within(self, below: Array, above: Array) -> Site:
         """The same rows as an inequality: the error between -above and -below."""
-        site = Site(self.shared, self.A, self.lower, self.upper)
-        site.below, site.above, site.bounds = below, above, True
+        site = Site(self.shared, self.A, self.lower, self.upper, self.rate)
+        site.below, site.above, site.bounds, site.off = below, above, True, self.off
         return site
 
     def frame(self, name: str | None, relative_to: str | None = None) -> Array:
@@ -140,7 +162,7 @@ class Site:
             self.shared.blocks.drifts[0] = 1
         return self.shared.blocks.center_of_mass(relative_to)
 
-    def law(self, task: Task) -> Table:
+    def law(self, task: Governed) -> Table:
         """What the law of a task is told of; see :mod:`tasks.rows.kernels.law`."""
         from ..base.loops import Table
         from .kernels import law as of
@@ -151,6 +173,7 @@ class Site:
         numbers[of.GAIN], numbers[of.C1], numbers[of.C2] = gain, 2.0 * task.damping_ratio * gain, gain**2
         numbers[of.BELOW] = per_row(self.below, rows, f"{what}: below")
         numbers[of.ABOVE] = per_row(self.above, rows, f"{what}: above")
+        self.off.append((self.measured[of.ERROR], numbers[of.BELOW], numbers[of.ABOVE]))
         return Table(
             of.ORDERS.index(shared.order),
             rows,

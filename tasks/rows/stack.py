@@ -1,4 +1,4 @@
-"""Tasks and limits in order of priority, and the hierarchy that they write."""
+"""Stacks: tasks and limits in order of priority, and the hierarchy that they write."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from hqp.errors import brief
 from ..base.checks import positive_scalar
 from ..base.live import Live, structure
 from ..robots.robot import Robot, as_robot
-from .part import Order, Part
+from .part import Part
+from .tick import Order
 
 if TYPE_CHECKING:
     from .rows import Rows

@@ -15,7 +15,7 @@ K = 10 /min, 100 /min and 2500 /min^2 are K = 50 /min.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,11 +29,10 @@ from ..base.live import number, structure
 from ..base.telling import tell
 from ..robots.robot import Robot, RobotState, neutral
 from ..targets.trajectories import Trajectory, as_trajectory
-from .part import PER, Order, Part, Tick
-
-if TYPE_CHECKING:
-    from .plan import Plan
-    from .site import Site
+from .part import Part
+from .plan import Plan, overridden
+from .site import Site
+from .tick import PER, Order, Tick
 
 
 class Task(Part):
@@ -110,6 +109,10 @@ class Task(Part):
         """``Jdot v``, shape (rows,); needed at acceleration order where the Jacobian changes."""
         return 0.0
 
+    def decay_rate(self) -> float:
+        """``zeta K`` [1/s] of its fastest row."""
+        return self.damping_ratio * float(self.gain.max())
+
     def feedforward(self, t: float) -> tuple[Array | float, Array | float]:
         """Velocity and acceleration of the desired value at time t [s]; zero for one that stands still."""
         return 0.0, 0.0
@@ -124,7 +127,6 @@ class Task(Part):
             return super().python_plan(site)
         from ..base.loops import Call
         from .kernels.law import write_law
-        from .plan import Plan
 
         error, rate, change, drift, now = site.measured
 
@@ -161,8 +163,6 @@ class Task(Part):
     @property
     def in_python(self) -> bool:
         """Whether Python measures it, and not a loop."""
-        from .plan import overridden
-
         return type(self).plan is Part.plan or overridden(type(self), self.says) is not None
 
     def _try(self, robot: Robot, order: Order) -> None:

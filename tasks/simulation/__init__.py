@@ -1,1 +1,1 @@
-"""Controllers in the loop with a plant, and records of their motion."""
+"""Closed-loop simulation of a controller with a plant, and records of the motion."""

@@ -1,4 +1,4 @@
-"""What a closed loop writes down while it runs, and the record that is made of it."""
+"""Logs a closed loop while it runs, and makes the record of it."""
 
 from __future__ import annotations
 

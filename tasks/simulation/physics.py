@@ -1,4 +1,4 @@
-r"""A robot that moves by the physics of MuJoCo, and no longer by the model of its controller.
+r"""A plant moved by the physics of MuJoCo instead of the model of the controller.
 
 The robot is handed over as it is, joint by joint: placements, axes, masses, inertias, armatures and viscous damping
 of its Pinocchio model. Joints that the model holds, such as locked fingers, are part of the links that carry them.

@@ -1,4 +1,4 @@
-"""What happened in a closed loop, in memory and on disk."""
+"""The record of a closed loop: trajectories, errors, active limits; saved to disk and loaded."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ class Record:
     def degrees(self) -> Degrees:
         """Degrees of manipulability and of redundancy of every level, shape (len(checked_t), levels).
 
-        A level disposes of as many directions as it has rank (Eq. 3.7) in what the levels above leave,
+        A level controls as many directions as it has rank (Eq. 3.7) in the null space of the levels above,
         and leaves the rest to those below (Eq. 3.8).
         """
         return Degrees(self.ranks, self.v.shape[1] - np.cumsum(self.ranks, axis=1))

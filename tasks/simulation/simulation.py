@@ -1,4 +1,4 @@
-r"""The loop closed: controller and robot, tick after tick, and the record of it.
+r"""Closed-loop simulation: controller and robot, tick after tick, and the record of it.
 
 The command holds over the tick and the robot follows it exactly:
 
@@ -30,7 +30,7 @@ from hqp.checks import listed, of_type, whole_number
 from hqp.errors import brief
 
 from ..base.checks import Array, finite, finite_scalar, function, positive_scalar
-from ..control.controller import Controller
+from ..control.controller import Controller, Step
 from ..robots.robot import Robot, check_joints, integration, joint_names, joint_units
 from ..rows.stack import Stack
 from ..targets.timing import Timing, cubic
@@ -129,68 +129,126 @@ def simulate(
         If the controller has no dt, the start is not finite or has the wrong shape, a number is
         out of range, the run would take more than `MOST_TICKS`, or a plant is given no torques.
     """
+    run = _Run(controller, q0, v0, duration, start, speed_cap, certify, proof, changes, plant)
+    progress = None if progress is None else function(progress, "progress")
+    report_every = max(run.ticks // 100, 1)
+    for k in range(run.ticks):
+        stopped = run.tick(k)
+        if stopped is not None:
+            return run.log.record(stopped)
+        if progress is not None and (k + 1) % report_every == 0:
+            progress((k + 1) / run.ticks)
+    run.end()
+    return run.log.record(None)
+
+
+class _Run:
+    """A closed loop under way: the state of the robot, the changes that wait, and the log.
+
+    Parameters
+    ----------
+    controller, q0, v0, duration, start, speed_cap, certify, proof, changes, plant
+        See :func:`simulate`.
+
+    Raises
+    ------
+    InvalidInput
+        See :func:`simulate`.
+    """
+
+    def __init__(
+        self,
+        controller: Controller,
+        q0: ArrayLike,
+        v0: ArrayLike | None,
+        duration: float,
+        start: float,
+        speed_cap: float,
+        certify: int,
+        proof: Callable[[Any], bool] | None,
+        changes: Iterable[Change],
+        plant: Plant | None,
+    ) -> None:
+        self.dt, self.ticks = _ticks(controller, duration)
+        _check_plant(plant, controller)
+        self._controller, self._plant = controller, plant
+        self._start = finite_scalar(start, "start")
+        self._cap = positive_scalar(speed_cap, "speed cap", unit="rad/s")
+        self._certify = whole_number(certify, "certify")
+        robot = controller.robot
+        self._q = finite(q0, "q0")
+        self._v = np.zeros(robot.nv) if v0 is None else finite(v0, "v0")
+        check_joints(robot, self._q, self._v)
+        self._judge = _certified if proof is None else function(proof, "proof")
+        given = [_checked(of_type(change, Change, "a change")) for change in listed(changes, "changes", "Change")]
+        self._waiting = deque(sorted(given, key=lambda change: change.t))
+        stacks = [controller.stack, *(change.stack for change in self._waiting)]
+        parts = {id(part): part for stack in stacks for part in stack}
+        self.log = Log(controller, self.ticks, robot.at(self._q, self._v), parts.values())
+        self._integrate = integration(robot)
+
+    def tick(self, k: int) -> Stop | None:
+        """Solve and move on by one tick; why the run stops here, or None if it goes on."""
+        controller, t = self._controller, self._start + k * self.dt
+        while self._waiting and t >= self._waiting[0].t:
+            change = self._waiting.popleft()
+            controller.change(change.stack, duration=change.duration, law=change.law)
+        step = controller.unchecked(self._q, self._v, t)
+        self.log.state(k, t, step.state)
+        if not step.ok:
+            where = f" ({step.solution.message})" if step.solution.message else ""
+            return Stop(t, f"{step.solution.status} at t = {t:g} s{where}", diverged=False)
+        if self._certify and k % self._certify == 0:
+            self.log.check(t, step.solution, self._judge(step.solution))
+        a = self._move(step)
+        speed = float(np.abs(self._v).max(initial=0.0))
+        if not speed <= self._cap:  # NaN too
+            where = _fastest(controller.robot, self._v)
+            return Stop(t + self.dt, f"diverged at t = {t + self.dt:g} s: {where}", diverged=True)
+        self.log.tick(k, a, step.solution.status)
+        return None
+
+    def _move(self, step: Step[Any, Any, Any]) -> Array:
+        """Bring the robot where the command takes it; the acceleration [rad/s^2] of the tick."""
+        q, v, dt = self._q, self._v, self.dt
+        if self._plant is not None:
+            assert step.a is not None  # at torque order, as was checked
+            assert step.tau is not None
+            a = step.a
+            q, v = self._plant.advance(q, v, step.tau, dt)
+        else:
+            q, v, a = follow(self._integrate, step, q, v, dt)
+        q.flags.writeable = v.flags.writeable = False  # ours, and kept as they are: a robot need not copy them
+        self._q, self._v = q, v
+        return np.asarray(a)
+
+    def end(self) -> None:
+        """Log the state after the last tick."""
+        self.log.state(self.ticks, self._start + self.ticks * self.dt, self._controller.robot.at(self._q, self._v))
+
+
+def _ticks(controller: Controller, duration: float) -> tuple[float, int]:
+    """The tick [s], and how many of them the duration is."""
     dt = of_type(controller, Controller, "controller").dt
     if dt is None:
         raise InvalidInput("simulate needs the tick; give the controller dt in s")
-    if plant is not None and controller.order != "torque":
-        raise InvalidInput(f"a plant is moved by torques, but order = {controller.order!r}; it must be 'torque'")
-    if plant is not None and not (isinstance(plant, Plant) and callable(plant.advance)):
-        raise InvalidInput(f"plant = {brief(plant)} is a {type(plant).__name__}; a plant has advance(q, v, tau, dt)")
     share = positive_scalar(duration, "duration", unit="s") / dt
     if share > MOST_TICKS:
         raise InvalidInput(f"duration = {duration:g} s is more than {MOST_TICKS} ticks of dt = {dt:g} s")
     ticks = round(share)
     if ticks < 1:
         raise InvalidInput(f"duration = {duration} s is shorter than one tick, dt = {dt} s")
-    start = finite_scalar(start, "start")
-    cap = positive_scalar(speed_cap, "speed cap", unit="rad/s")
-    certify = whole_number(certify, "certify")
-    robot = controller.robot
-    q = finite(q0, "q0")
-    v = np.zeros(robot.nv) if v0 is None else finite(v0, "v0")
-    check_joints(robot, q, v)
-    judge = _certified if proof is None else function(proof, "proof")
-    progress = None if progress is None else function(progress, "progress")
-    report_every = max(ticks // 100, 1)
+    return dt, ticks
 
-    given = [_checked(of_type(change, Change, "a change")) for change in listed(changes, "changes", "Change")]
-    waiting = deque(sorted(given, key=lambda change: change.t))
-    stacks = [controller.stack, *(change.stack for change in waiting)]
-    parts = {id(part): part for stack in stacks for part in stack}
-    log = Log(controller, ticks, robot.at(q, v), parts.values())
-    integrate, stopped = integration(robot), None
-    for k in range(ticks):
-        t = start + k * dt
-        while waiting and t >= waiting[0].t:
-            change = waiting.popleft()
-            controller.change(change.stack, duration=change.duration, law=change.law)
-        step = controller.unchecked(q, v, t)
-        log.state(k, t, step.state)
-        if not step.ok:
-            where = f" ({step.solution.message})" if step.solution.message else ""
-            stopped = Stop(t, f"{step.solution.status} at t = {t:g} s{where}", diverged=False)
-            break
-        if certify and k % certify == 0:
-            log.check(t, step.solution, judge(step.solution))
 
-        if plant is not None:
-            assert step.a is not None  # at torque order, as was checked
-            assert step.tau is not None
-            a = step.a
-            q, v = plant.advance(q, v, step.tau, dt)
-        else:
-            q, v, a = follow(integrate, step, q, v, dt)
-        q.flags.writeable = v.flags.writeable = False  # ours, and kept as they are: a robot need not copy them
-        speed = float(np.abs(v).max(initial=0.0))
-        if not speed <= cap:  # NaN too
-            stopped = Stop(t + dt, f"diverged at t = {t + dt:g} s: {_fastest(robot, v)}", diverged=True)
-            break
-        log.tick(k, a, step.solution.status)
-        if progress is not None and (k + 1) % report_every == 0:
-            progress((k + 1) / ticks)
-    else:
-        log.state(ticks, start + ticks * dt, robot.at(q, v))
-    return log.record(stopped)
+def _check_plant(plant: Plant | None, controller: Controller) -> None:
+    """Refuse a plant that is none, or that would be given no torques."""
+    if plant is None:
+        return
+    if controller.order != "torque":
+        raise InvalidInput(f"a plant is moved by torques, but order = {controller.order!r}; it must be 'torque'")
+    if not (isinstance(plant, Plant) and callable(plant.advance)):
+        raise InvalidInput(f"plant = {brief(plant)} is a {type(plant).__name__}; a plant has advance(q, v, tau, dt)")
 
 
 def _checked(change: Change) -> Change:

@@ -1,4 +1,4 @@
-r"""A polynomial in time from the conditions at its ends.
+r"""A polynomial trajectory through conditions at its ends and at times between.
 
 .. math::
 
@@ -39,7 +39,7 @@ MISS = 1e-9
 
 
 class Polynomial:
-    """The polynomial of least degree which meets the conditions at t = 0, at `duration`, and at times between.
+    """The polynomial of least degree through conditions at t = 0, at `duration`, and at times between.
 
     From t = 0 to `duration`, both included, it is the polynomial. Outside it holds its first or last position at
     rest: where a velocity at that end is not zero, the velocity jumps there.

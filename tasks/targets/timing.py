@@ -1,4 +1,4 @@
-r"""When to be how far: timing laws, from rest to rest.
+r"""Timing laws: the share of a path covered by a time, from rest to rest.
 
 A timing law maps the elapsed share of a move :math:`u = t / T` to the share of the way :math:`s(u)` that is done,
 and its derivatives by u:

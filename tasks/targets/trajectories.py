@@ -1,4 +1,4 @@
-r"""Where to be when: targets that stand still or move, with the velocity and acceleration they need.
+r"""Trajectories: desired positions in time, fixed or moving, with velocity and acceleration for the feed-forward.
 
 Every target is a function of time. Those that move are in :mod:`~tasks.targets.paths`, a curve and a timing law, and
 in :mod:`~tasks.targets.polynomial`, from boundary conditions; a function of your own will do as well.
@@ -26,7 +26,7 @@ class Trajectory(Protocol):
 
 
 class Fixed:
-    """A target that stands still.
+    """A constant target.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class Fixed:
 
 
 class Setpoint:
-    """A target that is set from outside, as by a hand that leads: ``setpoint.move(position)`` before a tick.
+    """A target set by the caller, as in teleoperation: ``setpoint.move(position)`` before a tick.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How to be turned when: rotations that stand still or move, with the angular velocity and acceleration they need."""
+"""Rotation trajectories: desired orientations in time, with angular velocity and acceleration."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class RotationTrajectory(Protocol):
 
 
 class FixedRotation:
-    """A rotation that stands still.
+    """A constant rotation.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class FixedRotation:
 
 
 class RotationSetpoint:
-    """A rotation that is set from outside: ``setpoint.move(R)`` before a tick.
+    """A desired rotation set by the caller: ``setpoint.move(R)`` before a tick.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ class RotationSetpoint:
 
 
 class PoseSetpoint:
-    """A pose that is set from outside: ``setpoint.move(T)`` before a tick, and ``PoseTask(setpoint, gain=5.0)``.
+    """A desired pose set by the caller: ``setpoint.move(T)`` before a tick, and ``PoseTask(setpoint, gain=5.0)``.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ class PoseSetpoint:
 
 
 class Watched:
-    """A rotation in time that somebody else computes: what is no rotation becomes NaN, and the tick INVALID.
+    """A rotation trajectory given as a user's function: an invalid rotation becomes NaN, and the tick INVALID.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ class AboutZ:
 
 
 class Turn:
-    """From one rotation to another the shortest way, about a fixed axis, by a timing law.
+    """The shortest rotation from one orientation to another, about a fixed axis, by a timing law.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""One panel of the plane: the arm along its path, and what of the plane to show."""
+"""One panel of the workspace: the arm along its path."""
 
 from __future__ import annotations
 

@@ -1,13 +1,11 @@
-"""What the text says of its figures: each claim in short, and the law by which a finding is held against it."""
+"""The claims that the thesis makes of its figures, and the criterion that decides each from a run."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from .findings import Finding
+from .finding import Finding
 
 #: Largest tip error [mm] of a path that counts as followed.
 FOLLOWED = 1.0

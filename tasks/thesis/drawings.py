@@ -1,4 +1,4 @@
-"""The drawings of the text, anew: they name what the simulations use, and need none."""
+"""Drawings that need no simulation: mechanisms with the names that the simulations use."""
 
 from __future__ import annotations
 

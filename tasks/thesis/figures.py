@@ -1,4 +1,4 @@
-"""One picture a figure, a column a law: the arm along its path, and what it takes to get there."""
+"""The full picture of a figure, a column a law: the arm along its path, and panels of phi, speeds, torques, limits."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from ..simulation.record import Record
 from .arms import draw_arm, draw_ellipses, legend, proportion, show, view
-from .findings import TIP_FROM, Finding, digits, measure
+from .finding import Finding
+from .findings import TIP_FROM, digits, measure
 from .panels import draw_joints, draw_limits, draw_phi, draw_time, name_joints, name_limits, speed_range, torque_range
 from .runs import Job
 from .scenarios import MINUTE, Scenario

@@ -1,4 +1,4 @@
-"""What there is to show: the simulated figures, each full and plain, drawings, ideas and studies beside them."""
+"""The list of pictures that the report makes: simulated figures, drawings, ideas and studies."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A figure as the thesis has it, for a paper: the arm along its path under one law, and one line below."""
+"""One figure in the layout of the thesis: the arm along its path under one law, and its caption line."""
 
 from __future__ import annotations
 

@@ -13,7 +13,8 @@ from hqp.commands.terminal import console
 from hqp.files.whole import writable
 
 from ..simulation.record import Record
-from .findings import Finding, measure, to_csv
+from .finding import Finding
+from .findings import measure, to_csv
 from .laws import NAMES
 from .pictures import Picture, make, pictures, refusals, subjects
 from .runs import Job, run

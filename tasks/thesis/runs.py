@@ -1,4 +1,4 @@
-"""One scenario under one law by one backend: the closed loop, simulated once however often it is shown."""
+"""Simulates one scenario under one law with one backend; equal jobs are simulated once."""
 
 from __future__ import annotations
 

@@ -42,7 +42,8 @@ ASSUMPTIONS = (
     " neither end, and with three links the verdicts turn with the end: they are left undecided.",
     "Joint limits, where a law has them: 40 rad/min and 4000 rad/min^2 in every joint.",
     "Freedom that the tip alone leaves goes to its manipulability, at 50 /min, where there are joint limits.",
-    "Damping, where a law has it: weight 0.1 on every joint acceleration, on the level of the orientation.",
+    "Damping, where a law has it: weight 0.1 in every joint, on the level of the orientation, towards the acceleration"
+    " that brakes the joint as the orientation is braked, -100 /min times its speed.",
 )
 
 

@@ -1,4 +1,4 @@
-"""Finished runs on disk: found again by what made them, so that an interrupted report goes on where it was."""
+"""Finished runs on disk, found again by their inputs, so that an interrupted report continues."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs beside those of the figures, a table each: what hangs on the line and the tick, and what other stacks do."""
+"""Further runs, a table each: the effect of the line, of the tick, and of other stacks."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import hqp
 
-from .findings import Finding
-from .laws import BRAKED, DAMPED, LIMITS, RESTING, STRICT, THESIS, TIP, TIP_HELD, TIP_LIMITS, Law
+from .finding import Finding
+from .laws import COASTING, DAMPED, LIMITS, RESTING, STRICT, THESIS, TIP, TIP_HELD, TIP_LIMITS, Law
 from .runs import Job
 from .scenarios import INCLINED, MINUTE, Course, Scenario, scenario
 from .tables import Section, angle, every_run, verdict
@@ -97,7 +97,7 @@ def lines(found: Mapping[Run, Finding]) -> Section:
 
 #: The runs of the second study.
 STACKS = {
-    **dict.fromkeys(("4.3", "4.11", "4.13", "4.27"), (LIMITS, DAMPED, BRAKED)),
+    **dict.fromkeys(("4.3", "4.11", "4.13", "4.27"), (LIMITS, COASTING, DAMPED)),
     **dict.fromkeys(("4.33", "4.35", "4.37"), (STRICT, LIMITS, RESTING)),
     "4.26": (TIP, TIP_HELD, TIP_LIMITS),
 }
@@ -111,7 +111,8 @@ SHOWN = (
 def stacks(found: Mapping[Run, Finding]) -> Section:
     """A row a run."""
     legend = (
-        "Braked: least motion beside the orientation, on its level. Least motion: the same below it, as a last level."
+        "Coasting: damping of the accelerations alone, by which speeds stay. Least motion: as a last level, below the"
+        " orientation."
         " Reversals: how often the joint that does so most often turns back; speeds within 1 rad/min of zero have no"
         " direction."
     )

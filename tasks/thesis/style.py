@@ -1,4 +1,4 @@
-"""How all pictures look and how they are kept: colours, sizes and file formats."""
+"""The common style of all pictures: colours, sizes and file formats."""
 
 from __future__ import annotations
 

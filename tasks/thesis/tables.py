@@ -1,4 +1,4 @@
-"""Claims against findings: a row a claim, to read in a terminal and in claims.md; and every number of every run."""
+"""Tables of claims against results: for the terminal, for claims.md, and of every number of every run."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .claims import Claim
-from .findings import AT_REST, CONVERGED, Finding, digits
+from .finding import AT_REST, Finding
+from .findings import CONVERGED, digits
 from .laws import DAMPED, LIMITS, STRICT, THESIS, TIP, TIP_LIMITS, Law
 from .scenarios import SCENARIOS, Scenario
 

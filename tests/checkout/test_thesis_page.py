@@ -10,7 +10,8 @@ from thesis_page import PAGE, refreshed, tables
 
 import hqp
 from tasks.thesis import report
-from tasks.thesis.findings import Finding, measure
+from tasks.thesis.finding import Finding
+from tasks.thesis.findings import measure
 from tasks.thesis.runs import jobs_of, run
 from tasks.thesis.scenarios import SCENARIOS, scenario
 from tasks.thesis.studies import STUDIES

@@ -1,4 +1,4 @@
-r"""Linear algebra of a few rows: what tasks ask of their Jacobians and of the mass matrix, without allocation.
+r"""Dense linear algebra of small matrices without allocation, for Jacobians of tasks and the mass matrix.
 
 Matrices are flat arrays, by rows.
 

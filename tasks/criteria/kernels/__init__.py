@@ -1,1 +1,1 @@
-"""Secondary criteria as loops."""
+"""Loops of secondary criteria."""

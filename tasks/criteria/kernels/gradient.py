@@ -1,4 +1,4 @@
-r"""How the Jacobian of a frame changes with the joints, and with it any scalar of the Jacobian.
+r"""The derivative of a frame's Jacobian by the joints, and so of any scalar function of the Jacobian.
 
 With the columns :math:`l_j, \omega_j` of joint j in the axes of the world, and :math:`i \preceq j` if joint i comes
 before j in the chain or is that joint: i then carries j along, and turns its column; else it moves the frame away from

@@ -39,7 +39,7 @@ def climb(here, slope):
 @stamp
 @entry
 def write_gradient(here):
-    """Any gradient, which somebody has measured."""
+    """Writes the rows of a criterion from its gradient, whatever measured it."""
     told = ints(here, 0, CLIMB + 1)
     climb(here, floats(told[CLIMB], 0, told[UNKNOWNS]))
     return 0

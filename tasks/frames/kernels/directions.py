@@ -1,4 +1,4 @@
-r"""What tasks measure that have to do with one direction of a frame, from its block (:mod:`.block`).
+r"""Error, rates, Jacobian and drift of tasks of one direction of a frame, from its block (:mod:`.block`).
 
 An *axis* a of a frame, a unit vector in it, has two rows: U, perpendicular to it in the frame. With the wanted unit
 vector d of the world, that turns by itself at :math:`\sigma`,

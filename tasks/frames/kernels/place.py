@@ -1,4 +1,4 @@
-r"""What tasks of a frame measure, from its block (:mod:`.block`).
+r"""Error, rates, Jacobian and drift of position, orientation and pose tasks, from the block of a frame (:mod:`.block`).
 
 *Place.* In the axes of the world, with the frame at p, R and its target at :math:`p^d, R^d`,
 
@@ -110,7 +110,7 @@ def jacobian(axes, block, J, n, mask, first, rows, A, work):
 @stamp
 @entry
 def write_place(here):
-    """A frame brought to a place."""
+    """Error, rates, Jacobian and drift of a position, orientation or pose task."""
     told = ints(here, 0, 9)
     law = ints(told[LAW], 0, of.LENGTH)
     rows, n, axes = law[of.ROWS], law[of.N], told[AXES]

@@ -1,4 +1,4 @@
-"""What a frame may do: rows that bound its velocity."""
+"""The loop that writes the rows of a limit of a frame's velocity."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What inverse kinematics asks of the rows of one step: how large the errors are, and how far every joint may go."""
+"""Loops of inverse kinematics: norms of the errors, and the largest step of every joint."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The motion that a task would make alone, as a loop: see :mod:`tasks.joints.joint_motion`."""
+"""The loop of :mod:`tasks.joints.joint_motion`: the joint motion that solves one task alone."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""What tasks of the joints measure: how far they are from where they are to be.
+r"""Error and Jacobian of tasks of the joints: postures and couplings.
 
 A *posture* has one row a joint, of the identity, and by its joint's kind
 
@@ -82,16 +82,4 @@ def write_coupling(here):
     measured[of.RATE], measured[of.CHANGE] = target[1], target[2]
     of.moving(told[LAW])
     of.law(told[LAW])
-    return 0
-
-
-@stamp
-@entry
-def write_rest(here):
-    """Rows that ask for nothing but stillness: how many, and their bounds."""
-    told = ints(here, 0, 3)
-    rows = told[0]
-    lower, upper = floats(told[1], 0, rows), floats(told[2], 0, rows)
-    for r in range(rows):
-        lower[r] = upper[r] = 0.0
     return 0

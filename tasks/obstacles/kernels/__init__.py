@@ -1,1 +1,1 @@
-"""Loops of distances: where pairs are nearest, what a tick can take of that, and the rows that keep it."""
+"""Loops of distances: nearest points, reserve within a tick, and rows."""

@@ -1,4 +1,4 @@
-"""Links and obstacles, pair by pair: how far apart, along which normal, and where on the link.
+"""Distance, normal and witness point of every pair of a link and an obstacle.
 
 Every shape is a core, the segment between two points (which are one, of a ball), and a radius about it.
 """

@@ -1,4 +1,4 @@
-r"""How much of a distance one tick can take beyond the linear row: a bound that always holds.
+r"""A bound on how much of a distance one tick can take beyond what the linear row accounts for.
 
 The row says :math:`n^T J x` of the witness p, the point of the link that is nearest. Within a tick of dt, in which no
 joint turns faster than w, the distance D of the cores obeys

@@ -1,4 +1,4 @@
-"""Rows of distances: their gradients, and how fast they may change; see the parts for the equations."""
+"""The loops that write rows of distances: gradients, and the largest approach speed; equations are in the parts."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Robots from files: what a file says, in which language, and the model that it makes."""
+"""Readers of model files, URDF and MJCF."""

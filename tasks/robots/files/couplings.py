@@ -1,4 +1,4 @@
-r"""What ties joints and bodies of a MuJoCo model to each other: equalities and tendons.
+r"""Equality constraints and tendons of a MuJoCo model that couple joints, read as mimic joints.
 
 A joint equality with a linear polynomial, :math:`q_1 - q_1^0 = a_0 + a_1 (q_2 - q_2^0)`, makes a joint follow another.
 What would close a loop of the robot's own bodies, or bound a sum of joints, cannot be said by joints, and is refused.

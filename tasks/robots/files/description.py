@@ -1,4 +1,4 @@
-"""What a model file says of a robot, whatever its format."""
+"""The result of reading a model file, whatever its format."""
 
 from __future__ import annotations
 

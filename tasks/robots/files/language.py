@@ -1,4 +1,4 @@
-"""Which file describes a robot, and in which language: URDF or MJCF, told by its first element and not by its name."""
+"""Recognises URDF and MJCF by the first element of a file, and calls the reader."""
 
 from __future__ import annotations
 

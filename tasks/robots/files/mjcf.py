@@ -31,11 +31,9 @@ from ..axes import kind
 from ..choices import Base
 from .couplings import couplings, moves
 from .description import BASE_JOINT, BASES, Description
+from .mujoco_numbers import BALL, FREE, HINGE, SLIDE, pose, randomise, single_joint, xyzw, yaw_of
 from .scene import Scene, body_names, scene
 
-FREE, BALL, SLIDE, HINGE = range(4)
-#: Axes for which Pinocchio has joints of their own, which are faster.
-ALIGNED = {(1.0, 0.0, 0.0): "X", (0.0, 1.0, 0.0): "Y", (0.0, 0.0, 1.0): "Z"}
 #: How far places may be from MuJoCo's [m], against the size of the robot, and how often they are compared.
 EXACT, TRIES = 1e-9, 3
 
@@ -161,7 +159,7 @@ class _Reader:
             self.start.append(pin.SE3ToXYZQUAT(start))
             return index, pin.SE3.Identity()
         self.flown = free
-        yaw = _yaw(start.rotation)
+        yaw = yaw_of(start.rotation)
         self.start.append(np.array([start.translation[0], start.translation[1], np.cos(yaw), np.sin(yaw)]))
         return index, pin.SE3(pin.utils.rotate("z", -yaw) @ start.rotation, np.zeros(3))
 
@@ -183,7 +181,7 @@ class _Reader:
             low, high = self._range(j, name)
             force = self._largest_force(j, name)
             ends = (np.array([end]) for end in (force, np.inf, low, high))
-            index = int(self.model.addJoint(parent, _joint(what == SLIDE, axis), placement * back, name, *ends))
+            index = int(self.model.addJoint(parent, single_joint(what == SLIDE, axis), placement * back, name, *ends))
             start = np.array([ref])
         self.model.addJointFrame(index)
         self._take(j, index)
@@ -271,7 +269,7 @@ class _Reader:
         if self.flown is not None:
             address = int(self.mj.jnt_qposadr[self.flown])
             place = pose(qpos[address : address + 3], qpos[address + 3 : address + 7])
-            yaw = _yaw(place.rotation)
+            yaw = yaw_of(place.rotation)
             q[:4] = place.translation[0], place.translation[1], np.cos(yaw), np.sin(yaw)
         for j, index in self.joints.items():
             joint, address = self.model.joints[index], int(self.mj.jnt_qposadr[j])
@@ -293,7 +291,7 @@ class _Reader:
         for _ in range(TRIES):
             data.qpos[:] = mj.qpos0
             for j in self.joints:
-                _randomise(mj, j, data.qpos, rng)
+                randomise(mj, j, data.qpos, rng)
             mujoco.mj_normalizeQuat(mj, data.qpos)
             mujoco.mj_kinematics(mj, data)
             pin.forwardKinematics(self.model, numbers, self.configuration(data.qpos, neutral))
@@ -318,41 +316,3 @@ class _Reader:
         off = float(np.abs(np.asarray(own) - expected).max())
         if not off <= EXACT * (1.0 + float(np.abs(expected).max())):
             raise InvalidInput(f"{self.what}: {element} is off from MuJoCo's by {off:.3g}; it cannot be read exactly")
-
-
-def _randomise(mj: mujoco.MjModel, j: int, qpos: Array, rng: np.random.Generator) -> None:
-    """Put a joint somewhere in its range."""
-    address, what = int(mj.jnt_qposadr[j]), int(mj.jnt_type[j])
-    if what == FREE:
-        qpos[address : address + 7] = [*rng.uniform(-1.0, 1.0, 3), *rng.standard_normal(4)]
-    elif what == BALL:
-        qpos[address : address + 4] = rng.standard_normal(4)
-    else:
-        low, high = mj.jnt_range[j] if mj.jnt_limited[j] else (-np.inf, np.inf)
-        qpos[address] = rng.uniform(max(low, min(high, np.pi) - 2.0 * np.pi), min(high, max(low, -np.pi) + 2.0 * np.pi))
-
-
-def _yaw(rotation: Array) -> float:
-    """How far a body is turned about the vertical [rad]."""
-    return float(np.arctan2(rotation[1, 0], rotation[0, 0]))
-
-
-def _joint(slides: bool, axis: Array) -> Any:
-    """Pinocchio's joint that turns about this axis, or slides along it."""
-    letter = ALIGNED.get((float(axis[0]), float(axis[1]), float(axis[2])))
-    if letter is not None:
-        return getattr(pin, f"JointModel{'P' if slides else 'R'}{letter}")()
-    return (pin.JointModelPrismaticUnaligned if slides else pin.JointModelRevoluteUnaligned)(axis)
-
-
-def pose(position: Array, quaternion: Array) -> pin.SE3:
-    """A pose of MuJoCo, with its quaternion w, x, y, z."""
-    rotation = pin.Quaternion(xyzw(quaternion)).toRotationMatrix()
-    return pin.SE3(rotation, np.array(position))
-
-
-def xyzw(quaternion: Array) -> Array:
-    """A quaternion of MuJoCo, w, x, y, z, as Pinocchio writes it, of norm 1."""
-    w, x, y, z = quaternion
-    own = np.array([x, y, z, w])
-    return np.asarray(own / np.linalg.norm(own))

@@ -1,4 +1,4 @@
-"""Joints that are held: the model without them, and its configurations."""
+"""Locks joints: the reduced model, and its configurations."""
 
 from __future__ import annotations
 

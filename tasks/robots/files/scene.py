@@ -1,4 +1,4 @@
-"""Which bodies of a MuJoCo model are the robot: a scene has tables, cubes and targets beside it, or two robots.
+"""Finds the bodies of the robot in a MuJoCo model, which may have tables, targets or a second robot.
 
 The children of the world are the roots of trees. A tree without joints is furniture, a mocap body a target, and a body
 that only floats a thing to be handled: they are left out where something with joints is there, and told. Where only one
@@ -24,7 +24,7 @@ WORLD = 0
 
 @dataclass(frozen=True)
 class Scene:
-    """What of a model is the robot.
+    """The bodies of a MuJoCo model that are the robot.
 
     Attributes
     ----------

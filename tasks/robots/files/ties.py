@@ -1,4 +1,4 @@
-r"""Joints that a file ties to others: :math:`q = m\, q_{leader} + o`, where the leader may follow another one in turn.
+r"""Mimic joints: :math:`q = m\, q_{leader} + o`, where the leader may follow another joint in turn.
 
 Both move together, so each has to stay in the range of the other as well: the range of the leader is narrowed to what
 all its followers allow, and its speed to what theirs do. A leader that is fixed has the position 0.
@@ -20,6 +20,7 @@ from ...base.telling import tell
 from ..choices import Mimic
 from ..keeping import Recipe
 from ..ranges import SAME, known
+from ..room import Room
 from .reduction import carried, reduced
 
 #: How far a configuration that a file names may be from its ties [rad], [m].
@@ -91,19 +92,6 @@ def _resolved(tie: Tie, ties: Mapping[str, Tie], model: pin.Model, fixed: set[st
         seen.append(above.follower)
         tie = Tie(tie.follower, above.leader, tie.factor * above.factor, tie.factor * above.offset + tie.offset)
     return tie
-
-
-class Room(NamedTuple):
-    """What its followers leave to a joint: lowest and highest position [rad], [m], and speed [rad/s], [m/s]."""
-
-    low: float
-    high: float
-    speed: float
-
-    def seen_from(self, tie: Tie) -> Room:
-        """The same for the follower of a tie in the place of its leader."""
-        low, high = sorted((tie.factor * self.low + tie.offset, tie.factor * self.high + tie.offset))
-        return Room(low, high, abs(tie.factor) * self.speed)
 
 
 class Arrangement(NamedTuple):
@@ -276,7 +264,7 @@ def _followed(
     place, column = _place(model, leader), _column(model, leader)
     whole = Room(
         model.lowerPositionLimit[place], model.upperPositionLimit[place], model.upperVelocityLimit[column]
-    ).seen_from(driver)
+    ).seen_through(driver.factor, driver.offset)
     torque = known(model.upperEffortLimit)[column] / abs(driver.factor)  # the motor is the leader's
     resists = np.zeros(3)
     for tie in all_of:

@@ -1,4 +1,4 @@
-"""XML as readers of robot files take it: they do not insist on all rules of the standard."""
+"""Parses XML of robot files, which often break rules of the standard."""
 
 from __future__ import annotations
 

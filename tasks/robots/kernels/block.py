@@ -1,4 +1,4 @@
-"""The numbers of one frame at one tick, in one array: written once a tick, and read by every part that asks for it.
+"""The layout of a frame block: pose, velocities, drifts and Jacobian of one frame in one array.
 
 Lengths in [m], angles in [rad], all in the axes of the world, or of the frame that stands for it.
 """

@@ -1,4 +1,4 @@
-r"""Frames of robots, written into their blocks (:mod:`.block`), each once a tick.
+r"""Loops that write frames of robots into their blocks (:mod:`.block`), each once a tick.
 
 Of a robot of Pinocchio a frame is carried by a joint at R_j, p_j, by an offset c. A column of the joint Jacobians is
 the spatial velocity which a joint gives: its angular part :math:`\omega_j`, and the velocity :math:`v_j` of the point

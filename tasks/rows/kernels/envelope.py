@@ -1,4 +1,4 @@
-r"""The limits of all joints of one stack, in one loop: what each asks for, relaxed by the harder ones.
+r"""The loop that writes all joint limits of one stack, each relaxed to what the harder ones leave.
 
 See :mod:`tasks.rows.envelope` for how they get on with each other, :mod:`tasks.limits.position` for how a joint keeps
 its range.

@@ -1,4 +1,4 @@
-r"""The law of every task, for all orders of control: from what is measured to the bounds of its rows.
+r"""The control law of every task, for all orders: from what is measured to the bounds of its rows.
 
 With the error e, its feed-forwards r', r'' and the drift J' v of a row, and the gain K:
 

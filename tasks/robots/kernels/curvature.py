@@ -1,0 +1,211 @@
+r"""How a frame's motion bends: its acceleration at constant joint velocities, as a quadratic form of these.
+
+With the axes :math:`z_a` of the joints, none of one that slides, and the columns :math:`J_a` of the Jacobian of a
+point, both along the axes of the world, a joint a which carries b turns the column of b with it, and so
+
+.. math::
+
+    f \cdot \ddot p = \sum_{ab} v_a v_b \, (f \times z_a) \cdot J_b, \qquad
+    g \cdot \dot\omega = \sum_{ab} v_a v_b \, \tfrac12 (g \times z_a) \cdot z_b ,
+
+where of the two, a is the one that carries the other, a = b included. Columns on different branches have no part in
+each other. The axes of one joint, as of a ball or a floating base, are fixed to what it moves: neither carries the
+other, and of :math:`\ddot p` there is half of both, of :math:`\dot\omega` nothing. The columns of the centre of mass
+obey the same.
+
+The value of a task bends by that and by what its own axes do, which are forms :math:`w \cdot (X y \times Y y)` of the
+velocities y of the frame: each is a matrix K, and with the Jacobian L of y
+
+.. math:: S = S_p(f) + S_\omega(g) + L^T K L.
+"""
+
+from __future__ import annotations
+
+from hqp.kernels.compile import inner
+from hqp.kernels.memory import floats, ints
+
+from . import block as at
+
+#: Of a frame in the world: unknowns; its block; where the axes of the joints are, and how far it is from one to the
+#: next and from one coordinate to the next; how many pairs of joints, and the pairs: which carries, which is carried,
+#: and whether they are one joint.
+N, BLOCK, AXES, ACROSS, DOWN, COUNT, PAIRS = range(7)
+LENGTH = 7
+#: Of a frame as another one sees it: how the frame and the root bend in the world, 0 without a root; its block.
+FRAME, ROOT, SEEN = range(3)
+#: Velocities y: of the frame as it is seen, linear before angular; of the root in its own axes.
+LINEAR, ANGULAR, TURNING = 0, 3, 6
+Y = 9
+#: Of the work space: f, g; K by rows; two maps X, Y (3 x 9), by rows; a column of L, and K times it.
+F, G, K, ONE, OTHER, COLUMN, TIMES = 0, 3, 6, 87, 114, 141, 150
+WORK_SIZE = 160
+
+
+@inner
+def frame_bends(table, f0, f1, f2, g0, g1, g2, S):
+    """Add the form of f . p'' + g . omega' of a frame in the world."""
+    told = ints(table, 0, LENGTH)
+    n, across, down = told[N], told[ACROSS], told[DOWN]
+    J = floats(told[BLOCK], at.JACOBIAN, 3 * n)
+    z = floats(told[AXES], 0, (n - 1) * across + 2 * down + 1)
+    pairs = ints(told[PAIRS], 0, 3 * told[COUNT])
+    for k in range(told[COUNT]):
+        a, b, one = pairs[3 * k], pairs[3 * k + 1], pairs[3 * k + 2] != 0
+        i, j = a * across, b * across
+        x, y, w = z[i], z[i + down], z[i + 2 * down]
+        bend = (f1 * w - f2 * y) * J[b] + (f2 * x - f0 * w) * J[n + b] + (f0 * y - f1 * x) * J[2 * n + b]
+        p, q, r = z[j], z[j + down], z[j + 2 * down]
+        if one:
+            back = (f1 * r - f2 * q) * J[a] + (f2 * p - f0 * r) * J[n + a] + (f0 * q - f1 * p) * J[2 * n + a]
+            bend = 0.5 * (bend + back)
+        else:
+            bend += 0.5 * ((g1 * w - g2 * y) * p + (g2 * x - g0 * w) * q + (g0 * y - g1 * x) * r)
+        S[a * n + b] += bend
+        if a != b:
+            S[b * n + a] += bend
+
+
+@inner
+def no_map(work, first):
+    """A map of which nothing is left."""
+    for k in range(3 * Y):
+        work[first + k] = 0.0
+
+
+@inner
+def add_part(work, first, part, scale):
+    """Add `scale` times three of the velocities to a map."""
+    for r in range(3):
+        work[first + Y * r + part + r] += scale
+
+
+@inner
+def add_cross(work, first, x, y, z, part, scale):
+    """Add ``scale (x, y, z) x`` three of the velocities to a map."""
+    work[first + part + 1] -= scale * z
+    work[first + part + 2] += scale * y
+    work[first + Y + part] += scale * z
+    work[first + Y + part + 2] -= scale * x
+    work[first + 2 * Y + part] -= scale * y
+    work[first + 2 * Y + part + 1] += scale * x
+
+
+@inner
+def add_outer(work, first, x, y, z, part):
+    """Add ``(x, y, z) ((x, y, z) . )`` three of the velocities to a map."""
+    for r in range(3):
+        own = x if r == 0 else y if r == 1 else z
+        work[first + Y * r + part] += own * x
+        work[first + Y * r + part + 1] += own * y
+        work[first + Y * r + part + 2] += own * z
+
+
+@inner
+def crossed_map(work, first, x, y, z, other):
+    """``(x, y, z) x`` another map."""
+    for c in range(Y):
+        a, b, d = work[other + c], work[other + Y + c], work[other + 2 * Y + c]
+        work[first + c] = y * d - z * b
+        work[first + Y + c] = z * a - x * d
+        work[first + 2 * Y + c] = x * b - y * a
+
+
+@inner
+def add_form(work, x, y, z, scale):
+    """Add ``scale w . (X y x Y y)`` to K, for w = (x, y, z) and the two maps in the work space."""
+    for i in range(Y):
+        a, b, c = work[ONE + i], work[ONE + Y + i], work[ONE + 2 * Y + i]
+        a, b, c = scale * (y * c - z * b), scale * (z * a - x * c), scale * (x * b - y * a)  # w x X
+        for j in range(Y):
+            own = 0.5 * (a * work[OTHER + j] + b * work[OTHER + Y + j] + c * work[OTHER + 2 * Y + j])
+            work[K + Y * i + j] += own
+            work[K + Y * j + i] += own
+
+
+@inner
+def seen_bends(table, work, S):
+    """Add all of the form: f, g and K, in the axes of whoever sees the frame, are in the work space.
+
+    What a root that moves takes off is that of :func:`.frames.relative_frame`.
+    """
+    told = ints(table, 0, 3)
+    f0, f1, f2, g0, g1, g2 = work[F], work[F + 1], work[F + 2], work[G], work[G + 1], work[G + 2]
+    n = ints(told[FRAME], 0, LENGTH)[N]
+    block = floats(told[SEEN], 0, at.JACOBIAN)
+    root = told[ROOT]
+    if root == 0:
+        frame_bends(told[FRAME], f0, f1, f2, g0, g1, g2, S)
+    else:
+        R = floats(ints(root, 0, LENGTH)[BLOCK], at.ROTATION, 9)
+        no_map(work, ONE)
+        no_map(work, OTHER)
+        add_part(work, ONE, TURNING, 1.0)
+        add_part(work, OTHER, LINEAR, -2.0)
+        add_cross(work, OTHER, block[0], block[1], block[2], TURNING, 1.0)  # - omega_0 x r
+        add_form(work, f0, f1, f2, 1.0)
+        no_map(work, OTHER)
+        add_part(work, OTHER, ANGULAR, -1.0)
+        add_form(work, g0, g1, g2, 1.0)
+        # - f . (omega_0' x r) is omega_0' . (f x r)
+        h0 = f1 * block[2] - f2 * block[1] - g0
+        h1 = f2 * block[0] - f0 * block[2] - g1
+        h2 = f0 * block[1] - f1 * block[0] - g2
+        f0, f1, f2 = turned(R, f0, f1, f2)
+        g0, g1, g2 = turned(R, g0, g1, g2)
+        h0, h1, h2 = turned(R, h0, h1, h2)
+        frame_bends(told[FRAME], f0, f1, f2, g0, g1, g2, S)
+        frame_bends(root, -f0, -f1, -f2, h0, h1, h2, S)
+    add_velocities(told, root, n, work, S)
+
+
+@inner
+def turned(R, x, y, z):
+    """``R (x, y, z)``."""
+    return (
+        R[0] * x + R[1] * y + R[2] * z,
+        R[3] * x + R[4] * y + R[5] * z,
+        R[6] * x + R[7] * y + R[8] * z,
+    )
+
+
+@inner
+def column(told, root, n, j, out, begin):
+    """The j-th column of L, into out[begin:begin + 9]."""
+    J = floats(told[SEEN], at.JACOBIAN, 6 * n)
+    for k in range(6):
+        out[begin + k] = J[k * n + j]
+    out[begin + 6] = out[begin + 7] = out[begin + 8] = 0.0
+    if root != 0:
+        place = ints(root, 0, LENGTH)[BLOCK]
+        R, Z = floats(place, at.ROTATION, 9), floats(place, at.JACOBIAN + 3 * n, 3 * n)
+        for k in range(3):
+            out[begin + 6 + k] = R[k] * Z[j] + R[3 + k] * Z[n + j] + R[6 + k] * Z[2 * n + j]
+
+
+@inner
+def add_velocities(told, root, n, work, S):
+    """Add L' K L, column by column; joints that move neither frame nor root have none."""
+    some = False
+    for k in range(Y * Y):
+        some = some or work[K + k] != 0.0
+    if not some:
+        return
+    for j in range(n):
+        column(told, root, n, j, work, COLUMN)
+        moves = False
+        for r in range(Y):
+            total = 0.0
+            for c in range(Y):
+                total += work[K + Y * r + c] * work[COLUMN + c]
+            work[TIMES + r] = total
+            moves = moves or total != 0.0
+        if not moves:
+            continue
+        for i in range(j + 1):
+            column(told, root, n, i, work, COLUMN)
+            total = 0.0
+            for r in range(Y):
+                total += work[TIMES + r] * work[COLUMN + r]
+            S[i * n + j] += total
+            if i != j:
+                S[j * n + i] += total

@@ -1,0 +1,234 @@
+r"""A Pinocchio model as loops, states and tasks ask for it: its joints, frames, chains and dynamics.
+
+Nothing here depends on limits or on where the robot starts; see :class:`tasks.robots.pinocchio.PinocchioRobot`.
+"""
+
+from __future__ import annotations
+
+from math import hypot
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from hqp import InvalidInput
+from hqp.checks import of_type
+from hqp.guard import Guard
+
+from ..base.checks import Array, nearest
+from ..base.live import Live, structure
+from . import pinocchio_dynamics as dynamics
+from .axes import NONE, axes, base_of, sequence, unit_parts
+from .chain import APART
+from .frame_names import frame_numbers
+from .kinematics import Kinematics
+from .state import RobotState
+from .verification import tell_of_inertias, verify
+
+#: How far a norm may be from 1: what is as good as 1, and what is round-off.
+EXACT, ROUND_OFF = 1e-15, 1e-6
+
+
+class PinocchioModel(Live):
+    """The base of :class:`tasks.robots.pinocchio.PinocchioRobot`, which documents the attributes.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+    tip : str or None
+    name : str or None
+
+    Raises
+    ------
+    InvalidInput
+        If there is no such frame, or the model moves nothing or has names, axes or numbers that mean nothing.
+    """
+
+    model: pin.Model = structure()
+    name: str = structure()
+    nq: int = structure()
+    nv: int = structure()
+    base: int = structure()
+    joint_names: tuple[str, ...] = structure()
+    joint_units: tuple[str, ...] = structure()
+    frame_names: tuple[str, ...] = structure()
+    tip: str | None = structure()
+    kinematics: Kinematics = structure()
+    guard: Guard = structure()
+    _instead = "load or make another robot"
+
+    def __init__(self, model: pin.Model, tip: str | None, name: str | None) -> None:
+        self.model = of_type(model, pin.Model, "model")
+        self.name = str(model.name) if name is None else of_type(name, str, "name of a robot")
+        self.nq, self.nv = int(model.nq), int(model.nv)
+        verify(model, repr(self))
+        tell_of_inertias(model, repr(self))
+        self.kinematics = Kinematics(model, repr(self))
+        self._base, self.base = base_of(model)
+        self._axes = axes(model)
+        self.joint_names = tuple(axis.name for axis in self._axes)
+        self.joint_units = tuple(axis.unit for axis in self._axes)
+        self._units = unit_parts(model)
+        self._frame_numbers = frame_numbers(model)
+        self.frame_names = tuple(dict.fromkeys(frame.name for frame in model.frames))
+        places = np.array([axis.place for axis in self._axes], dtype=np.intp)
+        self._columns = np.flatnonzero(places != NONE)
+        self._places = places[self._columns]
+        self._frames: dict[str | None, int] = {}
+        self._support: dict[int, list[tuple[int, int]]] = {}
+        self.guard = Guard(f"the workspace of {self!r}")
+        self.tip = None if tip is None else self.check_frame(of_type(tip, str, "tip"))
+
+    def at(self, q: ArrayLike, v: ArrayLike) -> RobotState:
+        """The state at (q, v)."""
+        raise NotImplementedError
+
+    # Configurations.
+
+    def integrate(self, q: Array, step: Array) -> Array:
+        """The configuration after a step of the joints."""
+        return np.asarray(pin.integrate(self.model, q, step))
+
+    def difference(self, start: Array, end: Array) -> Array:
+        """The step, shape (nv,), that leads from one configuration to another."""
+        return np.asarray(pin.difference(self.model, start, end))
+
+    def on_manifold(self, q: Array) -> tuple[Array, str | None]:
+        """q with its circles and quaternions of norm 1, and what is wrong if one is farther from it than by round-off.
+
+        A norm that is off by at most 1e-6 is taken as round-off. NaN passes: the solver reports it.
+        """
+        for name, first, count in self._units:
+            part = q[first : first + count]
+            norm = hypot(*part.tolist())
+            if abs(norm - 1.0) <= EXACT or norm != norm:
+                continue
+            if not abs(norm - 1.0) <= ROUND_OFF:
+                what = "quaternion" if count == 4 else "cosine and sine"
+                return q, (
+                    f"q[{first}:{first + count}], the {what} of joint {name!r}, has norm {norm:g};"
+                    f" it must be 1, as of robot.integrate and robot.configuration"
+                )
+            q = np.array(q)
+            q[first : first + count] = part / norm
+        return q, None
+
+    # Joints and chains.
+
+    @property
+    def data(self) -> pin.Data:
+        """Pinocchio's data, which hold what was last computed."""
+        return self.kinematics.data
+
+    def positions(self, q: Array) -> Array:
+        """The position of each joint that has one, 0 elsewhere, shape (nv,)."""
+        if self.nq == self.nv:
+            return q
+        positions = np.zeros(self.nv)
+        positions[self._columns] = q[self._places]
+        return positions
+
+    def places(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
+        """Where in q the positions of these velocities are, shape (k,); -1 for one that has none of its own."""
+        places = np.full(self.nv, -1, dtype=np.int64)
+        places[self._columns] = self._places
+        return places[columns]
+
+    def circles(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
+        """Where in q the cosines of these joints are, each before its sine, shape (k,); -1 for one on no circle."""
+        return np.array([self._axes[i].circle for i in columns], dtype=np.int64)
+
+    def support(self, joint: int) -> list[tuple[int, int]]:
+        """What moves that which a joint of the model carries: columns of Pinocchio's Jacobian of the joints, and the
+        velocity of each. A joint that follows another one has a column of its own, and the velocity of that one."""
+        found = self._support.get(joint)
+        if found is None:
+            joints = [self.model.joints[i] for i in self.model.supports[joint]][1:]
+            found = [(joint.idx_vExtended + i, joint.idx_v + i) for joint in joints for i in range(joint.nvExtended)]
+            self._support[joint] = found
+        return found
+
+    def chain_order(self, frame: str | None, relative_to: str | None = None) -> NDArray[np.int64] | None:
+        """The place of every velocity in the chain to a frame; see :func:`tasks.robots.chain.chain_order`."""
+        start, end = ([] if relative_to is None else self._supports(relative_to)), self._supports(frame)
+        steps = [(joint, True) for joint in reversed(start) if joint not in end]
+        return self._places_of([*steps, *((joint, False) for joint in end if joint not in start)])
+
+    def tree_order(self) -> NDArray[np.int64] | None:
+        """The same of all velocities; see :class:`tasks.robots.chain.Branched`."""
+        rows = []
+        for index in range(1, self.model.njoints):
+            places = self._places_of([(joint, False) for joint in list(self.model.supports[index])[1:]])
+            if places is None:
+                return None
+            rows += [places] * int(self.model.joints[index].nv)
+        return np.array(rows) if len(rows) == self.nv and not len(self.model.mimicking_joints) else None
+
+    def _places_of(self, steps: list[tuple[int, bool]]) -> NDArray[np.int64] | None:
+        """The place of every velocity, by the joints one after the other and whether they are passed backwards."""
+        places, free = np.full(self.nv, APART, dtype=np.int64), 0
+        for index, backwards in steps:
+            joint = self.model.joints[index]
+            own = sequence(joint)
+            if own is None or (backwards and len(own) > len(set(own))):
+                return None
+            for i, place in enumerate(own):
+                if places[joint.idx_v + i] != APART:  # one number moves two joints
+                    return None
+                places[joint.idx_v + i] = free + (max(own) - place if backwards else place)
+            free += 1 + max(own)
+        return places
+
+    def _supports(self, frame: str | None) -> list[int]:
+        """The joints that carry a frame, from the base on."""
+        return list(self.model.supports[self.model.frames[self.frame_index(frame)].parentJoint])[1:]
+
+    # Frames.
+
+    def has_frame(self, name: str) -> bool:
+        """Whether this names a frame, plainly or by kind, as in ``"joint:gripper"``."""
+        return name in self._frame_numbers
+
+    def check_frame(self, name: str) -> str:
+        """`name`, which must be a frame of this robot.
+
+        Raises
+        ------
+        InvalidInput
+            Tells the nearest names.
+        """
+        if not self.has_frame(name):
+            raise InvalidInput(f"{name!r} is no frame of {self!r}{nearest(str(name), self.frame_names)}")
+        return name
+
+    def frame_index(self, name: str | None) -> int:
+        """Pinocchio's number of a frame; of the tip, if no name is given."""
+        found = self._frames.get(name)
+        if found is None:
+            if name is None and self.tip is None:
+                raise InvalidInput(f"{self!r} has no tip; name a frame")
+            found = self._frames[name] = self._frame_numbers[self.check_frame(name or str(self.tip))]
+        return found
+
+    # Dynamics.
+
+    def compute_center_of_mass(self, q: Array) -> None:
+        """Have the data hold the centre of mass at q, and its Jacobian."""
+        self.kinematics.center_of_mass(q)
+
+    def mass_matrix(self, q: ArrayLike) -> Array:
+        """M(q) [kg m^2; kg m and kg where joints slide], symmetric, shape (..., nv, nv)."""
+        return dynamics.mass_matrix(self.model, self.kinematics.overwritten(), *dynamics.rows_of(self, q=q))
+
+    def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
+        """What torques [N m], forces [N] hold without acceleration: Coriolis, centripetal, gravity, shape (..., nv)."""
+        return dynamics.bias(self.model, self.kinematics.overwritten(), *dynamics.rows_of(self, q=q, v=v))
+
+    def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
+        """Joint torques [N m], forces [N] for accelerations a, gravity included, shape (..., nv)."""
+        return dynamics.inverse_dynamics(
+            self.model, self.kinematics.overwritten(), *dynamics.rows_of(self, q=q, v=v, a=a)
+        )
+
+    def __repr__(self) -> str:
+        return f"PinocchioRobot({self.name!r}, {self.nv} degrees of freedom)"

@@ -1,0 +1,95 @@
+r"""How the value of a task bends: what its rows leave out, which are straight.
+
+The rows say how the value moves, :math:`J \, dq`. After a step dq of all joints it is farther by
+:math:`\tfrac12 dq^T H_i dq` in each row i. With a weight w for every row the sum :math:`S(w) = \sum_i w_i H_i` is what
+may be asked of a :class:`~tasks.rows.plan.Plan`. With the error for weights it is what half the square of the error
+misses in Gauss's and Newton's :math:`J^T J`,
+
+.. math:: \tfrac12 \lVert e(q \oplus dq) \rVert^2 = \tfrac12 \lVert e \rVert^2 - e^T J dq
+    + \tfrac12 dq^T (J^T J - S(e)) dq + \dots,
+
+and with multipliers for weights, on the directions which the rows leave free, it is by how much the value leaves its
+place to second order. Rows along axes that turn with the frame are taken so that both hold: a task with all its
+coordinates bends alike along any axes. The target stands still.
+
+Exact for positions, planes, the centre of mass, and at any error for a whole orientation or pose along the axes of the
+world or of the frame, and for directions. Else up to the square of the error, and as far as the coordinates that a mask
+leaves out are near their target.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.checks import Array
+from ..robots.chain import Branched, carried, carried_in_tree, chain_order
+from ..robots.kernels import block as at
+
+if TYPE_CHECKING:
+    from ..base.loops import Call, Entry, Table
+    from .site import Site, Workspace
+
+
+def bending(site: Site, kernel: Any, seen: Table | None, size: int, *told: Entry) -> Call | None:
+    """The call that adds S(w) of the rows of a part; None where nobody tells how its frame bends.
+
+    Parameters
+    ----------
+    site : Site
+    kernel : callable
+        A loop of :mod:`tasks.frames.kernels.curvature`.
+    seen : Table or None
+        How the frame bends.
+    size : int
+        Numbers of work space.
+    *told : int, array or Table
+        What the loop is told beside.
+    """
+    from ..base.loops import Call
+
+    weights, total = np.zeros(site.rows), np.zeros((site.shared.n, site.shared.n))
+    return None if seen is None else Call(kernel, weights, total, seen, np.zeros(size), *told)
+
+
+def frame_bends(shared: Workspace, name: str | None, relative_to: str | None = None) -> Table | None:
+    """How a frame bends, for loops; None for a robot that does not tell which joint carries which."""
+    places = chain_order(shared.robot, name)
+    block = shared.blocks.frame(name)
+    return _seen(shared, _of_block(shared, block, places), shared.blocks.frame(name, relative_to), relative_to)
+
+
+def center_bends(shared: Workspace, relative_to: str | None = None) -> Table | None:
+    """That of the centre of mass."""
+    axes, robot = shared.blocks.axes(), shared.robot
+    tree = robot.tree_order() if isinstance(robot, Branched) else None
+    if axes is None or tree is None:
+        return None
+    block = shared.blocks.center_of_mass()
+    from ..base.loops import Table
+
+    pairs = carried_in_tree(tree)
+    bends = Table(shared.n, block, axes[3:], 6, 1, len(pairs), pairs)
+    return _seen(shared, bends, shared.blocks.center_of_mass(relative_to), relative_to)
+
+
+def _of_block(shared: Workspace, block: Array, places: NDArray[np.int64] | None) -> Table | None:
+    """How a frame in the world bends, by its block."""
+    from ..base.loops import Table
+
+    if places is None:
+        return None
+    n, pairs = shared.n, carried(places)
+    return Table(n, block, block[at.JACOBIAN + 3 * n :], 1, n, len(pairs), pairs)
+
+
+def _seen(shared: Workspace, bends: Table | None, block: Array, relative_to: str | None) -> Table | None:
+    """How it bends as another frame sees it, by its block there."""
+    from ..base.loops import Table
+
+    if bends is None or relative_to is None:
+        return None if bends is None else Table(bends, 0, block)
+    root = _of_block(shared, shared.blocks.frame(relative_to), chain_order(shared.robot, relative_to))
+    return None if root is None else Table(bends, root, block)

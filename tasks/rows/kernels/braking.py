@@ -1,0 +1,18 @@
+"""What damping at acceleration order is towards, so that joints do not swing."""
+
+from __future__ import annotations
+
+from hqp.kernels.compile import entry, stamp
+from hqp.kernels.memory import floats, ints
+
+
+@stamp
+@entry
+def write_damping(here):
+    """What the joints are damped towards, -2 r v: how many, the rate r [1/s], v, and where it goes, twice."""
+    told = ints(here, 0, 5)
+    rows, rate = told[0], floats(told[1], 0, 1)[0]
+    v, lower, upper = floats(told[2], 0, rows), floats(told[3], 0, rows), floats(told[4], 0, rows)
+    for r in range(rows):
+        lower[r] = upper[r] = -2.0 * rate * v[r] if rate > 0.0 else 0.0
+    return 0

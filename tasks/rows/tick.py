@@ -1,0 +1,33 @@
+"""The state and settings of one call of a controller, as its parts get them; the orders of control."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ..robots.robot import Robot, RobotState
+from .envelope import Envelope
+
+#: What the unknown x of the hierarchy is: joint velocities [rad/s], joint accelerations [rad/s^2], or a step of the
+#: joints [rad], as inverse kinematics takes it.
+Order = Literal["velocity", "acceleration", "step"]
+#: What a controller commands. Torques [N m] are those of the accelerations: below them the order is "acceleration".
+Command = Literal["velocity", "acceleration", "torque"]
+#: What follows the unit of a position, in the unit of x.
+PER: dict[str, str] = {"velocity": "/s", "acceleration": "/s^2", "step": ""}
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """One call of the controller.
+
+    Robot, its state, the time t [s], the order of control, the tick dt [s], and what the joint limits of the
+    stack know of each other.
+    """
+
+    robot: Robot
+    state: RobotState
+    t: float
+    order: Order
+    dt: float | None
+    envelope: Envelope | None = None
