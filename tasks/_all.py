@@ -64,6 +64,7 @@ from .targets.polynomial import Polynomial
 from .targets.timing import cubic, cycloid, harmonic, quintic
 from .targets.trajectories import Fixed, Setpoint, Trajectory
 from .targets.turns import FixedRotation, PoseSetpoint, RotationSetpoint, RotationTrajectory, Turn
+from .view.live import live
 
 if TYPE_CHECKING:
     from .robots.pinocchio import PinocchioRobot
@@ -166,6 +167,7 @@ __all__ = [
     "from_rpy",
     "from_xyzw",
     "harmonic",
+    "live",
     "load_robot",
     "manipulability",
     "planar_links",

@@ -15,6 +15,7 @@ from ..control.contacts import has_dynamics
 from ..control.controller import Controller
 from ..robots.robot import RobotState, base, inverse_dynamics, manipulability, pose_reader
 from ..rows.part import Part
+from .account import Shortfall, shortfalls
 from .record import Record, Stop
 
 #: How far x may be from a bound and still count as on it, in units of 1 + |x|.
@@ -89,6 +90,7 @@ class Log:
         self.checked_t: list[float] = []
         self.certified = 0
         self.ranks: list[list[int]] = []
+        self.shortfalls: list[tuple[Shortfall, ...]] = []
         q, v = first.q[None], first.v[None]
         self._torque = _asked_at_once(inverse_dynamics(controller.robot), "inverse_dynamics", (q, v, v), (1, nv))
         self._manipulability = _asked_at_once(manipulability(controller.robot), "manipulability", (q,), (1,))
@@ -116,6 +118,7 @@ class Log:
         self.certified += bool(passed)
         ranks = [level.rank for level in solution.levels]
         self.ranks.append((ranks + [0] * self._levels)[: self._levels])
+        self.shortfalls.append(shortfalls(solution))
 
     def record(self, stopped: Stop | None) -> Record:
         """All of it, as far as it went."""
@@ -149,6 +152,8 @@ class Log:
             ranks=_frozen(np.array(self.ranks, dtype=np.int64).reshape(-1, self._levels)),
             certified=self.certified,
             stopped=stopped,
+            shortfalls=tuple(self.shortfalls),
+            robot=self._controller.robot,
         )
 
 
