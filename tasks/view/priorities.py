@@ -5,11 +5,11 @@ from __future__ import annotations
 from functools import reduce
 from operator import add
 
-from hqp import DampingRule, InvalidInput
+from hqp import InvalidInput
 
 from ..rows.damped import Damped
 from ..rows.part import Part
-from ..rows.stack import Stack
+from ..rows.stack import Rule, Stack
 
 
 class Priorities:
@@ -101,6 +101,6 @@ def level_name(parts: tuple[Part, ...]) -> str:
     return " + ".join(part.name for part in parts)
 
 
-def _level(parts: tuple[Part, ...], rule: DampingRule | None) -> Part | Stack:
+def _level(parts: tuple[Part, ...], rule: Rule) -> Part | Stack:
     joined = reduce(add, parts[1:], parts[0])
-    return joined if rule is None else Damped(joined, rule)
+    return joined if rule is None else Damped(joined, rule or None)
