@@ -132,7 +132,7 @@ def test_a_planar_arm_at_its_edge_is_calm() -> None:
         for damping in ("curvature", None)
     )
     assert default.certified_share == 1.0
-    assert jerk(default) < 0.01 * jerk(strict)
+    assert jerk(default) < 0.04 * jerk(strict)
     assert np.linalg.norm(default.errors["position"][-100:]) < 1.2 * np.linalg.norm(strict.errors["position"][-100:])
 
 
