@@ -73,7 +73,7 @@ def telling(**attributes):
 
 
 def velocity(robot):
-    return Controller(robot, HELD >> PositionTask([0.5, 0.3], gain=2.0), dt=0.01)(Q, REST).v
+    return Controller(robot, HELD >> PositionTask([0.5, 0.3], gain=2.0), dt=0.01, damping=None)(Q, REST).v
 
 
 # What there is of them.
@@ -155,7 +155,7 @@ def test_configurations_on_a_manifold_are_integrated_and_told_apart_by_the_robot
     step = ask.difference(robot, start, np.array([6.2, 0.2, 0.1]))
     np.testing.assert_allclose(step, [6.1 - 2.0 * np.pi, 0.0, 2.0 * np.pi - 6.1], atol=1e-12)
     stack = HELD >> PostureTask([6.2, 0.2, 0.1], gain=2.0)
-    record = simulate(Controller(robot, stack, dt=0.01), start, duration=4.0)
+    record = simulate(Controller(robot, stack, dt=0.01, damping=None), start, duration=4.0)
     np.testing.assert_allclose(record.q[-1], [6.2, 0.2, 0.1], atol=2e-3)
     assert np.abs(np.diff(record.q[:, 0])).max() > 6.0  # across zero, the short way
 
@@ -172,7 +172,7 @@ def test_joints_go_by_their_names():
     labels = JointVelocityLimit(1.0).labels(ask.as_robot(robot), "velocity")
     assert [(label.row, label.unit) for label in labels] == [("a", "rad/s"), ("b", "rad/s"), ("lift", "m/s")]
     with pytest.raises(InvalidInput, match="did you mean 'lift'"):
-        Controller(robot, PostureTask([0.1], joints=["lift "], gain=1.0))
+        Controller(robot, PostureTask([0.1], joints=["lift "], gain=1.0), damping=None)
 
 
 def test_frames_that_are_none_are_refused_where_they_are_listed():
@@ -182,7 +182,7 @@ def test_frames_that_are_none_are_refused_where_they_are_listed():
         ask.check_frame(listed, "link", "frame")
     ask.check_frame(with_(frame_names=["tip"], has_frame=lambda name: name == "body:tip"), "body:tip", "frame")
     with pytest.raises(InvalidInput, match="has no tip"):
-        Controller(with_(tip=None), PositionTask([0.5, 0.3], gain=1.0))
+        Controller(with_(tip=None), PositionTask([0.5, 0.3], gain=1.0), damping=None)
 
 
 @pytest.mark.parametrize("quantity", ["velocity", "acceleration", "torque"])
@@ -193,7 +193,12 @@ def test_limits_of_its_own_count_one_by_one(quantity):
     assert all(ask.limit_of(robot, other) is None for other in others)
     if quantity == "velocity":
         assert (
-            np.abs(Controller(robot, JointLimits() >> PositionTask([-9.0, 9.0], gain=9.0), dt=0.1)(Q, REST).v[0]) <= 1.0
+            np.abs(
+                Controller(robot, JointLimits() >> PositionTask([-9.0, 9.0], gain=9.0), dt=0.1, damping=None)(
+                    Q, REST
+                ).v[0]
+            )
+            <= 1.0
         )
 
 
@@ -206,13 +211,13 @@ def test_a_range_of_its_own_is_kept():
 def test_a_mass_matrix_and_a_bias_are_asked_for_apart():
     inertial = with_(mass_matrix=ARM.mass_matrix)
     assert ask.abilities(inertial) == {able.Inertial}
-    assert Controller(inertial, HELD >> KineticEnergyTask(), dt=0.01)(Q, REST).ok
+    assert Controller(inertial, HELD >> KineticEnergyTask(), dt=0.01, damping=None)(Q, REST).ok
     ask.check_mass_matrix(inertial, "energy")
     with pytest.raises(InvalidInput, match=r"no bias"):
-        Controller(inertial, JointTorqueLimit(9.0), order="acceleration", dt=0.01)
+        Controller(inertial, JointTorqueLimit(9.0), order="acceleration", dt=0.01, damping=None)
     dynamic = with_(mass_matrix=ARM.mass_matrix, bias=ARM.bias)
     ask.check_dynamics(dynamic, "torque")
-    assert Controller(dynamic, MinimumTorqueTask(), order="acceleration", dt=0.01)(Q, REST).ok
+    assert Controller(dynamic, MinimumTorqueTask(), order="acceleration", dt=0.01, damping=None)(Q, REST).ok
     with pytest.raises(InvalidInput, match=r"bias\(q, v\) of Bare\(\) gives shape \(2,\); it must be \(3,\)"):
         ask.check_dynamics(with_(mass_matrix=ARM.mass_matrix, bias=lambda q, v: np.zeros(2)), "torque")
     with pytest.raises(InvalidInput, match=r"torque: takes .* has no mass_matrix\(q\)"):
@@ -221,7 +226,9 @@ def test_a_mass_matrix_and_a_bias_are_asked_for_apart():
 
 def test_records_tell_what_the_robot_tells():
     robot = with_(inverse_dynamics=ARM.inverse_dynamics, manipulability=ARM.manipulability)
-    record = simulate(Controller(robot, HELD >> PositionTask([0.5, 0.3], gain=2.0), dt=0.01), Q, duration=0.05)
+    record = simulate(
+        Controller(robot, HELD >> PositionTask([0.5, 0.3], gain=2.0), dt=0.01, damping=None), Q, duration=0.05
+    )
     np.testing.assert_allclose(record.manipulability, ARM.manipulability(record.q))
     np.testing.assert_allclose(record.tau, ARM.inverse_dynamics(record.q[:-1], record.v[:-1], record.a))
 
@@ -244,7 +251,7 @@ def test_a_shared_workspace_is_guarded_and_looks_at_configurations():
             return ARM.at(q, v)
 
     robot = Shared()
-    controller = Controller(robot, HELD >> PositionTask([0.5, 0.3], gain=2.0), dt=0.01)
+    controller = Controller(robot, HELD >> PositionTask([0.5, 0.3], gain=2.0), dt=0.01, damping=None)
     assert controller(Q, REST).ok
     assert controller(Q + 1.0, REST).solution.message == "beyond one turn"
     with robot.guard, pytest.raises(Exception, match="the workspace is at work for another thread"):
@@ -274,7 +281,7 @@ def test_a_state_tells_its_centre_of_mass():
     place = FixedFrame(np.array([0.1, 0.2, 0.3]), np.eye(3), J, np.zeros((3, 3)), np.zeros(3), np.zeros(3))
     assert ask.center_of_mass(telling().at(Q, REST)) is None
     robot = telling(center_of_mass=place)
-    step = Controller(robot, HELD >> CenterOfMassTask([0.2, 0.2, 0.3], gain=2.0), dt=0.01)(Q, REST)
+    step = Controller(robot, HELD >> CenterOfMassTask([0.2, 0.2, 0.3], gain=2.0), dt=0.01, damping=None)(Q, REST)
     np.testing.assert_allclose(step.v, [0.2, 0.0, 0.0], atol=1e-12)
 
 
@@ -299,7 +306,9 @@ def test_a_state_tells_its_centre_of_mass():
 def test_names_that_mean_nothing_here_change_nothing(attributes):
     robot = with_(**attributes)
     np.testing.assert_allclose(velocity(robot), velocity(ARM), atol=1e-12)
-    record = simulate(Controller(robot, HELD >> PositionTask([0.5, 0.3], gain=2.0), dt=0.01), Q, duration=0.02)
+    record = simulate(
+        Controller(robot, HELD >> PositionTask([0.5, 0.3], gain=2.0), dt=0.01, damping=None), Q, duration=0.02
+    )
     assert record.stopped is None
     with pytest.raises(InvalidInput):
         skeleton(robot, Q)
@@ -362,7 +371,7 @@ def test_a_namesake_is_refused_by_its_name(attributes, message):
     robot = with_(**attributes)
     for refuse in (
         lambda: ask.as_robot(robot),
-        lambda: Controller(robot, HELD, dt=0.01),
+        lambda: Controller(robot, HELD, dt=0.01, damping=None),
         lambda: Stack(HELD).build(robot, "velocity", 0.01),
         lambda: solve_ik(robot, PositionTask([0.5, 0.3], gain=1.0)),
     ):

@@ -124,13 +124,13 @@ def test_limits_beside_the_merged_ones_have_their_say() -> None:
     stack = JointLimits() >> JointVelocityLimit(0.1) >> PositionTask([0.4, 0.2, 0.4], gain=2.0)
     level = stack.build(robot, "velocity", DT).fill(robot.at(robot.home, np.zeros(6)), 0.0).levels[1]
     np.testing.assert_array_equal(level.upper, 0.1)
-    assert Controller(robot, stack, dt=DT)(robot.home, np.zeros(6)).ok
+    assert Controller(robot, stack, dt=DT, damping=None)(robot.home, np.zeros(6)).ok
 
 
 @pytest.mark.parametrize("where", ["q", "v", "t", "target"])
 def test_numbers_that_mean_nothing_are_a_status(where: str) -> None:
     robot, hand = load_robot("ur5"), Setpoint([0.4, 0.2, 0.4])
-    controller = Controller(robot, JointLimits() >> PositionTask(hand, gain=2.0), dt=DT)
+    controller = Controller(robot, JointLimits() >> PositionTask(hand, gain=2.0), dt=DT, damping=None)
     q, v, t = np.array(robot.home), np.zeros(6), 0.0
     assert controller(q, v, t).ok
     if where == "q":

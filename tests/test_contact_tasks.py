@@ -35,7 +35,7 @@ GRAVITY = 9.81
 
 def stepped(scene: Scene, task, seed: int = 0):
     """One step of a stack with this task below the limits, at a state near that of standing."""
-    controller = Controller(scene.robot, scene.limits >> task >> scene.rest(), order="torque", dt=DT)
+    controller = Controller(scene.robot, scene.limits >> task >> scene.rest(), order="torque", dt=DT, damping=None)
     q, v = moved(scene, seed, 0.05) if seed else (scene.q, scene.v)
     step = controller(q, v)
     assert step.ok
@@ -100,9 +100,13 @@ def test_torques_have_their_values() -> None:
     _, _, step = stepped(scene, TorqueTask(wanted, weight=weight))
     assert np.isclose(step.tau[12], 3.0)
     least = Controller(
-        scene.robot, scene.limits >> TorqueTask() + MinimumMotionTask(1e-3, gain=5.0), order="torque", dt=DT
+        scene.robot,
+        scene.limits >> TorqueTask() + MinimumMotionTask(1e-3, gain=5.0),
+        order="torque",
+        dt=DT,
+        damping=None,
     )
-    other = Controller(scene.robot, scene.limits >> scene.rest(), order="torque", dt=DT)
+    other = Controller(scene.robot, scene.limits >> scene.rest(), order="torque", dt=DT, damping=None)
     norms = [np.linalg.norm(controller(scene.q, scene.v).tau) for controller in (least, other)]
     assert norms[0] < norms[1]
 
@@ -137,7 +141,7 @@ def test_with_the_support_polygon_a_robot_stands(way) -> None:
     target = scene.com + np.array([*way, 0.0])
     reach = CenterOfMassTask(target[:2], mask="xy", gain=4.0)
     stack = scene.limits >> SupportLimit(0.01) >> reach >> scene.rest()
-    controller, q, v = Controller(scene.robot, stack, order="torque", dt=4e-3), scene.q, scene.v
+    controller, q, v = Controller(scene.robot, stack, order="torque", dt=4e-3, damping=None), scene.q, scene.v
     for k in range(750):
         step = controller(q, v, 4e-3 * k)
         assert step.ok or step.solution.certify().ok  # a tick in a thousand stalls at the optimum, and says so
@@ -165,7 +169,7 @@ def test_a_support_that_is_a_point_or_a_line(points: int) -> None:
     place = {"centre": (0.0, 0.0, -0.03)} if points == 1 else {"line": 0.1, "centre": (0.0, 0.0, -0.03)}
     foot = Contact(FEET[0], friction=0.6, name="left", **place)
     stack = Dynamics() + foot >> SupportLimit() >> PostureTask(scene.q, gain=4.0)
-    controller = Controller(scene.robot, stack, order="torque", dt=DT)
+    controller = Controller(scene.robot, stack, order="torque", dt=DT, damping=None)
     step = controller(scene.q, scene.v)
     assert step.ok
     rows = controller.hierarchy.levels[3]
@@ -197,7 +201,7 @@ def test_a_quadruped_lifts_a_leg_by_a_trajectory() -> None:
     up = OrientationTask(state.frame("base").rotation, frame="base", gain=10.0)
     tasks = CenterOfMassTask(com, gain=5.0) + up + lift
     stack = stand >> JointTorqueLimit() + JointLimits() >> tasks >> PostureTask(q, gain=5.0) + ForceTask(weight=1e-2)
-    controller, start = Controller(robot, stack, order="torque", dt=DT), swing(0.0)[0].copy()
+    controller, start = Controller(robot, stack, order="torque", dt=DT, damping=None), swing(0.0)[0].copy()
     for k in range(1200):
         if k == 700:
             controller.release("FL", 0.1)
@@ -225,10 +229,10 @@ def test_refuses_what_has_no_forces_or_no_contact() -> None:
         (Dynamics() + foot >> TorqueTask(np.zeros(3)), "target has shape"),
     ):
         with pytest.raises(ValueError, match=named):
-            Controller(robot, stack >> PostureTask(q, gain=1.0), order="torque", dt=DT)
+            Controller(robot, stack >> PostureTask(q, gain=1.0), order="torque", dt=DT, damping=None)
     with pytest.raises(ValueError, match="contacts have forces at torque"):
-        Controller(robot, foot >> ForceTask(), dt=DT)
+        Controller(robot, foot >> ForceTask(), dt=DT, damping=None)
     with pytest.raises(ValueError, match="kind = 'sideways'"):
         MomentumTask(kind="sideways", gain=1.0)
     with pytest.raises(ValueError, match="does not tell its momentum"):
-        Controller(PlanarArm([1.0, 1.0]), MomentumTask(gain=1.0))
+        Controller(PlanarArm([1.0, 1.0]), MomentumTask(gain=1.0), damping=None)

@@ -43,7 +43,7 @@ EXACT = 1e-9
 
 def controller_of(scene: Scene, stack: Stack | None = None) -> Controller:
     wanted = scene.limits >> CenterOfMassTask(scene.com, gain=5.0) >> scene.rest() if stack is None else stack
-    return Controller(scene.robot, wanted, order="torque", dt=DT)
+    return Controller(scene.robot, wanted, order="torque", dt=DT, damping=None)
 
 
 def point_jacobian(robot, q, frame, point):
@@ -305,7 +305,7 @@ def test_a_surface_that_moves_takes_the_feet_along() -> None:
     controller = controller_of(scene, scene.limits >> scene.rest())
     q, v, dt = scene.q, scene.v, 5e-4
     start = scene.robot.at(q, v).frame(FEET[0]).position.copy()
-    controller = Controller(scene.robot, controller.stack, order="torque", dt=dt)
+    controller = Controller(scene.robot, controller.stack, order="torque", dt=dt, damping=None)
     for k in range(400):
         step = controller(q, v, k * dt)
         assert step.ok
@@ -365,7 +365,7 @@ def test_at_velocity_order_a_contact_is_its_motion_alone() -> None:
     scene = humanoid()
     com = scene.com + np.array([0.02, 0.03, -0.02])
     stack = scene.feet[0] + scene.feet[1] >> JointLimits() >> CenterOfMassTask(com, gain=5.0)
-    controller, q, v = Controller(scene.robot, stack, dt=0.005), scene.q, scene.v
+    controller, q, v = Controller(scene.robot, stack, dt=0.005, damping=None), scene.q, scene.v
     for k in range(400):
         step = controller(q, v, 0.005 * k)
         q, v = scene.robot.integrate(q, 0.005 * step.v), step.v
@@ -385,7 +385,7 @@ def test_at_velocity_order_a_foot_is_released_and_made() -> None:
     start = scene.robot.at(scene.q, scene.v).frame(FEET[1]).position.copy()
     lift = PositionTask(start + np.array([0.0, 0.0, 0.05]), frame=FEET[1], gain=5.0)
     stack = left + right >> JointLimits() >> lift
-    controller, q, v, heights = Controller(scene.robot, stack, dt=0.005), scene.q, scene.v, []
+    controller, q, v, heights = Controller(scene.robot, stack, dt=0.005, damping=None), scene.q, scene.v, []
     for k in range(600):
         if k in (100, 400):
             (controller.release if k == 100 else controller.make)("right", 0.2)
@@ -417,7 +417,11 @@ def test_a_hand_presses_a_table() -> None:
     press = ForceTask([20.0], contact=hand)
     rest = PostureTask(robot.home, gain=4.0) + ForceTask(weight=1e-3)
     stack = Dynamics() + hand >> JointTorqueLimit() + JointLimits() >> press >> rest
-    controller, q, v = Controller(robot, stack, order="torque", dt=DT), np.array(robot.home), np.zeros(robot.nv)
+    controller, q, v = (
+        Controller(robot, stack, order="torque", dt=DT, damping=None),
+        np.array(robot.home),
+        np.zeros(robot.nv),
+    )
     for k in range(100):
         step = controller(q, v, k * DT)
         assert step.ok
@@ -508,7 +512,7 @@ def test_what_is_no_number_gives_no_torque() -> None:
 
 def test_an_ordinary_stack_has_one_block() -> None:
     robot = load_robot("panda")
-    controller = Controller(robot, JointLimits() >> PostureTask(robot.home, gain=1.0), dt=0.01)
+    controller = Controller(robot, JointLimits() >> PostureTask(robot.home, gain=1.0), dt=0.01, damping=None)
     assert controller._rows.unknowns.n == controller.hierarchy.n == robot.nv
     assert controller._rows.stack is controller.stack
     assert controller(robot.home, np.zeros(robot.nv)).forces is None
@@ -577,9 +581,9 @@ def test_refuses_stacks_and_robots_that_do_not_fit() -> None:
     }
     for named, (on, stack) in cases.items():
         with pytest.raises(ValueError, match=named):
-            Controller(on, stack, order="torque", dt=DT)
+            Controller(on, stack, order="torque", dt=DT, damping=None)
     with pytest.raises(ValueError, match="velocities tell no forces"):
-        Controller(robot, Dynamics() + left >> posture, dt=DT)
+        Controller(robot, Dynamics() + left >> posture, dt=DT, damping=None)
     controller = controller_of(scene)
     for act, named in (
         (lambda: controller.release("lefft"), "did you mean 'left'"),
@@ -594,7 +598,9 @@ def test_refuses_stacks_and_robots_that_do_not_fit() -> None:
 
 def test_a_robot_without_contacts_is_said_to_fall(caplog: pytest.LogCaptureFixture) -> None:
     scene = humanoid()
-    controller = Controller(scene.robot, Dynamics() >> PostureTask(scene.q, gain=4.0), order="torque", dt=DT)
+    controller = Controller(
+        scene.robot, Dynamics() >> PostureTask(scene.q, gain=4.0), order="torque", dt=DT, damping=None
+    )
     assert "it falls" in caplog.text
     step = controller(scene.q, scene.v)
     assert np.allclose(scene.robot.at(scene.q, scene.v).center_of_mass.linear @ step.a, [0.0, 0.0, -9.81], atol=1e-6)

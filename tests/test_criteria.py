@@ -104,7 +104,7 @@ def test_the_law(robot, name, order):
     task = criteria(robot)[name]
     K, sign = task.gain, -1.0 if name == "centring" else 1.0
     q, v = next(states(robot))
-    x = Controller(robot, task, order=order)(q, v).solution.x
+    x = Controller(robot, task, order=order, damping=None)(q, v).solution.x
     climb = sign * task.gradient(robot, q)
     own = task.variables(robot)
     np.testing.assert_allclose(x[own], (K * climb if order == "velocity" else K**2 * climb - 2 * K * v)[own], atol=1e-9)
@@ -120,7 +120,7 @@ def test_it_improves_while_the_tip_stands_still(which, name, spatial):
     above = PositionTask(frame.position[: 2 if which in ARMS else 3], gain=1e3)
     below = criteria(robot)[name]
     below.gain = 1e-2 / np.linalg.norm(below.gradient(robot, q))  # [rad/s], at first
-    record = simulate(Controller(robot, above >> below, dt=1e-3), q, duration=0.1)
+    record = simulate(Controller(robot, above >> below, dt=1e-3, damping=None), q, duration=0.1)
     assert np.linalg.norm(record.errors["position"], axis=1).max() < 1e-9
     values = np.array([below.value(robot, q) for q in record.q])
     gained = np.diff(values) if name != "centring" else -np.diff(values)
@@ -140,7 +140,7 @@ def test_a_floating_base_is_left_alone(spatial):
         ends = [task.value(g1, g1.integrate(q, side)) for side in (step, -step)]
         slope = task.gradient(g1, q)
         assert slope @ step == pytest.approx((ends[0] - ends[1]) / 2.0, rel=1e-3)  # the base moves neither
-        x = Controller(g1, task)(q, np.zeros(g1.nv)).solution.x
+        x = Controller(g1, task, damping=None)(q, np.zeros(g1.nv)).solution.x
         np.testing.assert_allclose(x, (1.0 if not task.descend else -1.0) * slope, atol=1e-8)
 
 
@@ -166,7 +166,7 @@ def test_joints_without_range_have_no_row():
     np.testing.assert_allclose(task.gradient(arm, np.array([1.0, 9.0, 1.0])), [0.5 / 2.25, 0.0, 0.0])
     assert task.value(arm, np.array([2.0, 9.0, -1.0])) == pytest.approx(1.0)
     last = JointCentringTask(gain=1.0) >> PostureTask([0.0, 0.7, 0.0], gain=1.0)
-    x = Controller(arm, last)([0.5, 0.0, 1.0], np.zeros(3)).solution.x
+    x = Controller(arm, last, damping=None)([0.5, 0.0, 1.0], np.zeros(3)).solution.x
     np.testing.assert_allclose(x, [0.0, 0.7, 0.0], atol=1e-12)
 
 
@@ -180,8 +180,8 @@ def weighted(J, h, W, x0):
 def test_least_motion_is_the_weighted_pseudoinverse(robot, order):
     weight = np.linspace(0.5, 2.0, robot.nv)
     for q, v in states(robot):
-        controller = Controller(robot, tip(robot) >> MinimumMotionTask(weight, gain=3.0), order=order)
-        energy = Controller(robot, tip(robot) >> KineticEnergyTask(gain=3.0), order=order)
+        controller = Controller(robot, tip(robot) >> MinimumMotionTask(weight, gain=3.0), order=order, damping=None)
+        energy = Controller(robot, tip(robot) >> KineticEnergyTask(gain=3.0), order=order, damping=None)
         x = controller(q, v).solution.x
         J, h = controller.hierarchy.levels[0].A, controller.hierarchy.levels[0].lower
         rest = np.zeros(robot.nv) if order == "velocity" else -3.0 * v
@@ -195,7 +195,7 @@ def test_least_torque_is_the_weighted_pseudoinverse(robot, ranged):
     task = MinimumTorqueTask(torque_range=(low, high) if ranged else None)
     middle, half = ((low + high) / 2.0, (high - low) / 2.0) if ranged else (0.0, np.ones(robot.nv))
     for q, v in states(robot):
-        controller = Controller(robot, tip(robot) >> task, order="acceleration", torque=True)
+        controller = Controller(robot, tip(robot) >> task, order="acceleration", torque=True, damping=None)
         step = controller(q, v)
         J, h = controller.hierarchy.levels[0].A, controller.hierarchy.levels[0].lower
         M = robot.mass_matrix(q)
@@ -215,7 +215,7 @@ def test_a_balance_of_torque_and_motion():
     arm = ARMS["3R"]
     q, v = np.array([0.4, 0.8, -0.3]), np.array([0.2, 0.5, -1.0])
     stack = tip(arm) >> MinimumTorqueTask() + MinimumMotionTask(0.3, gain=4.0)
-    controller = Controller(arm, stack, order="acceleration")
+    controller = Controller(arm, stack, order="acceleration", damping=None)
     x = controller(q, v).solution.x
     J, h = controller.hierarchy.levels[0].A, controller.hierarchy.levels[0].lower
     M, b = arm.mass_matrix(q), arm.bias(q, v)
@@ -267,8 +267,8 @@ def test_what_is_not_finite_is_for_the_solver_to_report(robot):
     parts = [*criteria(robot).values(), KineticEnergyTask()]
     q = np.full(robot.nq, np.nan)
     for part in parts:
-        assert not Controller(robot, part)(q, np.zeros(robot.nv)).ok
-    assert not Controller(robot, MinimumTorqueTask(), order="acceleration")(q, np.zeros(robot.nv)).ok
+        assert not Controller(robot, part, damping=None)(q, np.zeros(robot.nv)).ok
+    assert not Controller(robot, MinimumTorqueTask(), order="acceleration", damping=None)(q, np.zeros(robot.nv)).ok
 
 
 class Bare:
@@ -294,28 +294,49 @@ def test_refusals_name_the_task(spatial):
     for wrong, message in (
         (lambda: JointCentringTask(gain=0.0), "JointCentringTask 'jointcentring': gain = 0.0 1/s must be positive"),
         (
-            lambda: Controller(Bare(), JointCentringTask(gain=1.0)),
+            lambda: Controller(Bare(), JointCentringTask(gain=1.0), damping=None),
             "'jointcentring': takes a robot with position limits",
         ),
         (lambda: DynamicManipulabilityTask(3, gain=1.0), "DynamicManipulabilityTask takes a Task, not a int"),
         (
-            lambda: Controller(Bare(), DynamicManipulabilityTask(task, gain=1.0)),
+            lambda: Controller(Bare(), DynamicManipulabilityTask(task, gain=1.0), damping=None),
             "'dynamic manipulability of position': takes a robot that has mass_matrix",
         ),
-        (lambda: Controller(g1, DynamicManipulabilityTask(hand, gain=1.0)), "takes a robot with a fixed base"),
+        (
+            lambda: Controller(g1, DynamicManipulabilityTask(hand, gain=1.0), damping=None),
+            "takes a robot with a fixed base",
+        ),
         (lambda: VelocityRatioTask(task, [0.0, 0.0], gain=1.0), "'velocity ratio of position': direction = .* zero"),
         (lambda: VelocityRatioTask(task, [0.0, np.inf], gain=1.0), "direction.* must be finite"),
-        (lambda: Controller(arm, VelocityRatioTask(task, [1.0], gain=1.0)), r"direction has shape \(1,\).* \(2,\)"),
+        (
+            lambda: Controller(arm, VelocityRatioTask(task, [1.0], gain=1.0), damping=None),
+            r"direction has shape \(1,\).* \(2,\)",
+        ),
         (lambda: MinimumMotionTask(-1.0), "MinimumMotionTask 'minimum motion': weight"),
-        (lambda: Controller(arm, MinimumMotionTask(), order="acceleration"), "'minimum motion': gain = None"),
-        (lambda: Controller(arm, MinimumMotionTask([1.0, 2.0])), r"weight has shape \(2,\)"),
-        (lambda: Controller(arm, KineticEnergyTask(), order="acceleration"), "'kinetic energy': gain = None"),
-        (lambda: Controller(Bare(), KineticEnergyTask()), "'kinetic energy': takes a robot that has mass_matrix"),
-        (lambda: Controller(massless, DynamicManipulabilityTask(task, gain=1.0)), "positive definite mass matrix"),
-        (lambda: Controller(massless, KineticEnergyTask()), "takes a positive definite mass matrix"),
-        (lambda: Controller(arm, MinimumTorqueTask()), "'minimum torque': order = 'velocity'"),
-        (lambda: Controller(Bare(), MinimumTorqueTask(), order="acceleration"), "that has mass_matrix"),
-        (lambda: Controller(g1, MinimumTorqueTask(), order="acceleration"), "takes a robot with a fixed base"),
+        (
+            lambda: Controller(arm, MinimumMotionTask(), order="acceleration", damping=None),
+            "'minimum motion': gain = None",
+        ),
+        (lambda: Controller(arm, MinimumMotionTask([1.0, 2.0]), damping=None), r"weight has shape \(2,\)"),
+        (
+            lambda: Controller(arm, KineticEnergyTask(), order="acceleration", damping=None),
+            "'kinetic energy': gain = None",
+        ),
+        (
+            lambda: Controller(Bare(), KineticEnergyTask(), damping=None),
+            "'kinetic energy': takes a robot that has mass_matrix",
+        ),
+        (
+            lambda: Controller(massless, DynamicManipulabilityTask(task, gain=1.0), damping=None),
+            "positive definite mass matrix",
+        ),
+        (lambda: Controller(massless, KineticEnergyTask(), damping=None), "takes a positive definite mass matrix"),
+        (lambda: Controller(arm, MinimumTorqueTask(), damping=None), "'minimum torque': order = 'velocity'"),
+        (lambda: Controller(Bare(), MinimumTorqueTask(), order="acceleration", damping=None), "that has mass_matrix"),
+        (
+            lambda: Controller(g1, MinimumTorqueTask(), order="acceleration", damping=None),
+            "takes a robot with a fixed base",
+        ),
         (lambda: MinimumTorqueTask(torque_range=5.0), "torque range = 5.0 must be a pair"),
         (lambda: MinimumTorqueTask(torque_range=(1.0, 1.0)), "the lowest must be below the highest"),
         (
@@ -324,7 +345,9 @@ def test_refusals_name_the_task(spatial):
         ),
         (lambda: MinimumTorqueTask(torque_range=(-np.inf, 1.0)), "torque range.* must be finite"),
         (
-            lambda: Controller(arm, MinimumTorqueTask(torque_range=([-1, -1], [1, 1])), order="acceleration"),
+            lambda: Controller(
+                arm, MinimumTorqueTask(torque_range=([-1, -1], [1, 1])), order="acceleration", damping=None
+            ),
             r"shape \(2,\)",
         ),
     ):

@@ -140,7 +140,7 @@ def test_where_it_points_there_is_nothing_left_to_turn(make):
 
 def test_a_direction_that_vanishes_on_its_way_is_reported_by_the_solver():
     task = AxisTask(lambda t: (np.array([0.0, 0.0, t - 1.0]), np.array([0.0, 0.0, 1.0]), np.zeros(3)), gain=1.0)
-    controller = Controller(PANDA, task, dt=0.01)
+    controller = Controller(PANDA, task, dt=0.01, damping=None)
     assert controller(PANDA.home, np.zeros(7), 0.5).ok
     assert not controller(PANDA.home, np.zeros(7), 1.0).ok
 
@@ -218,7 +218,7 @@ class Round:
 
 def test_a_robot_of_ones_own_tells_the_way_of_its_joints():
     posture = PostureTask([3.0, 0.0], gain=1.0)
-    x = Controller(Round(), posture, dt=0.01)([-3.0, 0.5], [0.0, 0.0]).v
+    x = Controller(Round(), posture, dt=0.01, damping=None)([-3.0, 0.5], [0.0, 0.0]).v
     np.testing.assert_allclose(x, [6.0 - 2.0 * np.pi, -0.5], atol=1e-12)
 
 
@@ -254,7 +254,7 @@ def test_both_names_of_a_target_are_one():
 
 def test_a_coupling_takes_other_factors_of_the_same_joints():
     task = JointCouplingTask({"panda_joint2": 1.0, "panda_joint4": -1.0}, gain=1.0)
-    controller = Controller(PANDA, task, dt=0.01)
+    controller = Controller(PANDA, task, dt=0.01, damping=None)
     task.factors = {"panda_joint2": 0.0, "panda_joint4": 2.0}
     assert controller(PANDA.home, np.zeros(7)).v[3] == pytest.approx(-PANDA.home[3])
     assert task.factors == {"panda_joint2": 0.0, "panda_joint4": 2.0}

@@ -41,7 +41,7 @@ def panda():
 
 def run(stack, order, duration=1.5, dt=0.01, q=None, certify=25):
     record = simulate(
-        Controller(panda(), stack, order=order, dt=dt),
+        Controller(panda(), stack, order=order, dt=dt, damping=None),
         panda().home if q is None else q,
         duration=duration,
         certify=certify,
@@ -257,7 +257,9 @@ def test_a_box_in_the_plane(order):
     arm = PlanarArm([0.5, 0.4, 0.3], acceleration_limit=20.0)
     box = BoxLimit([0.1, 0.0], [0.6, 0.9], gain=5.0)
     tasks = JointVelocityLimit(2.0) >> box >> PositionTask([1.0, 0.2], gain=3.0)
-    record = simulate(Controller(arm, tasks, order=order, dt=0.01), [0.4, 0.9, 0.6], duration=2.0, certify=20)
+    record = simulate(
+        Controller(arm, tasks, order=order, dt=0.01, damping=None), [0.4, 0.9, 0.6], duration=2.0, certify=20
+    )
     assert record.stopped is None
     assert record.certified_share == 1.0
     assert (record.pose[:, 0] - 0.6).max() <= KEPT

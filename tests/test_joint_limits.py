@@ -60,7 +60,7 @@ def test_the_same_motion_as_each_by_itself(name, order, accelerates):
     for target in TARGETS[name]:
         tasks = target >> PostureTask(q0 - 1.0, gain=2.0)
         one, three = (
-            simulate(Controller(arm, limits >> tasks, order=order, dt=0.01), q0, duration=2.0, certify=20)
+            simulate(Controller(arm, limits >> tasks, order=order, dt=0.01, damping=None), q0, duration=2.0, certify=20)
             for limits in (JointLimits(), each(accelerates))
         )
         assert one.stopped is None
@@ -86,7 +86,7 @@ def test_the_same_bounds_from_any_state():
 
 def causes(limits, arm, q, v, target, order="velocity", dt=0.01):
     """What holds back a posture, of each joint that is held: side and name of the limit."""
-    solution = Controller(arm, limits >> PostureTask(target, gain=5.0), order=order, dt=dt)(q, v).solution
+    solution = Controller(arm, limits >> PostureTask(target, gain=5.0), order=order, dt=dt, damping=None)(q, v).solution
     assert solution.certify().ok
     return {cause.row: (cause.side, cause.part) for cause in solution.explain().levels[1].causes}
 
@@ -144,7 +144,7 @@ def test_a_limit_that_is_not_there_is_not_named():
 
 def test_in_words():
     arm = robot("planar", False)
-    controller = Controller(arm, JointLimits() >> PostureTask([1.4, 0.0, 0.0], gain=5.0), dt=0.01)
+    controller = Controller(arm, JointLimits() >> PostureTask([1.4, 0.0, 0.0], gain=5.0), dt=0.01, damping=None)
     text = str(controller([0.0] * 3, [0.0] * 3).solution.explain())
     assert "joint limits met" in text
     assert "posture short by 6 rad/s: joint 0 velocity limit (upper)" in text
@@ -157,7 +157,11 @@ def test_it_counts_where_the_limits_it_stands_for_count(order):
     together = JointLimits(JointVelocityLimit(), JointAccelerationLimit(10.0)) >> JointPositionLimit()
     apart = JointVelocityLimit() + JointAccelerationLimit(10.0) >> JointPositionLimit()
     runs = [
-        simulate(Controller(arm, limits >> TARGETS["planar"][1], order=order, dt=0.01), STARTS["planar"], duration=1.5)
+        simulate(
+            Controller(arm, limits >> TARGETS["planar"][1], order=order, dt=0.01, damping=None),
+            STARTS["planar"],
+            duration=1.5,
+        )
         for limits in (together, apart)
     ]
     np.testing.assert_allclose(runs[0].q, runs[1].q, rtol=0.0, atol=1e-9)

@@ -161,7 +161,7 @@ def test_what_is_no_number_is_in_the_bounds(where: str, order: Any) -> None:
     hierarchy = limits.build(arm, order, DT).fill(arm.at(q, v), 0.0)
     assert np.isnan(hierarchy.lower.reshape(2, 3)[:, 1]).all()
     assert not np.isnan(hierarchy.lower.reshape(2, 3)[:, [0, 2]]).any()
-    assert not Controller(arm, limits >> PostureTask(np.zeros(3), gain=1.0), order=order, dt=DT)(q, v).ok
+    assert not Controller(arm, limits >> PostureTask(np.zeros(3), gain=1.0), order=order, dt=DT, damping=None)(q, v).ok
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -293,7 +293,7 @@ def test_limits_of_a_robot_that_is_not_live_are_looked_at(how: str) -> None:
 def test_which_limit_a_bound_is_follows_its_number() -> None:
     limit = JointVelocityLimit(1.0)
     stack = JointLimits(JointPositionLimit(-9.0, 9.0), limit) >> PostureTask([5.0] * 3, gain=5.0)
-    controller = Controller(robot("planar"), stack, dt=DT)
+    controller = Controller(robot("planar"), stack, dt=DT, damping=None)
     label = controller.hierarchy.levels[0].labels[0]
     assert (label.part_at(Side.UPPER, 1.0), label.part_at(Side.UPPER, 0.4)) == ("velocity limit", "position limit")
     kept = pickle.loads(pickle.dumps(label))
@@ -321,14 +321,14 @@ def test_a_subclass_says_what_it_limits_and_the_loop_writes_it() -> None:
     )
     for part in Own(), JointLimits(Own()):
         with pytest.raises(InvalidInput, match=r"never calls write\(\); define ends\(robot\)"):
-            Controller(arm, part, dt=DT)
+            Controller(arm, part, dt=DT, damping=None)
 
 
 def test_a_record_tells_of_limits_as_they_were() -> None:
     """Torques that a limit held are at it, also where it was set anew on the way."""
     arm, limit = robot("planar"), JointTorqueLimit(9.0)
     stack = limit >> PositionTask([0.2, 0.9], gain=20.0)
-    controller = Controller(arm, stack, order="torque", dt=DT)
+    controller = Controller(arm, stack, order="torque", dt=DT, damping=None)
 
     def loosen(done: float) -> None:
         limit.limit = 9.0 if done < 0.5 else 6.0

@@ -54,14 +54,16 @@ def test_no_motion_exceeds_its_limits(order, gain):
     v_max, a_max, dt = np.array([0.6, 1.0, 1.2]), np.array([8.0, 9.0, 10.0]), 0.01
     tasks = PositionTask([1.5, 0.8], gain=gain) >> OrientationTask(2.0, gain=1.5 * gain)
     limits = JointVelocityLimit(v_max) + JointAccelerationLimit(a_max)
-    record = simulate(Controller(ARM, limits >> tasks, order=order, dt=dt), Q, duration=1.5, certify=1)
+    record = simulate(Controller(ARM, limits >> tasks, order=order, dt=dt, damping=None), Q, duration=1.5, certify=1)
     assert record.stopped is None
     assert np.all(np.abs(record.v) <= v_max + 1e-9)
     assert np.all(np.abs(record.a) <= a_max + 1e-9 / dt)
     assert np.abs(record.v).max(axis=0) == pytest.approx(v_max, abs=1e-9)  # and they are used to the full
     assert record.certified_share == 1.0
 
-    free = simulate(Controller(ARM, tasks, order=order, dt=dt, backend="pseudoinverse"), Q, duration=0.2, certify=0)
+    free = simulate(
+        Controller(ARM, tasks, order=order, dt=dt, backend="pseudoinverse", damping=None), Q, duration=0.2, certify=0
+    )
     assert free.diverged_at is not None or np.abs(free.v).max() > 2 * v_max.max()
 
 
@@ -89,7 +91,7 @@ def test_a_limit_without_a_number_is_the_robots_own():
 )
 def test_refuses_what_does_not_fit(part, order, dt, named):
     with pytest.raises(InvalidInput, match=named):
-        Controller(ARM, part, order=order, dt=dt)
+        Controller(ARM, part, order=order, dt=dt, damping=None)
 
 
 def test_position_bounds_far_from_the_limit_and_near():
@@ -184,7 +186,7 @@ def random_motion(seed, order):
     reach = rng.uniform(0.0, 1.5) * lengths.sum()
     stack = stack >> PositionTask([reach * np.cos(phi), reach * np.sin(phi)], gain=gain)
     below = [OrientationTask(phi, gain=gain), PostureTask(rng.uniform(-2.0, 2.0, n), gain=gain)]
-    return Controller(arm, stack >> below[rng.integers(2)], order=order, dt=dt), q, v
+    return Controller(arm, stack >> below[rng.integers(2)], order=order, dt=dt, damping=None), q, v
 
 
 def run(seed, order, duration):

@@ -56,7 +56,7 @@ def test_a_plain_name_means_the_link_and_the_joint_is_asked_for_by_kind(tmp_path
     assert np.linalg.norm(end.position - link.position) == pytest.approx(2.0)
     assert state.frame("joint:gripper").position == pytest.approx(state.frame("gripper").position)
     task = PositionTask([0.0, 0.0, 0.0], frame="joint:tip", gain=1.0)
-    assert Controller(robot, task, dt=0.01)([0.2, 0.3], [0.0, 0.0]).ok
+    assert Controller(robot, task, dt=0.01, damping=None)([0.2, 0.3], [0.0, 0.0]).ok
     with pytest.raises(InvalidInput, match=r"'joint:grip' is no frame of .*did you mean"):
         state.frame("joint:grip")
 
@@ -91,14 +91,18 @@ def test_a_joint_with_equal_ends_is_held_there(tmp_path, order):
     path = write(tmp_path, *chain({"lower": 0.4, "upper": 0.4}, {}, {}), links=4)
     robot = load_robot(path, tip="link3", acceleration_limit=20.0)
     goal = PositionTask([9.0, 9.0, 9.0], gain=1.0)
-    record = simulate(Controller(robot, JointLimits() >> goal, order=order, dt=0.01), robot.home, duration=0.5)
+    record = simulate(
+        Controller(robot, JointLimits() >> goal, order=order, dt=0.01, damping=None), robot.home, duration=0.5
+    )
     assert record.certified_share == 1.0
     np.testing.assert_allclose(record.q[:, 0], 0.4, atol=1e-9)
     assert np.abs(record.q[-1, 1:]).max() > 0.1
     assert solve_ik(robot, goal, restarts=False).q[0] == pytest.approx(0.4, abs=1e-9)
     same = load_robot(path, position_limit={"joint1": (0.2, 0.2), "joint2": (0, 0)})
     np.testing.assert_array_equal(same.position_limit, [[0.4, 0.2, 0.0]] * 2)
-    assert Controller(same, JointLimits() >> PostureTask([1, 1, 1.0], gain=1.0), dt=0.01)(same.home, np.zeros(3)).ok
+    assert Controller(same, JointLimits() >> PostureTask([1, 1, 1.0], gain=1.0), dt=0.01, damping=None)(
+        same.home, np.zeros(3)
+    ).ok
 
 
 def test_a_dict_changes_the_joints_that_it_names(tmp_path):
@@ -152,7 +156,7 @@ def test_a_range_without_a_position_is_refused_everywhere(tmp_path, kind):
     for refused in (
         lambda: load_robot(path, position_limit={own[0]: (-0.5, 0.5)}),
         lambda: load_robot(path, position_limit=(low, high)),
-        lambda: Controller(robot, JointPositionLimit(low, high), dt=0.01),
+        lambda: Controller(robot, JointPositionLimit(low, high), dt=0.01, damping=None),
         lambda: solve_ik(robot, JointPositionLimit(low, high) >> PositionTask([1, 1, 1.0], frame="link3", gain=1.0)),
     ):
         with pytest.raises(InvalidInput, match=said):
@@ -187,7 +191,13 @@ def test_bases(tmp_path):
     ):
         load_robot(path, floating_base=True, base="fixed")
     with pytest.raises(InvalidInput, match="has a planar base, which no joint torque drives"):
-        Controller(load_robot(path, base="planar", acceleration_limit=9.0), JointLimits(), order="torque", dt=0.01)
+        Controller(
+            load_robot(path, base="planar", acceleration_limit=9.0),
+            JointLimits(),
+            order="torque",
+            dt=0.01,
+            damping=None,
+        )
 
 
 @pytest.mark.parametrize("order", ["velocity", "acceleration"])
@@ -195,7 +205,9 @@ def test_a_planar_base_drives_and_keeps_its_limits(tmp_path, order):
     path = write(tmp_path, *chain({}, {}), links=3)
     robot = load_robot(path, base="planar", tip="link2", velocity_limit=1.5, acceleration_limit=10.0)
     stack = JointLimits() >> PositionTask([2.0, -1.0, 0.45], gain=2.0) >> PostureTask(robot.home, gain=1.0)
-    record = simulate(Controller(robot, stack, order=order, dt=0.01), robot.home, duration=6.0, certify=50)
+    record = simulate(
+        Controller(robot, stack, order=order, dt=0.01, damping=None), robot.home, duration=6.0, certify=50
+    )
     assert record.certified_share == 1.0
     np.testing.assert_allclose(np.hypot(record.q[:, 2], record.q[:, 3]), 1.0, atol=1e-12)
     assert np.abs(record.v).max() <= 1.5 + 1e-9
@@ -425,7 +437,7 @@ def test_a_mesh_that_is_not_there_is_said_with_what_to_do(tmp_path, capfd):
     path.write_text(path.read_text().replace("</link>", f"{MESH}</link>"))
     robot = load_robot(path)  # which needs no mesh
     with pytest.raises(InvalidInput, match=r"hand\.stl.*is sought as a folder NAME beside the file"):
-        Controller(robot, SelfCollisionLimit(margin=0.01, gain=1.0), dt=0.01)
+        Controller(robot, SelfCollisionLimit(margin=0.01, gain=1.0), dt=0.01, damping=None)
     assert capfd.readouterr().err == ""
 
 
@@ -582,13 +594,13 @@ def test_a_centre_of_no_mass_is_refused():
     model = pin.Model()
     model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "one")
     with pytest.raises(InvalidInput, match=r"nothing that .* moves has a mass; it has no centre"):
-        Controller(PinocchioRobot(model), CenterOfMassTask([0, 0, 0.0], gain=1.0), dt=0.01)
+        Controller(PinocchioRobot(model), CenterOfMassTask([0, 0, 0.0], gain=1.0), dt=0.01, damping=None)
 
 
 def test_factors_that_cancel_each_other_are_refused(tmp_path):
     robot = load_robot(write(tmp_path, *chain({}, {}), links=3))
     with pytest.raises(InvalidInput, match="cancel each other; name each joint once"):
-        Controller(robot, JointCouplingTask({0: 1, "joint0": -1}, gain=1.0), dt=0.01)
+        Controller(robot, JointCouplingTask({0: 1, "joint0": -1}, gain=1.0), dt=0.01, damping=None)
 
 
 # All robots of the library.
@@ -602,7 +614,9 @@ def tick(name):
         robot.home, gain=1.0
     )
     limited = robot.position_limit is not None or robot.velocity_limit is not None
-    step = Controller(robot, JointLimits() >> goal if limited else goal, dt=0.01)(robot.home, np.zeros(robot.nv))
+    step = Controller(robot, JointLimits() >> goal if limited else goal, dt=0.01, damping=None)(
+        robot.home, np.zeros(robot.nv)
+    )
     assert step.solution.certify().ok
     assert pickle.loads(pickle.dumps(robot)).joint_names == robot.joint_names
 

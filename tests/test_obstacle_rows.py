@@ -198,7 +198,7 @@ def test_what_is_changed_at_work_is_what_a_fresh_one_has(order):
 
 def test_what_cannot_change_at_work_is_refused():
     part = made("limit")
-    controller = Controller(ARM, stack_of(part), dt=DT)
+    controller = Controller(ARM, stack_of(part), dt=DT, damping=None)
     link, ball, rail = part.pairs.links[0], part.pairs.obstacles[1], part.pairs.obstacles[2]
     for owner, name, value, word in (
         (part, "gain", 101.0, "at most 100"),

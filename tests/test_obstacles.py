@@ -93,7 +93,7 @@ def kept(seed, kind="limit", order="velocity"):
     stack = limits >> reach if own is None else limits >> own >> reach
     if order == "acceleration":  # joints that no task asks for would go on and on
         stack = stack >> PostureTask(start, gain=2.0)
-    record = simulate(Controller(arm, stack, order=order, dt=DT), start, duration=2.5, certify=0)
+    record = simulate(Controller(arm, stack, order=order, dt=DT, damping=None), start, duration=2.5, certify=0)
     assert record.stopped is None, record.stopped
     return least(measure, record, arm).min() - MARGIN, np.linalg.norm(record.errors["position"][-1])
 
@@ -215,7 +215,7 @@ def test_an_obstacle_that_comes_drives_the_arm_away():
     limit = DistanceLimit(links, [coming], margin=MARGIN, gain=30.0)
     q = np.array([0.3, 0.5, 0.5])
     stack = JointVelocityLimit() >> limit >> PostureTask(q, gain=5.0)
-    record = simulate(Controller(arm, stack, dt=DT), q, duration=4.0, certify=25)
+    record = simulate(Controller(arm, stack, dt=DT, damping=None), q, duration=4.0, certify=25)
     apart = least(limit, record, arm)
     assert record.stopped is None
     assert record.certified_share == 1.0
@@ -231,7 +231,7 @@ def test_far_away_it_is_in_nobodys_way(order):
     reach, q = PositionTask([0.6, 0.5], gain=3.0), [0.1, 0.4, 0.4]
     limits = JointVelocityLimit() + JointAccelerationLimit()
     runs = [
-        simulate(Controller(arm, stack, order=order, dt=DT), q, duration=1.0, certify=0).q
+        simulate(Controller(arm, stack, order=order, dt=DT, damping=None), q, duration=1.0, certify=0).q
         for stack in (limits >> reach, limits >> limit >> reach, limits >> task >> reach)
     ]
     np.testing.assert_allclose(runs[1], runs[0], atol=1e-9)
@@ -242,7 +242,7 @@ def test_from_inside_the_margin_it_comes_back():
     arm = PlanarArm([0.5, 0.5], velocity_limit=2.0)
     limit = DistanceLimit(planar_links(arm, 0.02), [Sphere([0.7, 0.15], 0.1)], margin=0.1, gain=10.0)
     q = np.zeros(2)
-    record = simulate(Controller(arm, JointVelocityLimit() >> limit, dt=DT), q, duration=1.0, certify=0)
+    record = simulate(Controller(arm, JointVelocityLimit() >> limit, dt=DT, damping=None), q, duration=1.0, certify=0)
     apart = least(limit, record, arm)
     assert apart[0] < 0.05
     assert apart[-1] >= 0.1 - KEPT
@@ -256,7 +256,7 @@ def test_a_few_rows_keep_what_all_of_them_keep():
     assert every.labels(arm, "velocity")[0].row == "link 1 - obstacle 1"
     assert every.labels(arm, "velocity")[0].unit == "m/s"
     stack = JointLimits() >> few >> PositionTask(target, gain=5.0)
-    record = simulate(Controller(arm, stack, dt=DT), start, duration=2.5, certify=0)
+    record = simulate(Controller(arm, stack, dt=DT, damping=None), start, duration=2.5, certify=0)
     assert least(every, record, arm).min() >= MARGIN - KEPT
 
 
@@ -268,7 +268,9 @@ def test_a_hand_stops_before_its_own_body(order):
     least = {}
     for name, stack in ("free", limits >> reach), ("kept", limits >> body >> reach):
         stack = stack >> PostureTask(panda().home, gain=1.0)
-        record = simulate(Controller(panda(), stack, order=order, dt=DT), panda().home, duration=2.0, certify=25)
+        record = simulate(
+            Controller(panda(), stack, order=order, dt=DT, damping=None), panda().home, duration=2.0, certify=25
+        )
         assert record.stopped is None
         apart = [body.distances(panda(), panda().at(q, np.zeros(7))).min() for q in record.q[::4]]
         least[name] = min(apart)
@@ -338,14 +340,14 @@ def test_refusals_of_numbers(make, word):
 )
 def test_refusals_by_the_robot(robot, part, word):
     with pytest.raises(InvalidInput, match=word):
-        Controller(robot or panda(), part(), dt=DT)
+        Controller(robot or panda(), part(), dt=DT, damping=None)
 
 
 def test_refused_without_a_limit_of_the_speed():
     limit = DistanceLimit(LINKS, [BALL], margin=0.1, gain=5.0)
     with pytest.raises(InvalidInput, match="JointVelocityLimit"):
-        Controller(ARM, limit, dt=DT)
-    limited = Controller(ARM, JointVelocityLimit(2.0) >> limit, order="velocity", dt=DT)
+        Controller(ARM, limit, dt=DT, damping=None)
+    limited = Controller(ARM, JointVelocityLimit(2.0) >> limit, order="velocity", dt=DT, damping=None)
     assert limited([0.0, 0.0], [0.0, 0.0]).ok
     with pytest.raises(InvalidInput, match="dt"):
-        Controller(ARM, limit)
+        Controller(ARM, limit, damping=None)

@@ -113,7 +113,7 @@ def test_the_loop_keeps_its_torques_and_its_task():
     hand = robot.at(robot.home, np.zeros(7)).frame()
     reach = PositionTask(np.add(hand.position, [0.1, 0.3, -0.1]), gain=15.0)
     stack = JointTorqueLimit() >> JointLimits() >> reach >> OrientationTask(hand.rotation, gain=15.0)
-    controller = Controller(robot, stack >> PostureTask(robot.home, gain=2.0), order="torque", dt=2e-3)
+    controller = Controller(robot, stack >> PostureTask(robot.home, gain=2.0), order="torque", dt=2e-3, damping=None)
     record = simulate(controller, robot.home, duration=1.5, plant=MujocoPlant(robot))
     assert record.stopped is None
     assert record.certified == record.checked
@@ -126,7 +126,7 @@ def test_the_loop_keeps_its_torques_and_its_task():
 
 @pytest.mark.parametrize("order", ["velocity", "acceleration"])
 def test_a_plant_is_moved_by_torques(order):
-    controller = Controller(panda(), JointLimits(), order=order, dt=2e-3)
+    controller = Controller(panda(), JointLimits(), order=order, dt=2e-3, damping=None)
     with pytest.raises(InvalidInput, match=f"moved by torques, but order = '{order}'; it must be 'torque'"):
         simulate(controller, panda().home, duration=0.1, plant=MujocoPlant(panda()))
 

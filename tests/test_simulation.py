@@ -28,7 +28,7 @@ def controller(*parts, order="acceleration", dt=0.01, backend="pseudoinverse"):
     stack = parts[0]
     for part in parts[1:]:
         stack = stack >> part
-    return Controller(ARM, stack, order=order, dt=dt, backend=backend)
+    return Controller(ARM, stack, order=order, dt=dt, backend=backend, damping=None)
 
 
 def constant_acceleration(a):
@@ -107,13 +107,13 @@ class Careless(Bare):
 
 @pytest.mark.parametrize(("q0", "v0", "named"), [(np.zeros(4), None, "q"), (Q, np.zeros(4), "v")])
 def test_refuses_a_start_of_the_wrong_length_whatever_the_robot_says(q0, v0, named):
-    tick = Controller(Careless(), PositionTask([0.6, 0.2], gain=2.0), dt=0.01, backend="pseudoinverse")
+    tick = Controller(Careless(), PositionTask([0.6, 0.2], gain=2.0), dt=0.01, backend="pseudoinverse", damping=None)
     with pytest.raises(InvalidInput, match=rf"{named} has shape \(4,\); the robot takes \(3,\)"):
         simulate(tick, q0, v0, duration=0.1)
 
 
 def test_a_robot_need_not_tell_torques_and_manipulability():
-    tick = Controller(Bare(), PositionTask([0.6, 0.2], gain=2.0), dt=0.01, backend="pseudoinverse")
+    tick = Controller(Bare(), PositionTask([0.6, 0.2], gain=2.0), dt=0.01, backend="pseudoinverse", damping=None)
     record = simulate(tick, Q, duration=0.1)
     assert len(record) == 10
     assert record.tau is None
@@ -124,7 +124,7 @@ def test_a_robot_need_not_tell_torques_and_manipulability():
 def test_a_method_that_takes_no_record_is_refused_before_the_run(method):
     robot = Bare()
     setattr(robot, method, lambda *values: np.zeros(7))
-    tick = Controller(robot, PositionTask([0.6, 0.2], gain=2.0), dt=0.01, backend="pseudoinverse")
+    tick = Controller(robot, PositionTask([0.6, 0.2], gain=2.0), dt=0.01, backend="pseudoinverse", damping=None)
     with pytest.raises(InvalidInput, match=rf"{method} of the robot, .* gives shape \(7,\); it must take leading axes"):
         simulate(tick, Q, duration=0.1)
     setattr(robot, method, lambda q: 1.0 / len(q[0][0]))
@@ -152,7 +152,7 @@ def test_a_stretched_arm_has_lost_a_direction():
 def test_the_active_limits_are_those_of_the_solutions(order):
     limits = [JointVelocityLimit(0.8), JointVelocityLimit(0.6), JointAccelerationLimit(3.0)]
     tick = Controller(
-        ARM, limits[0] + limits[1] + limits[2] >> PositionTask([0.2, 0.7], gain=3.0), order=order, dt=0.02
+        ARM, limits[0] + limits[1] + limits[2] >> PositionTask([0.2, 0.7], gain=3.0), order=order, dt=0.02, damping=None
     )
     sides = []
 
@@ -260,7 +260,9 @@ def test_refuses_bad_options(change, named):
 
 def test_refuses_a_controller_without_a_tick():
     with pytest.raises(InvalidInput, match="give the controller dt"):
-        simulate(Controller(ARM, PositionTask([0.6, 0.2], gain=2.0), backend="pseudoinverse"), Q, duration=1.0)
+        simulate(
+            Controller(ARM, PositionTask([0.6, 0.2], gain=2.0), backend="pseudoinverse", damping=None), Q, duration=1.0
+        )
 
 
 @pytest.mark.parametrize("no_controller", [None, 3, ARM])

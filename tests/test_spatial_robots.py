@@ -89,7 +89,8 @@ def test_one_protocol(arm, stack, order):
     """The very same task objects bring a planar arm and a robot of Pinocchio to the same motion."""
     tasks = STACKS[stack]()
     planar, spatial = (
-        simulate(Controller(robot, tasks, order=order, dt=0.01), Q, duration=0.8, certify=0) for robot in (PLANAR, arm)
+        simulate(Controller(robot, tasks, order=order, dt=0.01, damping=None), Q, duration=0.8, certify=0)
+        for robot in (PLANAR, arm)
     )
     assert planar.stopped is None
     assert spatial.stopped is None
@@ -122,8 +123,10 @@ def test_a_model_without_limits_has_none(tmp_path):
     assert robot.position_limit is None
     assert robot.velocity_limit is None
     tasks = JointVelocityLimit(1.0) >> PositionTask([0.2, 0.6], gain=2.0)
-    record = simulate(Controller(robot, tasks, dt=0.01), robot.integrate(robot.neutral, Q), duration=0.5, certify=10)
-    planar = simulate(Controller(PlanarArm(LENGTHS), tasks, dt=0.01), Q, duration=0.5, certify=0)
+    record = simulate(
+        Controller(robot, tasks, dt=0.01, damping=None), robot.integrate(robot.neutral, Q), duration=0.5, certify=10
+    )
+    planar = simulate(Controller(PlanarArm(LENGTHS), tasks, dt=0.01, damping=None), Q, duration=0.5, certify=0)
     np.testing.assert_allclose(record.v, planar.v, atol=1e-9)
     np.testing.assert_allclose(np.hypot(record.q[:, ::2], record.q[:, 1::2]), 1.0, atol=1e-12)
 
@@ -132,7 +135,7 @@ def test_a_range_means_nothing_to_a_joint_without_end(tmp_path):
     robot = load_robot(urdf(tmp_path, joint(0, "continuous"), joint(1), joint(2)), tip="tip")
     limit = JointPositionLimit(0.5, 1.0)
     np.testing.assert_array_equal(limit.range(robot), [[-np.inf, 0.5, 0.5], [np.inf, 1.0, 1.0]])
-    step = Controller(robot, limit, dt=0.01)(robot.neutral, np.zeros(3))
+    step = Controller(robot, limit, dt=0.01, damping=None)(robot.neutral, np.zeros(3))
     np.testing.assert_allclose(step.v, [0.0, 0.5, 0.5], atol=1e-12)  # the two that are outside come back
 
 
@@ -150,7 +153,9 @@ def test_an_mjcf_file(tmp_path):
     assert (robot.nq, robot.nv, robot.base) == (3, 3, 0)
     np.testing.assert_allclose(robot.position_limit, [LOWER, UPPER])
     np.testing.assert_allclose(robot.at(Q, np.zeros(3)).pose[:2], PlanarArm(LENGTHS).pose(Q)[:2], atol=1e-12)
-    assert Controller(robot, JointPositionLimit() >> PositionTask([0.5, 0.5], gain=1.0), dt=0.01)(Q, np.zeros(3)).ok
+    assert Controller(robot, JointPositionLimit() >> PositionTask([0.5, 0.5], gain=1.0), dt=0.01, damping=None)(
+        Q, np.zeros(3)
+    ).ok
 
 
 def test_a_file_on_a_floating_base(tmp_path):
@@ -159,7 +164,9 @@ def test_a_file_on_a_floating_base(tmp_path):
     assert robot.joint_names[5:7] == ("root_joint[5]", "joint0")
     np.testing.assert_array_equal(robot.position_limit[:, :6], [[-np.inf] * 6, [np.inf] * 6])
     goal = PoseTask([1.0, 2.0, 3.0], np.diag([1.0, -1.0, -1.0]), gain=3.0)
-    record = simulate(Controller(robot, JointLimits() >> goal, dt=0.01), robot.home, duration=4.0, certify=50)
+    record = simulate(
+        Controller(robot, JointLimits() >> goal, dt=0.01, damping=None), robot.home, duration=4.0, certify=50
+    )
     assert record.certified_share == 1.0
     np.testing.assert_allclose(record.pose[-1], [1, 2, 3, np.pi, 0, 0], atol=1e-4)
 
@@ -175,7 +182,7 @@ def test_a_quaternion_stays_one():
     stack = (
         JointLimits() >> feet[0] + feet[1] >> CenterOfMassTask([0, 0], mask="xy", relative_to=feet[0].frame, gain=1.0)
     )
-    record = simulate(Controller(robot, stack >> hand, dt=0.01), robot.home, duration=1.5, certify=25)
+    record = simulate(Controller(robot, stack >> hand, dt=0.01, damping=None), robot.home, duration=1.5, certify=25)
     assert record.stopped is None
     assert record.certified_share == 1.0
     np.testing.assert_allclose(np.linalg.norm(record.q[:, 3:7], axis=1), 1.0, atol=1e-12)
@@ -198,7 +205,13 @@ def test_wheels_turn_on_and_on(order):
             return turning, 0.0
 
     record = simulate(
-        Controller(robot, JointLimits(JointVelocityLimit()) >> Roll(robot.neutral, gain=5.0), order=order, dt=0.02),
+        Controller(
+            robot,
+            JointLimits(JointVelocityLimit()) >> Roll(robot.neutral, gain=5.0),
+            order=order,
+            dt=0.02,
+            damping=None,
+        ),
         robot.neutral,
         duration=4.0,
         certify=0,
@@ -223,7 +236,9 @@ def test_sizes_of_mimic(tmp_path, mimic, size):
     robot = load_robot(tied(tmp_path), tip="tip", mimic=mimic)
     assert (robot.nq, robot.nv, len(robot.joint_names), len(robot.velocity_limit)) == (size,) * 4
     assert robot.position_limit.shape == (2, size)
-    assert Controller(robot, JointLimits() >> PositionTask([0.5, 0.5], gain=1.0), dt=0.01)(Q[:size], np.zeros(size)).ok
+    assert Controller(robot, JointLimits() >> PositionTask([0.5, 0.5], gain=1.0), dt=0.01, damping=None)(
+        Q[:size], np.zeros(size)
+    ).ok
 
 
 def derivatives(robot, q, v, frame, h=1e-6):
@@ -313,7 +328,9 @@ def test_copies_of_a_robot_move_alike(copied):
     assert (other.name, other.tip, other.joint_names) == (robot.name, robot.tip, robot.joint_names)
     np.testing.assert_array_equal(other.home, robot.home)
     for order in ("velocity", "acceleration"):
-        mine, theirs = (Controller(r, STACK, order=order, dt=0.01)(q, v).solution.x for r in (robot, other))
+        mine, theirs = (
+            Controller(r, STACK, order=order, dt=0.01, damping=None)(q, v).solution.x for r in (robot, other)
+        )
         np.testing.assert_array_equal(mine, theirs)
 
 
@@ -356,8 +373,8 @@ def test_two_controllers_may_share_a_robot(order):
         JointLimits() >> PositionTask([0.4, 0.2, 0.5], gain=2.0),
         JointLimits() >> CenterOfMassTask([0.1, 0.0], mask="xy", gain=1.0) >> PositionTask([0.6], mask="z", gain=2.0),
     )
-    shared = [Controller(one, stack, order=order, dt=0.01) for stack in stacks]
-    own = [Controller(panda(acceleration_limit=15.0), stack, order=order, dt=0.01) for stack in stacks]
+    shared = [Controller(one, stack, order=order, dt=0.01, damping=None) for stack in stacks]
+    own = [Controller(panda(acceleration_limit=15.0), stack, order=order, dt=0.01, damping=None) for stack in stacks]
     states = [[one.home, np.zeros(7)], [one.home + 0.1, np.zeros(7)]]
     for _ in range(30):
         for k, (q, v) in enumerate(states):

@@ -80,7 +80,7 @@ def test_a_configuration_off_its_manifold_moves_nothing_and_is_refused(tmp_path,
     for refused in (
         lambda: robot.at(q, rest),
         lambda: solve_ik(robot, stack, q),
-        lambda: simulate(Controller(robot, stack, dt=0.01), q, duration=0.1),
+        lambda: simulate(Controller(robot, stack, dt=0.01, damping=None), q, duration=0.1),
     ):
         with pytest.raises(InvalidInput, match=r"has norm .*; it must be 1"):
             refused()
@@ -106,7 +106,9 @@ _G1 = load_robot("g1")
 def test_numbers_from_a_broken_sensor_move_nothing_at_any_order():
     robot = load_robot("panda", lock=["panda_finger_joint1"], acceleration_limit=20.0)
     for order in "velocity", "acceleration", "torque":
-        controller = Controller(robot, JointLimits() >> PositionTask([0.4, 0.2, 0.4], gain=2.0), order=order, dt=0.01)
+        controller = Controller(
+            robot, JointLimits() >> PositionTask([0.4, 0.2, 0.4], gain=2.0), order=order, dt=0.01, damping=None
+        )
         for value in np.nan, np.inf, -np.inf, 1e300:
             for where in "q", "v":
                 q, v = np.array(robot.home), np.zeros(7)
@@ -176,7 +178,7 @@ def test_a_function_that_stops_being_a_rotation_ends_in_invalid_ticks():
     def drifting(t):
         return (1.0 + 0.1 * t) * np.eye(3), np.zeros(3), np.zeros(3)
 
-    controller = Controller(robot, JointLimits() >> OrientationTask(drifting, gain=1.0), dt=0.01)
+    controller = Controller(robot, JointLimits() >> OrientationTask(drifting, gain=1.0), dt=0.01, damping=None)
     assert controller(robot.home, np.zeros(6), 0.0).ok
     step = controller(robot.home, np.zeros(6), 1.0)
     assert step.solution.status is Status.INVALID
@@ -214,11 +216,11 @@ def test_poses_as_transforms():
     here = robot.home, np.zeros(7)
     goal = PoseSetpoint(np.eye(4))
     goal.move(pin.SE3(R, p))
-    expected = Controller(robot, PoseTask(p, R, gain=2.0), dt=0.01)(*here).v
+    expected = Controller(robot, PoseTask(p, R, gain=2.0), dt=0.01, damping=None)(*here).v
     for task in PoseTask(T, gain=2.0), PoseTask(pin.SE3(R, p), gain=2.0), PoseTask(goal, gain=2.0):
-        np.testing.assert_allclose(Controller(robot, task, dt=0.01)(*here).v, expected, atol=1e-9)
+        np.testing.assert_allclose(Controller(robot, task, dt=0.01, damping=None)(*here).v, expected, atol=1e-9)
     goal.move(T, velocity=[0.1, 0.0, 0.0, 0.0, 0.0, 0.2])
-    moving = Controller(robot, PoseTask(goal, gain=2.0), dt=0.01)(*here).v
+    moving = Controller(robot, PoseTask(goal, gain=2.0), dt=0.01, damping=None)(*here).v
     assert np.abs(moving - expected).max() > 0.01
     x, y, z, w = pin.Quaternion(R).coeffs()
     np.testing.assert_allclose(from_xyzw([x, y, z, w]), R, atol=1e-12)
@@ -279,11 +281,13 @@ def test_a_gain_that_is_taken_brings_the_error_down_and_one_that_is_refused_woul
         return PostureTask([0.5, -0.3], gain=gain, damping_ratio=zeta)
 
     with pytest.raises(InvalidInput, match="makes the error grow from tick to tick"):
-        Controller(arm, posture(1.01 * most), order=order, dt=dt)
-    record = simulate(Controller(arm, posture(0.97 * most), order=order, dt=dt), [0.4, -0.2], duration=9.0, certify=0)
+        Controller(arm, posture(1.01 * most), order=order, dt=dt, damping=None)
+    record = simulate(
+        Controller(arm, posture(0.97 * most), order=order, dt=dt, damping=None), [0.4, -0.2], duration=9.0, certify=0
+    )
     assert np.abs(record.q[-1] - [0.5, -0.3]).max() < 0.05 * np.abs(record.q - [0.5, -0.3]).max()
     wild = Unchecked([0.5, -0.3], gain=1.03 * most, damping_ratio=zeta)  # and what is refused does grow
-    controller = Controller(arm, wild, order=order, dt=dt)
+    controller = Controller(arm, wild, order=order, dt=dt, damping=None)
     grown = simulate(controller, [0.4, -0.2], duration=4.0, certify=0)
     assert grown.stopped is not None or np.abs(grown.q[-1] - [0.5, -0.3]).max() > 0.1
 
@@ -292,13 +296,13 @@ def test_a_gain_beyond_one_tick_is_told_once(caplog):
     robot = load_robot("ur5")
     with caplog.at_level(logging.WARNING, logger="hqp"):
         for _ in range(3):
-            Controller(robot, JointLimits() >> PositionTask([0.4, 0.2, 0.4], gain=150.0), dt=0.01)
+            Controller(robot, JointLimits() >> PositionTask([0.4, 0.2, 0.4], gain=150.0), dt=0.01, damping=None)
     assert told(caplog) == [
         "PositionTask 'position': gain = 150 1/s passes the target in every tick of 0.01 s and comes back; above 100 it"
         " is not reached sooner"
     ]
     with pytest.raises(InvalidInput, match="gain = 210 1/s makes the error grow"):
-        Controller(robot, PositionTask([0.4, 0.2, 0.4], gain=[1.0, 210.0, 1.0]), dt=0.01)
+        Controller(robot, PositionTask([0.4, 0.2, 0.4], gain=[1.0, 210.0, 1.0]), dt=0.01, damping=None)
 
 
 def test_where_nothing_limits_the_speed_it_is_told_once(caplog):
@@ -306,10 +310,10 @@ def test_where_nothing_limits_the_speed_it_is_told_once(caplog):
     task = PositionTask([0.5, 0.2], gain=1.0)
     with caplog.at_level(logging.WARNING, logger="hqp"):
         for robot, stack in ((limited, task), (free, JointVelocityLimit(1.0) >> task)):
-            Controller(robot, stack, dt=0.01)
+            Controller(robot, stack, dt=0.01, damping=None)
         assert not told(caplog)
         for _ in range(2):
-            Controller(free, task, dt=0.01)
+            Controller(free, task, dt=0.01, damping=None)
     assert len(told(caplog)) == 1
     assert "nothing limits the speed of PlanarArm([0.5, 0.4])" in caplog.text
     assert "add JointVelocityLimit(2.0)" in caplog.text
@@ -326,12 +330,16 @@ def test_a_joint_without_speed_is_held(order):
     ):
         own = JointLimits(JointPositionLimit(), JointVelocityLimit([1.0, 0.0, 1.0]), JointAccelerationLimit())
         stack = (JointLimits() if robot.velocity_limit[1] == 0.0 else own) >> PositionTask([0.2, 0.6], gain=2.0)
-        record = simulate(Controller(robot, stack, order=order, dt=0.01), [0.4, 0.9, 0.6], duration=1.0, certify=20)
+        record = simulate(
+            Controller(robot, stack, order=order, dt=0.01, damping=None), [0.4, 0.9, 0.6], duration=1.0, certify=20
+        )
         assert record.certified_share == 1.0
         np.testing.assert_allclose(record.q[:, 1], 0.9, atol=1e-9)
         assert np.abs(record.q[-1] - record.q[0]).max() > 0.05
     panda = load_robot("panda", lock=["panda_finger_joint1"], velocity_limit={"panda_joint2": 0.0})
-    step = Controller(panda, JointLimits() >> PositionTask([0.5, 0.3, 0.3], gain=2.0), dt=0.01)(panda.home, np.zeros(7))
+    step = Controller(panda, JointLimits() >> PositionTask([0.5, 0.3, 0.3], gain=2.0), dt=0.01, damping=None)(
+        panda.home, np.zeros(7)
+    )
     assert step.v[1] == pytest.approx(0.0, abs=1e-12)
     assert np.abs(step.v).max() > 0.1
 
@@ -358,14 +366,16 @@ def test_rows_without_weight_ask_for_nothing():
             some = PositionTask([0.5, 9.0, 0.3], gain=2.0, weight=[1.0, 0.0, 1.0])
         rest = np.zeros(robot.nv)
         found, expected = (
-            Controller(robot, JointLimits() >> task >> PostureTask(q + 0.1, gain=1.0), dt=0.01)(q, rest)
+            Controller(robot, JointLimits() >> task >> PostureTask(q + 0.1, gain=1.0), dt=0.01, damping=None)(q, rest)
             for task in (some, masked)
         )
         np.testing.assert_allclose(found.v, expected.v, atol=1e-8)
         assert found.solution.certify().ok
-        nothing = Controller(robot, JointLimits() >> PositionTask([0.5] * some.rows, gain=2.0, weight=0.0), dt=0.01)
+        nothing = Controller(
+            robot, JointLimits() >> PositionTask([0.5] * some.rows, gain=2.0, weight=0.0), dt=0.01, damping=None
+        )
         assert not nothing(q, rest).v.any()
-    some = Controller(arm, PositionTask([2.0, 2.0], gain=2.0) + Damping([0.5, 0.0, 0.5]), dt=0.01)
+    some = Controller(arm, PositionTask([2.0, 2.0], gain=2.0) + Damping([0.5, 0.0, 0.5]), dt=0.01, damping=None)
     assert some([0.4, 0.9, 0.6], np.zeros(3)).solution.certify().ok
     with pytest.raises(InvalidInput, match="must not be negative"):
         Damping([0.5, -0.1, 0.5])
@@ -382,12 +392,14 @@ def test_half_a_turn_is_left_the_way_that_the_joints_turn(tmp_path, make):
         robot = load_robot(path, tip="link1", velocity_limit=2.0)
         away = [0.0, 0.0, -1.0] if make is AxisTask else [0.0, 0.0, -5.0]
         task = make(away, gain=2.0)
-        record = simulate(Controller(robot, JointLimits() >> task, dt=0.01), robot.neutral, duration=4.0, certify=50)
+        record = simulate(
+            Controller(robot, JointLimits() >> task, dt=0.01, damping=None), robot.neutral, duration=4.0, certify=50
+        )
         assert np.abs(record.errors[task.name][-1]).max() < 1e-2
     panda = load_robot("panda", lock=["panda_finger_joint1"])
     down = panda.at(panda.home, np.zeros(7)).frame().rotation[:, 2]
     task = AxisTask(-down, gain=2.0)
-    step = Controller(panda, JointLimits() >> task, dt=0.01)(panda.home, np.zeros(7))
+    step = Controller(panda, JointLimits() >> task, dt=0.01, damping=None)(panda.home, np.zeros(7))
     assert np.abs(step.v).max() > 0.1
 
 
@@ -399,7 +411,7 @@ def test_a_frame_relative_to_itself_is_refused():
         AtLeast(PositionTask([0], mask="z", frame="panda_link4", relative_to="panda_link4", gain=1.0)),
     ):
         with pytest.raises(InvalidInput, match="is the frame itself; name another one"):
-            Controller(panda, task, dt=0.01)
+            Controller(panda, task, dt=0.01, damping=None)
 
 
 class Modelled:
@@ -418,8 +430,12 @@ class Modelled:
 def test_a_robot_of_ones_own_may_have_a_model():
     robot = Modelled()
     stack = JointVelocityLimit() >> PositionTask([0.5, 0.3], gain=2.0)
-    expected = Controller(robot._arm, JointVelocityLimit(3.0) >> stack.levels[1][0], dt=0.01)([0.4, 0.9], [0.0, 0.0]).v
-    np.testing.assert_allclose(Controller(robot, stack, dt=0.01)([0.4, 0.9], [0.0, 0.0]).v, expected, atol=1e-12)
+    expected = Controller(robot._arm, JointVelocityLimit(3.0) >> stack.levels[1][0], dt=0.01, damping=None)(
+        [0.4, 0.9], [0.0, 0.0]
+    ).v
+    np.testing.assert_allclose(
+        Controller(robot, stack, dt=0.01, damping=None)([0.4, 0.9], [0.0, 0.0]).v, expected, atol=1e-12
+    )
 
 
 # Changes.
@@ -433,7 +449,7 @@ def test_limits_of_the_new_stack_hold_from_the_first_tick_of_a_change(order):
     old = JointLimits(JointVelocityLimit()) >> reach
     box = BoxLimit([-1.0, -1.0, 0.0], [1.0, 1.0, 1.0], gain=5.0)
     new = JointLimits(JointVelocityLimit(1.0), JointAccelerationLimit(20.0)) >> box >> turn
-    controller = Controller(robot, old, order=order, dt=0.01)
+    controller = Controller(robot, old, order=order, dt=0.01, damping=None)
     q, v = robot.home, np.zeros(7)
     for k in range(60):
         if k == 10:
@@ -451,13 +467,13 @@ def test_limits_of_the_new_stack_hold_from_the_first_tick_of_a_change(order):
 def test_a_change_of_no_duration_is_made_at_once():
     robot = load_robot("ur5")
     first, second = PositionTask([0.4, 0.2, 0.4], gain=2.0), PositionTask([0.4, -0.2, 0.4], gain=2.0)
-    controller = Controller(robot, JointLimits() >> first, dt=0.01)
+    controller = Controller(robot, JointLimits() >> first, dt=0.01, damping=None)
     rest = np.zeros(6)
     controller(robot.home, rest)
     controller.change(JointLimits() >> second, duration=0.0)
     step = controller(robot.home, rest, 0.01)
     assert step.share == 1.0
-    expected = Controller(robot, JointLimits() >> second, dt=0.01)(robot.home, rest).v
+    expected = Controller(robot, JointLimits() >> second, dt=0.01, damping=None)(robot.home, rest).v
     np.testing.assert_allclose(step.v, expected, atol=1e-9)
 
 
@@ -491,7 +507,7 @@ def driven(limit, beyond, order, acceleration, dt, seed):
     """How far it is passed, and by how much at most a tick bends [m], while a hand leads to and fro beyond it."""
     rng, hand = np.random.default_rng(seed), Setpoint(CENTRE)
     joints = JointLimits(JointPositionLimit(), JointVelocityLimit(2.5), JointAccelerationLimit(acceleration))
-    controller = Controller(ARM, joints >> limit >> PositionTask(hand, gain=10.0), order=order, dt=dt)
+    controller = Controller(ARM, joints >> limit >> PositionTask(hand, gain=10.0), order=order, dt=dt, damping=None)
     q, v, passed, bent = START, np.zeros(3), -np.inf, 0.0
     for k in range(int(2.0 / dt)):
         if k % int(0.5 / dt) == 0:
@@ -525,7 +541,7 @@ def test_bounds_are_kept_however_hard_the_joints_may_brake(name, acceleration, o
 def test_a_bound_without_a_speed_to_brake_from_is_told(caplog):
     stack = JointAccelerationLimit(9.0) >> PlaneLimit([1, 0, 0], 0.0, gain=5.0)
     with caplog.at_level(logging.WARNING, logger="hqp"):
-        Controller(PlanarArm([0.5, 0.4], velocity_limit=3.0), stack, dt=0.01)
+        Controller(PlanarArm([0.5, 0.4], velocity_limit=3.0), stack, dt=0.01, damping=None)
     assert "no velocity limit says for how long; it may be passed; add JointVelocityLimit(2.0)" in caplog.text
 
 
@@ -534,12 +550,12 @@ def test_a_bound_that_moves_is_told_with_what_it_may_cost(caplog):
     hand = Setpoint([0.2])
     moving = AtLeast(PositionTask(hand, mask="y", gain=5.0))
     with caplog.at_level(logging.WARNING, logger="hqp"):
-        Controller(ARM, joints >> bounds(5.0)["box"][0] >> bounds(5.0)["distance"][0], dt=0.01)
+        Controller(ARM, joints >> bounds(5.0)["box"][0] >> bounds(5.0)["distance"][0], dt=0.01, damping=None)
         assert not told(caplog)
         for _ in range(2):
-            Controller(ARM, joints >> moving, dt=0.01)
+            Controller(ARM, joints >> moving, dt=0.01, damping=None)
         ball = Sphere(lambda t: (np.array([t, 1.0]), np.array([1.0, 0.0]), np.zeros(2)), 0.1)
         limit = DistanceLimit(planar_links(ARM, 0.03), [ball], margin=0.02, gain=5.0)
-        Controller(ARM, joints >> limit, dt=0.01)
+        Controller(ARM, joints >> limit, dt=0.01, damping=None)
     assert [message.split(":")[0] for message in told(caplog)] == [moving.label(), limit.label()]
     assert all("may be passed by up to 0.255 m" in message for message in told(caplog))

@@ -83,20 +83,22 @@ def test_a_robot_has_the_torque_limits_of_its_model():
 def test_the_same_motion_at_torque_and_at_acceleration_order():
     """With limits wide enough the torques make the motion of the accelerations, and are told by every step."""
     records = [
-        simulate(Controller(ARM, stack, order=order, dt=0.01), START, duration=1.5)
+        simulate(Controller(ARM, stack, order=order, dt=0.01, damping=None), START, duration=1.5)
         for order, stack in (("acceleration", circle()), ("torque", JointTorqueLimit(1e3) >> circle()))
     ]
     np.testing.assert_allclose(records[0].q, records[1].q, atol=1e-9)
     np.testing.assert_allclose(records[0].tau, records[1].tau, atol=1e-6)
     assert not records[1].active["torque"].any()
-    step = Controller(ARM, circle(), order="torque")(START, np.ones(3))
+    step = Controller(ARM, circle(), order="torque", damping=None)(START, np.ones(3))
     assert (step.order, step.v) == ("torque", None)
     np.testing.assert_allclose(step.tau, ARM.mass_matrix(START) @ step.a + ARM.bias(START, np.ones(3)), atol=1e-9)
 
 
 @pytest.mark.parametrize("order", ["acceleration", "torque"])
 def test_no_torque_exceeds_its_limit(order):
-    record = simulate(Controller(ARM, JointTorqueLimit() >> circle(), order=order, dt=0.01), START, duration=2.0)
+    record = simulate(
+        Controller(ARM, JointTorqueLimit() >> circle(), order=order, dt=0.01, damping=None), START, duration=2.0
+    )
     assert record.stopped is None
     assert record.certified == record.checked
     np.testing.assert_allclose(record.tau, ARM.inverse_dynamics(record.q[:-1], record.v[:-1], record.a), atol=1e-9)
@@ -114,7 +116,9 @@ def test_a_spatial_arm_keeps_its_torques():
         hand.rotation, gain=20.0
     )
     stack = JointTorqueLimit() >> JointLimits() >> reach >> PostureTask(robot.home, gain=2.0)
-    record = simulate(Controller(robot, stack, order="torque", dt=4e-3), robot.home, duration=0.8, certify=10)
+    record = simulate(
+        Controller(robot, stack, order="torque", dt=4e-3, damping=None), robot.home, duration=0.8, certify=10
+    )
     assert record.certified == record.checked
     assert (np.abs(record.tau) - robot.torque_limit).max() <= 1e-9
     assert record.active["torque"].any()
@@ -128,13 +132,15 @@ def test_the_higher_level_is_the_harder_limit():
     motor, ranges = JointTorqueLimit(2.0), JointLimits(JointPositionLimit(-1.0, 1.0), JointAccelerationLimit(50.0))
 
     def run(stack):
-        controller = Controller(arm, stack >> PostureTask([0.0], gain=5.0), order="torque", dt=0.01)
+        controller = Controller(arm, stack >> PostureTask([0.0], gain=5.0), order="torque", dt=0.01, damping=None)
         return simulate(controller, [0.8], [2.0], duration=1.0)
 
     physical, planned = run(motor >> ranges), run(ranges >> motor)
     assert np.abs(physical.tau).max() <= 2.0 + 1e-9 < np.abs(planned.tau).max()
     assert planned.q.max() <= 1.0 + 1e-9 < physical.q.max()
-    step = Controller(arm, motor >> ranges >> PostureTask([0.0], gain=5.0), order="torque", dt=0.01)([0.95], [2.0])
+    step = Controller(arm, motor >> ranges >> PostureTask([0.0], gain=5.0), order="torque", dt=0.01, damping=None)(
+        [0.95], [2.0]
+    )
     assert "joint limits short by 23 rad/s^2: joint 0 torque limit (lower)" in str(step.solution.explain())
 
 
@@ -145,19 +151,19 @@ def test_explanations_name_joint_and_unit():
     assert JointTorqueLimit(3.0).labels(sliding, "acceleration")[0].unit == "N"
     robot = panda()
     stack = JointTorqueLimit() >> PositionTask([0.3, 0.0, 1.5], gain=10.0)
-    text = str(Controller(robot, stack, order="torque")(robot.home, np.zeros(7)).solution.explain())
+    text = str(Controller(robot, stack, order="torque", damping=None)(robot.home, np.zeros(7)).solution.explain())
     assert "panda_joint4 torque limit (upper)" in text
 
 
 def test_it_reads_like_its_declaration():
     assert repr(JointTorqueLimit()) == "JointTorqueLimit()"
     assert repr(JointTorqueLimit([1, 2])) == "JointTorqueLimit([1.0, 2.0])"
-    controller = Controller(ARM, JointTorqueLimit() >> circle(), order="torque")
+    controller = Controller(ARM, JointTorqueLimit() >> circle(), order="torque", damping=None)
     assert "order='torque', backend" in repr(controller)
 
 
 def test_numbers_never_raise():
-    controller = Controller(ARM, JointTorqueLimit() >> circle(), order="torque")
+    controller = Controller(ARM, JointTorqueLimit() >> circle(), order="torque", damping=None)
     assert not controller([np.nan, 0, 0], [0, 0, 0]).ok
     assert controller(START, [0, 0, 0]).ok
 
@@ -169,15 +175,33 @@ FOREIGN = SimpleNamespace(nq=3, nv=3, at=ARM.at)
     ("make", "named"),
     [
         (
-            lambda: Controller(ARM, JointTorqueLimit()),
+            lambda: Controller(ARM, JointTorqueLimit(), damping=None),
             r"JointTorqueLimit 'torque': velocities tell no torques; .* must",
         ),
-        (lambda: Controller(load_robot("g1"), JointTorqueLimit(), order="acceleration"), "'torque': .* floating base"),
-        (lambda: Controller(load_robot("g1"), JointLimits(), order="torque"), "order = 'torque': .* floating base"),
-        (lambda: Controller(FOREIGN, JointTorqueLimit(1.0), order="acceleration"), r"has no mass_matrix\(q\)"),
-        (lambda: Controller(FOREIGN, circle(), order="torque"), r"order = 'torque', but .* has no inverse_dynamics"),
-        (lambda: Controller(PlanarArm([1]), JointTorqueLimit(), order="torque"), r"no torque limit .* give one in N m"),
-        (lambda: Controller(ARM, JointTorqueLimit([1.0, 2.0]), order="torque"), r"limit has shape \(2,\)"),
+        (
+            lambda: Controller(load_robot("g1"), JointTorqueLimit(), order="acceleration", damping=None),
+            "'torque': .* floating base",
+        ),
+        (
+            lambda: Controller(load_robot("g1"), JointLimits(), order="torque", damping=None),
+            "order = 'torque': .* floating base",
+        ),
+        (
+            lambda: Controller(FOREIGN, JointTorqueLimit(1.0), order="acceleration", damping=None),
+            r"has no mass_matrix\(q\)",
+        ),
+        (
+            lambda: Controller(FOREIGN, circle(), order="torque", damping=None),
+            r"order = 'torque', but .* has no inverse_dynamics",
+        ),
+        (
+            lambda: Controller(PlanarArm([1]), JointTorqueLimit(), order="torque", damping=None),
+            r"no torque limit .* give one in N m",
+        ),
+        (
+            lambda: Controller(ARM, JointTorqueLimit([1.0, 2.0]), order="torque", damping=None),
+            r"limit has shape \(2,\)",
+        ),
         (lambda: JointTorqueLimit(0.0), r"JointTorqueLimit 'torque': limit = 0.0 N m must be positive"),
         (lambda: JointTorqueLimit(1.0, name=3), "name of a JointTorqueLimit = 3 is a int"),
         (lambda: PlanarArm([1], torque_limit=-1.0), "torque limit = -1.0 N m must be positive"),

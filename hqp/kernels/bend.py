@@ -287,6 +287,13 @@ def bend(here, k, count, d, above, least, damped):
                     S[i][j] = kept[i][j]
     if own > 0.0:
         add_bent(here, d, 1.0, math.sqrt(vector(here, at.SHARES)[k]))
+    total = 0.0  # and now along the directions that are left
+    for i in range(d):
+        for j in range(d):
+            total += E[i][j] * E[i][j]
+    ratio = ratio_of(math.sqrt(total), least)
+    if ratio <= TRUSTED:
+        return 0.0, ratio
     for r in range(count):
         row = G[r]
         for i in range(d):
