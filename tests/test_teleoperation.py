@@ -79,7 +79,7 @@ def stack(seed, haste):
 def run(order, seconds, seed, haste=1.0, truncated_every=1, certify_every=100):
     """What went wrong, at worst; how far the target was out of reach; how much was checked."""
     robot, rng, hand = panda(), np.random.default_rng(seed), leader(seed, haste)
-    controller = Controller(robot, stack(seed, haste), order=order, dt=DT)
+    controller = Controller(robot, stack(seed, haste), order=order, dt=DT, damping=None)
     levels = controller.hierarchy.levels
     shorter = [Hierarchy(levels[:k], n=robot.nv) for k in range(1, len(levels))]
     solvers = [Solver() for _ in shorter]

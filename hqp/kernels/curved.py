@@ -24,8 +24,8 @@ from .trust import crowded, quiet
 #: From where on curvatures count so much, beside the least square of the rows, that levels lean with all their weight.
 DOUBTED = 2.5
 #: How strongly a level leans on the last x, relative to its rows, times the root of gain dt: the first one, and those
-#: below it.
-LEAN, LEAN_BELOW = 0.0316, 0.8
+#: below it. A lean is a lag of its square over the gain: at 1/2 the closed loop is critically damped.
+LEAN, LEAN_BELOW = 0.0316, 0.5
 
 
 @inner

@@ -19,7 +19,7 @@ STRAIGHT = "the arm is straight in this direction"
 def curved_levels(rows: Rows) -> tuple[int, ...]:
     """Of every level, whether it may be damped by default (1), is below a task but left strict (2), or neither (0).
 
-    Of limits above all tasks nothing gives way; nor does anything where no task tells how its value bends, or where
+    Of limits above all tasks nothing gives way, and a level with an inequality is left strict; so is all where no task tells how its value bends, or where
     forces of contacts are unknown, too.
     """
     rules, work = rows.stack.damping, rows.work
@@ -28,7 +28,8 @@ def curved_levels(rows: Rows) -> tuple[int, ...]:
     bends = any(plan.curvature is not None for _, _, _, plan, _ in work)
     if not bends or rows.unknowns.blocks or all(rule is False for rule in rules[first:]):
         return (0,) * levels
-    return tuple(0 if k < first else 2 if rule is False else 1 for k, rule in enumerate(rules))
+    bounded = {k for k, _, part, _, _ in work if part.is_limit}
+    return tuple(0 if k < first else 2 if rule is False or k in bounded else 1 for k, rule in enumerate(rules))
 
 
 def linearised(rows: Rows, dt: float | None, curved: tuple[int, ...], last: Array) -> Linearisation:
