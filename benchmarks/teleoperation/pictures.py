@@ -11,10 +11,11 @@ from matplotlib.figure import Figure
 
 from ..ticks.stream import Stream
 from .loop import Run
-from .report import Tracking
+from .tracking import Tracking
 
 #: After Okabe and Ito, told apart by all eyes; one a setup; a library has one kind of line.
 STYLES = {
+    "hqp": ("#ee7733", "-"),
     "hqp strict": ("#0072b2", "-"),
     "hqp damped": ("#56b4e9", "-"),
     "hqp braked": ("#000000", "-"),
@@ -28,6 +29,9 @@ STYLES = {
     "pink daqp braked": ("#8c510a", "--"),
     "mink daqp": ("#009e73", ":"),
     "mink daqp lm": ("#7f7f7f", ":"),
+    "roboplan": ("#aa4499", "-."),
+    "roboplan lm 100": ("#44aa99", "-."),
+    "roboplan levels": ("#999933", "-."),
 }
 #: Below this, errors are not told apart [mm]; panels of joint velocities side by side.
 LEAST, COLUMNS = 0.1, 5
