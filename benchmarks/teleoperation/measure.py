@@ -19,6 +19,8 @@ from .tracking import Tracking
 
 #: By how much the hand has to be too far off for a robot that stands still to count as frozen [m].
 THRESHOLD = 5e-3
+#: A target that is slower stands [m/s].
+STANDS = 1e-6
 #: How many time constants 1 / K coming back may take.
 CONSTANTS = 5.0
 
@@ -55,10 +57,9 @@ class Measure:
         By how much, at most, the levels below have moved the first task [m]; None of other libraries.
     strayed : float or None
         How far frames that are to stand have gone [m].
-    end : float
-        Distance from the target at the last tick [m].
-    forced : float
-        What of it inverse kinematics of the same stack leaves [m].
+    end, forced : float or None
+        Distance from the target at the last tick, and what of it inverse kinematics of the same stack leaves [m]; None
+        where the target still moves.
     p50, p99 : float
         Whole ticks [us].
     """
@@ -85,8 +86,8 @@ class Measure:
     caught: int
     moved: float | None
     strayed: float | None
-    end: float
-    forced: float
+    end: float | None
+    forced: float | None
     p50: float
     p99: float
 
@@ -112,8 +113,10 @@ def _measure(stream: Stream, run: Run, tracked: Tracking, forced: Array, setup: 
     joints = np.array([robot.at(q, run.v[0]).joints for q in run.q])
     kept = ranges(joints, *robot.position_limit)
     over_ticks, over = overspeed(run.v, robot.velocity_limit)
-    came = returns(forced, tracked.excess, target_speed(stream), gain, dt, CONSTANTS / gain)
     displaced = None if setup is None else moved(stream, run, setup)
+    speed = target_speed(stream)
+    stands = bool(speed[-1] < STANDS)
+    came = returns(forced, tracked.excess, speed, gain, dt, CONSTANTS / gain)
     us = 1e-3 * run.ns.min(axis=0)  # the same work in every round: what the machine adds is never negative
     return Measure(
         far=rms(tracked.far),
@@ -138,8 +141,8 @@ def _measure(stream: Stream, run: Run, tracked: Tracking, forced: Array, setup: 
         caught=came.caught,
         moved=None if displaced is None else float(np.linalg.norm(displaced, axis=1).max()),
         strayed=float(tracked.strayed.max()) if len(tracked.strayed) else None,
-        end=float(tracked.far[-1]),
-        forced=float(forced[-1]),
+        end=float(tracked.far[-1]) if stands else None,
+        forced=float(forced[-1]) if stands else None,
         p50=float(np.nanmedian(us)),
         p99=float(np.nanquantile(us, 0.99)),
     )

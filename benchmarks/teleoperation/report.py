@@ -20,8 +20,8 @@ SHOWN = (
 )  # fmt: skip
 COMING_BACK = "back"
 STANDING = ("feet", "end", "end ik")
-#: Columns that say nothing of frames whose orientation nobody asks for, or of a first level of several tasks.
-OPTIONAL = ("deg", "moved")
+#: Columns that are left out where they are empty: of angles nobody asks for, and of a first level of several tasks.
+OPTIONAL = ("deg", "moved", "reach", "end", "end ik")
 
 
 def hand_share(stream: Stream) -> float:
@@ -78,8 +78,8 @@ def _row(scene: Scene, name: str, m: Measure) -> Row:
         "reach": "" if m.reach is None else f"{m.reach:.2f}",
         "caught": str(m.caught),
         "feet": "" if m.strayed is None else f"{1e3 * m.strayed:.2f}",
-        "end": f"{1e3 * m.end:.1f}",
-        "end ik": f"{1e3 * m.forced:.1f}",
+        "end": "" if m.end is None else f"{1e3 * m.end:.1f}",
+        "end ik": "" if m.forced is None else f"{1e3 * m.forced:.1f}",
         "p50": f"{m.p50:.0f}",
         "p99": f"{m.p99:.0f}",
     }

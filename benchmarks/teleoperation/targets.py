@@ -127,7 +127,8 @@ def _humanoid(scene: Scene, rows: Rows) -> Iterator[Check]:
     ours = rows[OURS]
     strayed = None if ours.strayed is None else 1e3 * ours.strayed
     yield Check("feet", "mm", strayed, 0.5, "")
-    yield Check("at the end", "mm", 1e3 * ours.end, 1.1e3 * ours.forced, "1.1 x solve_ik")
+    if ours.end is not None and ours.forced is not None:
+        yield Check("at the end", "mm", 1e3 * ours.end, 1.1e3 * ours.forced, "1.1 x solve_ik")
     if _as_known(scene):
         yield Check("jerk", "rad/s^3", ours.jerk, 500.0, "")
 

@@ -270,7 +270,7 @@ def test_pink_stops_at_a_joint_outside_unless_told_not_to() -> None:
 def test_peers_that_are_not_here_are_left_out_aloud(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(setups, "find_spec", lambda name: None if name in {"pink", "daqp"} else object())
+    monkeypatch.setattr(setups, "find_spec", lambda name: None if name in {"pink", "daqp", "roboplan"} else object())
     left = [setup.missing() for setup in SETUPS if setup.missing()]
     assert left[0].startswith("pink daqp: left out, pink is not installed")
     assert any(why.startswith("mink daqp lm: left out, daqp is not installed") for why in left)

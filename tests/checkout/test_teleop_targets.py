@@ -1,4 +1,4 @@
-"""What the default stack is held against: laws over rows, coming back, what lower levels moved, and what a tick costs."""
+"""What the default stack is held against: laws over rows, coming back, what is moved from below, what a tick costs."""
 
 from __future__ import annotations
 
