@@ -54,7 +54,7 @@ class Measure:
     caught : int
         How often it was not there at all.
     moved : float or None
-        By how much, at most, the levels below have moved the first task [m]; None of other libraries.
+        By how much, at most, the hand is farther off for what the levels below asked [m]; None of other libraries.
     strayed : float or None
         How far frames that are to stand have gone [m].
     end, forced : float or None
@@ -113,7 +113,6 @@ def _measure(stream: Stream, run: Run, tracked: Tracking, forced: Array, setup: 
     joints = np.array([robot.at(q, run.v[0]).joints for q in run.q])
     kept = ranges(joints, *robot.position_limit)
     over_ticks, over = overspeed(run.v, robot.velocity_limit)
-    displaced = None if setup is None else moved(stream, run, setup)
     speed = target_speed(stream)
     stands = bool(speed[-1] < STANDS)
     came = returns(forced, tracked.excess, speed, gain, dt, CONSTANTS / gain)
@@ -139,7 +138,7 @@ def _measure(stream: Stream, run: Run, tracked: Tracking, forced: Array, setup: 
         over=over,
         reach=came.slowest,
         caught=came.caught,
-        moved=None if displaced is None else float(np.linalg.norm(displaced, axis=1).max()),
+        moved=None if setup is None else moved(stream, run, setup),
         strayed=float(tracked.strayed.max()) if len(tracked.strayed) else None,
         end=float(tracked.far[-1]) if stands else None,
         forced=float(forced[-1]) if stands else None,

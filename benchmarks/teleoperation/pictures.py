@@ -32,6 +32,7 @@ STYLES = {
     "roboplan": ("#aa4499", "-."),
     "roboplan lm 100": ("#44aa99", "-."),
     "roboplan levels": ("#999933", "-."),
+    "roboplan levels lm": ("#661100", "-."),
 }
 #: Below this, errors are not told apart [mm]; panels of joint velocities side by side.
 LEAST, COLUMNS = 0.1, 5

@@ -122,5 +122,6 @@ SETUPS: tuple[Own | Peer, ...] = (
     Peer("mink", "daqp", "lm", lm=1.0, options={"damping": 1e-3}),
     Peer("roboplan", ""),
     Peer("roboplan", "", "lm 100", lm=1.0, first=100.0),
-    Peer("roboplan", "", "levels", lm=1.0, options={"priorities": True}),
+    Peer("roboplan", "", "levels", options={"priorities": True}),
+    Peer("roboplan", "", "levels lm", lm=1.0, options={"priorities": True}),
 )

@@ -6,35 +6,39 @@ from dataclasses import replace
 
 import numpy as np
 
-from hqp.arrays import Array
-
 from ..ticks.ours import Ours
 from ..ticks.stream import Stream
 from .loop import Run
 from .setups import Own
 
+#: How long the first task is let alone, in time constants 1 / K.
+ALONE = 5.0
 
-def moved(stream: Stream, run: Run, setup: Own) -> Array | None:
-    """How far the hand is from where the first task alone would have it, tick by tick, shape (ticks, 3) [m].
 
-    At every state of the run the stack is asked again without the levels below. What it does differently adds up to a
-    displacement d, and what it would do from there, with its target displaced by d too, takes that back:
+def moved(stream: Stream, run: Run, setup: Own) -> float | None:
+    """By how much, at most, the hand is farther from its target than if the levels below had said nothing [m].
 
-        d <- d + dt J (v - v_alone(target + d))
-
-    so that a push which the task's own pull balances is counted once. None where the first level is no position alone.
+    The run is cut into pieces of 5 / K. From the beginning of each the first task goes on alone, in a loop of its own;
+    at the end, where its own pull has balanced what pushes it, the distances from the target are compared. None where
+    the first level is no position alone.
     """
-    (goal, *others), *_ = stream.scene.levels
+    scene = stream.scene
+    (goal, *others), *_ = scene.levels
     if others or goal.what != "position":
         return None
-    alone = Ours(replace(stream, scene=replace(stream.scene, levels=stream.scene.levels[:1])), **setup.options)
-    target, aims = next((target, aims) for target, aims in alone.targets if np.shape(aims[0]) == (3,))
-    d, all_d = np.zeros(3), np.zeros((len(stream), 3))
-    for k in range(len(stream)):
-        q, v = run.q[k], run.v[k - 1] if k else run.v[0]
-        target.move(aims[k] + d)
-        step = alone.controller(q, v)
-        J = stream.robot.at(q, v).frame(goal.frame).linear
-        d = d + stream.scene.dt * J @ (run.v[k] - alone.velocity(step))
-        all_d[k] = d
-    return all_d
+    robot, targets = stream.robot, stream.positions[goal.frame]
+    alone = Ours(replace(stream, scene=replace(scene, levels=scene.levels[:1])), **setup.options)
+    piece = max(1, round(ALONE / (scene.gain * scene.dt)))
+    worst = 0.0
+    for first in range(0, len(stream) - piece, piece):
+        q, v = run.q[first], run.v[first - 1] if first else np.zeros(robot.nv)
+        for k in range(first, first + piece):
+            alone.stand(k, q, v)
+            v = alone.velocity(alone.tick(k))
+            q = robot.integrate(q, scene.dt * v)
+        far = [
+            np.linalg.norm(targets[first + piece] - robot.at(end, v).frame(goal.frame).position)
+            for end in (run.q[first + piece], q)
+        ]
+        worst = max(worst, float(far[0] - far[1]))
+    return worst

@@ -17,8 +17,8 @@ IN_REACH, EDGE = ("figure eight", "tremor", "slow joints"), ("stretched", "ur5 s
 BEYOND = tuple(s.name for s in SCENES if s.name not in (*IN_REACH, *EDGE, HUMANOID.name))
 #: In and out of reach, by how much a tick may be longer than the strict one.
 COSTS = {"in reach": 1.1, "out of reach": 1.8}
-#: Less than this nobody calls moved [m].
-UNMOVED = 1e-6
+#: What second order does to a task that is held exactly, while the levels below move the joints at full speed [m].
+UNMOVED = 1e-4
 
 Rows = Mapping[str, Measure]
 

@@ -17,7 +17,7 @@ from benchmarks.teleoperation.returns import Returns, returns
 from benchmarks.teleoperation.scenes import KNOWN, SCENES, Scene
 from benchmarks.teleoperation.setups import SETUPS, Own
 from benchmarks.teleoperation.shadow import moved
-from benchmarks.teleoperation.targets import BEYOND, CALM, COSTS, EDGE, IN_REACH, OURS, STRICT, checks, costs
+from benchmarks.teleoperation.targets import BEYOND, CALM, COSTS, EDGE, IN_REACH, OURS, STRICT, UNMOVED, checks, costs
 
 DT, K = 0.005, 20.0
 
@@ -79,20 +79,16 @@ def test_coming_back_is_timed_from_where_the_target_is_in_reach() -> None:
 
 
 def test_levels_below_move_nothing_of_a_strict_stack_and_a_push_is_seen() -> None:
-    stream = scene("figure eight").stream(0.3)
+    stream = scene("figure eight").stream(0.6)
     strict = next(setup for setup in SETUPS if setup.name == STRICT)
     assert isinstance(strict, Own)
     (run,) = drive(stream, [strict.driver])
-    displaced = moved(stream, run, strict)
-    assert displaced is not None
-    assert np.abs(displaced).max() < 1e-9
-    frame, k = stream.scene.led[0], 30
-    run.v[k] += 0.1
-    J = stream.robot.at(run.q[k], run.v[k - 1]).frame(frame).linear
-    pushed = moved(stream, run, strict)
-    assert pushed is not None
-    np.testing.assert_allclose(pushed[k], DT * J @ np.full(7, 0.1), atol=1e-9)
-    np.testing.assert_allclose(pushed[k + 1], (1.0 - K * DT) * pushed[k], rtol=1e-2)  # which its own pull takes back
+    still = moved(stream, run, strict)
+    assert still is not None
+    assert 0.0 <= still < UNMOVED
+    pushed = replace(run, q=run.q.copy())
+    pushed.q[50] = stream.robot.home - 0.3  # the end of the first piece
+    assert moved(stream, pushed, strict) > 0.01
     assert moved(scene("humanoid").stream(0.02), run, strict) is None, "several tasks on the first level"
 
 
