@@ -139,6 +139,8 @@ class LevelExplanation:
     inner : float
         What the pulls of its parts take from each other: the sum of their lengths less the length of their sum, in the
         unit of the strengths.
+    damped : str
+        Why the level gave way, and in which direction, where the solver chose so; empty where it did not.
     """
 
     level: int
@@ -151,6 +153,7 @@ class LevelExplanation:
     parts: tuple[PartExplanation, ...]
     causes: tuple[Cause, ...]
     inner: float
+    damped: str = ""
 
     @property
     def rows(self) -> int:
@@ -170,7 +173,9 @@ class LevelExplanation:
         if self.inner > LEAST_SHARE * sum(cause.strength for cause in self.causes):
             causes.insert(sum(cause.strength > self.inner for cause in self.causes), "each other")
         named = ", then ".join(causes[:MOST_NAMED])
-        more = f" and {len(causes) - MOST_NAMED} more" if len(causes) > MOST_NAMED else ""
+        if self.damped:
+            named = ", then ".join([f"damped, {self.damped}", *causes[:1]])
+        more = f" and {len(causes) - MOST_NAMED} more" if len(causes) > MOST_NAMED and not self.damped else ""
         why = f"{self._own} ({self._standing()})" if self.contradicts else named + more or "nothing above"
         return f"{', '.join(map(str, self.parts))}: {why}" + ("" if self.proved else "; not proved optimal")
 
@@ -189,7 +194,7 @@ class LevelExplanation:
             "level": self.level, "name": self.name, "met": self.met, "proved": self.proved,
             "contradicts": self.contradicts, "rank": self.rank, "fixing": self.fixing, "at_bound": self.at_bound,
             "parts": [part.data() for part in self.parts], "causes": [cause.data() for cause in self.causes],
-            "inner": self.inner,
+            "inner": self.inner, "damped": self.damped,
         }  # fmt: skip
 
 

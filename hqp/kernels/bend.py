@@ -3,7 +3,7 @@ r"""How a curved level is damped: from what its linearisation leaves out.
 A level asks for :math:`J x = b` because something is off by :math:`e`, and J is how that changes: a Gauss-Newton step,
 which leaves out how J itself changes. Where e is large beside the square of the smallest singular value of J, such
 steps overshoot, tick after tick. What is left out are the curvatures H of the own rows, contracted with their errors,
-and of the rows that are held above, contracted with what those push with:
+and of the rows above, contracted with what those push with:
 
 .. math:: S_o = -\sum_i e_i H_i, \qquad S_u = \sum_j \mu_j H_j, \qquad \mu = \arg\min |J_a^T \mu - J^T e|.
 
@@ -19,10 +19,14 @@ from . import layout as plain
 from .call import called
 from .compile import inner, integer
 from .memory import floats, ints, marks, matrix, vector
-from .symmetric import eigen, smallest
+from .orthogonal import length
+from .solver import levels_that_count
+from .symmetric import cholesky, eigen, smallest
 
-#: Damping that is so much smaller than the square of the longest row is round-off.
-ROUND_OFF = 1e-12
+#: Where the curvatures are so small beside the least square of the rows, the linearisation is trusted.
+TRUSTED = 0.3
+#: What is added to the rows above, relative to the longest, so that multipliers of nearly dependent ones stay small.
+DEPENDENT = 1e-10
 
 
 @inner
@@ -31,23 +35,28 @@ def gather(here, k):
     head, ptr, col = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, plain.COL)
     n, row_of, ids = head[plain.N], marks(here, plain.ROW_OF), marks(here, at.IDS)
     lower, upper, weights = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, plain.WEIGHTS)
-    errors, wanted = vector(here, at.ERRORS), vector(here, at.WANTED)
+    errors, wanted, pull = vector(here, at.ERRORS), vector(here, at.WANTED), vector(here, at.PULL)
     A, J = matrix(here, plain.A), matrix(here, at.J)
     count = integer(0)
+    for j in range(n):
+        pull[j] = 0.0
     for i in range(ptr[k], ptr[k + 1]):
         wanted[i] = 0.0
         if not (lower[i] == upper[i] or (errors[i] != 0.0 and (lower[i] > -math.inf or upper[i] < math.inf))):
             continue
-        row = J[count]
+        row, weight = J[count], weights[i]
         if col[i] >= 0:
             for j in range(n):
                 row[j] = 0.0
-            row[col[i]] = weights[i]
+            row[col[i]] = weight
         else:
             own = A[row_of[i]]
             for j in range(n):
-                row[j] = weights[i] * own[j]
-        wanted[i] = -weights[i] * weights[i] * errors[i]
+                row[j] = weight * own[j]
+        if errors[i] != 0.0:
+            wanted[i] = -weight * weight * errors[i]
+            for j in range(n):
+                pull[j] += weight * errors[i] * row[j]
         ids[count] = i
         count += 1
     return count
@@ -55,13 +64,9 @@ def gather(here, k):
 
 @inner
 def project(here, count, d):
-    """J along the directions Z that are left, to G; a bound from below for the square of its smallest singular value.
-
-    And the square of its longest row.
-    """
+    """J along the directions Z that are left, to G; a bound from below for its smallest singular value, squared."""
     n, basis = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS)
     J, G, gram = matrix(here, at.J), matrix(here, at.G), matrix(here, at.E)
-    longest, few = 0.0, count <= d
     for i in range(count):
         row, own = G[i], J[i]
         for p in range(d):
@@ -69,6 +74,7 @@ def project(here, count, d):
             for j in range(n):
                 along += own[j] * direction[j]
             row[p] = along
+    few = count <= d
     side = count if few else d
     for i in range(side):
         for r in range(i + 1):
@@ -81,38 +87,64 @@ def project(here, count, d):
                 for p in range(count):
                     total += G[p][i] * G[p][r]
             gram[i][r] = gram[r][i] = total
-        longest = max(longest, gram[i][i])
-    return smallest(gram, matrix(here, at.U), side), longest
+    return smallest(gram, matrix(here, at.U), side)
 
 
 @inner
-def multipliers(here, k, count, d):
-    """The weights of the curvatures above level k, by what the rows held there push with; False if they do not."""
-    head, basis, T = ints(here, 0, plain.HEAD), matrix(here, at.BASIS), matrix(here, at.T)
-    n, first, end = head[plain.N], marks(here, plain.PTR)[head[at.TOP]], marks(here, plain.PTR)[k]
-    mu, J, ids = vector(here, at.MU), matrix(here, at.J), marks(here, at.IDS)
-    wanted, weights, errors = vector(here, at.WANTED), vector(here, plain.WEIGHTS), vector(here, at.ERRORS)
-    combined, pull, some = matrix(here, at.COMBINED), vector(here, at.VALUES), False
-    for j in range(n):
-        pull[j] = 0.0
+def stack_above(here, count, above):
+    """Take the rows at hand to those above, for the levels below: how many these are then."""
+    n, J, ids = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), marks(here, at.IDS)
+    all_above, whose, gram = matrix(here, at.ABOVE), marks(here, at.WHOSE), matrix(here, at.GRAM)
     for r in range(count):
-        i, row = ids[r], J[r]
+        row, own = all_above[above], J[r]
         for j in range(n):
-            pull[j] += weights[i] * errors[i] * row[j]
-    for i in range(first, end):
+            row[j] = own[j]
+        whose[above] = ids[r]
+        for q in range(above + 1):
+            other, total = all_above[q], 0.0
+            for j in range(n):
+                total += row[j] * other[j]
+            gram[above][q] = gram[q][above] = total
+        above += 1
+    return above
+
+
+@inner
+def multipliers(here, k, above, damped):
+    """The weights of the curvatures above level k: what the rows there push with. False if they do not."""
+    head, gram, L, mu = ints(here, 0, plain.HEAD), matrix(here, at.GRAM), matrix(here, at.TRIANGLE), vector(here, at.MU)
+    n, all_above, whose, pull = head[plain.N], matrix(here, at.ABOVE), marks(here, at.WHOSE), vector(here, at.PULL)
+    ptr, wanted, weights = marks(here, plain.PTR), vector(here, at.WANTED), vector(here, plain.WEIGHTS)
+    longest, some = 0.0, False
+    for r in range(above):
+        row, total = all_above[r], 0.0
+        for j in range(n):
+            total += row[j] * pull[j]
+        mu[r] = total
+        some = some or total != 0.0
+        longest = max(longest, gram[r][r])
+    for i in range(ptr[head[at.TOP]], ptr[k]):
         wanted[i] = 0.0
-    for q in range(n - d - 1, -1, -1):  # V are the last rows of the basis, the first of them last
-        direction, total = basis[n - 1 - q], 0.0
-        for j in range(n):
-            total += direction[j] * pull[j]
-        for r in range(q + 1, n - d):
-            total -= T[r][q] * mu[r]
-        mu[q] = total / T[q][q]
-        some = some or mu[q] != 0.0
-        own = combined[q]
-        for i in range(first, end):
-            wanted[i] += mu[q] * own[i]
-    return some
+    if not some:
+        return False
+    more = damped + DEPENDENT * longest
+    for r in range(above):
+        gram[r][r] += more
+    fine = cholesky(gram, L, above)
+    for r in range(above):
+        gram[r][r] -= more
+    if not fine:
+        return False
+    for r in range(above):
+        for q in range(r):
+            mu[r] -= L[r][q] * mu[q]
+        mu[r] /= L[r][r]
+    for r in range(above - 1, -1, -1):
+        for q in range(r + 1, above):
+            mu[r] -= L[q][r] * mu[q]
+        mu[r] /= L[r][r]
+        wanted[whose[r]] = mu[r] * weights[whose[r]]
+    return True
 
 
 @inner
@@ -124,7 +156,7 @@ def contract(here, first, end):
         row = S[i]
         for j in range(n):
             row[j] = 0.0
-    some = False
+    some, total = False, 0.0
     for p in range(of[first], of[end]):
         begin, count = calls[5 * p + 3], calls[5 * p + 4]
         weights, needed = floats(calls[5 * p + 2], 0, count), False
@@ -134,7 +166,6 @@ def contract(here, first, end):
         if needed:
             called(calls[5 * p], calls[5 * p + 1])
             some = True
-    total = 0.0
     if some:
         for i in range(n):
             row = S[i]
@@ -146,7 +177,7 @@ def contract(here, first, end):
 @inner
 def add_bent(here, d, positive, negative):
     """Add to E what S is in the directions that are left, each of its eigenvectors by its size, times these shares."""
-    n, basis = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS)
+    n, basis, L = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), matrix(here, at.METRIC)
     S, U, E, values = matrix(here, at.S), matrix(here, at.U), matrix(here, at.E), vector(here, at.VALUES)
     M, half = matrix(here, at.M), matrix(here, at.HALF)
     for p in range(d):
@@ -163,6 +194,17 @@ def add_bent(here, d, positive, negative):
             for j in range(n):
                 total += row[j] * direction[j]
             M[p][q] = M[q][p] = total
+    for _ in range(2):  # L^-1 M L^-T: by columns, by rows
+        for q in range(d):
+            row = M[q]
+            for p in range(d):
+                total = row[p]
+                for r in range(p):
+                    total -= L[p][r] * row[r]
+                row[p] = total / L[p][p]
+        for p in range(d):
+            for q in range(p):
+                M[p][q], M[q][p] = M[q][p], M[p][q]
     eigen(M, U, values, d)
     for p in range(d):
         size = positive * values[p] if values[p] > 0.0 else -negative * values[p]
@@ -174,21 +216,67 @@ def add_bent(here, d, positive, negative):
 
 
 @inner
-def bend(here, k, count, d, least, longest):
-    """How level k is to be damped: along the rows of U, directions of Z, by their VALUES. False if not at all."""
+def measure(here, k, d, count, size):
+    """How stiff the soft rows above make the directions that are left: L L' = 1 + R' R, and G in these: whether any."""
+    head, ptr, state = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.STATE)
+    n, basis, L, M, G = (
+        head[plain.N],
+        matrix(here, at.BASIS),
+        matrix(here, at.METRIC),
+        matrix(here, at.M),
+        matrix(here, at.G),
+    )
+    rows, stiffness, left, some = matrix(here, at.ROW), vector(here, at.STIFFNESS), vector(here, at.VALUES), False
+    for p in range(d):
+        for q in range(d):
+            M[p][q] = 1.0 if p == q else 0.0
+    for i in range(ptr[head[at.TOP]], ptr[k]):
+        if state[i] != at.SOFT:
+            continue
+        some = True
+        for p in range(d):
+            direction, along = basis[p], 0.0
+            for j in range(n):
+                along += rows[i][j] * direction[j]
+            left[p] = stiffness[i] * along
+        for p in range(d):
+            for q in range(d):
+                M[p][q] += left[p] * left[q]
+    cholesky(M, L, d)
+    if some:
+        for r in range(count):
+            row = G[r]
+            for p in range(d):
+                for q in range(p):
+                    row[p] -= L[p][q] * row[q]
+                row[p] /= L[p][p]
+    return some
+
+
+@inner
+def bend(here, k, count, d, above, least, damped):
+    """How strongly level k is damped, as a matrix P in the directions that are left: its norm, 0 if not at all.
+
+    And how large the curvatures are beside the least square of the rows.
+
+    In reach nothing but the norms of the curvatures is looked at.
+    """
     head, U, values = ints(here, 0, plain.HEAD), matrix(here, at.U), vector(here, at.VALUES)
-    E, G, kept = matrix(here, at.E), matrix(here, at.G), matrix(here, at.KEPT)
-    n = head[plain.N]
+    E, G, kept, P = matrix(here, at.E), matrix(here, at.G), matrix(here, at.KEPT), matrix(here, at.P)
+    n, S, more = head[plain.N], matrix(here, at.S), 0.0
     own = contract(here, k, k + 1)
-    more = 0.0
-    if d < n and multipliers(here, k, count, d):
+    if above > 0 and multipliers(here, k, above, damped):
         if own > 0.0:  # both are needed, one after the other
             for i in range(n):
                 for j in range(n):
-                    kept[i][j] = matrix(here, at.S)[i][j]
+                    kept[i][j] = S[i][j]
         more = contract(here, head[at.TOP], k)
-    if own + more <= least:
-        return False
+    for i in range(d):
+        for j in range(d):
+            P[i][j] = 0.0
+    ratio = ratio_of(own + more, least)
+    if ratio <= TRUSTED:
+        return 0.0, ratio
     for i in range(d):
         for j in range(d):
             E[i][j] = 0.0
@@ -197,7 +285,7 @@ def bend(here, k, count, d, least, longest):
         if own > 0.0:
             for i in range(n):
                 for j in range(n):
-                    matrix(here, at.S)[i][j] = kept[i][j]
+                    S[i][j] = kept[i][j]
     if own > 0.0:
         add_bent(here, d, 1.0, math.sqrt(vector(here, at.SHARES)[k]))
     for r in range(count):
@@ -206,10 +294,116 @@ def bend(here, k, count, d, least, longest):
             for j in range(d):
                 E[i][j] -= row[i] * row[j]
     eigen(E, U, values, d)
-    some = False
+    most = 0.0
     for p in range(d):
-        if values[p] > ROUND_OFF * longest:
-            some = True
+        if values[p] > 0.0:
+            most = max(most, values[p])
+            direction = U[p]
+            for i in range(d):
+                row, part = P[i], values[p] * direction[i]
+                for j in range(d):
+                    row[j] += part * direction[j]
+    return most, ratio
+
+
+@inner
+def ratio_of(bent, least):
+    """How large curvatures are beside the least square of the rows."""
+    return bent / least if least > 0.0 else math.inf if bent > 0.0 else 0.0
+
+
+@inner
+def quiet(here, there):
+    """Whether the strict answer is to be trusted, by the basis that it has left in directory `there`, at no bound.
+
+    What :func:`bend` looks at, from the triangles that are there: it costs less than the sweep.
+    """
+    head, ptr = ints(here, 0, plain.HEAD), marks(here, plain.PTR)
+    n, levels, last, cut = head[plain.N], head[plain.LEVELS], levels_that_count(there), marks(there, plain.CUT)
+    pivot, L, weights = marks(there, plain.PIVOT), matrix(there, plain.L), vector(here, plain.WEIGHTS)
+    lower, upper, ids = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, at.IDS)
+    if cut[last] < 0:  # it was proved without one
+        return False
+    for q in range(cut[last]):
+        if lower[pivot[q]] != upper[pivot[q]]:
+            return False
+    for k in range(head[at.TOP], levels):
+        count, least = gather(here, k), math.inf
+        if marks(here, at.CURVED)[k] == at.SPARED:
+            continue
+        for r in range(count):
+            if lower[ids[r]] != upper[ids[r]]:
+                return False
+        first = cut[min(k, last)]
+        if k >= last:
+            for i in range(ptr[k], ptr[k + 1]):
+                least = min(least, weights[i] * weights[i])
         else:
-            values[p] = 0.0
-    return some
+            least = least_of(L, pivot, first, cut[k + 1], vector(here, at.VALUES))
+        bent = contract(here, k, k + 1)
+        if first > 0 and pushed(here, there, k, first, n):
+            bent += contract(here, head[at.TOP], k)
+        if bent > TRUSTED * least:
+            return False
+    return True
+
+
+@inner
+def least_of(L, pivot, first, end, column):
+    """One over the square of the norm of the inverse of the triangle first .. end."""
+    total = 0.0
+    for c in range(first, end):
+        for r in range(c, end):
+            row = L[pivot[r]]
+            value = 1.0 if r == c else 0.0
+            for q in range(c, r):
+                value -= row[q] * column[q - first]
+            value /= row[r]
+            column[r - first] = value
+            total += value * value
+    return 1.0 / total if total > 0.0 else math.inf
+
+
+@inner
+def pushed(here, there, k, c, n):
+    """The weights of the curvatures above level k, by the triangle of the first c rows of V: whether any."""
+    V, L, pivot = matrix(there, plain.V), matrix(there, plain.L), marks(there, plain.PIVOT)
+    pull, mu, wanted = vector(here, at.PULL), vector(here, at.MU), vector(here, at.WANTED)
+    ptr, weights, some = marks(here, plain.PTR), vector(here, plain.WEIGHTS), False
+    for i in range(ptr[ints(here, 0, plain.HEAD)[at.TOP]], ptr[k]):
+        wanted[i] = 0.0
+    for j in range(n):
+        some = some or pull[j] != 0.0
+    if not some:
+        return False
+    for q in range(c):
+        direction, total = V[q], 0.0
+        for j in range(n):
+            total += direction[j] * pull[j]
+        mu[q] = total
+    for q in range(c - 1, -1, -1):
+        row = L[pivot[q]]
+        mu[q] /= row[q]
+        for r in range(q):
+            mu[r] -= row[r] * mu[q]
+        wanted[pivot[q]] = mu[q] * weights[pivot[q]]
+    return True
+
+
+@inner
+def norm_of(here, count):
+    """The largest singular value of J."""
+    n, J, M = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), matrix(here, at.M)
+    values, most, side = vector(here, at.VALUES), 0.0, count if count <= n else n
+    if count > n:
+        return length(J[0], n)
+    for r in range(side):
+        for q in range(r + 1):
+            one, other, total = J[r], J[q], 0.0
+            for j in range(n):
+                total += one[j] * other[j]
+            M[r][q] = M[q][r] = total
+    eigen(M, matrix(here, at.U), values, side)
+    for r in range(side):
+        most = max(most, values[r])
+    return math.sqrt(most)

@@ -7,10 +7,11 @@ from __future__ import annotations
 
 #: Numbers at the head beside N and LEVELS of any hierarchy: the first level that was solved in a stage of its own (as
 #: many as there are levels: none), the outcome, its stage, the loop that solves a hierarchy, how many
-#: parts measure errors, and the first level that is curved.
-OPENED, OUTCOME, STAGE, SOLVE, MEASURES, TOP = 5, 6, 7, 8, 9, 10
+#: parts measure errors, the first level
+#: that is curved, and whether the answer of the whole leaves a basis.
+OPENED, OUTCOME, STAGE, SOLVE, MEASURES, TOP, QUICK = 5, 6, 7, 8, 9, 10, 11
 
-#: Which levels are curved. For every level, the directory of its stage, and of the whole as it is; its numbers; how
+#: Which levels are curved: may be damped, or are SPARED, so that they count and are held, but never give way. For every level, the directory of its stage, and of the whole as it is; its numbers; how
 #: many rows of A and rows these have; of every level above it, where its rows begin there, and those of A (-1: none).
 CURVED = 1
 (DIRECTORIES, NUMBERS, SIZES, FIRST, DENSE) = range(8, 13)
@@ -19,25 +20,38 @@ CURVED = 1
 # What the caller keeps up to date: gain dt of the levels, aims of their damping, last x. Part by part, the addresses of
 # its errors and of its band, below and above, row, rows; and what comes of them, the errors of all rows.
 (SHARES, AIMS, LAST, MEASURED, ERRORS) = range(15, 20)
-# Of the level at hand: its rows in play, weighted, and these along the directions that are left; weights of curvatures.
-(IDS, J, G, WANTED) = range(20, 24)
-# An orthonormal basis: first the directions Z that are left, then, the last first, V, along which rows are held:
-# COMBINED A = T V, with the pull of them.
-(BASIS, T, COMBINED, MU) = range(24, 28)
-# Curvature; symmetric matrices of work; eigenvectors and eigenvalues.
-(S, E, U, VALUES, M, HALF, KEPT, REACH) = range(28, 36)
+# Of the level at hand: its rows in play, weighted, and these along the directions that are left; the weights of
+# curvatures; and the pull of its errors.
+(IDS, J, G, WANTED, PULL) = range(20, 25)
+# All rows in play above it, whose they are, their Gram matrix, its triangle, and multipliers.
+(ABOVE, WHOSE, GRAM, TRIANGLE, MU) = range(25, 30)
+# An orthonormal basis, first of it the directions Z that are left; a triangle that says how stiff these are.
+(BASIS, METRIC, REACH) = range(30, 33)
+# Curvature; its damping; symmetric matrices of work, eigenvectors and eigenvalues; combinations of rows.
+(S, P, E, U, VALUES, M, HALF, KEPT, Q) = range(33, 42)
 # What has become of every row: how it is held, the row itself, its value, how stiff it is.
-(STATE, ROW, VALUE, STIFFNESS) = range(36, 40)
-# What every level has reached, and how strongly it was damped, along which directions.
-(POINTS, DAMPED, DIRECTIONS) = range(40, 43)
-PLACES = 43
+(STATE, ROW, VALUE, STIFFNESS) = range(42, 46)
+# What every level has reached, and how strongly it was damped.
+(POINTS, STRENGTHS, SCALES) = range(46, 49)
+PLACES = 49
+
+#: A curved level that is left strict.
+SPARED = 2
+#: What becomes of a row below its level: as it is given; a combination of its level, held, or soft; or nothing.
+GIVEN, HELD, SOFT, LOST = 0, 1, 2, 3
 
 
 def shapes(n, levels, m, widest):
     """Shape of every array of work, integers and numbers apart: two dicts by place."""
-    ints, wide = {IDS: (widest, 1), STATE: (m, 1)}, max(n, widest)
-    reals = {J: (widest, n), G: (widest, n), WANTED: (m, 1), COMBINED: (n, m), MU: (wide, 1), VALUES: (wide, 1)}
-    reals |= dict.fromkeys((BASIS, T, KEPT), (n, n)) | dict.fromkeys((E, U, M, HALF), (wide, wide))
-    reals |= {ERRORS: (m, 1), REACH: (n, 1), ROW: (m, n), VALUE: (m, 1), STIFFNESS: (m, 1)}
-    reals |= {POINTS: (levels, n), DAMPED: (levels, n), DIRECTIONS: (levels * n, n)}
+    ints, wide = {IDS: (widest, 1), STATE: (m, 1), WHOSE: (m, 1)}, max(n, widest)
+    reals = {J: (widest, n), G: (widest, n), WANTED: (m, 1), PULL: (n, 1), ERRORS: (m, 1)}
+    reals |= {ABOVE: (m, n), GRAM: (m, m), TRIANGLE: (m, m), MU: (max(m, n), 1), VALUES: (wide, 1), REACH: (n, 1)}
+    reals |= dict.fromkeys((BASIS, METRIC, KEPT), (n, n)) | dict.fromkeys((P, E, U, M, HALF, Q), (wide, wide))
+    reals |= {
+        ROW: (m, n),
+        VALUE: (m, 1),
+        STIFFNESS: (m, 1),
+        POINTS: (levels, n),
+        STRENGTHS: (levels, 1),
+    }
     return ints, reals

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..arrays import Array
+from .softening import Softened
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,11 +19,14 @@ class Relaxation:
     level, name
         Index and name in the hierarchy.
     damping : float
-        The lambda that the rule chose; 0 where the level was left strict.
+        The lambda that the rule chose, the largest where it is not the same in all directions; 0 where the level was
+        left strict.
     aim : array, shape (n,)
         What it is damped towards.
     residual_norm : float
         ``||D_k w_k||`` as it came out.
+    moved : float
+        How far the levels below moved the rows of this one, ``||D_k A_k (x - x_k)||``, from what it reached itself.
     """
 
     level: int
@@ -30,12 +34,19 @@ class Relaxation:
     damping: float
     aim: Array = field(repr=False)
     residual_norm: float
+    moved: float = field(repr=False)
     _strict: Callable[[], float] = field(repr=False)
+    _softened: Callable[[], tuple[Softened, ...]] = field(repr=False)
 
     @cached_property
     def strict_norm(self) -> float:
         """The residual norm without the damping of this level, below the same levels; solved when first asked for."""
         return self.residual_norm if self.damping == 0.0 else self._strict()
+
+    @cached_property
+    def softened(self) -> tuple[Softened, ...]:
+        """The directions in which the level gave way, the weakest first, and how much of what is asked each met."""
+        return self._softened()
 
     @property
     def excess(self) -> float:

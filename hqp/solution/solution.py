@@ -12,10 +12,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array, length
-from ..certificate import Certificate, Explanation, RowStates, certify, excess, explain, row_space, row_states
+from ..certificate import (
+    Certificate,
+    Explanation,
+    LevelExplanation,
+    RowStates,
+    certify,
+    excess,
+    explain,
+    row_space,
+    row_states,
+)
 from ..hierarchy import Hierarchy, Side
 from ..settings import Settings
 from .relaxation import Relaxation
+from .softening import Softened, in_words, softened
 
 
 class Status(Enum):
@@ -141,6 +152,10 @@ class Stages:
         The hierarchy with every damped level frozen at what it reached.
     solve : callable
         Solves a plain hierarchy, given x_ref.
+    reached : dict of int to array
+        What x was when a level was done, of levels that those below may move a little.
+    singular : str
+        What explanations say of a direction in which x hardly moves a level; empty: they tell the rows of damping.
     """
 
     solutions: tuple[Solution, ...]
@@ -148,6 +163,8 @@ class Stages:
     aims: dict[int, Array]
     frozen: Hierarchy
     solve: Callable[[Hierarchy, Array], Solution]
+    reached: dict[int, Array] = field(default_factory=dict)
+    singular: str = ""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -272,9 +289,31 @@ class Solution:
         """Where strictness was relaxed, and by how much: one entry for each damped level, highest first."""
         h, names = self.hierarchy, [level.name for level in self.hierarchy.levels]
         return tuple(
-            Relaxation(k, names[k], damping, self.aims[k], _residual_norm(h, k, self.x), partial(self._strict_norm, k))
+            Relaxation(
+                k,
+                names[k],
+                damping,
+                self.aims[k],
+                _residual_norm(h, k, self.x),
+                self._moved(k),
+                partial(self._strict_norm, k),
+                partial(self._softened, k),
+            )
             for k, damping in self.dampings.items()
         )
+
+    def _moved(self, k: int) -> float:
+        """How far the levels below k have moved its rows."""
+        assert self.staged is not None
+        reached, level = self.staged.reached.get(k), self.hierarchy.levels[k]
+        return 0.0 if reached is None else length(level.weights * (self.hierarchy.matrix(k) @ (self.x - reached)))
+
+    def _softened(self, k: int) -> tuple[Softened, ...]:
+        """The directions in which level k gave way, by its stage."""
+        for stage in self.stages:
+            if len(stage.hierarchy.levels) == k + 1 and len(stage.hierarchy.levels[k]) > len(self.hierarchy.levels[k]):
+                return softened(stage.hierarchy, len(self.hierarchy.levels[k]))
+        return ()
 
     def _strict_norm(self, k: int) -> float:
         """The residual norm of level k without its damping, below what the levels above it reached."""
@@ -330,7 +369,23 @@ class Solution:
             k = len(stage.hierarchy.levels) - 1
             if k in self.dampings and stage.hierarchy.m > self.hierarchy.pointers[k + 1] and k < len(levels):
                 levels[k] = stage.explain(tolerance=tolerance).levels[k]
+        assert self.staged is not None
+        if self.staged.singular:
+            levels = [self._in_words(level) if level.level in self.dampings else level for level in levels]
         return Explanation(tuple(levels), self.message)
+
+    def _in_words(self, told: LevelExplanation) -> LevelExplanation:
+        """Of a level, as its stage explains it, what its own rows lack, and why it gave way."""
+        assert self.staged is not None
+        own, rows = self.levels[told.level], slice(*self.hierarchy.pointers[told.level : told.level + 2])
+        labels = [self.hierarchy.label_of(row) for row in range(rows.start, rows.stop)]
+        weakest, fixing = self._softened(told.level)[:1], self._rows.violated[rows] | (own.active == Side.EQUALITY)
+        why = "".join(in_words(soft, labels, self.staged.singular) for soft in weakest)
+        names = dict.fromkeys(label.part for label in labels)
+        parts = tuple(part for part in told.parts if part.part in names)
+        return replace(
+            told, parts=parts, rank=own.rank, fixing=int(fixing.sum()), contradicts=False, inner=0.0, damped=why
+        )
 
     def __repr__(self) -> str:
         stages = "" if self.staged is None else f"{len(self.stages)} stages, "

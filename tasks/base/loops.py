@@ -18,6 +18,7 @@ from numba import int64
 from numpy.typing import NDArray
 
 from hqp.backends.native import door, make_ready
+from hqp.kernels.call import address_of
 from hqp.kernels.compile import INTERPRETED, entries
 
 from .once import once
@@ -98,8 +99,7 @@ def chained(calls: Iterable[Call]) -> Callable[[], object]:
 def compiled(kernel: Any) -> int:
     """The address of a compiled loop."""
     ready(kernel)
-    found = kernel.overloads[SIGNATURE.args]
-    return int(found.library.get_pointer_to_function(found.fndesc.llvm_cfunc_wrapper_name))
+    return int(address_of(kernel, SIGNATURE))
 
 
 def warm_up() -> bool:

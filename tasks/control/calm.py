@@ -2,73 +2,88 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from hqp import Settings, Solution
-from hqp.solver.curved import Contraction, CurvedSolver, Errors, Linearisation
+from hqp import Hierarchy, Settings, Solution
+from hqp.solver.curved import CurvedSolver
+from hqp.solver.linearisation import Contraction, Errors, Linearisation
 
 from ..base.checks import Array
 from ..rows.rows import Rows
+from ..rows.stack import Rule
 from ..rows.task import Task
 
-if TYPE_CHECKING:
-    from hqp import DampingRule, Hierarchy
+#: What explanations say where a task has a direction in which joints hardly move it.
+STRAIGHT = "the arm is straight in this direction"
 
 
-def linearised(rows: Rows, dt: float | None, order: str, rules: Sequence[DampingRule | None]) -> Linearisation:
-    """What the rows of a stack are the linearisation of, as they are planned now."""
+def curved_levels(rows: Rows, rules: tuple[Rule, ...]) -> tuple[int, ...]:
+    """Of every level, whether it may be damped by default (1), is below a task but left strict (2), or neither (0).
+
+    Of limits above all tasks nothing gives way; nor does anything where no task tells how its value bends.
+    """
+    levels, work = len(rules), rows.work
+    first = min((k for k, _, part, _, _ in work if not part.is_limit), default=levels)
+    bends = any(plan.curvature is not None for _, _, _, plan, _ in work)
+    if not bends or all(rule is False for rule in rules[first:]):
+        return (0,) * levels
+    return tuple(0 if k < first else 2 if rule is False else 1 for k, rule in enumerate(rules))
+
+
+def linearised(rows: Rows, dt: float | None, curved: tuple[int, ...], last: Array) -> Linearisation:
+    """What the rows of a stack are the linearisation of, as they are planned now; `last` is x of the tick before."""
     from hqp.kernels.call import address_of
 
     from ..base.loops import SIGNATURE, Table, address
 
-    hierarchy, work = rows.hierarchy, rows.work
-    n, levels = hierarchy.n, len(hierarchy.levels)
-    S, tables = np.zeros((n, n)), list[Table]()
-    contractions, errors, gains = list[Contraction](), list[Errors](), np.zeros(levels)
-    for k, row, part, plan, site in work:
+    work, n, levels = rows.work, rows.hierarchy.n, len(curved)
+    S, tables, gains = np.zeros((n, n)), list[Table](), np.zeros(rows.hierarchy.m)
+    contractions, errors = list[Contraction](), list[Errors]()
+    for _, row, part, plan, site in work:
         errors += [Errors(*off, row) for off in site.off]
         task = getattr(part, "task", part)
         if isinstance(task, Task) and site.off:
-            gains[k] = max(gains[k], float(task.gain.max()))
+            gains[row : row + site.rows] = task.gain
         if plan.curvature is not None:
             weights = np.zeros(site.rows)
             table = Table(weights, S, *plan.curvature.table.told[2:])
             tables.append(table)
             loop = address_of(plan.curvature.kernel, SIGNATURE)
             contractions.append(Contraction(loop, address(table), weights, row))
-    first = min((k for k, _, part, _, _ in work if not part.is_limit), default=levels)
-    curved = tuple(k >= first for k in range(levels))
-    shares = np.where(gains > 0.0, gains * (dt or 0.0), 1.0)
-    return Linearisation(
-        curved, errors, contractions, S, shares, np.zeros((levels, n)), np.full(n, np.nan), (tables, work)
-    )
+    fastest = float(gains.max())
+    shares, scales = np.full(levels, fastest * dt if dt and fastest else 1.0), gains / (fastest or 1.0)
+    kept = tables, work
+    return Linearisation(curved, errors, contractions, S, scales, shares, rows.every_aim, last, STRAIGHT, kept)
 
 
 class CalmSolver:
-    """Solves the rows of a stack, damped where they mislead."""
+    """Solves the rows of a stack, damped where they mislead.
+
+    Parameters
+    ----------
+    rows : Rows
+    dt : float or None
+        Tick [s]; where it is not known, nothing leans on the last x.
+    curved : tuple of int
+        See :func:`curved_levels`.
+    backend : str
+    settings : hqp.Settings, optional
+    """
 
     def __init__(
-        self,
-        rows: Rows,
-        dt: float | None,
-        order: str,
-        rules: Sequence[DampingRule | None],
-        backend: str,
-        settings: Settings | None,
+        self, rows: Rows, dt: float | None, curved: tuple[int, ...], backend: str, settings: Settings | None
     ) -> None:
-        self._rows, self._told = rows, (dt, order, rules)
-        self._solver = CurvedSolver(rows.hierarchy, linearised(rows, *self._told), backend, settings)
-        self._planned, self.backend = rows.planned, backend
-        self._lin = self._solver._linearisation
+        self.backend = backend
+        self._rows, self._dt, self._curved, self._last = rows, dt, curved, np.full(rows.hierarchy.n, np.nan)
+        rows.brake(k for k, kind in enumerate(curved) if kind == 1)
+        self._solver = CurvedSolver(rows.hierarchy, linearised(rows, dt, curved, self._last), backend, settings)
+        self._planned = rows.planned
 
     def solve(self, hierarchy: Hierarchy, last: Array | None = None) -> Solution:
+        """Solve the rows as they are filled now; `last` is the x of the tick before, None or NaN where nobody knows."""
         if self._planned != self._rows.planned:
-            self._lin = linearised(self._rows, *self._told)
-            self._solver.relinearise(self._lin)
+            self._solver.relinearise(linearised(self._rows, self._dt, self._curved, self._last))
             self._planned = self._rows.planned
-        if last is not None:
-            self._lin.last[:] = last
+        known = last is not None and self._dt is not None and np.isfinite(last @ last)
+        self._last[:] = last if known else np.nan
         return self._solver.solve(hierarchy)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 import hqp
 from hqp import InvalidInput, Settings, Solution, Solver, Status
 from hqp.checks import one_of, truth
+from hqp.errors import brief
 from hqp.guard import Guard
 from hqp.solution import Relaxation
 
@@ -40,6 +41,8 @@ from .transition import Limits, Transition
 if TYPE_CHECKING:
     from typing_extensions import TypeVar
 
+    from .calm import CalmSolver
+
     V = TypeVar("V", default=Any)
     A = TypeVar("A", default=Any)
     T = TypeVar("T", default=Any)
@@ -50,6 +53,8 @@ else:
     #: known at work has any of them.
     V, A, T = TypeVar("V"), TypeVar("A"), TypeVar("T")
 
+#: How levels are damped that have no rule of their own.
+DefaultDamping = Literal["curvature"]
 #: Stacks that a controller keeps ready to go back to.
 MOST_PREPARED = 8
 
@@ -102,14 +107,31 @@ class _Left:
     Called, it gives x, and whether it claims it.
     """
 
-    def __init__(self, stack: Stack, rows: Rows, solver: Solver, before: Transition | None) -> None:
+    def __init__(self, stack: Stack, rows: Rows, solver: Solver | CalmSolver, before: Transition | None) -> None:
         self.stack, self._rows, self._solver, self.before = stack, rows, solver, before
 
-    def __call__(self, state: RobotState, t: float) -> tuple[Array, bool]:
-        solution = self._solver.solve(self._rows.fill(state, t), aims=self._rows.aims)
+    def __call__(self, state: RobotState, t: float, last: Array | None = None) -> tuple[Array, bool]:
+        self._rows.fill(state, t)
+        solution = _answer(self._solver, self._rows, last)
         if self.before is None or not solution.ok:
             return solution.x, solution.ok
-        return self.before.blend(state, t, solution.x)[0], True
+        return self.before.blend(state, t, solution.x, last)[0], True
+
+
+def _answer(solver: Solver | CalmSolver, rows: Rows, last: Array | None) -> Solution:
+    """What a solver says to the rows as they are; `last` is the x of the tick before, None where nobody knows."""
+    if isinstance(solver, Solver):
+        return solver.solve(rows.hierarchy, aims=rows.aims)
+    return solver.solve(rows.hierarchy, last)
+
+
+def _damping(value: object) -> DefaultDamping | None:
+    """How levels are damped by default, if it is a way to do so."""
+    if value is None or (isinstance(value, str) and value == "curvature"):
+        return value  # type: ignore[return-value]  # which is this very word
+    raise InvalidInput(
+        f"damping = {brief(value)}; it must be 'curvature' or None. One level takes a rule by Damped(level, 0.1)"
+    )
 
 
 class Controller(Live, Generic[V, A, T]):
@@ -133,11 +155,17 @@ class Controller(Live, Generic[V, A, T]):
     settings : hqp.Settings, optional
     torque : bool
         Whether steps tell the joint torques too, at acceleration order, by the robot's ``inverse_dynamics``.
+    damping : "curvature" or None
+        What is done where the stack has no damping of its own (:class:`~tasks.Damped` levels, or ``task + Damping()``).
+        "curvature": levels give way where their rows mislead, near singularities and out of reach, in the directions
+        in which they do, and joints change their velocities calmly there and close to limits; in reach the answer is
+        the strict one. ``step.relaxed`` and ``step.solution.explain()`` tell where. A level is left out of it by
+        ``Damped(level, None)``. None: every level is strict.
 
     Raises
     ------
     InvalidInput
-        At once, if the robot or the stack is none, the order is neither, dt is not positive, the
+        At once, if the robot or the stack is none, the order or the damping is none of these, dt is not positive, the
         backend is unknown, a task does not fit the robot or its gain the tick, or torques are asked for at velocity
         order, or of a robot that cannot tell them or has a base that moves freely.
     """
@@ -158,6 +186,7 @@ class Controller(Live, Generic[V, A, T]):
         backend: str = ...,
         settings: Settings | None = ...,
         torque: Literal[False] = ...,
+        damping: DefaultDamping | None = ...,
     ) -> None: ...
     @overload
     def __init__(
@@ -170,6 +199,7 @@ class Controller(Live, Generic[V, A, T]):
         backend: str = ...,
         settings: Settings | None = ...,
         torque: Literal[False] = ...,
+        damping: DefaultDamping | None = ...,
     ) -> None: ...
     @overload
     def __init__(
@@ -182,6 +212,7 @@ class Controller(Live, Generic[V, A, T]):
         backend: str = ...,
         settings: Settings | None = ...,
         torque: Literal[True],
+        damping: DefaultDamping | None = ...,
     ) -> None: ...
     @overload
     def __init__(
@@ -194,6 +225,7 @@ class Controller(Live, Generic[V, A, T]):
         backend: str = ...,
         settings: Settings | None = ...,
         torque: bool = ...,
+        damping: DefaultDamping | None = ...,
     ) -> None: ...
     @overload
     def __init__(
@@ -206,6 +238,7 @@ class Controller(Live, Generic[V, A, T]):
         backend: str = ...,
         settings: Settings | None = ...,
         torque: bool = ...,
+        damping: DefaultDamping | None = ...,
     ) -> None: ...
     def __init__(
         self,
@@ -217,7 +250,7 @@ class Controller(Live, Generic[V, A, T]):
         backend: str = hqp.DEFAULT_BACKEND,
         settings: Settings | None = None,
         torque: bool = False,
-        damping: str | None = None,
+        damping: DefaultDamping | None = "curvature",
     ) -> None:
         one_of(order, get_args(Command), "order")
         self.robot = as_robot(robot)
@@ -225,8 +258,8 @@ class Controller(Live, Generic[V, A, T]):
         self.order = order
         self.dt = None if dt is None else positive_scalar(dt, "dt", unit="s")
         self._torque = self._inverse_dynamics() if truth(torque, "torque") or order == "torque" else None
-        self._backend, self._settings, self._damping = backend, settings, damping
-        self._prepared: dict[int, tuple[Stack, Rows, Solver]] = {}
+        self._backend, self._settings, self._damping = backend, settings, _damping(damping)
+        self._prepared: dict[int, tuple[Stack, Rows, Solver | CalmSolver]] = {}
         self._transition: Transition | None = None
         self._limits: Limits | None = None
         # Where configurations lie on a manifold, the controller looks at them itself: a call never raises for a state.
@@ -236,6 +269,7 @@ class Controller(Live, Generic[V, A, T]):
         self._state: Callable[[Array, Array], RobotState] = self.robot.at if shared is None else shared.state
         self._guard = Guard("the controller") if shared is None else shared.guard
         check_states(robot)
+        self._rest = np.zeros(self.robot.nv)
         self._rows, self._solver = self._prepare(self.stack)
         self._tell_of_speed()
 
@@ -257,7 +291,14 @@ class Controller(Live, Generic[V, A, T]):
             changes.insert(0, (left.stack, change.duration, change.law, change.begin))
             change = left.before
         settings, torque = self._settings, self._torque is not None and self.order != "torque"
-        own = {"order": self.order, "dt": self.dt, "backend": self._backend, "settings": settings, "torque": torque}
+        own: dict[str, Any] = {
+            "order": self.order,
+            "dt": self.dt,
+            "backend": self._backend,
+            "settings": settings,
+            "torque": torque,
+        }
+        own["damping"] = self._damping
         return {"robot": self.robot, "stack": self.stack, "options": own, "changes": changes}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -299,7 +340,7 @@ class Controller(Live, Generic[V, A, T]):
         """What damped levels were damped towards at the last tick (views), by level; those without are zero."""
         return self._rows.aims or {}
 
-    def __call__(self, q: ArrayLike, v: ArrayLike, t: float = 0.0) -> Step[V, A, T]:
+    def __call__(self, q: ArrayLike, v: ArrayLike | None = None, t: float = 0.0) -> Step[V, A, T]:
         """The motion for this tick.
 
         Parameters
@@ -307,43 +348,47 @@ class Controller(Live, Generic[V, A, T]):
         q : array, shape (nq,)
             Joint positions [rad].
         v : array, shape (nv,)
-            Joint velocities [rad/s].
+            Joint velocities [rad/s]. None, at velocity order: they are not known. The robot is then taken to be at rest
+            where limits ask, and no command leans on them.
         t : float
             Time [s], for targets that move.
 
         Raises
         ------
         InvalidInput
-            If q, v or t has the wrong shape. Numbers never raise: where they are not finite, or a quaternion or a
+            If q, v or t has the wrong shape, or v is None at an order that needs it. Numbers never raise: where they are not finite, or a quaternion or a
             point of a circle has not norm 1, the status of the solution is INVALID and nothing moves.
         InUse
             If another thread is inside, or in another controller of the same robot, where it has one workspace.
         """
-        position, velocity = numbers(q, "q"), numbers(v, "v")
+        if v is None and self.order != "velocity":
+            raise InvalidInput(f"v = None, but order = {self.order!r} needs the joint velocities, shape (nv,)")
+        position, velocity = numbers(q, "q"), self._rest if v is None else numbers(v, "v")
         time = t if type(t) is float else scalar(t, "t")
         check_joints(self.robot, position, velocity)
-        return self.unchecked(position, velocity, time)
+        return self.unchecked(position, None if v is None else velocity, time)
 
-    def unchecked(self, q: Array, v: Array, t: float) -> Step[V, A, T]:
+    def unchecked(self, q: Array, v: Array | None, t: float) -> Step[V, A, T]:
         """The motion for this tick, for a loop which knows that q and v are float arrays of the right shape."""
         if self._rows.compiled:  # which never warns
             return self._step(q, v, t)
         with np.errstate(all="ignore"):
             return self._step(q, v, t)
 
-    def _step(self, q: Array, v: Array, t: float) -> Step[V, A, T]:
+    def _step(self, q: Array, v: Array | None, t: float) -> Step[V, A, T]:
         with self._guard:
             return self._guarded(q, v, t)
 
-    def _guarded(self, q: Array, v: Array, t: float) -> Step[V, A, T]:
+    def _guarded(self, q: Array, v: Array | None, t: float) -> Step[V, A, T]:
         fault = None
         if self._on_manifold is not None:
             q, fault = self._on_manifold(q)
-        state = self._state(q, v)
-        solution = self._solve(state, t, fault)
+        state = self._state(q, self._rest if v is None else v)
+        last = v if self.order == "velocity" else None
+        solution = self._solve(state, t, last, fault)
         x, share = solution.x, 1.0
         if self._transition is not None and solution.ok:
-            x, share = self._transition.blend(state, t, x)
+            x, share = self._transition.blend(state, t, x, last)
             if share >= 1.0:
                 self._transition = None
             elif self._limits is not None:
@@ -393,15 +438,17 @@ class Controller(Live, Generic[V, A, T]):
         self._stack, (self._rows, self._solver) = wanted, prepared
         self._limits = None if at_once else Limits.of(wanted, self.hierarchy, self._backend)
 
-    def _new_solver(self, stack: Stack, rows: Rows) -> Any:
-        if self._damping is not None and not any(stack.damping):
-            from .calm import CalmSolver
+    def _new_solver(self, stack: Stack, rows: Rows) -> Solver | CalmSolver:
+        if self._damping is not None and not stack.damps:
+            from .calm import CalmSolver, curved_levels
 
-            return CalmSolver(rows, self.dt, self.order, stack.damping, self._backend, self._settings)
+            curved = curved_levels(rows, stack.damping)
+            if any(curved):
+                return CalmSolver(rows, self.dt, curved, self._backend, self._settings)
         rules: dict[int | str, hqp.DampingRule | float] = {k: rule for k, rule in enumerate(stack.damping) if rule}
         return Solver(self._backend, self._settings, rules)
 
-    def _prepare(self, stack: Stack) -> tuple[Rows, Solver]:
+    def _prepare(self, stack: Stack) -> tuple[Rows, Solver | CalmSolver]:
         """The rows of a stack, and their solver, as they were left."""
         found = self._prepared.pop(id(stack), None)
         if found is None:
@@ -437,17 +484,16 @@ class Controller(Live, Generic[V, A, T]):
         """
         return self._rows.describe()
 
-    def _solve(self, state: RobotState, time: float, fault: str | None) -> Solution:
+    def _solve(self, state: RobotState, time: float, last: Array | None, fault: str | None) -> Solution:
         if fault is None and isfinite(time):
             self._rows.fill(state, time)
-            if self._damping is not None and not any(self.stack.damping):
-                return self._solver.solve(self.hierarchy, state.v)
-            return self._solver.solve(self.hierarchy, aims=self._rows.aims)
+            return _answer(self._solver, self._rows, last)
         self.hierarchy.lower.fill(np.nan)  # no task is asked, and no bound left that could be met
         solution, message = self._solver.solve(self.hierarchy), fault or f"t = {time} s must be finite"
         return replace(solution, message=message)
 
     def __repr__(self) -> str:
         tick = "" if self.dt is None else f", dt={self.dt:g}"
+        tick += "" if self._damping else ", damping=None"
         tick += ", torque=True" if self._torque is not None and self.order == "acceleration" else ""
         return f"Controller({self.robot!r}, {self.stack!r}, order={self.order!r}{tick}, backend={self.backend!r})"

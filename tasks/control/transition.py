@@ -26,7 +26,8 @@ from ..rows.stack import Stack
 from ..targets.timing import Timing, as_timing
 
 #: What a stack asks for at a state and a time: x, and whether its solver claims it.
-Answer = Callable[[RobotState, float], tuple[Array, bool]]
+#: The third argument is the x of the tick before, None where nobody knows.
+Answer = Callable[[RobotState, float, Array | None], tuple[Array, bool]]
 
 
 class Limits:
@@ -92,7 +93,7 @@ class Transition:
             self.begin = t
         return self.law((t - self.begin) / self.duration)[0]
 
-    def blend(self, state: RobotState, t: float, new: Array) -> tuple[Array, float]:
+    def blend(self, state: RobotState, t: float, new: Array, last: Array | None) -> tuple[Array, float]:
         """The command between the answers of both stacks, and the share of the new one.
 
         Where the old stack has no answer, the new one counts alone.
@@ -100,5 +101,5 @@ class Transition:
         s = self.share(t)
         if s >= 1.0:
             return new, 1.0
-        old, ok = self.old(state, t)
+        old, ok = self.old(state, t, last)
         return ((1.0 - s) * old + s * new, s) if ok else (new, 1.0)

@@ -57,6 +57,7 @@ class Damping(Part):
 
     plain = True
     rows = None
+    damps = True
 
     def __init__(self, weight: ArrayLike, *, name: str | None = None) -> None:
         self.name = "damping" if name is None else of_type(name, str, "name of a Damping")

@@ -24,11 +24,13 @@ from .stack import Stack
 class Damped(Stack):
     """One level, damped by a rule: ``limits >> position >> Damped(orientation, 0.1) >> posture``.
 
+    Where a level has a rule, a :class:`~tasks.Controller` damps no other one by default.
+
     Parameters
     ----------
     level : task, or several joined by +
-    rule : float or DampingRule
-        A number is the lambda of a :class:`hqp.FixedDamping`, in the unit of the weighted rows per unit of x: [m] or
+    rule : float, DampingRule or None
+        None: the level is left strict, also where a controller damps the others by default. A number is the lambda of a :class:`hqp.FixedDamping`, in the unit of the weighted rows per unit of x: [m] or
         [1] for a task in [m] or [rad]. Else one of :class:`hqp.ManipulabilityDamping`,
         :class:`hqp.SingularValueDamping`, :class:`hqp.NumericalFiltering`, :class:`hqp.ErrorDamping`, whose bound is
         that of the joint velocities which the level adds, or a rule of your own.
@@ -46,10 +48,10 @@ class Damped(Stack):
     whose steps are bounded in a way of their own, takes the level and leaves its damping out.
     """
 
-    def __init__(self, level: Part | Stack, rule: DampingRule | float) -> None:
+    def __init__(self, level: Part | Stack, rule: DampingRule | float | None) -> None:
         super().__init__(level)
         if len(self) != 1:
             raise InvalidInput(f"Damped takes one level, but {level!r} has {len(self)}; damp each by itself")
         if self.damping[0] is not None:
             raise InvalidInput(f"{level!r} is damped already; a level takes one rule")
-        self.damping = (as_rule(rule, f"Damped({level!r}): rule"),)
+        self.damping = (False if rule is None else as_rule(rule, f"Damped({level!r}): rule"),)

@@ -38,6 +38,8 @@ class Part(Live):
         Whether the rows are those of the identity: bounds on x itself, kept without a matrix.
     is_limit : bool
         Whether the rows only bound, and ask for nothing.
+    damps : bool
+        Whether they damp the tasks beside them.
     limited : {"motion", "torque"} or None
         What they bound in every joint: x, or the torques that it takes. Records tell when a joint is at a bound.
     name : str
@@ -48,6 +50,7 @@ class Part(Live):
     rows: int | None = structure()
     plain: bool = structure(False)
     is_limit: ClassVar[bool] = False
+    damps: ClassVar[bool] = False
     limited: ClassVar[Literal["motion", "torque"] | None] = None
     #: The methods that say what the rows are: a subclass that overrides one of them is asked in Python.
     says: ClassVar[tuple[str, ...]] = ("write",)

@@ -44,7 +44,7 @@ class Rows:
     planned : int
         How often rows have been planned: whoever knows plans by their addresses looks at them again.
     aims : dict of int to array, shape (nv,), or None
-        What each damped level is damped towards at this tick, ``-2 zeta K v`` by the fastest of its tasks; None at
+        What each damped level is damped towards at this tick, rows of `every_aim`, ``-2 zeta K v`` by the fastest of its tasks; None at
         other orders than that of accelerations, where it is zero, and where no level is damped.
     """
 
@@ -58,11 +58,21 @@ class Rows:
         self._own_limits = None if isinstance(robot, Live) else OwnLimits(robot)
         self._names = [_row_names(part, robot, order) for part in stack]
         self._rates = np.zeros(len(stack))
-        self._braked = [k for k, rule in enumerate(stack.damping) if rule is not None and order == "acceleration"]
-        self.aims: Mapping[int | str, Array] | None = {k: np.zeros(robot.nv) for k in self._braked} or None
+        self.every_aim = np.zeros((len(stack), robot.nv))
+        self._take_note([k for k, rule in enumerate(stack.damping) if rule])
         self._take_up()
         if isinstance(robot, Live):
             watch_alone(robot, self)
+
+    def brake(self, levels: Iterable[int]) -> None:
+        """Keep the aims of these levels up to date, too: somebody else damps them."""
+        self._take_note(levels)
+        self._chain()
+
+    def _take_note(self, damped: Iterable[int]) -> None:
+        """Which levels are damped: at acceleration order they have aims."""
+        self._braked = list(damped) if self._order == "acceleration" else []
+        self.aims: Mapping[int | str, Array] | None = {k: self.every_aim[k] for k in self._braked} or None
 
     def admit(self, part: Live, name: str) -> None:
         """Take up what was changed in a part or the robot, or refuse it; see :class:`tasks.base.live.Watcher`."""
@@ -108,8 +118,6 @@ class Rows:
 
     def _plan(self, which: Iterable[int]) -> None:
         """Plan how these parts write their rows."""
-        from ..base.loops import chained
-
         robot, shared = self._robot, self._shared
         self.planned += 1
         rest = Tick(robot, self._rest, 0.0, self._order, self._dt, shared.envelope)
@@ -135,6 +143,13 @@ class Rows:
         self._unweighted = [(site.lower, site.upper, without) for (_, site), (_, without) in pairs if without.size]
         self._moves = [move for _, plan in self.plans for move in plan.moves]
         self._python = [plan.python for _, plan in self.plans if plan.python is not None]
+        self._chain()
+
+    def _chain(self) -> None:
+        """What runs all loops of a tick."""
+        from ..base.loops import chained
+
+        shared = self._shared
         own = [call for _, plan in self.plans for call in plan.calls]
         own += self._aiming()
         self.compiled = not self._python

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING, get_args
+from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
 
 from hqp import DampingRule, InvalidInput
 from hqp.checks import one_of
@@ -18,8 +18,10 @@ from .tick import Order
 if TYPE_CHECKING:
     from .rows import Rows
 
+#: How a level is damped: by a rule of its own, never (False), or as the controller does by default (None).
+Rule: TypeAlias = "DampingRule | Literal[False] | None"
 #: One level, and how it is damped.
-Ruled = tuple[tuple[Part, ...], DampingRule | None]
+Ruled = tuple[tuple[Part, ...], Rule]
 
 ALLOWED = "a stack takes tasks, limits and stacks: a >> b puts b below a, a + b puts both on one level"
 
@@ -39,6 +41,8 @@ class Stack(Live):
     Attributes
     ----------
     levels : tuple of tuples of Part
+    damping : tuple of DampingRule, False or None
+        How each level is damped: by a rule of its own, never, or as the controller does by default.
 
     Raises
     ------
@@ -47,7 +51,7 @@ class Stack(Live):
     """
 
     levels: tuple[tuple[Part, ...], ...] = structure()
-    damping: tuple[DampingRule | None, ...] = structure()
+    damping: tuple[Rule, ...] = structure()
     _instead = "make a new one, and go over to it with controller.change(stack, duration=...)"
 
     def __init__(self, *parts: Part | Stack) -> None:
@@ -71,12 +75,19 @@ class Stack(Live):
                 f"+ joins parts of one level, but got {self!r} + {other!r};"
                 " say which level is meant with brackets: a >> (b + c)"
             )
-        if any(self.damping) or (isinstance(other, Stack) and any(other.damping)):
+        rules = self.damping + (other.damping if isinstance(other, Stack) else ())
+        if any(rule is not None for rule in rules):
             raise InvalidInput(
                 f"a level is damped as a whole, but got {self!r} + {other!r}; put the brackets around all of it:"
                 " Damped(a + b, rule)"
             )
         return _of_levels([(mine[0] + theirs[0], None)])
+
+    @property
+    def damps(self) -> bool:
+        """Whether it has damping of its own: a level with a rule, or rows of damping beside a task."""
+        beside = any(part.damps and len(level) > 1 for level in self.levels for part in level)
+        return beside or any(self.damping)
 
     def swapped(self, first: Part, second: Part) -> Stack:
         """The same parts, these two in each other's place, with the damping of a level that each has for itself.
@@ -187,9 +198,9 @@ def _of_levels(levels: Iterable[Ruled]) -> Stack:
     return Stack(stack) if kept else Stack()
 
 
-def _shown(level: tuple[Part, ...], rule: DampingRule | None) -> str:
+def _shown(level: tuple[Part, ...], rule: Rule) -> str:
     parts = " + ".join(map(repr, level))
-    return parts if rule is None else f"Damped({parts}, {rule!r})"
+    return parts if rule is None else f"Damped({parts}, {rule or None!r})"
 
 
 def _levels_of(part: Part | Stack) -> tuple[tuple[Part, ...], ...]:

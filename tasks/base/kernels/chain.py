@@ -2,24 +2,9 @@
 
 from __future__ import annotations
 
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
-
+from hqp.kernels.call import called
 from hqp.kernels.compile import entry, stamp
 from hqp.kernels.memory import ints
-
-
-@intrinsic
-def called(typing, loop, here):
-    """Call the loop at this address with what it is told."""
-
-    def build(context, builder, signature, arguments):
-        long = ir.IntType(64)
-        kind = ir.FunctionType(long, [long])
-        return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), [arguments[1]])
-
-    return types.int64(types.int64, types.int64), build
 
 
 @stamp

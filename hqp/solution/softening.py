@@ -1,0 +1,88 @@
+r"""The directions in which a damped level gave way, by the stage that it was solved in.
+
+Of a level :math:`G y = b` in what the levels above leave, with rows of damping D beside it, the answer meets
+
+.. math:: T b, \qquad T = G (G^T G + D^T D)^{-1} G^T,
+
+the eigenvectors of T are directions among its rows, and the eigenvalues the shares of what is asked there that are met.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ..arrays import Array, length
+from ..certificate import row_space
+from ..hierarchy import Hierarchy, Label
+
+#: Where more than this share is met, a direction counts as strict.
+MET = 0.99
+#: Rows so much shorter than the longest one, in any direction, leave x hardly a way to move the level there.
+SHORT = 0.5
+#: What is at most this long beside the longest row cannot be moved, and is no matter of damping.
+NONE = 1e-9
+#: Rows with less of a share in a direction are not named.
+NAMED = 0.2
+
+
+@dataclass(frozen=True, eq=False)
+class Softened:
+    """One direction in which a level gave way.
+
+    Attributes
+    ----------
+    direction : array, shape (rows,)
+        Of unit length, among the weighted rows of the level.
+    share : float
+        Of what is asked along it, how much is met; the rest is left for calm.
+    cause : {"singular", "above", "calm"}
+        Whether x hardly moves the level in this direction, or would if the levels above let it; else the damping is for
+        how the rows bend, or leans on the last x.
+    """
+
+    direction: Array
+    share: float
+    cause: Literal["singular", "above", "calm"]
+
+
+def softened(stage: Hierarchy, own: int) -> tuple[Softened, ...]:
+    """The directions of the lowest level of a stage, the weakest first; its first `own` rows are those it had itself."""
+    k = len(stage.levels) - 1
+    begin, level = stage.pointers[k], stage.levels[k]
+    norms = np.linalg.norm(stage.dense(), axis=1)
+    held = np.flatnonzero((stage.lower == stage.upper) & (norms > 0.0))
+    held = held[held < begin]
+    _, Z, _ = row_space(stage.dense()[held] / norms[held, None], NONE)
+    weighted = level.weights[:, None] * stage.matrix(k)
+    J, D = weighted[:own], weighted[own:] @ Z
+    G, longest = J @ Z, float(np.linalg.norm(J, 2)) if J.size else 0.0
+    if not G.size or longest == 0.0:
+        return ()
+    shares, directions = np.linalg.eigh(G @ np.linalg.pinv(G.T @ G + D.T @ D, hermitian=True) @ G.T)
+    found = list[Softened]()
+    for share, direction in zip(shares, directions.T, strict=True):
+        size, left = length(J.T @ direction), length(G.T @ direction)
+        if share <= MET and left > NONE * longest:
+            singular = size < SHORT * longest
+            cause: Literal["singular", "above", "calm"] = (
+                "singular" if singular else "above" if left < SHORT * size else "calm"
+            )
+            found.append(Softened(direction, max(float(share), 0.0), cause))
+    return tuple(found)
+
+
+def in_words(soft: Softened, labels: list[Label], singular: str) -> str:
+    """Why a level gave way in its weakest direction, and which one that is, by the labels of its rows."""
+    said = {
+        "singular": singular,
+        "above": "the levels above leave little to move it by in this direction",
+        "calm": "so that x changes calmly in this direction",
+    }[soft.cause]
+    order = np.argsort(-np.abs(soft.direction), kind="stable")
+    main = [i for i in map(int, order) if abs(soft.direction[i]) >= NAMED] or [int(order[0])]
+    sign = 1.0 if soft.direction[main[0]] > 0.0 else -1.0
+    names = (f"{sign * soft.direction[i]:.2g} {labels[i].row or labels[i].part}" for i in main[:3])
+    return f"{said} ({labels[main[0]].row or labels[main[0]].part if len(main) == 1 else ', '.join(names)})"

@@ -1,0 +1,108 @@
+"""What the loops of curved levels work in: the hierarchies of their stages, and a directory of all arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array
+from ..hierarchy import Hierarchy, Label, Level
+from ..kernels import curved_layout as at
+from ..kernels import layout as plain
+from .linearisation import Linearisation
+
+
+def directory_of(x: Array, sides: NDArray[np.int64]) -> NDArray[np.int64]:
+    """A directory in which nothing is but x, and the sides of rows."""
+    directory = np.zeros(plain.HEAD + 3 * (plain.SIDE + 1), dtype=np.int64)
+    entries = directory[plain.HEAD :].reshape(-1, 3)
+    entries[plain.X], entries[plain.SIDE] = (x.ctypes.data, len(x), 1), (sides.ctypes.data, len(sides), 1)
+    return directory
+
+
+def stage_of(hierarchy: Hierarchy, k: int, curved: Sequence[int]) -> Hierarchy:
+    """The hierarchy of the stage of level k, without numbers."""
+    n, levels = hierarchy.n, list[Level]()
+    for j, level in enumerate(hierarchy.levels[: k + 1]):
+        labels = [hierarchy.label_of(row) for row in range(*hierarchy.pointers[j : j + 2])]
+        if j < k and not curved[j]:
+            levels.append(level)
+            continue
+        if j == k:
+            soft = range(sum(len(above) for above, bent in zip(hierarchy.levels[:k], curved, strict=False) if bent))
+            labels += [Label("soft", f"row {i}") for i in soft]
+            labels += [Label("damping", f"direction {i}") for i in range(n)]
+        zeros = np.zeros(len(labels))
+        levels.append(Level(np.zeros((len(labels), n)), zeros, zeros, name=level.name, labels=labels))
+    return Hierarchy(levels, n=n)
+
+
+class Work:
+    """What the kernel works in, and the directory of it."""
+
+    def __init__(self, hierarchy: Hierarchy, linearisation: Linearisation, stages: Sequence[Hierarchy | None]) -> None:
+        n, m, levels = hierarchy.n, hierarchy.m, len(hierarchy.levels)
+        widest = max(len(level) for level in hierarchy.levels)
+        self.directories, shape = np.zeros(levels + 1, dtype=np.int64), (levels, levels)
+        sizes, first, dense = np.zeros((levels, 2), dtype=np.int64), np.full(shape, -1), np.full(shape, -1)
+        for k, stage in enumerate(stages):
+            if stage is None:
+                continue
+            sizes[k] = len(stage.A), stage.m
+            first[k, : k + 1] = stage.pointers[: k + 1]
+            rows = np.cumsum([0, *(0 if level.A is None else len(level) for level in stage.levels)])
+            dense[k, : k + 1] = [-1 if level.A is None else row for level, row in zip(stage.levels, rows, strict=False)]
+        whose = np.searchsorted(hierarchy.pointers[1:], [c.row for c in linearisation.contractions], side="right")
+        calls = [(c.loop, c.table, c.weights.ctypes.data, c.row, len(c.weights)) for c in linearisation.contractions]
+        measured = [
+            (*(array.ctypes.data for array in part[:3]), part.row, len(part.error)) for part in linearisation.errors
+        ]
+        dense_rows = hierarchy.columns < 0
+        owned: dict[int, Any] = {
+            plain.PTR: hierarchy.pointers,
+            at.CURVED: linearisation.curved,
+            plain.COL: hierarchy.columns,
+            plain.ROW_OF: np.where(dense_rows, np.cumsum(dense_rows) - 1, -1),
+            at.NUMBERS: [0 if stage is None else stage.address for stage in stages],
+            at.SIZES: sizes,
+            at.FIRST: first,
+            at.DENSE: dense,
+            at.CALLS: np.array(calls, dtype=np.int64).reshape(-1, 5),
+            at.CALLS_OF: np.searchsorted(whose, np.arange(levels + 1)),
+            at.MEASURED: np.array(measured, dtype=np.int64).reshape(-1, 5),
+        }
+        arrays = {place: np.ascontiguousarray(given, dtype=np.int64).ravel() for place, given in owned.items()}
+        arrays[at.DIRECTORIES] = self.directories
+        ints, reals = at.shapes(n, levels, m, widest)
+        made: dict[int, NDArray[Any]] = dict(arrays)
+        made |= {place: np.zeros(shape[0] * shape[1], dtype=np.int64) for place, shape in ints.items()}
+        made |= {place: np.zeros(shape) for place, shape in reals.items()}
+        made |= {
+            at.SCALES: linearisation.scales,
+            at.SHARES: linearisation.shares,
+            at.AIMS: linearisation.aims,
+            at.LAST: linearisation.last,
+        }
+        made[at.S] = linearisation.curvature
+        directory = np.zeros(plain.HEAD + 3 * at.PLACES, dtype=np.int64)
+        directory[[plain.N, plain.LEVELS, plain.ROWS, at.MEASURES, at.TOP]] = (
+            n,
+            levels,
+            m,
+            len(measured),
+            next((k for k, curved in enumerate(linearisation.curved) if curved), levels),
+        )
+        entries = directory[plain.HEAD :].reshape(-1, 3)
+        for place, array in made.items():
+            entries[place] = array.ctypes.data, len(array), 1 if array.ndim == 1 else array.shape[1]
+        for place, shape in zip(
+            (plain.A, plain.LOWER, plain.UPPER, plain.WEIGHTS), ((len(hierarchy.A), n), *[(m, 1)] * 3), strict=True
+        ):
+            entries[place, 1:] = shape
+        self._kept, self._directory = (made, linearisation), directory
+        self.head, self.address = directory[: plain.HEAD], int(directory.ctypes.data)
+        self.points: Array = made[at.POINTS]
+        self.strengths: Array = made[at.STRENGTHS]
