@@ -13,6 +13,7 @@ from .singular_scenes import Run
 
 COLOURS = (
     "#bdbdbd", "#000000", "#0072b2", "#0072b2", "#56b4e9", "#009e73", "#e6c700", "#332288", "#d55e00", "#cc79a7",
+    "#882255", "#882255",
 )  # fmt: skip
 #: Of a method whose joint speeds are limited.
 LIMITED = "--"

@@ -98,7 +98,7 @@ class Here(Blocks):
         found = self._made.get((name, order))
         if found is None:
             scene, kind = Scene(order), next(kind for kind in KINDS if kind.name == name)
-            controller = Controller(scene.robot, kind.declare(scene), order=order, dt=DT)
+            controller = Controller(scene.robot, kind.declare(scene), order=order, dt=DT, damping=None)
             controller(*self._motion[0])
             rows = controller.stack.build(scene.robot, "velocity" if order == "velocity" else "acceleration", DT)
             found = self._made[name, order] = controller, rows
@@ -189,7 +189,7 @@ class There(Blocks):
 def _motion(ticks: int) -> list[tuple[Array, Array, float]]:
     """Positions, velocities and times of the plain stack in closed loop."""
     scene = Scene("velocity")
-    controller, robot = Controller(scene.robot, PLAIN.declare(scene), dt=DT), scene.robot
+    controller, robot = Controller(scene.robot, PLAIN.declare(scene), dt=DT, damping=None), scene.robot
     q, v, found = robot.home, np.zeros(robot.nv), []
     for k in range(ticks):
         found.append((q, v, k * DT))

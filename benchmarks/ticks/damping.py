@@ -31,7 +31,7 @@ DAMPINGS: dict[str, dict[int, DampingRule]] = {
 def recorded(ticks: int) -> list[Hierarchy]:
     """The hierarchies of a Panda whose hand goes round a circle, undamped."""
     b = bench()
-    controller = Controller(b.robot, JointLimits() >> b.hand >> b.turn >> b.rest(), dt=DT)
+    controller = Controller(b.robot, JointLimits() >> b.hand >> b.turn >> b.rest(), dt=DT, damping=None)
     q, v, hierarchies = b.robot.home, np.zeros(b.robot.nv), []
     for k in range(ticks):
         step = controller(q, v, k * DT)

@@ -16,8 +16,7 @@ from .driver import Driver
 from .stack import declare
 from .stream import Stream
 
-#: What a controller is told by who says nothing of damping, and by who wants none beside that of the levels.
-DEFAULT: Mapping[str, Any] = {"damping": "curvature"}
+#: What a controller is told by who wants no damping beside that of the levels; others say nothing.
 STRICT: Mapping[str, Any] = {"damping": None}
 
 
@@ -50,7 +49,7 @@ class Ours(Driver):
         if acceleration is not None:
             self.robot.acceleration_limit = np.full(self.robot.nv, acceleration)
         self.stack, targets = declare(scene, self.robot, damping)
-        self.controller = Controller(self.robot, self.stack, dt=scene.dt, **(STRICT if strict else DEFAULT))
+        self.controller = Controller(self.robot, self.stack, dt=scene.dt, **(STRICT if strict else {}))
         self.q, self.v = list(stream.q), list(stream.v)
         self.targets = [(target, list(stream.positions[name])) for name, target in targets.positions.items()]
         self.targets += [(target, list(stream.rotations[name])) for name, target in targets.rotations.items()]

@@ -59,7 +59,7 @@ def record(scene: Scene, ticks: int) -> Stream:
     robot = scene.load()
     positions, rotations = targeted(scene, robot, ticks)
     stack, targets = declare(scene, robot)
-    controller = Controller(robot, stack, dt=scene.dt)
+    controller = Controller(robot, stack, dt=scene.dt, damping=None)
     q, v = np.zeros((ticks + 1, robot.nq)), np.zeros((ticks + 1, robot.nv))
     q[0] = robot.home
     for k in range(ticks):
