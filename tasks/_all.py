@@ -5,6 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from .base.rotations import from_rpy, from_xyzw
+from .contacts.balance import CapturePointTask, SupportLimit
+from .contacts.contact import Contact
+from .contacts.dynamics import Dynamics
+from .contacts.force_task import CenterOfPressureTask, ForceTask
+from .contacts.loop import Loop
+from .contacts.momentum import MomentumTask
+from .contacts.surface import Surface
+from .contacts.torque_task import TorqueTask
 from .control.controller import Controller, Step
 from .criteria.gradient import GradientTask
 from .criteria.joint_ranges import JointCentringTask
@@ -56,6 +64,7 @@ from .targets.polynomial import Polynomial
 from .targets.timing import cubic, cycloid, harmonic, quintic
 from .targets.trajectories import Fixed, Setpoint, Trajectory
 from .targets.turns import FixedRotation, PoseSetpoint, RotationSetpoint, RotationTrajectory, Turn
+from .view.live import live
 
 if TYPE_CHECKING:
     from .robots.pinocchio import PinocchioRobot
@@ -77,18 +86,23 @@ __all__ = [
     "AxisTask",
     "BoxLimit",
     "Capsule",
+    "CapturePointTask",
     "CenterOfMassTask",
+    "CenterOfPressureTask",
     "Chain",
     "Change",
     "Circle",
     "Command",
+    "Contact",
     "Controller",
     "Damped",
     "Damping",
     "DistanceLimit",
     "DynamicManipulabilityTask",
+    "Dynamics",
     "Fixed",
     "FixedRotation",
+    "ForceTask",
     "Frame",
     "FrameTask",
     "FrameVelocityLimit",
@@ -106,9 +120,11 @@ __all__ = [
     "Line",
     "LinkCapsule",
     "LookAtTask",
+    "Loop",
     "ManipulabilityTask",
     "MinimumMotionTask",
     "MinimumTorqueTask",
+    "MomentumTask",
     "MujocoPlant",
     "Order",
     "OrientationTask",
@@ -135,9 +151,12 @@ __all__ = [
     "Sphere",
     "Stack",
     "Step",
+    "SupportLimit",
+    "Surface",
     "TargetTask",
     "Task",
     "Tick",
+    "TorqueTask",
     "Trajectory",
     "Turn",
     "VelocityRatioTask",
@@ -148,6 +167,7 @@ __all__ = [
     "from_rpy",
     "from_xyzw",
     "harmonic",
+    "live",
     "load_robot",
     "manipulability",
     "planar_links",

@@ -9,6 +9,7 @@ from hypothesis import settings
 
 from hqp import available_backends, backend_info
 from hqp.backends import native
+from hqp.solver import curved
 from tasks.base import loops
 from tasks.base import telling as _telling
 
@@ -26,6 +27,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
     if not hasattr(session.config, "workerinput"):
         native.warm_up()
         native.warm_up_damped()
+        curved.warm_up()
         loops.warm_up()
 
 

@@ -411,7 +411,11 @@ def joint_limits(s: Setting) -> Iterator[Case]:
     yield Case(Spec(JointAccelerationLimit, limit=10.0), force, KEPT)
     yield Case(Spec(JointPositionLimit, lower=low, upper=high), ends, KEPT)
     yield Case(
-        Spec(JointTorqueLimit, limit=3.0), {"limit": np.linspace(1.0, 4.0, n), **weight}, KEPT, {}, ("acceleration",)
+        Spec(JointTorqueLimit, limit=3.0),
+        {"limit": np.linspace(1.0, 4.0, n), "speeds": (0.1, 5.0), **weight},
+        KEPT,
+        {},
+        ("acceleration",),
     )
     yield Case(Spec(JointLimits), {"weight": Made(HALF)}, (*KEPT, "limits"))
     limits = [

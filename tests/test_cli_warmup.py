@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from hqp.kernels import damped, solver
+from hqp.kernels import curved, damped, solver
 from tasks.cli import run
 from tasks.rows.kernels import law
 
@@ -19,7 +19,12 @@ from tasks.rows.kernels import law
 def test_what_is_compiled_is_found_and_its_place_is_told(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["warmup"]) == 0
     told = capsys.readouterr()
-    kernels = {"native": solver.solve, "damped": damped.solve_damped, "rows": law.write_law}
+    kernels = {
+        "native": solver.solve,
+        "damped": damped.solve_damped,
+        "curved": curved.solve_curved,
+        "rows": law.write_law,
+    }
     for (name, kernel), line in zip(kernels.items(), told.out.splitlines(), strict=True):
         folder = re.escape(str(kernel.stats.cache_path))
         assert re.fullmatch(rf"{name}: already compiled, ready in \d+\.\d s; kept in {folder}", line)

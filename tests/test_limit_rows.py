@@ -173,13 +173,13 @@ def test_the_rate_of_braking_is_told_before_others_ask(order: Any) -> None:
     assert rows.envelope.has_velocity
     assert not rows.envelope.brakes_blindly
     rows.fill(arm.at(q, v), 0.0)
-    assert rows.envelope.braking_rate(None) == pytest.approx(1.0 / (0.2 + DT))
+    assert rows.envelope.braking_rate() == pytest.approx(1.0 / (0.2 + DT))
     rows = (JointAccelerationLimit([5.0, 10.0, 20.0]) >> PostureTask(q, gain=1.0)).build(arm, order, DT)
     assert rows.envelope.brakes_blindly
     rows.fill(arm.at(q, v), 0.0)
-    assert rows.envelope.braking_rate(None) == pytest.approx(1.0 / ((np.abs(v) / [5.0, 10.0, 20.0]).max() + 2 * DT))
+    assert rows.envelope.braking_rate() == pytest.approx(1.0 / ((np.abs(v) / [5.0, 10.0, 20.0]).max() + 2 * DT))
     free = PostureTask(q, gain=1.0) >> JointVelocityLimit(1.0)
-    assert free.build(arm, order, DT).envelope.braking_rate(None) == np.inf
+    assert free.build(arm, order, DT).envelope.braking_rate() == np.inf
 
 
 @pytest.mark.parametrize("order", ORDERS)

@@ -114,6 +114,8 @@ def test_the_table_knows_every_part() -> None:
     made = {type(owner) for case, setting in every_case() for owner in Alive(case, setting).found.values()}
     for name in tasks.__all__:
         kind = getattr(tasks, name)
+        if getattr(kind, "__module__", "").startswith("tasks.contacts."):
+            continue  # what needs others beside it: see test_contacts_live.py
         if isinstance(kind, type) and issubclass(kind, Part | Obstacle | LinkCapsule):
             assert any(issubclass(other, kind) for other in made), name
 

@@ -32,14 +32,15 @@ MOST_NAMED = 3
 
 @dataclass(frozen=True, eq=False)
 class Cause:
-    """What holds a level back: an inequality row of a level above, or the equality rows of one part there.
+    """What holds a level back: an inequality row of a level above, or several, if they have places, or the equality
+    rows of one part there.
 
     Attributes
     ----------
     level : int
         Where the rows stand.
     part, row : str
-        What they are called; equality rows together have no `row`.
+        What they are called; several rows together have no `row`.
     side : Side
         On which side the row is active.
     rows : tuple of int
@@ -50,6 +51,8 @@ class Cause:
         Its length, in the unit of the gradient of the level held back.
     share : float
         Of the strengths of all causes of that level.
+    where : str
+        Of rows that have places: at how many.
     """
 
     level: int
@@ -60,8 +63,11 @@ class Cause:
     force: Array
     strength: float
     share: float
+    where: str = ""
 
     def __str__(self) -> str:
+        if self.where:
+            return self.where
         return in_words(self.part, self.row, self.side) if self.row or self.side is not Side.EQUALITY else self.part
 
     def data(self) -> dict[str, Any]:
@@ -168,7 +174,9 @@ class LevelExplanation:
     def __str__(self) -> str:
         if self.met:
             parts = [part.part for part in self.parts] or [self.name or f"level {self.level}"]
-            return f"{' and '.join(parts)} met ({self._standing()})"
+            named = " and ".join(parts[:MOST_NAMED])
+            more = f" and {len(parts) - MOST_NAMED} more" if len(parts) > MOST_NAMED else ""
+            return f"{named}{more} met ({self._standing()})"
         causes = list(map(str, self.causes))
         if self.inner > LEAST_SHARE * sum(cause.strength for cause in self.causes):
             causes.insert(sum(cause.strength > self.inner for cause in self.causes), "each other")
@@ -177,7 +185,8 @@ class LevelExplanation:
             named = ", then ".join([f"damped, {self.damped}", *causes[:1]])
         more = f" and {len(causes) - MOST_NAMED} more" if len(causes) > MOST_NAMED and not self.damped else ""
         why = f"{self._own} ({self._standing()})" if self.contradicts else named + more or "nothing above"
-        return f"{', '.join(map(str, self.parts))}: {why}" + ("" if self.proved else "; not proved optimal")
+        told = self.parts if len(self.parts) <= MOST_NAMED else tuple(part for part in self.parts if not part.met)
+        return f"{', '.join(map(str, told))}: {why}" + ("" if self.proved else "; not proved optimal")
 
     @property
     def _own(self) -> str:
@@ -317,14 +326,27 @@ def _causes(
         low, high = float(hierarchy.lower[row]), float(hierarchy.upper[row])
         part = label.part_at(side, high if side is Side.UPPER else low)
         together = low == high and label.bound is None
-        name = (k, part, "", side, -1) if together else (k, part, label.row, side, row)
+        name = (k, part, "", side, -1) if together or label.place else (k, part, label.row, side, row)
         groups.setdefault(name, []).append(row)
     forces = {name: multipliers[own] @ dense[own] for name, own in groups.items()}
     total = sum(map(length, forces.values()))
     causes = [
-        Cause(k, part, row, side, tuple(groups[name]), force, length(force), length(force) / total)
+        Cause(k, part, row, side, own, force, size, size / total, _where(hierarchy, labels, part, own))
         for name, force in forces.items()
-        if length(force) >= LEAST_SHARE * total > 0.0
+        for size in [length(force)]
+        if size >= LEAST_SHARE * total > 0.0
         for k, part, row, side, _ in [name]
+        for own in [tuple(groups[name])]
     ]
     return tuple(sorted(causes, key=lambda cause: -cause.strength))
+
+
+def _where(hierarchy: Hierarchy, labels: list[Label], part: str, own: tuple[int, ...]) -> str:
+    """At how many of its places a part pushes with these rows; empty where they have none."""
+    places = {labels[row].place for row in own}
+    if not all(places):
+        return ""
+    first, end = hierarchy.pointers[hierarchy.locate(own[0])[0] :][:2]
+    known = {label.place for label in labels[first:end] if label.part == part}
+    noun = f"{min(places).rstrip('0123456789 ')}s"
+    return part if len(known) == 1 else f"{part}, at {len(places)} of {len(known)} {noun}"

@@ -28,6 +28,9 @@ class Label:
         Where several limits share a row: from the side on which it is active and the value of the bound there, the
         text that stands for `part`. Such rows are told one by one even where they are equalities. A function of a
         module can be pickled, a lambda cannot; files keep none.
+    place : str
+        Where the row is, as in ``point 2``. Inequality rows of one part that have places are one cause, told by how
+        many places push: ``friction, at 3 of 4 points``.
 
     Raises
     ------
@@ -44,9 +47,10 @@ class Label:
     row: str = ""
     unit: str = ""
     bound: Callable[[Side, float], str] | None = None
+    place: str = ""
 
     def __post_init__(self) -> None:
-        for what in ("part", "row", "unit"):
+        for what in ("part", "row", "unit", "place"):
             of_type(getattr(self, what), str, f"{what} of a label")
         if self.bound is not None and not callable(self.bound):
             raise InvalidInput(f"bound of a label = {brief(self.bound)} must be a function of side and value, or None")

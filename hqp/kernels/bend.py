@@ -322,7 +322,7 @@ def quiet(here, there):
     n, levels, last, cut = head[plain.N], head[plain.LEVELS], levels_that_count(there), marks(there, plain.CUT)
     pivot, L, weights = marks(there, plain.PIVOT), matrix(there, plain.L), vector(here, plain.WEIGHTS)
     lower, upper, ids = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, at.IDS)
-    if cut[last] < 0:  # it was proved without one
+    if cut[last] < 0 or ints(there, 0, plain.HEAD)[plain.SWEEPS] != 1:  # proved without one, or it is of another guess
         return False
     for q in range(cut[last]):
         if lower[pivot[q]] != upper[pivot[q]]:
@@ -338,6 +338,8 @@ def quiet(here, there):
         if k >= last:
             for i in range(ptr[k], ptr[k + 1]):
                 least = min(least, weights[i] * weights[i])
+        elif cut[k + 1] - first < count:  # some of the rows depend on others
+            return False
         else:
             least = least_of(L, pivot, first, cut[k + 1], vector(here, at.VALUES))
         bent = contract(here, k, k + 1)

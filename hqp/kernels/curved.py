@@ -294,7 +294,7 @@ def write_stage(here, k, d, size, lean):
 
 @inner
 def write_damping(here, k, d, address, place, row, lower, upper, weights, lean):
-    r"""The rows of damping, one a direction: :math:`(y - r)^T L P L^T (y - r) + w^2 |y - v|^2`, x being :math:`Z^T y`."""
+    r"""Rows of damping, one a direction: :math:`(y - r)^T L P L^T (y - r) + w^2 |y - v|^2`, x being :math:`Z^T y`."""
     n, basis, L, P = (
         ints(here, 0, plain.HEAD)[plain.N],
         matrix(here, at.BASIS),
@@ -367,7 +367,7 @@ def note_errors(here):
 def solve_stage(here, k, d, size, lean):
     """The stage of level k: its outcome."""
     head, point = ints(here, 0, plain.HEAD), matrix(here, at.POINTS)[k]
-    if not vector(here, at.LAST)[0] == vector(here, at.LAST)[0]:
+    if vector(here, at.LAST)[0] != vector(here, at.LAST)[0]:
         lean = 0.0
     write_stage(here, k, d, size, lean / math.sqrt(vector(here, at.SHARES)[k]))
     head[at.STAGE] = k

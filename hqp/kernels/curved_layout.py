@@ -11,8 +11,9 @@ from __future__ import annotations
 #: that is curved, and whether the answer of the whole leaves a basis.
 OPENED, OUTCOME, STAGE, SOLVE, MEASURES, TOP, QUICK = 5, 6, 7, 8, 9, 10, 11
 
-#: Which levels are curved: may be damped, or are SPARED, so that they count and are held, but never give way. For every level, the directory of its stage, and of the whole as it is; its numbers; how
-#: many rows of A and rows these have; of every level above it, where its rows begin there, and those of A (-1: none).
+#: Which levels are curved: may be damped, or are SPARED, so that they count and are held, but never give way. For every
+#: level, the directory of its stage, and of the whole as it is; its numbers; how many rows of A and rows these have; of
+#: every level above it, where its rows begin there, and those of A (-1: none).
 CURVED = 1
 (DIRECTORIES, NUMBERS, SIZES, FIRST, DENSE) = range(8, 13)
 # Loops that contract curvatures, level by level: address, table, address of the weights, row, rows.

@@ -49,7 +49,7 @@ class Softened:
 
 
 def softened(stage: Hierarchy, own: int) -> tuple[Softened, ...]:
-    """The directions of the lowest level of a stage, the weakest first; its first `own` rows are those it had itself."""
+    """The directions of the lowest level of a stage, the weakest first; its first `own` rows are its own."""
     k = len(stage.levels) - 1
     begin, level = stage.pointers[k], stage.levels[k]
     norms = np.linalg.norm(stage.dense(), axis=1)

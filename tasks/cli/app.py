@@ -12,6 +12,7 @@ from hqp.commands.solve import solve
 from hqp.commands.validate import validate
 
 from .ik import Numbers, ik
+from .live import live
 from .thesis import thesis
 from .warmup import warmup
 
@@ -28,6 +29,7 @@ app.command()(backends)
 app.command()(solve)
 app.command()(convert)
 app.command(cls=Numbers)(ik)
+app.command()(live)
 app.command()(warmup)
 
 

@@ -12,8 +12,10 @@ def warmup() -> None:
 
     from hqp.backends import native
     from hqp.kernels.compile import INTERPRETED
+    from hqp.kernels.curved import solve_curved
     from hqp.kernels.damped import solve_damped
     from hqp.kernels.solver import solve
+    from hqp.solver import curved
 
     from ..base import loops
     from ..rows.kernels.law import write_law
@@ -24,6 +26,7 @@ def warmup() -> None:
     kernels = (
         ("native", native.warm_up, solve),
         ("damped", native.warm_up_damped, solve_damped),
+        ("curved", curved.warm_up, solve_curved),
         ("rows", loops.warm_up, write_law),
     )
     for name, warm_up, kernel in kernels:

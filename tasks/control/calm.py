@@ -10,22 +10,23 @@ from hqp.solver.linearisation import Contraction, Errors, Linearisation
 
 from ..base.checks import Array
 from ..rows.rows import Rows
-from ..rows.stack import Rule
 from ..rows.task import Task
 
 #: What explanations say where a task has a direction in which joints hardly move it.
 STRAIGHT = "the arm is straight in this direction"
 
 
-def curved_levels(rows: Rows, rules: tuple[Rule, ...]) -> tuple[int, ...]:
+def curved_levels(rows: Rows) -> tuple[int, ...]:
     """Of every level, whether it may be damped by default (1), is below a task but left strict (2), or neither (0).
 
-    Of limits above all tasks nothing gives way; nor does anything where no task tells how its value bends.
+    Of limits above all tasks nothing gives way; nor does anything where no task tells how its value bends, or where
+    forces of contacts are unknown, too.
     """
-    levels, work = len(rules), rows.work
+    rules, work = rows.stack.damping, rows.work
+    levels = len(rules)
     first = min((k for k, _, part, _, _ in work if not part.is_limit), default=levels)
     bends = any(plan.curvature is not None for _, _, _, plan, _ in work)
-    if not bends or all(rule is False for rule in rules[first:]):
+    if not bends or rows.unknowns.blocks or all(rule is False for rule in rules[first:]):
         return (0,) * levels
     return tuple(0 if k < first else 2 if rule is False else 1 for k, rule in enumerate(rules))
 

@@ -36,11 +36,14 @@ from ..rows.part import Command, Order, Part
 from ..rows.rows import Rows
 from ..rows.stack import Stack
 from ..targets.timing import Timing, cubic
+from . import contacts as of
 from .transition import Limits, Transition
 
 if TYPE_CHECKING:
     from typing_extensions import TypeVar
 
+    from ..contacts.contact import Contact
+    from ..rows.site import Memory
     from .calm import CalmSolver
 
     V = TypeVar("V", default=Any)
@@ -75,11 +78,14 @@ class Step(NamedTuple, Generic[V, A, T]):
     a : array, shape (nv,), or None
         Joint accelerations [rad/s^2], at acceleration and at torque order.
     tau : array, shape (nv,), or None
-        Joint torques ``M(q) a + b(q, v)`` [N m] that a takes (Eq. 4.1), at torque order or if they were asked for.
+        Joint torques ``M(q) a + b(q, v)`` [N m] that a takes (Eq. 4.1), at torque order or if they were asked for; with
+        :class:`tasks.Dynamics` in the stack ``M a + b - G^T f``, of the joints that have a motor, shape (nv - base,).
         Always finite: zero where the status of the solution is INVALID, which lets an arm fall.
     share : float
         How much of the stack counts: less than 1 while the controller changes to it from another one. Then v or a lies
         between the answers of both, and `solution` is that of the new one alone.
+    forces : Forces or None
+        What the world does to the robot, by the names of the contacts: ``forces["left"]``, in world axes [N].
     """
 
     order: Command
@@ -89,6 +95,12 @@ class Step(NamedTuple, Generic[V, A, T]):
     a: A = None  # type: ignore[assignment]
     tau: T = None  # type: ignore[assignment]
     share: float = 1.0
+    forces: of.Forces | None = None
+
+    @property
+    def cop(self) -> of.Pressures | None:
+        """Centres of pressure by the names of the contacts, in the coordinates of their frames [m]."""
+        return None if self.forces is None else of.Pressures(self.forces)
 
     @property
     def ok(self) -> bool:
@@ -99,6 +111,11 @@ class Step(NamedTuple, Generic[V, A, T]):
     def relaxed(self) -> tuple[Relaxation, ...]:
         """What strictness was given up: lambda and residual norm of every damped level, highest first."""
         return self.solution.relaxed
+
+
+def _by_the_rows(q: Array, v: Array, a: Array) -> Array:
+    """Stands for what tells torques where the stack has the motion equation: its own arrays do."""
+    raise NotImplementedError
 
 
 class _Left:
@@ -147,7 +164,7 @@ class Controller(Live, Generic[V, A, T]):
         What is wanted, in order of priority.
     order : {"velocity", "acceleration", "torque"}
         What the robot is commanded with. Torques are those of the accelerations that the same stack gives at
-        acceleration order, so that the base must be fixed.
+        acceleration order. A base that floats needs contacts, and :class:`tasks.Dynamics` in the stack.
     dt : float, optional
         Time between two calls [s]; limits need it, and the simulation.
     backend : str
@@ -160,7 +177,9 @@ class Controller(Live, Generic[V, A, T]):
         "curvature": levels give way where their rows mislead, near singularities and out of reach, in the directions
         in which they do, and joints change their velocities calmly there and close to limits; in reach the answer is
         the strict one. ``step.relaxed`` and ``step.solution.explain()`` tell where. A level is left out of it by
-        ``Damped(level, None)``. None: every level is strict.
+        ``Damped(level, None)``. None: every level is strict. So it is where the stack is damped by itself, where no
+        part of it bends, as postures do not, where forces of contacts are unknowns too, and with backends of closed forms,
+        which take no inequalities.
 
     Raises
     ------
@@ -258,6 +277,8 @@ class Controller(Live, Generic[V, A, T]):
         self.order = order
         self.dt = None if dt is None else positive_scalar(dt, "dt", unit="s")
         self._torque = self._inverse_dynamics() if truth(torque, "torque") or order == "torque" else None
+        self._memory: Memory = {}
+        self._forces: of.Forces | None = None
         self._backend, self._settings, self._damping = backend, settings, _damping(damping)
         self._prepared: dict[int, tuple[Stack, Rows, Solver | CalmSolver]] = {}
         self._transition: Transition | None = None
@@ -297,9 +318,10 @@ class Controller(Live, Generic[V, A, T]):
             "backend": self._backend,
             "settings": settings,
             "torque": torque,
+            "damping": self._damping,
         }
-        own["damping"] = self._damping
-        return {"robot": self.robot, "stack": self.stack, "options": own, "changes": changes}
+        off = of.off(self.stack, self._rows)
+        return {"robot": self.robot, "stack": self.stack, "options": own, "changes": changes, "off": off}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         changes = state["changes"]
@@ -309,11 +331,15 @@ class Controller(Live, Generic[V, A, T]):
             self.change(stack, duration=duration, law=law)
             assert self._transition is not None
             self._transition.begin = begin
+        of.let_go(state["off"], self._rows)
 
     def _inverse_dynamics(self) -> Callable[[Array, Array, Array], Array]:
         asked = "order = 'torque'" if self.order == "torque" else "torque = True"
         if self.order == "velocity":
             raise InvalidInput(f"torque = True, but order = {self.order!r} gives no accelerations; it must be False")
+        of.check_torques(self.stack)
+        if of.has_dynamics(self.stack):
+            return _by_the_rows
         check_fixed_base(self.robot, asked)
         method = inverse_dynamics(self.robot)
         if method is None:
@@ -356,8 +382,9 @@ class Controller(Live, Generic[V, A, T]):
         Raises
         ------
         InvalidInput
-            If q, v or t has the wrong shape, or v is None at an order that needs it. Numbers never raise: where they are not finite, or a quaternion or a
-            point of a circle has not norm 1, the status of the solution is INVALID and nothing moves.
+            If q, v or t has the wrong shape, or v is None at an order that needs it. Numbers never raise: where they
+            are not finite, or a quaternion or a point of a circle has not norm 1, the status of the solution is INVALID
+            and nothing moves.
         InUse
             If another thread is inside, or in another controller of the same robot, where it has one workspace.
         """
@@ -397,16 +424,56 @@ class Controller(Live, Generic[V, A, T]):
         if self.order == "velocity":
             return step("velocity", state, solution, x, share=share)  # type: ignore[no-any-return]
         tau = None if self._torque is None else self._torques(state, x, solution.status is not Status.INVALID)
-        return step(self.order, state, solution, None, x, tau, share)  # type: ignore[no-any-return]
+        if self._rows.unknowns.blocks:
+            self._forces = of.Forces(self._rows, x)
+            x = x[: self._rows.unknowns.nv]
+        return step(self.order, state, solution, None, x, tau, share, self._forces)  # type: ignore[no-any-return]
 
-    def _torques(self, state: RobotState, a: Array, valid: bool) -> Array:
-        """What a takes; zero where there are no numbers: what goes to a motor is finite, whatever a sensor says."""
+    def _torques(self, state: RobotState, x: Array, valid: bool) -> Array:
+        """What x takes; zero where there are no numbers: what goes to a motor is finite, whatever a sensor says."""
         assert self._torque is not None
-        if valid:
-            tau = self._torque(state.q, state.v, a)
-            if np.isfinite(tau).all():
-                return tau
-        return np.zeros_like(a)
+        if self._torque is _by_the_rows:
+            tau = of.joint_torques(self._rows, x)
+        elif valid:
+            tau = self._torque(state.q, state.v, x)
+        else:
+            return np.zeros_like(x)
+        return tau if valid and np.isfinite(tau).all() else np.zeros_like(tau)
+
+    def release(self, contact: Contact | str, duration: float = 0.0) -> None:
+        """Let a contact go: the largest normal forces fall from what they are to 0; then its motion is let go.
+
+        Nothing of the structure changes, and the solver stays warm.
+
+        Parameters
+        ----------
+        contact : Contact or its name
+        duration : float
+            How long the forces take to fall, and then the bounds of its motion to open [s].
+
+        Raises
+        ------
+        InvalidInput
+            If it is no contact of the stack, or off already, or the duration is negative.
+        """
+        of.release(self.stack, self._rows, self._forces, contact, duration)
+
+    def make(self, contact: Contact | str, duration: float = 0.0) -> None:
+        """Make a contact that is off, or being released: from the next tick on it holds where it then is.
+
+        Parameters
+        ----------
+        contact : Contact or its name
+        duration : float
+            In which the sum of its normal forces may grow, from 0 up to the weight of the robot, or 1000 N where its
+            base is fixed [s]; then freely.
+
+        Raises
+        ------
+        InvalidInput
+            If it is no contact of the stack, or on already, or the duration is negative.
+        """
+        of.make(self.stack, self._rows, contact, duration)
 
     def change(self, stack: Stack | Part, *, duration: float, law: Timing = cubic) -> None:
         """Go over to another stack without a jump, from the next tick on; see :mod:`tasks.control.transition`.
@@ -432,17 +499,19 @@ class Controller(Live, Generic[V, A, T]):
         """
         wanted = stack if isinstance(stack, Stack) else Stack(stack)
         prepared = self._prepare(wanted)
-        left = _Left(self.stack, self._rows, self._solver, self._transition)
         at_once = finite_scalar(duration, "duration of a change") == 0.0
+        of.check_change(self.stack, self._rows, wanted, prepared[0], self.order, at_once)
+        left = _Left(self.stack, self._rows, self._solver, self._transition)
         self._transition = None if at_once else Transition(left, duration, law)
         self._stack, (self._rows, self._solver) = wanted, prepared
-        self._limits = None if at_once else Limits.of(wanted, self.hierarchy, self._backend)
+        self._limits = None if at_once else Limits.of(self._rows.stack, self.hierarchy, self._backend)
 
     def _new_solver(self, stack: Stack, rows: Rows) -> Solver | CalmSolver:
-        if self._damping is not None and not stack.damps:
+        damps = self._damping is not None and not stack.damps
+        if damps and hqp.backend_info(self._backend).inequalities:
             from .calm import CalmSolver, curved_levels
 
-            curved = curved_levels(rows, stack.damping)
+            curved = curved_levels(rows)
             if any(curved):
                 return CalmSolver(rows, self.dt, curved, self._backend, self._settings)
         rules: dict[int | str, hqp.DampingRule | float] = {k: rule for k, rule in enumerate(stack.damping) if rule}
@@ -453,8 +522,8 @@ class Controller(Live, Generic[V, A, T]):
         found = self._prepared.pop(id(stack), None)
         if found is None:
             order: Order = "velocity" if self.order == "velocity" else "acceleration"
-            rows = stack.build(self.robot, order, self.dt)
-            found = stack, rows, self._new_solver(stack, rows)
+            rows = stack.build(self.robot, order, self.dt, self._memory)
+            found = stack, rows, self._new_solver(rows.stack, rows)
         self._prepared[id(stack)] = found  # what was asked for last comes last
         while len(self._prepared) > MOST_PREPARED:
             del self._prepared[next(iter(self._prepared))]

@@ -19,6 +19,7 @@ from ..base.checks import Array, finite, numbers
 from ..joints.posture import PostureTask
 from ..robots.answers import integration
 from ..robots.robot import Robot, base, joint_positions
+from ..rows.expansion import expand
 from ..rows.inequality import Inequality
 from ..rows.part import Part
 from ..rows.stack import Stack
@@ -87,6 +88,7 @@ class Linearised:
         self, robot: Robot, stack: Stack, goal: Part | Iterable[Part] | None, tolerance: Array, backend: str
     ) -> None:
         self.robot, self.solves = robot, 0
+        stack = expand(stack, robot, "step").stack
         levels = levels_of_steps(stack)
         wanted = _wanted([part for level in levels for part in level if isinstance(part, JUDGED)], goal)
         self.room = Room(*ranges(robot, stack))

@@ -7,6 +7,9 @@ and gravity torques. A limit on them is a limit on all accelerations together, o
 
 M is invertible: some a always keeps all rows, alone. Beside other limits it may not, and then the levels decide.
 
+With contacts and :class:`~tasks.Dynamics` in the stack, whose forces f are unknowns too,
+:math:`\tau = M a + b - G^T f`: the rows are :math:`(M, -G^T)`, and a base that floats, which no motor drives, has none.
+
 ``JointTorqueLimit() >> JointLimits() >> tasks``
     What motors can do stands first, as in nature. A joint whose motors are too weak to brake overshoots its range, and
     ``explain()`` names the torque limit that held the joint limits back.
@@ -19,18 +22,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, Literal
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
-from ..base.checks import Array, numbers, positive
+from ..base.checks import Array, not_negative, numbers, pair, per_row, positive
 from ..base.live import number
-from ..robots.robot import Robot, check_dynamics, check_fixed_base, joint_names, joint_units
+from ..robots.robot import Robot, base, check_dynamics, joint_names, joint_units
 from ..rows.part import Order, Part
 from .limit import largest
 
 if TYPE_CHECKING:
+    from ..rows.expansion import Companions, Setting
     from ..rows.plan import Plan
     from ..rows.site import Site
 
@@ -42,28 +47,50 @@ class JointTorqueLimit(Part):
     ----------
     limit : float or array, shape (nv,), optional
         Positive [N m], of a sliding joint [N]; None for the robot's own.
+    speeds : pair of float or array, shape (nv,), optional
+        Joint speeds [rad/s], [m/s] up to which a motor gives all of its torque in the direction in which it turns, and
+        from which on none; between them it falls in proportion. Against its direction, braking, it gives all.
     name : str, optional
 
     Raises
     ------
     InvalidInput
-        If a limit is not positive; and, with a robot, if there is not one a joint, the order is velocity, the base
-        floats, or the robot does not know its mass matrix.
+        If a limit is not positive, or the first speed not below the second; and, with a robot, if there is not one a
+        joint, the order is velocity, the base floats and the stack has no :class:`~tasks.Dynamics`, or the robot does
+        not know its mass matrix.
     """
 
     is_limit: ClassVar[bool] = True
     limited: ClassVar[Literal["motion", "torque"] | None] = "torque"
     rows = None
+    wide = True
 
-    def __init__(self, limit: ArrayLike | None = None, *, name: str = "torque") -> None:
+    def __init__(
+        self,
+        limit: ArrayLike | None = None,
+        *,
+        speeds: tuple[ArrayLike, ArrayLike] | None = None,
+        name: str = "torque",
+    ) -> None:
         self.name = of_type(name, str, "name of a JointTorqueLimit")
         self.weight = numbers(1.0, "weight")
-        self.limit = limit
+        self.limit, self.speeds = limit, speeds
 
     @number
     def limit(self, value: ArrayLike | None) -> Array | None:
         """The largest torque of each joint [N m], [N], shape () or (nv,); None for the robot's own."""
         return None if value is None else positive(value, f"{self.label()}: limit", unit="N m")
+
+    @number
+    def speeds(self, value: tuple[ArrayLike, ArrayLike] | None) -> tuple[Array, Array] | None:
+        """Joint speeds up to which motors give all of their torque, and from which on none [rad/s], [m/s]."""
+        if value is None:
+            return None
+        what = f"{self.label()}: speeds"
+        full, none = (not_negative(speed, what, unit="rad/s") for speed in pair(value, what, "all and no torque"))
+        if not np.all(full < none):
+            raise InvalidInput(f"{what} = {full.tolist()}, {none.tolist()}; the first must be below the second")
+        return full, none
 
     def largest(self, robot: Robot) -> Array:
         """The limit of each joint of this robot [N m], [N], shape (nv,); infinite where it has none.
@@ -75,9 +102,20 @@ class JointTorqueLimit(Part):
         """
         return largest(self, self.limit, robot, "torque", "N m")
 
+    def size(self, robot: Robot) -> int:
+        return robot.nv - base(robot)
+
+    def companions(self, setting: Setting) -> Companions:
+        if setting.order == "acceleration" and base(setting.robot) and not setting.has_dynamics:
+            raise InvalidInput(
+                f"{self.label()}: {setting.robot!r} has a floating base, which no joint torque drives; add Dynamics()"
+                " and contacts to the stack"
+            )
+        return super().companions(setting)
+
     def labels(self, robot: Robot, order: Order) -> list[Label]:
-        part = "torque limit" if self.name == "torque" else self.name
-        joints = zip(joint_names(robot), joint_units(robot), strict=True)
+        part, first = "torque limit" if self.name == "torque" else self.name, base(robot)
+        joints = zip(joint_names(robot)[first:], joint_units(robot)[first:], strict=True)
         return [Label(part, joint, "N" if unit == "m" else "N m") for joint, unit in joints]
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
@@ -88,9 +126,19 @@ class JointTorqueLimit(Part):
             )
         if order == "step":  # which takes none
             return
-        check_fixed_base(robot, self.label())
         check_dynamics(robot, self.label())
-        self.largest(robot)
+        self._speeds(robot)
+        largest = self.largest(robot)[base(robot) :]
+        if np.isinf(largest).all():
+            raise InvalidInput(
+                f"{self.label()}: the model of {robot!r} has no effort limits; give some in N m: JointTorqueLimit(50.0)"
+            )
+
+    def _speeds(self, robot: Robot) -> Array:
+        """Of all joints, shape (2, nv); infinite where torques do not fade."""
+        if self.speeds is None:
+            return np.full((2, robot.nv), np.inf)
+        return np.array([per_row(speed, robot.nv, f"{self.label()}: speeds", "joint") for speed in self.speeds])
 
     def plan(self, site: Site) -> Plan:
         """One loop, from the mass matrix and the bias of the tick; a step of inverse kinematics takes no torques."""
@@ -100,10 +148,14 @@ class JointTorqueLimit(Part):
 
         if site.shared.order == "step":
             return free(site)
-        blocks, limit = site.shared.blocks, self.largest(site.shared.robot)
+        shared = site.shared
+        blocks, first = shared.blocks, base(shared.robot)
+        limit = np.ascontiguousarray(self.largest(shared.robot)[first:])
         assert site.A is not None
-        told = site.shared.n, site.A, site.lower, site.upper, blocks.mass_matrix(), blocks.bias(), limit
-        return Plan((Call(loops.write_torque_limit, *told),))
+        motion = shared.n, shared.unknowns.n, first, site.rows, blocks.mass_matrix(), blocks.bias(), shared.wrenches
+        fading = np.ascontiguousarray(self._speeds(shared.robot)[:, first:])
+        own = site.A, site.lower, site.upper, limit, fading, shared.v
+        return Plan((Call(loops.write_torque_limit, *motion, *own),))
 
     def __repr__(self) -> str:
         return f"JointTorqueLimit({'' if self.limit is None else self.limit.tolist()})"

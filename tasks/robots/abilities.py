@@ -190,6 +190,15 @@ class Dynamics(Inertial, Protocol):
 
 
 @runtime_checkable
+class Centroidal(Protocol):
+    """Tells its momentum about its centre of mass."""
+
+    def momentum(self, q: Array, v: Array, /) -> Array:
+        """Linear [kg m/s] before angular [kg m^2/s], along the axes of the world, shape (6,)."""
+        ...
+
+
+@runtime_checkable
 class InverseDynamics(Protocol):
     """Tells the torques that accelerations take: records have `tau`, and a controller can command torques."""
 

@@ -1,9 +1,10 @@
-"""The collision shapes of a robot, read from its URDF."""
+"""The shapes of a robot, read from its URDF: those that collide, and those that are seen."""
 
 from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
+from typing import Literal
 from xml.etree.ElementTree import Element
 
 import coal
@@ -21,7 +22,7 @@ FLAT = 1e-9
 
 
 def collision_geometry(model: pin.Model, source: Path) -> pin.GeometryModel:
-    """The shapes of a URDF on the joints of a model, which may hold some of the file's joints.
+    """The collision shapes of a URDF on the joints of a model, which may hold some of the file's joints.
 
     A mesh is replaced by its convex hull: the hull contains it, has one nearest point where a mesh has many, and takes
     microseconds. Shapes of bodies whose joints the model holds are carried by the joint before, as its frames say.
@@ -38,41 +39,65 @@ def collision_geometry(model: pin.Model, source: Path) -> pin.GeometryModel:
         If a shape cannot be read, or a mesh has no volume.
     """
     what = f"the collision shapes of {str(source)!r}"
+    geometry = pin.GeometryModel()
+    for shape in _carried(model, source, "collision", what):
+        shape.geometry = convex(shape.geometry, f"{what}: {shape.name!r}")
+        geometry.addGeometryObject(shape)
+    return geometry
+
+
+def visual_geometry(model: pin.Model, source: Path) -> pin.GeometryModel:
+    """What a URDF looks like, on the joints of a model in the same way: meshes as they are, with their colours.
+
+    Raises
+    ------
+    InvalidInput
+        If a shape cannot be read.
+    """
+    geometry = pin.GeometryModel()
+    for shape in _carried(model, source, "visual", f"the visual shapes of {str(source)!r}"):
+        geometry.addGeometryObject(shape)
+    return geometry
+
+
+def _carried(
+    model: pin.Model, source: Path, kind: Literal["collision", "visual"], what: str
+) -> list[pin.GeometryObject]:
+    """All shapes of a kind, each on the joint of the model that carries it."""
     root = parsed(source, what)
     shared = rename_shared(root)
     text, folders = written(root, what), [str(folder) for folder in source.parents]
+    asked = pin.GeometryType.COLLISION if kind == "collision" else pin.GeometryType.VISUAL
     try:
         with caught() as lines:
             whole = pin.buildModelFromXML(text)
-            shapes = pin.buildGeomFromUrdfString(whole, text, pin.GeometryType.COLLISION, package_dirs=folders)
+            shapes = pin.buildGeomFromUrdfString(whole, text, asked, package_dirs=folders)
     except (ValueError, RuntimeError) as error:
         raise InvalidInput(
             f"{what} cannot be read: {reason(lines, error)}; package://NAME/... is sought as a folder NAME beside the"
             " file and in all folders above it"
         ) from None
     rename(whole, shared)
-    _check_all(root, whole, shapes, what)
-    geometry = pin.GeometryModel()
+    _check_all(root, whole, shapes, kind, what)
+    found = []
     for shape in shapes.geometryObjects:
         body = whole.frames[shape.parentFrame]
         frame = model.getFrameId(body.name, pin.FrameType.BODY)
         if frame >= model.nframes:
             raise InvalidInput(f"{str(source)!r}: the model has no frame {body.name!r}, which carries {shape.name!r}")
         own = model.frames[frame]
-        placement = own.placement * body.placement.inverse() * shape.placement
-        geometry.addGeometryObject(
-            pin.GeometryObject(
-                shape.name, own.parentJoint, frame, placement, convex(shape.geometry, f"{what}: {shape.name!r}")
-            )
-        )
-    return geometry
+        carried = pin.GeometryObject(shape)
+        carried.parentJoint, carried.parentFrame = own.parentJoint, frame
+        carried.placement = own.placement * body.placement.inverse() * shape.placement
+        found.append(carried)
+    return found
 
 
-def _check_all(root: Element, model: pin.Model, shapes: pin.GeometryModel, what: str) -> None:
+def _check_all(root: Element, model: pin.Model, shapes: pin.GeometryModel, kind: str, what: str) -> None:
     """Refuse shapes that are in the file, and that urdfdom has left out as it could not read them."""
     read = Counter(model.frames[shape.parentFrame].name for shape in shapes.geometryObjects)
     for link in root.findall("link"):
-        name, written = str(link.get("name")), len(link.findall("collision"))
+        name, written = str(link.get("name")), len(link.findall(kind))
         if read[name] < written:
             raise InvalidInput(f"{what} cannot be read: of link {name!r} {read[name]} of {written} mean something")
 

@@ -40,6 +40,7 @@ class Kinematics:
             self.data = model.createData()
         except MemoryError:
             raise InvalidInput(f"{what} has {model.njoints - 1} joints; it is too large for Pinocchio") from None
+        self._apart: pin.Data | None = None
         self._holder: RobotState | None = None
         self._accelerated = False
 
@@ -62,6 +63,13 @@ class Kinematics:
         """The data with the centre of mass at q, and its Jacobian."""
         pin.jacobianCenterOfMass(self.model, self.overwritten(), q)
         return self.data
+
+    @property
+    def apart(self) -> pin.Data:
+        """Other data of the same model, for what would write over these."""
+        if self._apart is None:
+            self._apart = self.model.createData()
+        return self._apart
 
     def overwritten(self) -> pin.Data:
         """The data, for a computation that writes over what it holds."""

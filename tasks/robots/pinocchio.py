@@ -126,6 +126,7 @@ class PinocchioRobot(PinocchioModel):
         self.start_from(pin.neutral(model))
         self.source: Path | None = None
         self._geometry: pin.GeometryModel | None = None
+        self._visuals: pin.GeometryModel | None = None
 
     @number
     def position_limit(self, value: Range | None) -> Array | None:
@@ -181,10 +182,27 @@ class PinocchioRobot(PinocchioModel):
         if self._geometry is None:
             from .geometry import collision_geometry
 
-            if self.source is None or root_of(self.source, repr(self)) != "robot":
-                raise InvalidInput(f"{self!r} has no URDF file to read shapes from; use load_robot, or set its source")
-            self._geometry = collision_geometry(self.model, self.source)
+            self._geometry = collision_geometry(self.model, self._urdf())
         return self._geometry
+
+    def visuals(self) -> pin.GeometryModel:
+        """What its file says it looks like, read when first asked for.
+
+        Raises
+        ------
+        InvalidInput
+            If there is no URDF file, or a mesh of it cannot be read.
+        """
+        if self._visuals is None:
+            from .geometry import visual_geometry
+
+            self._visuals = visual_geometry(self.model, self._urdf())
+        return self._visuals
+
+    def _urdf(self) -> Path:
+        if self.source is None or root_of(self.source, repr(self)) != "robot":
+            raise InvalidInput(f"{self!r} has no URDF file to read shapes from; use load_robot, or set its source")
+        return self.source
 
     # The configuration.
 
@@ -322,7 +340,7 @@ class PinocchioRobot(PinocchioModel):
 
     def __getstate__(self) -> dict[str, Any]:
         own = dict(self.__dict__, model=Kept(self.model, self.recipe), kinematics=None, guard=None)
-        return dict(own, _geometry=None)
+        return dict(own, _geometry=None, _visuals=None)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         own = vars(self)

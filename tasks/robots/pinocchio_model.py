@@ -218,17 +218,19 @@ class PinocchioModel(Live):
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """M(q) [kg m^2; kg m and kg where joints slide], symmetric, shape (..., nv, nv)."""
-        return dynamics.mass_matrix(self.model, self.kinematics.overwritten(), *dynamics.rows_of(self, q=q))
+        return dynamics.mass_matrix(self.model, self.kinematics.apart, *dynamics.rows_of(self, q=q))
 
     def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
         """What torques [N m], forces [N] hold without acceleration: Coriolis, centripetal, gravity, shape (..., nv)."""
-        return dynamics.bias(self.model, self.kinematics.overwritten(), *dynamics.rows_of(self, q=q, v=v))
+        return dynamics.bias(self.model, self.kinematics.apart, *dynamics.rows_of(self, q=q, v=v))
 
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """Joint torques [N m], forces [N] for accelerations a, gravity included, shape (..., nv)."""
-        return dynamics.inverse_dynamics(
-            self.model, self.kinematics.overwritten(), *dynamics.rows_of(self, q=q, v=v, a=a)
-        )
+        return dynamics.inverse_dynamics(self.model, self.kinematics.apart, *dynamics.rows_of(self, q=q, v=v, a=a))
+
+    def momentum(self, q: Array, v: Array) -> Array:
+        """Linear [kg m/s] before angular momentum [kg m^2/s] about the centre of mass, along the axes of the world."""
+        return np.array(pin.computeCentroidalMomentum(self.model, self.kinematics.apart, q, v).vector)
 
     def __repr__(self) -> str:
         return f"PinocchioRobot({self.name!r}, {self.nv} degrees of freedom)"

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pinocchio as pin
 
+from hqp import InvalidInput
+
 from ..base.checks import Array
 
 if TYPE_CHECKING:
@@ -29,7 +31,7 @@ class PinocchioSource:
     def __init__(self, robot: PinocchioModel, q: Array, v: Array) -> None:
         self._robot, self._model, self._data = robot, robot.model, robot.data
         self._q, self._v, self._still = q, v, np.zeros(robot.nv)
-        self._centre = self._inertia = False
+        self._centre = self._inertia = self._momentum = False
         self._matrices: list[Array] = []  # that Pinocchio does not tell by its own way
         self._biases: list[Array] = []
         self._kept: list[Any] = []
@@ -65,12 +67,13 @@ class PinocchioSource:
         from .kernels.frames import point_frame
 
         self._centre = True
-        self._compute_centre(True)  # which lays out the arrays
         data = self._data
+        pin.centerOfMass(self._model, data, self._q, self._v, self._still)  # which lays out the arrays
+        pin.jacobianCenterOfMass(self._model, data, self._q)
         return Call(point_frame, self._robot.nv, block, drifts, data.com[0], data.Jcom, data.vcom[0], data.acom[0])
 
     def axes(self) -> Array | None:
-        J = np.asarray(self._data.J)
+        J = np.reshape(self._data.J, (6, -1))  # of one velocity it is a plain vector
         return J if J.shape[1] == self._robot.nv and not len(self._model.mimicking_joints) else None
 
     def mass_matrix(self, M: Array) -> Call | None:
@@ -87,24 +90,33 @@ class PinocchioSource:
     def bias(self, b: Array) -> None:
         self._biases.append(b)
 
+    def momentum(self, G: Array, drift: Array) -> Call | None:
+        from ..base.loops import Call
+        from .kernels.frames import momentum_map
+
+        if len(self._model.mimicking_joints):
+            raise InvalidInput(f"{self._robot!r}: momentum is not told of robots whose joints follow others")
+        self._momentum = True
+        pin.computeCentroidalMapTimeVariation(self._model, self._data, pin.neutral(self._model), self._still)
+        data = self._data
+        return Call(momentum_map, self._robot.nv, data.Ag, data.dAg, self._v, G, drift)
+
     def update(self, state: PinocchioState, drifts: bool) -> None:
+        """One pass over the joints; what comes after it reads what the pass left, and leaves it as it is."""
         model, data, q, v = self._model, self._data, self._q, self._v
         for M in self._matrices:
             M[:] = self._robot.mass_matrix(q)
-        for b in self._biases:
-            b[:] = pin.nonLinearEffects(model, data, q, v)
-        if self._inertia:
-            pin.crba(model, data, q)
-        if self._centre:
-            self._compute_centre(drifts)
-        if self._biases or self._inertia or self._centre:
-            self._robot.kinematics.overwritten()
         if drifts:
             state.accelerated()
         else:
             state.ready()
-
-    def _compute_centre(self, drifts: bool) -> None:
-        if drifts:
-            pin.centerOfMass(self._model, self._data, self._q, self._v, self._still)
-        pin.jacobianCenterOfMass(self._model, self._data, self._q)
+        if self._centre:
+            if drifts:
+                pin.centerOfMass(model, data, pin.ACCELERATION, False)
+            pin.jacobianCenterOfMass(model, data, False)
+        if self._inertia:
+            pin.crba(model, data, q)
+        for b in self._biases:
+            b[:] = pin.nonLinearEffects(model, data, q, v)
+        if self._momentum:
+            pin.computeCentroidalMapTimeVariation(model, data, q, v)

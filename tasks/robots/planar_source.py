@@ -8,6 +8,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from hqp import InvalidInput
+
 from ..base.checks import Array
 from .kernels import block as at
 from .state import RobotState
@@ -59,6 +61,9 @@ class PlanarSource:
 
     def bias(self, b: Array) -> None:
         self._biases.append(b)
+
+    def momentum(self, G: Array, drift: Array) -> None:
+        raise InvalidInput(f"{self._arm!r} does not tell its momentum")
 
     def update(self, state: RobotState, drifts: bool) -> None:
         for M in self._matrices:

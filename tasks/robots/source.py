@@ -35,6 +35,10 @@ class Source(Protocol):
 
     def bias(self, b: Array) -> None: ...
 
+    def momentum(self, G: Array, drift: Array) -> Call | None:
+        """Begin to keep the map of the centroidal momentum, by columns (6 x n), and its drift ``dG v`` (6,)."""
+        ...
+
     def update(self, state: RobotState, drifts: bool) -> None:
         """Have ready what the loops read, at this state."""
         ...

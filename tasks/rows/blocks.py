@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hqp import InvalidInput
+
 from ..base.checks import Array
 from ..robots.block import fill
 from ..robots.kernels import block as at
@@ -43,6 +45,9 @@ class StateSource:
 
     def bias(self, b: Array) -> None:
         self._biases.append(b)
+
+    def momentum(self, G: Array, drift: Array) -> None:
+        raise InvalidInput(f"{self._robot!r} does not tell its momentum")
 
     def update(self, state: RobotState, drifts: bool) -> None:
         for name, block in self._frames:
@@ -98,6 +103,13 @@ class Blocks:
             self._blocks["b"] = b = np.zeros(self._n)
             self._source.bias(b)
         return self._blocks["b"]
+
+    def momentum(self) -> tuple[Array, Array]:
+        """The map of the centroidal momentum, by columns, shape (6 n,), and its drift, shape (6,)."""
+        if "G" not in self._blocks:
+            self._blocks["G"], self._blocks["G drift"] = G, drift = np.zeros(6 * self._n), np.zeros(6)
+            self._add(self._source.momentum(G, drift))
+        return self._blocks["G"], self._blocks["G drift"]
 
     def update(self, state: RobotState) -> None:
         """Have all of them ready to be written for this state."""

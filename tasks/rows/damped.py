@@ -30,10 +30,11 @@ class Damped(Stack):
     ----------
     level : task, or several joined by +
     rule : float, DampingRule or None
-        None: the level is left strict, also where a controller damps the others by default. A number is the lambda of a :class:`hqp.FixedDamping`, in the unit of the weighted rows per unit of x: [m] or
+        A number is the lambda of a :class:`hqp.FixedDamping`, in the unit of the weighted rows per unit of x: [m] or
         [1] for a task in [m] or [rad]. Else one of :class:`hqp.ManipulabilityDamping`,
         :class:`hqp.SingularValueDamping`, :class:`hqp.NumericalFiltering`, :class:`hqp.ErrorDamping`, whose bound is
-        that of the joint velocities which the level adds, or a rule of your own.
+        that of the joint velocities which the level adds, or a rule of your own. None: the level is left strict, while
+        a controller damps the others by default.
 
     Raises
     ------

@@ -21,7 +21,9 @@ from .tick import Order as Order
 from .tick import Tick as Tick
 
 if TYPE_CHECKING:
+    from .expansion import Companions, Setting
     from .stack import Stack
+    from .unknowns import Unknowns
 
 
 class Part(Live):
@@ -36,6 +38,10 @@ class Part(Live):
         Number of rows; None for one row a joint velocity.
     plain : bool
         Whether the rows are those of the identity: bounds on x itself, kept without a matrix.
+    wide : bool
+        Whether its rows are of all unknowns, and not of the motion of the joints alone.
+    is_dynamics : bool
+        Whether it is the motion equation, by which contacts have forces.
     is_limit : bool
         Whether the rows only bound, and ask for nothing.
     damps : bool
@@ -49,6 +55,8 @@ class Part(Live):
 
     rows: int | None = structure()
     plain: bool = structure(False)
+    wide: ClassVar[bool] = False
+    is_dynamics: ClassVar[bool] = False
     is_limit: ClassVar[bool] = False
     damps: ClassVar[bool] = False
     limited: ClassVar[Literal["motion", "torque"] | None] = None
@@ -73,6 +81,22 @@ class Part(Live):
     def variables(self, robot: Robot) -> NDArray[np.intp]:
         """The joint velocities that plain rows bound, shape (rows,)."""
         return np.arange(robot.nv)
+
+    def columns(self, unknowns: Unknowns, robot: Robot) -> NDArray[np.intp]:
+        """The unknowns that plain rows bound, shape (rows,)."""
+        return self.variables(robot)
+
+    def companions(self, setting: Setting) -> Companions:
+        """The parts that it stands for where it is at work; itself, unless it says more.
+
+        Raises
+        ------
+        InvalidInput
+            If it cannot be in this stack.
+        """
+        from .expansion import Companions
+
+        return Companions((self,))
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         """What explanations call the rows."""
@@ -109,7 +133,10 @@ class Part(Live):
         """Tell the envelope, where it is at work, how it limits the joints; before any part is planned."""
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        """Write this tick's rows in place: A (rows, nv), None where the level is plain, and the bounds (rows,)."""
+        """Write this tick's rows in place: A (rows, nv), None where the level is plain, and the bounds (rows,).
+
+        Where the part is `wide`, A is (rows, n), of all unknowns.
+        """
         raise NotImplementedError
 
     def plan(self, site: Site) -> Plan:

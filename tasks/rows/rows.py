@@ -17,15 +17,17 @@ from ..robots.answers import at_rest
 from ..robots.robot import Robot, RobotState
 from .description import Description, WrittenPart
 from .envelope import Envelope
+from .expansion import expand
 from .own_limits import OwnLimits
 from .part import Part
 from .plan import Plan, plan_of
-from .site import Site, Workspace
+from .site import Memory, Site, Workspace
 from .tick import Order, Tick
 
 if TYPE_CHECKING:
     from ..base.loops import Call
     from .stack import Stack
+    from .unknowns import Unknowns
 
 
 class Rows:
@@ -33,6 +35,10 @@ class Rows:
 
     Attributes
     ----------
+    stack : Stack
+        As it is solved, with all that its parts stand for.
+    unknowns : Unknowns
+        What x is made of.
     hierarchy : hqp.Hierarchy
         Refilled in place: nothing is stacked or copied per tick.
     plans : list of (Part, Plan)
@@ -44,22 +50,29 @@ class Rows:
     planned : int
         How often rows have been planned: whoever knows plans by their addresses looks at them again.
     aims : dict of int to array, shape (nv,), or None
-        What each damped level is damped towards at this tick, rows of `every_aim`, ``-2 zeta K v`` by the fastest of its tasks; None at
+        What each damped level is damped towards at this tick, ``-2 zeta K v`` by the fastest of its tasks; None at
         other orders than that of accelerations, where it is zero, and where no level is damped.
+    every_aim : array, shape (levels, nv)
+        The same of all levels, zero where there is none.
     """
 
     planned = 0
 
-    def __init__(self, stack: Stack, robot: Robot, order: Order, dt: float | None) -> None:
-        self._stack, self._robot, self._order, self._dt = stack, robot, order, dt
+    def __init__(
+        self, stack: Stack, robot: Robot, order: Order, dt: float | None, memory: Memory | None = None
+    ) -> None:
+        self._robot, self._order, self._dt = robot, order, dt
+        self.stack, self.unknowns = expand(stack, robot, order)
+        self._memory: Memory = {} if memory is None else memory
         self._check()
         self._rest = at_rest(robot)
-        self.hierarchy = Hierarchy([_empty_level(level, robot, order) for level in stack.levels], n=robot.nv)
+        levels = [_empty_level(level, robot, order, self.unknowns) for level in self.stack.levels]
+        self.hierarchy = Hierarchy(levels, n=self.unknowns.n)
         self._own_limits = None if isinstance(robot, Live) else OwnLimits(robot)
-        self._names = [_row_names(part, robot, order) for part in stack]
-        self._rates = np.zeros(len(stack))
-        self.every_aim = np.zeros((len(stack), robot.nv))
-        self._take_note([k for k, rule in enumerate(stack.damping) if rule])
+        self._names = [_row_names(part, robot, order) for part in self.stack]
+        self._rates = np.zeros(len(self.stack))
+        self.every_aim = np.zeros((len(self.stack), self.unknowns.n))
+        self._take_note([k for k, rule in enumerate(self.stack.damping) if rule])
         self._take_up()
         if isinstance(robot, Live):
             watch_alone(robot, self)
@@ -92,33 +105,57 @@ class Rows:
             self._plan(own)
 
     def _check(self) -> None:
-        for part in self._stack:
+        for part in self.stack:
             part.check(self._robot, self._order, self._dt)
 
     def _take_up(self) -> None:
         """Begin anew with the numbers that all parts and the robot have now."""
         robot, order, dt = self._robot, self._order, self._dt
-        self._shared = shared = Workspace(robot, order, dt)
+        self.shared = shared = Workspace(robot, order, dt, self.unknowns, self._memory)
+        self._joints: list[tuple[Part, Array, Array]] = []  # of wide rows: the joints' part
         self._views: list[tuple[Part, Site]] = []
         self._weights: list[tuple[Array, NDArray[np.intp]]] = []  # and which rows ask for nothing
         self._owners: dict[int, list[int]] = {}  # of all that is reachable from a part: the parts
-        for level, (view, parts) in enumerate(zip(self.hierarchy.levels, self._stack.levels, strict=True)):
+        for level, (view, parts) in enumerate(zip(self.hierarchy.levels, self.stack.levels, strict=True)):
             row, rate = 0, self._rates[level : level + 1]
             for part in parts:
                 own = slice(row, row + part.size(robot))
                 row = own.stop
-                A = None if view.A is None else view.A[own]
-                site = Site(shared, A, view.lower[own], view.upper[own], rate)
+                site = Site(shared, self._matrix(part, view, own), view.lower[own], view.upper[own], rate)
                 part.claim(site)
                 self._views.append((part, site))
                 self._weights.append((view.weights[own], np.zeros(0, dtype=np.intp)))
         shared.envelope.close(shared)
+        self._place = self._placing()
         self.plans: list[tuple[Part, Plan]] = [(part, Plan()) for part, _ in self._views]
         self._plan(range(len(self._views)))
 
+    def _matrix(self, part: Part, view: Level, own: slice) -> Array | None:
+        """Where a part writes its rows: in the hierarchy, or, where it has more unknowns, beside it."""
+        if view.A is None:
+            return None
+        rows = view.A[own]
+        if part.wide or self.unknowns.n == self.unknowns.nv:
+            return rows
+        joints = rows[:, : self.unknowns.nv].copy()
+        self._joints.append((part, joints, rows))
+        return joints
+
+    def _placing(self) -> list[Call]:
+        """What brings the motion of the joints into the rows of all unknowns, every tick."""
+        moving = [(joints, rows) for part, joints, rows in self._joints if not part.plain]
+        if not moving:
+            return []
+        from ..base.loops import Call, Table
+        from .kernels.placing import place_joints
+
+        told = [entry for joints, rows in moving for entry in (joints, rows, len(rows))]
+        return [Call(place_joints, len(moving), self.unknowns.nv, self.unknowns.n, Table(*told))]
+
     def _plan(self, which: Iterable[int]) -> None:
         """Plan how these parts write their rows."""
-        robot, shared = self._robot, self._shared
+
+        robot, shared = self._robot, self.shared
         self.planned += 1
         rest = Tick(robot, self._rest, 0.0, self._order, self._dt, shared.envelope)
         for k in which:
@@ -137,8 +174,11 @@ class Rows:
                 owners = self._owners.setdefault(id(held), [])
                 if k not in owners:
                     owners.append(k)
+        for part, joints, rows in self._joints:
+            if part.plain:  # whose rows stay as they are
+                rows[:, : self.unknowns.nv] = joints
         if self._order == "acceleration":
-            self._rates[:] = [max(part.decay_rate() for part in level) for level in self._stack.levels]
+            self._rates[:] = [max(part.decay_rate() for part in level) for level in self.stack.levels]
         pairs = zip(self._views, self._weights, strict=True)
         self._unweighted = [(site.lower, site.upper, without) for (_, site), (_, without) in pairs if without.size]
         self._moves = [move for _, plan in self.plans for move in plan.moves]
@@ -149,9 +189,9 @@ class Rows:
         """What runs all loops of a tick."""
         from ..base.loops import chained
 
-        shared = self._shared
+        shared = self.shared
         own = [call for _, plan in self.plans for call in plan.calls]
-        own += self._aiming()
+        own += [*self._place, *self._aiming()]
         self.compiled = not self._python
         self._before = chained(shared.calls) if self._python else None  # what Python may ask for
         self._run = chained(own if self._python else [*shared.calls, *own])
@@ -163,17 +203,17 @@ class Rows:
         from ..base.loops import Call
         from .kernels.braking import write_damping
 
-        n, v, rates = self._shared.n, self._shared.v, self._rates
+        n, v, rates = self.shared.n, self.shared.v, self._rates
         return [Call(write_damping, n, rates[k : k + 1], v, self.aims[k], self.aims[k]) for k in self._braked]
 
     @property
     def envelope(self) -> Envelope:
-        return self._shared.envelope
+        return self.shared.envelope
 
     @property
     def work(self) -> list[tuple[int, int, Part, Plan, Site]]:
         """Of every part, from the highest level down: level, first row, the part, its plan, and where it works."""
-        levels = [k for k, parts in enumerate(self._stack.levels) for _ in parts]
+        levels = [k for k, parts in enumerate(self.stack.levels) for _ in parts]
         first = np.cumsum([0, *(site.rows for _, site in self._views)])
         plans = (plan for _, plan in self.plans)
         return [
@@ -187,8 +227,8 @@ class Rows:
 
     def describe(self) -> Description:
         """Who writes the rows of each part, and why Python does where it does."""
-        robot, order, envelope = self._robot, self._order, self._shared.envelope
-        levels = (k for k, parts in enumerate(self._stack.levels) for _ in parts)
+        robot, order, envelope = self._robot, self._order, self.shared.envelope
+        levels = (k for k, parts in enumerate(self.stack.levels) for _ in parts)
         return Description(
             tuple(
                 WrittenPart.of(level, part.label(), tuple(part.labels(robot, order)), plan, envelope.loops(site))
@@ -204,10 +244,10 @@ class Rows:
             self._own_limits.note()
         for move in self._moves:
             move(t)
-        self._shared.come_to(state)
+        self.shared.come_to(state)
         if self._before is not None:
             self._before()
-            tick = Tick(self._robot, state, t, self._order, self._dt, self._shared.envelope)
+            tick = Tick(self._robot, state, t, self._order, self._dt, self.shared.envelope)
             for write in self._python:
                 write(tick)
         self._run()
@@ -216,7 +256,7 @@ class Rows:
         return self.hierarchy
 
 
-def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order) -> Level:
+def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order, unknowns: Unknowns) -> Level:
     """One level without numbers yet: plain bounds if all its parts are plain, rows otherwise."""
     name = " + ".join(of_type(part.name, str, f"name of a {type(part).__name__}") for part in parts)
     weights = np.ones(sum(part.size(robot) for part in parts))
@@ -226,10 +266,10 @@ def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order) -> Level:
 
     zeros = np.zeros(len(weights))
     if all(part.plain for part in parts):
-        indices = np.concatenate([p.variables(robot) for p in parts])
+        indices = np.concatenate([p.columns(unknowns, robot) for p in parts])
         return Level.bounds(zeros, zeros, indices=indices, weights=weights, name=name, labels=labels)
-    identity = np.eye(robot.nv)
-    A = [identity[p.variables(robot)] if p.plain else np.zeros((p.size(robot), robot.nv)) for p in parts]
+    identity = np.eye(unknowns.n)
+    A = [identity[p.columns(unknowns, robot)] if p.plain else np.zeros((p.size(robot), unknowns.n)) for p in parts]
     return Level(np.concatenate(A), zeros, zeros, weights=weights, name=name, labels=labels)
 
 

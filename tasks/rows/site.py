@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import chain
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -16,12 +17,15 @@ from ..targets.turns import stands_still
 from .blocks import Blocks, StateSource
 from .envelope import Envelope
 from .tick import Order
+from .unknowns import Unknowns
 
 if TYPE_CHECKING:
     from ..base.loops import Call, Table
 
 #: Brings a target up to date, by the time [s].
 Move = Callable[[float], None]
+#: What parts keep from tick to tick, whatever stack they are in: by their ids, with each the part that it belongs to.
+Memory = dict[int, tuple[object, Any]]
 #: What is measured of every row of a task: see :mod:`tasks.rows.kernels.law`.
 KINDS = 5
 
@@ -66,11 +70,30 @@ class Workspace:
         The joint limits of the stack.
     work : array, shape (64,)
         For loops to work in.
+    n : int
+        Velocities of the joints.
+    unknowns : Unknowns
+        What x is made of.
+    wrenches : array, shape (unknowns.n - n, n)
+        G: the joint torques that the unknown forces f give are G^T f.
+    given : dict of list of Call
+        What writes G, and whatever else is shared and comes after the blocks; by whom it was asked for.
     """
 
-    def __init__(self, robot: Robot, order: Order, dt: float | None) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        order: Order,
+        dt: float | None,
+        unknowns: Unknowns | None = None,
+        memory: Memory | None = None,
+    ) -> None:
         self.robot, self.order, self.dt = robot, order, dt
         self.n = robot.nv
+        self.unknowns = Unknowns(robot.nv) if unknowns is None else unknowns
+        self.wrenches = np.zeros((self.unknowns.n - self.n, self.n))
+        self.given: dict[int, list[Call]] = {}
+        self._memory: Memory = {} if memory is None else memory
         self.q, self.v = np.zeros(robot.nq), np.zeros(robot.nv)
         self.braking = np.array([np.inf, np.nan if dt is None else dt])
         joints = np.arange(robot.nv)
@@ -92,7 +115,13 @@ class Workspace:
     @property
     def calls(self) -> list[Call]:
         """What writes all that is shared, when it has come to a state."""
-        return [*self.blocks.calls, *self.envelope.calls]
+        return [*self.blocks.calls, *chain.from_iterable(self.given.values()), *self.envelope.calls]
+
+    def kept(self, part: object, make: Callable[[], Any]) -> Any:
+        """What a part keeps from tick to tick, made when it is first asked for."""
+        if id(part) not in self._memory:
+            self._memory[id(part)] = part, make()
+        return self._memory[id(part)][1]
 
     def update(self, state: RobotState) -> None:
         """Be at this state."""
@@ -115,7 +144,7 @@ class Site:
     ----------
     shared : Workspace
     A : array, shape (rows, nv), or None
-        Its rows, None where they are plain.
+        Its rows, None where they are plain; of a part that is `wide`, (rows, n) of all unknowns.
     lower, upper : array, shape (rows,)
     below, above : array, shape (rows,), or float
         How far from its target a task may be; 0 where it is to be met.

@@ -17,6 +17,7 @@ from .tick import Order
 
 if TYPE_CHECKING:
     from .rows import Rows
+    from .site import Memory
 
 #: How a level is damped: by a rule of its own, never (False), or as the controller does by default (None).
 Rule: TypeAlias = "DampingRule | Literal[False] | None"
@@ -81,7 +82,7 @@ class Stack(Live):
                 f"a level is damped as a whole, but got {self!r} + {other!r}; put the brackets around all of it:"
                 " Damped(a + b, rule)"
             )
-        return _of_levels([(mine[0] + theirs[0], None)])
+        return of_levels([(mine[0] + theirs[0], None)])
 
     @property
     def damps(self) -> bool:
@@ -100,9 +101,9 @@ class Stack(Live):
         levels, here, there = list(self._ruled()), self._level(first), self._level(second)
         if len(self.levels[here]) == len(self.levels[there]) == 1:
             levels[here], levels[there] = levels[there], levels[here]
-            return _of_levels(levels)
+            return of_levels(levels)
         other = {id(first): second, id(second): first}
-        return _of_levels((tuple(other.get(id(part), part) for part in level), rule) for level, rule in levels)
+        return of_levels((tuple(other.get(id(part), part) for part in level), rule) for level, rule in levels)
 
     def without(self, *parts: Part) -> Stack:
         """The stack without these parts, and without the levels that they leave empty.
@@ -113,9 +114,7 @@ class Stack(Live):
             If one of them is not in the stack, or nothing is left.
         """
         gone = {id(part) for part in parts if self._level(part) >= 0}
-        return _of_levels(
-            (tuple(part for part in level if id(part) not in gone), rule) for level, rule in self._ruled()
-        )
+        return of_levels((tuple(part for part in level if id(part) not in gone), rule) for level, rule in self._ruled())
 
     def inserted(self, part: Part | Stack, *, below: Part | None = None) -> Stack:
         """The stack with a new level, or levels, right below that of another part; without it, at the top.
@@ -127,7 +126,7 @@ class Stack(Live):
         """
         place, levels = 0 if below is None else self._level(below) + 1, list(self._ruled())
         new = part._ruled() if isinstance(part, Stack) else [(level, None) for level in _levels_of(part)]
-        return _of_levels([*levels[:place], *new, *levels[place:]])
+        return of_levels([*levels[:place], *new, *levels[place:]])
 
     def _level(self, part: Part) -> int:
         """Where a part stands."""
@@ -161,7 +160,7 @@ class Stack(Live):
     def __repr__(self) -> str:
         return " >> ".join(map(_shown, self.levels, self.damping))
 
-    def build(self, robot: Robot, order: Order, dt: float | None = None) -> Rows:
+    def build(self, robot: Robot, order: Order, dt: float | None = None, memory: Memory | None = None) -> Rows:
         """The hierarchy of this stack for one robot, ready to be filled.
 
         Parameters
@@ -171,6 +170,8 @@ class Stack(Live):
             Whether x is the joint velocities [rad/s], accelerations [rad/s^2], or a step of the joints [rad].
         dt : float, optional
             Tick [s]; needed by limits of the other order.
+        memory : dict, optional
+            What parts keep from tick to tick, shared by all stacks of one controller.
 
         Returns
         -------
@@ -187,10 +188,10 @@ class Stack(Live):
 
         robot = as_robot(robot)
         one_of(order, get_args(Order), "order")
-        return Rows(self, robot, order, None if dt is None else positive_scalar(dt, "dt", unit="s"))
+        return Rows(self, robot, order, None if dt is None else positive_scalar(dt, "dt", unit="s"), memory)
 
 
-def _of_levels(levels: Iterable[Ruled]) -> Stack:
+def of_levels(levels: Iterable[Ruled]) -> Stack:
     """A stack of these levels, the empty ones left out."""
     kept = [(level, rule) for level, rule in levels if level]
     stack = object.__new__(Stack)

@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 from hqp import InvalidInput, Side, Solution, Status
 
 from ..base.checks import Array
+from ..control.contacts import has_dynamics
 from ..control.controller import Controller
-from ..robots.robot import RobotState, inverse_dynamics, manipulability, pose_reader
+from ..robots.robot import RobotState, base, inverse_dynamics, manipulability, pose_reader
 from ..rows.part import Part
+from .account import Shortfall, shortfalls
 from .record import Record, Stop
 
 #: How far x may be from a bound and still count as on it, in units of 1 + |x|.
@@ -77,19 +79,22 @@ class Log:
         #: Bounds on x, and on the torques that it takes, of every tick.
         self.bounds, self.torque_bounds = (
             [
-                (name, part, np.empty((ticks, nv)), np.empty((ticks, nv)))
+                (name, part, *np.empty((2, ticks, part.size(controller.robot))))
                 for name, part in limits
                 if part.limited == what
             ]
             for what in ("motion", "torque")
         )
+        #: The torques that were told, where forces are unknowns too: accelerations alone do not tell them.
+        self.tau = np.empty((ticks, nv - base(controller.robot))) if has_dynamics(controller.stack) else None
         self.checked_t: list[float] = []
         self.certified = 0
         self.ranks: list[list[int]] = []
+        self.shortfalls: list[tuple[Shortfall, ...]] = []
         q, v = first.q[None], first.v[None]
         self._torque = _asked_at_once(inverse_dynamics(controller.robot), "inverse_dynamics", (q, v, v), (1, nv))
         self._manipulability = _asked_at_once(manipulability(controller.robot), "manipulability", (q,), (1,))
-        self._levels = len(controller.stack)
+        self._levels = len(controller.hierarchy.levels)
 
     def state(self, k: int, t: float, state: RobotState) -> None:
         """Where tick k began."""
@@ -98,9 +103,11 @@ class Log:
             values[k] = error(state, t)
         self.states = k + 1
 
-    def tick(self, k: int, a: Array, status: Status) -> None:
+    def tick(self, k: int, a: Array, tau: Array | None, status: Status) -> None:
         """What tick k did; the bounds are still those that it was given."""
         self.a[k] = a
+        if self.tau is not None:
+            self.tau[k] = np.nan if tau is None else tau
         self.status.append(status)
         for _, part, lowers, uppers in (*self.bounds, *self.torque_bounds):
             lowers[k], uppers[k] = self._controller.bounds(part) if part in self._controller.stack else FREE
@@ -111,6 +118,7 @@ class Log:
         self.certified += bool(passed)
         ranks = [level.rank for level in solution.levels]
         self.ranks.append((ranks + [0] * self._levels)[: self._levels])
+        self.shortfalls.append(shortfalls(solution))
 
     def record(self, stopped: Stop | None) -> Record:
         """All of it, as far as it went."""
@@ -121,8 +129,10 @@ class Log:
             tau = None if self._torque is None else _frozen(self._torque(q[:-1], v[:-1], a))
             bias = None if self._torque is None else self._torque(q[:-1], v[:-1], np.zeros_like(a))
             manipulability = None if self._manipulability is None else _frozen(self._manipulability(q))
+        if self.tau is not None and bias is not None:
+            tau, bias = _frozen(self.tau[: n - 1]), bias[:, base(self._controller.robot) :]
         active = {name: _sides(x, low[: n - 1], high[: n - 1]) for name, _, low, high in self.bounds}
-        if tau is not None and bias is not None:  # their rows bound what accelerations take beside the bias
+        if tau is not None and bias is not None:  # their rows bound what x takes beside the bias
             active |= {
                 name: _sides(tau, low[: n - 1] + bias, high[: n - 1] + bias)
                 for name, _, low, high in self.torque_bounds
@@ -142,6 +152,8 @@ class Log:
             ranks=_frozen(np.array(self.ranks, dtype=np.int64).reshape(-1, self._levels)),
             certified=self.certified,
             stopped=stopped,
+            shortfalls=tuple(self.shortfalls),
+            robot=self._controller.robot,
         )
 
 

@@ -10,14 +10,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hqp import Status
+from hqp import InvalidInput, Status
 from hqp.files.whole import arrays_of, write_arrays
 
 from ..base.checks import Array
 from ..robots.manipulability import Degrees
+from ..robots.robot import Robot, as_robot
+from .account import Account, Shortfall, account
 
 #: What the head of a saved record says; the number changes with the fields.
-FORMAT = "hqp record 1"
+FORMAT = "hqp record 2"
+#: One that knows no shortfalls.
+FORMER = "hqp record 1"
 #: The fields which are arrays, those which are arrays or None, and those which are dicts of arrays.
 ARRAYS = ("t", "q", "v", "a", "pose", "checked_t", "ranks")
 OPTIONAL = ("tau", "manipulability")
@@ -56,7 +60,8 @@ class Record:
         Joint accelerations [rad/s^2] over each tick; at velocity order (v[k + 1] - v[k]) / dt, with a plant those
         commanded.
     tau : array, shape (N, n), or None
-        Joint torques [N m] that a takes where each tick begins (Eq. 4.1); None if the robot cannot tell.
+        Joint torques [N m] that a takes where each tick begins (Eq. 4.1); None if the robot cannot tell. With
+        :class:`tasks.Dynamics` in the stack those that were told, of the joints that have a motor.
     pose : array, shape (N + 1, ...)
         Of the tip, in the coordinates of the robot.
     manipulability : array, shape (N + 1,), or None
@@ -76,6 +81,10 @@ class Record:
         How many of the checked ticks the certificate accepts.
     stopped : Stop or None
         None for a run that went to its end.
+    shortfalls : tuple of tuples of Shortfall, or None
+        What each of the checked ticks could not meet, and what held it back; None in a file of an older format.
+    robot : Robot or None
+        What moved; None in a record from a file, which holds no robot.
     """
 
     t: Array
@@ -92,6 +101,8 @@ class Record:
     ranks: NDArray[np.int64]
     certified: int
     stopped: Stop | None
+    shortfalls: tuple[tuple[Shortfall, ...], ...] | None = None
+    robot: Robot | None = None
 
     @property
     def checked(self) -> int:
@@ -133,6 +144,7 @@ class Record:
             "status": [kind.value for kind in kinds],
             "certified": self.certified,
             "stopped": None if self.stopped is None else asdict(self.stopped),
+            "shortfalls": self.shortfalls and [[asdict(each) for each in tick] for tick in self.shortfalls],
         }
         arrays: dict[str, NDArray[Any]] = {
             "head": np.array(json.dumps(head)),
@@ -154,7 +166,7 @@ class Record:
         """
         with arrays_of(path, "record") as members:
             head = json.loads(str(members["head"]))
-            if head["format"] != FORMAT:
+            if head["format"] not in (FORMAT, FORMER):
                 raise ValueError(f"its format is {head['format']!r}; it must be {FORMAT!r}")
             arrays: dict[str, Any] = {field: members[field] for field in ARRAYS}
             arrays |= {field: members.get(field) for field in OPTIONAL}
@@ -166,7 +178,48 @@ class Record:
                 status=tuple(kinds[i] for i in members["status"]),
                 certified=head["certified"],
                 stopped=None if head["stopped"] is None else Stop(**head["stopped"]),
+                shortfalls=_shortfalls(head.get("shortfalls")),
             )
+
+    def explain(self) -> Account:
+        """The whole motion in a few lines: which level was short, from when to when, and held by what.
+
+        Raises
+        ------
+        InvalidInput
+            If no tick was put to the certificate, or the record is from a file of an older format.
+        """
+        if self.shortfalls is None:
+            raise InvalidInput(f"a file of the format {FORMER!r} does not say what held the levels back")
+        return account(
+            self.checked_t, self.shortfalls, self.certified, None if self.stopped is None else self.stopped.reason
+        )
+
+    def save_html(self, path: str | os.PathLike[str], *, robot: Robot | None = None, rate: float = 30.0) -> None:
+        """Write the motion as one page, which plays by itself in any browser, without a network.
+
+        Parameters
+        ----------
+        path : path
+            The page, such as ``"motion.html"``.
+        robot : Robot, optional
+            What is drawn (default: what moved; a record from a file needs it).
+        rate : float
+            Pictures a second.
+
+        Raises
+        ------
+        InvalidInput
+            If there is no robot, it has other sizes than what moved, or the file cannot be written.
+        MissingPackage
+            If viser is not installed.
+        """
+        from ..drawing.page import save_page
+
+        drawn = self.robot if robot is None else as_robot(robot)
+        if drawn is None:
+            raise InvalidInput("a record from a file holds no robot; give save_html the robot that moved")
+        save_page(path, drawn, self.t, self.q, rate)
 
     def __len__(self) -> int:
         """Number of ticks N."""
@@ -176,3 +229,7 @@ class Record:
         end = f", stopped: {self.stopped.reason}" if self.stopped else ""
         proof = f", {self.certified} of {self.checked} checked ticks certified" if self.checked else ""
         return f"Record({len(self)} ticks, t = {self.t[0]:g} .. {self.t[-1]:g} s{proof}{end})"
+
+
+def _shortfalls(told: Any) -> tuple[tuple[Shortfall, ...], ...] | None:
+    return None if told is None else tuple(tuple(Shortfall.of(each) for each in tick) for tick in told)

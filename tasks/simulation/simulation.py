@@ -35,6 +35,7 @@ from ..robots.robot import Robot, check_joints, integration, joint_names, joint_
 from ..rows.stack import Stack
 from ..targets.timing import Timing, cubic
 from .log import Log
+from .motion import follow
 from .record import Record, Stop
 
 #: Joint speed [rad/s] beyond which a run counts as diverged: 16 turns a second.
@@ -204,7 +205,7 @@ class _Run:
         if not speed <= self._cap:  # NaN too
             where = _fastest(controller.robot, self._v)
             return Stop(t + self.dt, f"diverged at t = {t + self.dt:g} s: {where}", diverged=True)
-        self.log.tick(k, a, step.solution.status)
+        self.log.tick(k, a, step.tau, step.solution.status)
         return None
 
     def _move(self, step: Step[Any, Any, Any]) -> Array:
@@ -215,15 +216,8 @@ class _Run:
             assert step.tau is not None
             a = step.a
             q, v = self._plant.advance(q, v, step.tau, dt)
-        elif step.a is not None:
-            a = step.a
-            q = self._integrate(q, dt * v + (0.5 * dt * dt) * a)
-            v = v + dt * a
         else:
-            assert step.v is not None
-            a = (step.v - v) / dt
-            v = step.v.copy()
-            q = self._integrate(q, dt * v)
+            q, v, a = follow(self._integrate, step, q, v, dt)
         q.flags.writeable = v.flags.writeable = False  # ours, and kept as they are: a robot need not copy them
         self._q, self._v = q, v
         return np.asarray(a)

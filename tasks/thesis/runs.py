@@ -80,7 +80,8 @@ def run(job: Job) -> Record:
     """
     scenario, law = job.scenario, job.law
     stack = law.closed_stack if job.closed_form and law.closed_stack is not None else law.stack
-    controller = Controller(scenario.arm, stack(scenario), order="acceleration", dt=job.tick, backend=job.backend)
+    arm, declared = scenario.arm, stack(scenario)
+    controller = Controller(arm, declared, order="acceleration", dt=job.tick, backend=job.backend, damping=None)
     return simulate(
         controller,
         scenario.q0,

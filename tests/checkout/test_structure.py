@@ -10,8 +10,14 @@ from structure import structure
 MOST_ROOMS = 20
 
 
-#: The one circle that is left: ``a >> b`` of two parts is a stack, and a stack holds parts and builds their rows.
-MUTUAL = {"tasks": [["tasks.rows.part", "tasks.rows.rows", "tasks.rows.stack"]]}
+#: The circles that are left: ``a >> b`` of two parts is a stack, and a stack holds parts, and expands and builds
+#: their rows; a contact stands for parts, which are of a contact.
+MUTUAL = {
+    "tasks": [
+        [f"tasks.contacts.{name}" for name in ("contact", "forces", "friction", "mapping", "motion")],
+        ["tasks.rows.expansion", "tasks.rows.part", "tasks.rows.rows", "tasks.rows.stack"],
+    ]
+}
 
 
 @pytest.mark.parametrize("package", ["hqp", "tasks"])

@@ -213,3 +213,20 @@ def symmetric(here):
         for j in range(i, n):
             whole[i * n + j] = whole[j * n + i] = half[i + n * j]
     return 0
+
+
+@stamp
+@entry
+def momentum_map(here):
+    """The centroidal momentum: n; its map and how that changes (6 x n, by columns), v; the map, and the drift (6,)."""
+    told = ints(here, 0, 6)
+    n = told[0]
+    G, change, v = floats(told[1], 0, 6 * n), floats(told[2], 0, 6 * n), floats(told[3], 0, n)
+    out, drift = floats(told[4], 0, 6 * n), floats(told[5], 0, 6)
+    for r in range(6):
+        drift[r] = 0.0
+    for j in range(n):
+        for r in range(6):
+            out[6 * j + r] = G[6 * j + r]
+            drift[r] += change[6 * j + r] * v[j]
+    return 0

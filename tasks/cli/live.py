@@ -1,0 +1,54 @@
+"""``hqp live``: a robot in the browser, with a stack to be dragged, reordered and asked why."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from hqp.commands import command
+
+#: Time between two ticks [s].
+TICK = 0.01
+
+
+def live(
+    robot: Annotated[str, typer.Argument(help="A name, as panda or g1, or a URDF or MJCF file.", metavar="ROBOT")],
+    lock: Annotated[
+        list[str] | None,
+        typer.Option("--lock", help="Hold this joint where neutral; may be given several times.", metavar="JOINT"),
+    ] = None,
+    base: Annotated[
+        Literal["fixed", "planar", "floating"] | None,
+        typer.Option("--base", help="How the robot stands (default: as the library knows it, or as its file says)."),
+    ] = None,
+    body: Annotated[
+        list[str] | None,
+        typer.Option("--body", help="Where the robot begins, if an MJCF has several.", metavar="NAME"),
+    ] = None,
+    tick: Annotated[float, typer.Option("--dt", help="Time between two ticks [s].", metavar="DT")] = TICK,
+    certify: Annotated[
+        int, typer.Option("--certify", min=0, help="Put every so many-th tick to the certificate; 0 for none.")
+    ] = 25,
+    host: Annotated[
+        str, typer.Option("--host", help="Listen here, too far for a password (default: this machine alone).")
+    ] = "127.0.0.1",
+    port: Annotated[int, typer.Option("--port", min=1, max=65535, help="Or the next that is free.")] = 8080,
+    folder: Annotated[
+        Path, typer.Option("--out", "-o", help="Where recordings are saved.", metavar="DIR", parser=command.path)
+    ] = Path("."),
+) -> None:
+    """Move a robot in the browser: drag its targets, reorder its tasks, and read what each lacks and why.
+
+    Limits above position above orientation above posture; of a robot on feet, limits above feet above the centre of
+    mass above hands above posture. For a stack of your own there is tasks.live(controller). Ctrl-C ends it.
+    """
+    from ..drawing.stage import viser_module
+    from ..robots.loading import load_robot
+    from ..view.live import live as show
+    from ..view.stacks import ready_controller
+
+    viser_module()  # before a robot is loaded for nothing
+    machine = load_robot(robot, base=base, body=body or None, lock=lock or ())
+    show(ready_controller(machine, tick), host=host, port=port, certify=certify, folder=folder)

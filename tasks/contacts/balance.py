@@ -1,0 +1,242 @@
+r"""Balance: the capture point, and the centre of mass kept above what the robot stands on.
+
+A robot whose centre of mass c is h above its contacts falls as an inverted pendulum, at the rate
+:math:`\omega = \sqrt{g / h}`. It comes to rest without a step if its *capture point*
+
+.. math:: \xi = c + \dot c / \omega
+
+is in the support polygon, the hull of its contact points seen from above: the contact forces can then hold it there.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput, Label
+from hqp.checks import of_type
+
+from ..base.checks import Array, not_negative, numbers, positive_scalar, scalar
+from ..base.live import number, structure
+from ..robots.robot import Robot, at_rest, center_of_mass
+from ..rows.expansion import Companions, Setting
+from ..rows.part import PER, Order, Part
+from ..rows.site import kept_up
+from ..targets.trajectories import Trajectory, as_trajectory
+from .contact import Contact
+
+if TYPE_CHECKING:
+    from ..base.loops import Table
+    from ..rows.plan import Plan
+    from ..rows.site import Site, Workspace
+
+
+class _Balance(Part):
+    """Base of the rows that know what the robot stands on."""
+
+    task: Part = structure()
+    contacts: tuple[Contact, ...] = structure()
+
+    def __init__(self, task: Part, contacts: tuple[Contact, ...]) -> None:
+        self.task, self.contacts, self.name = task, contacts, task.name
+
+    @property
+    def weight(self) -> Array:
+        """That of the task."""
+        return self.task.weight
+
+    @weight.setter
+    def weight(self, value: ArrayLike) -> None:
+        self.task.weight = value
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        if center_of_mass(at_rest(robot)) is None:
+            raise InvalidInput(f"{self.task.label()}: {robot!r} does not tell its centre of mass")
+
+    @property
+    def points(self) -> int:
+        """How many the robot may stand on."""
+        return sum(len(contact.shape.points) for contact in self.contacts)
+
+    def support(self, shared: Workspace) -> tuple[int, Table]:
+        """The contacts, as loops are told of them: how many, and of each slot, frame, axes and points."""
+        from ..base.loops import Table
+
+        told: list[Any] = []
+        for contact in self.contacts:
+            slot, points = contact.slot(shared), contact.shape.points
+            told += [slot.numbers, shared.blocks.frame(contact.frame), slot.axes, points, len(points)]
+        return len(self.contacts), Table(*told)
+
+    def __repr__(self) -> str:
+        return repr(self.task)
+
+
+def standing(part: Part, setting: Setting) -> tuple[Contact, ...]:
+    """The contacts of a stack.
+
+    Raises
+    ------
+    InvalidInput
+        If there is none.
+    """
+    contacts = tuple(other for other in setting.parts if isinstance(other, Contact))
+    if not contacts:
+        raise InvalidInput(f"{part.label()}: there is no contact in the stack that the robot could stand on")
+    return contacts
+
+
+class CapturePointTask(Part):
+    r"""Bring the capture point to a place: :math:`\dot\xi = \dot\xi^d + K (\xi^d - \xi)`.
+
+    At acceleration order the rows are :math:`J_c a = \omega (\dot\xi^d + K e - \dot c) - \dot J_c v`, at velocity order
+    :math:`J_c v = \omega (\xi^d - c)`.
+
+    Parameters
+    ----------
+    target : array, shape (2,), or Trajectory
+        x and y in the world [m].
+    gain : float
+        K [1/s].
+    weight, name
+        See :class:`tasks.Task`.
+
+    Raises
+    ------
+    InvalidInput
+        If the target has not two numbers; with a stack, if it has no contact.
+    """
+
+    def __init__(
+        self, target: ArrayLike | Trajectory, *, gain: float, weight: ArrayLike = 1.0, name: str = "capture point"
+    ) -> None:
+        self.name = of_type(name, str, "name of a CapturePointTask")
+        self.target, self.gain, self.weight = target, gain, weight
+
+    @number
+    def target(self, value: ArrayLike | Trajectory) -> Trajectory:
+        """x and y in the world [m]."""
+        return as_trajectory(value, 2, self.label())
+
+    @number
+    def gain(self, value: float) -> float:
+        """K [1/s]."""
+        return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
+
+    def companions(self, setting: Setting) -> Companions:
+        return Companions((CaptureRows(self, standing(self, setting)),))
+
+    def __repr__(self) -> str:
+        return f"CapturePointTask({self.target!r}, gain={self.gain:g})"
+
+
+class CaptureRows(_Balance):
+    """Those of a capture point."""
+
+    task: CapturePointTask
+
+    def __init__(self, task: CapturePointTask, contacts: tuple[Contact, ...]) -> None:
+        super().__init__(task, contacts)
+        self.rows = 2
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        return [Label(self.name, axis, "m" + PER[order]) for axis in "xy"]
+
+    def plan(self, site: Site) -> Plan:
+        from ..base.loops import Call
+        from ..rows.kernels.law import ORDERS
+        from ..rows.plan import Plan
+        from .kernels.balance import write_capture_point
+
+        shared, target = site.shared, np.zeros((3, 2))
+        moves = kept_up(self.task.target, *target)
+        count, support = self.support(shared)
+        assert site.A is not None
+        told = ORDERS.index(shared.order), shared.n, site.center_of_mass(), count, support
+        call = Call(write_capture_point, *told, site.A, site.lower, site.upper, target, np.array([self.task.gain]))
+        return Plan((call,), moves)
+
+
+class SupportLimit(Part):
+    r"""Keep the capture point above what the robot stands on, whatever is asked of its centre of mass below.
+
+    For every edge of the support polygon, with the outward normal n and at the distance d,
+    :math:`n^T \dot\xi \le K (d - n^T \xi)`. The contact forces can do it from any capture point inside, as long as the
+    height changes slowly: the robot stands.
+    Contacts that are being released no longer count; those on walls, steeper than 60 degrees, never.
+
+    Parameters
+    ----------
+    margin : float
+        What is left free inside the polygon [m], but no more than it has room.
+    gain : float
+        K [1/s], at which an edge may be neared.
+    weight, name
+        See :class:`tasks.Task`.
+
+    Raises
+    ------
+    InvalidInput
+        If a number is wrong; with a stack, if it has no contact, and with a controller, if the gain is more than 1/dt.
+    """
+
+    is_limit: ClassVar[bool] = True
+
+    def __init__(
+        self, margin: float = 0.01, *, gain: float = 10.0, weight: ArrayLike = 1.0, name: str = "support polygon"
+    ) -> None:
+        self.name = of_type(name, str, "name of a SupportLimit")
+        self.margin, self.gain, self.weight = margin, gain, numbers(weight, "weight")
+
+    @number
+    def margin(self, value: float) -> float:
+        """What is left free inside the polygon [m]."""
+        return scalar(not_negative(value, f"{self.label()}: margin", unit="m"), "margin")
+
+    @number
+    def gain(self, value: float) -> float:
+        """K [1/s]."""
+        return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
+
+    def companions(self, setting: Setting) -> Companions:
+        return Companions((SupportRows(self, standing(self, setting)),))
+
+    def __repr__(self) -> str:
+        return f"SupportLimit({self.margin:g}, gain={self.gain:g})"
+
+
+class SupportRows(_Balance):
+    """One row an edge, as many as there may be; the others have no bounds."""
+
+    is_limit: ClassVar[bool] = True
+    task: SupportLimit
+
+    def __init__(self, task: SupportLimit, contacts: tuple[Contact, ...]) -> None:
+        super().__init__(task, contacts)
+        self.rows = max(self.points, 4)
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        return [Label(self.name, f"edge {i}", "m" + PER[order], place="polygon") for i in range(self.size(robot))]
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        super().check(robot, order, dt)
+        if dt is not None and self.task.gain * dt > 1.0 + 1e-9:
+            raise InvalidInput(
+                f"{self.task.label()}: gain = {self.task.gain:g} 1/s passes the bound within a tick of {dt:g} s; it"
+                f" must be at most {1.0 / dt:g}"
+            )
+
+    def plan(self, site: Site) -> Plan:
+        from ..base.loops import Call
+        from ..rows.kernels.law import ORDERS
+        from ..rows.plan import Plan
+        from .kernels.balance import write_support
+
+        shared, points = site.shared, self.points
+        count, support = self.support(shared)
+        told = ORDERS.index(shared.order), shared.n, site.center_of_mass(), count, support
+        assert site.A is not None
+        rows = site.A, site.lower, site.upper, np.array([self.task.margin, self.task.gain]), site.rows
+        return Plan((Call(write_support, *told, *rows, points, np.zeros(8 * points + 16)),))

@@ -1,0 +1,147 @@
+r"""The motion equation: what accelerations and contact forces have to do with each other.
+
+.. math:: M(q)\, a + b(q, v) = S^T \tau + G^T f + \textstyle\sum_k J_k^T w_k,
+
+with the torques tau of the joints, which are whatever they have to be, the forces f of all contacts, and wrenches
+:math:`w_k` that are measured. No motor drives a floating base: its rows,
+
+.. math:: (M_u, -G_u^T)\, (a, f) = -b_u + \dots,
+
+tie its motion to the forces. The torques follow: :math:`\tau = M_a a + b_a - G_a^T f - \dots`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput, Label
+from hqp.checks import of_type
+
+from ..base.checks import Array, numbers
+from ..base.live import number
+from ..base.telling import tell
+from ..robots.robot import Robot, base, check_dynamics, check_frame, joint_names, joint_units
+from ..rows.expansion import Companions, Setting
+from ..rows.part import Order, Part
+from ..rows.site import Move
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
+
+#: What gives a wrench at a time [s].
+Sensor = Callable[[float], ArrayLike]
+
+
+class Dynamics(Part):
+    """The motion equation, by which contacts have forces and a floating base moves.
+
+    Parameters
+    ----------
+    wrenches : dict of frame to array, shape (6,), or to a function of time that gives one, optional
+        Force [N] and moment [N m] that act on the robot at the origin of a frame, in the axes of the world, as a sensor
+        measures them.
+    weight : float or array, shape (base,)
+        Of the rows inside their level.
+    name : str
+
+    Raises
+    ------
+    InvalidInput
+        If a wrench has not six numbers; with a robot, if it does not know its motion equation or has no such frame, or
+        the order is velocity.
+    """
+
+    is_dynamics: ClassVar[bool] = True
+    wide = True
+
+    def __init__(
+        self,
+        wrenches: Mapping[str, ArrayLike | Sensor] | None = None,
+        *,
+        weight: ArrayLike = 1.0,
+        name: str = "dynamics",
+    ) -> None:
+        self.name = of_type(name, str, "name of a Dynamics")
+        self.weight, self.wrenches = weight, wrenches
+
+    @number
+    def wrenches(self, value: Mapping[str, ArrayLike | Sensor] | None) -> dict[str, Sensor]:
+        """What acts on frames from outside, by frame."""
+        given = of_type({} if value is None else value, Mapping, f"{self.label()}: wrenches")
+        return {frame: self._sensor(frame, wrench) for frame, wrench in given.items()}
+
+    def _sensor(self, frame: str, wrench: ArrayLike | Sensor) -> Sensor:
+        sample = numbers(wrench(0.0) if callable(wrench) else wrench, f"{self.label()}: wrench at {frame!r}")
+        if sample.shape != (6,):
+            raise InvalidInput(f"{self.label()}: wrench at {frame!r} has shape {sample.shape}; it must be (6,)")
+        return wrench if callable(wrench) else _Constant(sample)
+
+    def size(self, robot: Robot) -> int:
+        return base(robot)
+
+    def companions(self, setting: Setting) -> Companions:
+        if setting.order == "step":  # which knows no forces
+            return Companions(())
+        alone = not any(type(part).companions is not Part.companions and part is not self for part in setting.parts)
+        if base(setting.robot) and alone:
+            tell(f"{self.label()}: {setting.robot!r} has a floating base and no contact in its stack; it falls")
+        return super().companions(setting)
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        if order == "velocity":
+            raise InvalidInput(
+                f"{self.label()}: velocities tell no forces; the order of the controller must be 'torque' or"
+                " 'acceleration', or the contacts be without Dynamics()"
+            )
+        check_dynamics(robot, self.label())
+        for frame in self.wrenches:
+            check_frame(robot, frame, f"{self.label()}: wrench at")
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        size = self.size(robot)
+        rows = zip(joint_names(robot)[:size], joint_units(robot)[:size], strict=True)
+        return [Label(self.name, joint, "N" if unit == "m" else "N m") for joint, unit in rows]
+
+    def plan(self, site: Site) -> Plan:
+        from ..base.loops import Call
+        from ..rows.plan import Plan
+        from .kernels.dynamics import add_wrench, write_dynamics
+
+        shared = site.shared
+        M, b = shared.blocks.mass_matrix(), shared.blocks.bias()
+        moves: list[Move] = []
+        acting = shared.given.setdefault(id(self), [])
+        acting.clear()
+        for frame, sensor in self.wrenches.items():
+            wrench = np.zeros(6)
+            moves.append(_kept_up(wrench, sensor))
+            acting.append(Call(add_wrench, shared.n, shared.blocks.frame(frame), wrench, b))
+        assert site.A is not None
+        told: tuple[Any, ...] = (shared.n, shared.unknowns.n, 0, site.rows, M, b, shared.wrenches, site.A)
+        return Plan((Call(write_dynamics, *told, site.lower, site.upper),), tuple(moves))
+
+    def __repr__(self) -> str:
+        return f"Dynamics({', '.join(map(repr, self.wrenches))})"
+
+
+class _Constant:
+    """A wrench that stays."""
+
+    def __init__(self, wrench: Array) -> None:
+        self._wrench = wrench
+
+    def __call__(self, t: float, /) -> Array:
+        return self._wrench
+
+
+def _kept_up(place: Array, sensor: Sensor) -> Move:
+    def move(t: float) -> None:
+        place[:] = sensor(t)
+
+    move(0.0)
+    return move

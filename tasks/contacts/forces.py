@@ -1,0 +1,64 @@
+"""How large the forces of a contact may be: bounds on the unknowns themselves, above all levels."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hqp import Label
+
+from ..base.checks import numbers
+from ..base.live import structure
+from ..robots.robot import Robot
+from ..rows.part import Order, Part
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
+    from ..rows.unknowns import Unknowns
+    from .contact import Contact
+
+
+class OfForces(Part):
+    """Base of the parts whose rows are of the forces of one contact."""
+
+    contact: Contact = structure()
+    wide = True
+
+    def columns(self, unknowns: Unknowns, robot: Robot) -> NDArray[np.intp]:
+        where = unknowns.of(self.contact)
+        return np.arange(where.start, where.stop)
+
+
+class ForceBounds(OfForces):
+    """Normal forces between 0 and what the contact may bear at present; all forces 0 where it is off.
+
+    Parameters
+    ----------
+    contact : Contact
+    """
+
+    is_limit: ClassVar[bool] = True
+    plain = True
+
+    def __init__(self, contact: Contact) -> None:
+        self.contact, self.name, self.rows = contact, f"{contact.name}: forces", contact.unknowns
+        self.weight = numbers(1.0, "weight")
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        block = self.contact.block()
+        return [Label(self.name, name, unit) for name, unit in zip(block.names, block.units, strict=True)]
+
+    def plan(self, site: Site) -> Plan:
+        from ..base.loops import Call
+        from ..rows.plan import Plan
+        from .kernels.contact import write_force_bounds
+
+        slot, contact = self.contact.slot(site.shared), self.contact
+        told = slot.numbers, slot.caps, len(slot.caps), not contact.unilateral, contact.wrench, site.lower, site.upper
+        return Plan((Call(write_force_bounds, *told),), (slot.move,))
+
+    def __repr__(self) -> str:
+        return f"forces of {self.contact!r}"

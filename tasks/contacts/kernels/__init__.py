@@ -1,0 +1,1 @@
+"""Loops that write the rows of contacts and of forces."""

@@ -1,0 +1,91 @@
+"""The rows of a closed chain, and the map of its forces."""
+
+from __future__ import annotations
+
+from hqp.kernels.compile import entry, inner, stamp
+from hqp.kernels.memory import floats, ints
+
+from ...base.kernels.rotation import crossed, rotation_vector
+from ...robots.kernels import block as at
+from ...rows.kernels import law as of
+
+#: The table of the law; both blocks, and a point on each; whether the angle between them has been taken, and that angle
+#: (1 + 9 by rows); work space; G, and how many rows it has.
+LAW, FIRST, SECOND, POINT, OTHER, KEPT, WORK, MAP, FORCES = range(9)
+
+
+@inner
+def moved(block, J, point, n, sign, rows, A, measured, r):
+    """Add, or take off, a point of a frame: its motion to the rows, where it is and its drift to measured values."""
+    for k in range(3):
+        row = at.ROTATION + 3 * k
+        r[k] = block[row] * point[0] + block[row + 1] * point[1] + block[row + 2] * point[2]
+    for j in range(n):
+        a, b, c = J[3 * n + j], J[4 * n + j], J[5 * n + j]
+        A[j] += sign * (J[j] + b * r[2] - c * r[1])
+        A[n + j] += sign * (J[n + j] + c * r[0] - a * r[2])
+        A[2 * n + j] += sign * (J[2 * n + j] + a * r[1] - b * r[0])
+        if rows > 3:
+            A[3 * n + j] += sign * a
+            A[4 * n + j] += sign * b
+            A[5 * n + j] += sign * c
+    w, d = block[at.ANGULAR_VELOCITY : at.ANGULAR_VELOCITY + 3], of.DRIFT * rows
+    for k in range(rows):
+        measured[d + k] += sign * block[at.LINEAR_DRIFT + k]
+    al = block[at.ANGULAR_DRIFT : at.ANGULAR_DRIFT + 3]
+    crossed(al[0], al[1], al[2], r[0], r[1], r[2], sign, measured, d)
+    x, y, z = w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0]
+    crossed(w[0], w[1], w[2], x, y, z, sign, measured, d)
+    for k in range(3):
+        measured[k] -= sign * (block[k] + r[k])
+
+
+@inner
+def turned(first, second, kept, measured, work):
+    """How far the angle between both is from what it was, into measured[3:6]: log(R_b C R_a^T), C = R_b^T R_a."""
+    a, b = first[at.ROTATION : at.ROTATION + 9], second[at.ROTATION : at.ROTATION + 9]
+    known = a[0] + b[0]
+    if kept[0] == 0.0 and known == known:
+        for r in range(3):
+            for c in range(3):
+                kept[1 + 3 * r + c] = b[r] * a[c] + b[3 + r] * a[3 + c] + b[6 + r] * a[6 + c]
+        kept[0] = 1.0
+    for r in range(3):
+        for c in range(3):
+            total = 0.0
+            for k in range(3):
+                for m in range(3):
+                    total += b[3 * r + k] * kept[1 + 3 * k + m] * a[3 * c + m]
+            work[3 * r + c] = total
+    rotation_vector(work, measured, 3)
+
+
+@stamp
+@entry
+def write_loop(here):
+    """Both points stay together, and, where they do not turn, the angle between the frames stays."""
+    told = ints(here, 0, FORCES + 1)
+    law = ints(told[LAW], 0, of.LENGTH)
+    rows, n = law[of.ROWS], law[of.N]
+    A, measured = floats(law[of.MATRIX], 0, rows * n), floats(law[of.MEASURED], 0, of.KINDS * rows)
+    work = floats(told[WORK], 0, 64)
+    for k in range(rows * n):
+        A[k] = 0.0
+    for k in range(of.KINDS * rows):
+        measured[k] = 0.0
+    first, second = floats(told[FIRST], 0, at.JACOBIAN), floats(told[SECOND], 0, at.JACOBIAN)
+    J, point = floats(told[FIRST], at.JACOBIAN, 6 * n), floats(told[POINT], 0, 3)
+    moved(first, J, point, n, 1.0, rows, A, measured, work)
+    J, point = floats(told[SECOND], at.JACOBIAN, 6 * n), floats(told[OTHER], 0, 3)
+    moved(second, J, point, n, -1.0, rows, A, measured, work)
+    if rows > 3:
+        turned(first, second, floats(told[KEPT], 0, 10), measured, work)
+    if law[of.DRIFTS] == 0:
+        for k in range(rows):
+            measured[of.DRIFT * rows + k] = 0.0
+    G = floats(told[MAP], 0, told[FORCES] * n)
+    for k in range(told[FORCES] * n):
+        G[k] = A[k]
+    of.moving(told[LAW])
+    of.law(told[LAW])
+    return 0

@@ -1,0 +1,170 @@
+r"""A closed chain: two frames of one robot that are held together, by a pin or by a weld.
+
+The forces f on the first frame, and -f on the second, along the axes of the world, close the loop; at velocity order,
+and without the motion equation, a loop is its motion alone:
+
+.. math:: (J_a - J_b)\, x = h, \qquad G = J_a - J_b .
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+from hqp.checks import of_type, truth
+
+from ..base.checks import Array, finite, positive_scalar
+from ..base.live import number, structure
+from ..robots.robot import Robot, check_frame
+from ..rows.expansion import Companions, Setting
+from ..rows.loop_task import LoopTask
+from ..rows.part import Order, Part
+from ..rows.unknowns import Block
+from .contact import GAIN
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
+
+NAMES = ("x", "y", "z", "about x", "about y", "about z")
+
+
+class Loop(Part):
+    """Two frames of the robot that stay together.
+
+    Parameters
+    ----------
+    a, b : str
+        Frames.
+    at, at_b : array, shape (3,)
+        The point of each that is held, in its own coordinates [m].
+    turns : bool
+        Whether one may turn about the other, as on a ball; else the angle between them stays what it is at first.
+    gain, damping_ratio, weight
+        By which an error is taken back; see :class:`tasks.Task`.
+    name : str, optional
+        Default: the names of both.
+
+    Raises
+    ------
+    InvalidInput
+        If both are the same; with a robot, if it has no such frame.
+    """
+
+    a: str = structure()
+    b: str = structure()
+    turns: bool = structure()
+
+    def __init__(
+        self,
+        a: str,
+        b: str,
+        *,
+        at: ArrayLike = (0.0, 0.0, 0.0),
+        at_b: ArrayLike = (0.0, 0.0, 0.0),
+        turns: bool = True,
+        gain: float = GAIN,
+        damping_ratio: float = 1.0,
+        weight: ArrayLike = 1.0,
+        name: str | None = None,
+    ) -> None:
+        self.a, self.b = of_type(a, str, "frame of a Loop"), of_type(b, str, "frame of a Loop")
+        self.name = f"{a} to {b}" if name is None else of_type(name, str, "name of a Loop")
+        if a == b:
+            raise InvalidInput(f"{self.label()}: both frames are {a!r}; a loop holds two together")
+        self.at, self.at_b, self.turns = at, at_b, truth(turns, "turns")
+        self.gain, self.damping_ratio, self.weight = gain, damping_ratio, weight
+
+    @number
+    def at(self, value: ArrayLike) -> Array:
+        """The point of the first frame [m]."""
+        return self._point(value, "at")
+
+    @number
+    def at_b(self, value: ArrayLike) -> Array:
+        """The point of the second frame [m]."""
+        return self._point(value, "at_b")
+
+    @number
+    def gain(self, value: float) -> float:
+        """K [1/s]."""
+        return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
+
+    @number
+    def damping_ratio(self, value: float) -> float:
+        """The zeta of acceleration order."""
+        return positive_scalar(value, f"{self.label()}: damping ratio")
+
+    def _point(self, value: ArrayLike, what: str) -> Array:
+        point = finite(value, f"{self.label()}: {what}")
+        if point.shape != (3,):
+            raise InvalidInput(f"{self.label()}: {what} has shape {point.shape}; it must be (3,)")
+        return point
+
+    def companions(self, setting: Setting) -> Companions:
+        motion = LoopMotion(self)
+        if setting.order != "acceleration" or not setting.has_dynamics:
+            return Companions((motion,))
+        rows = motion.size(setting.robot)
+        return Companions((motion,), block=Block(self, self.name, NAMES[:rows], (("N",) * 3 + ("N m",) * 3)[:rows]))
+
+    def forces(self, f: Array) -> Array:
+        """On the first frame, in the axes of the world: force [N], and where they do not turn moment [N m]."""
+        return f
+
+    def __repr__(self) -> str:
+        return f"Loop({self.a!r}, {self.b!r})"
+
+
+class LoopMotion(LoopTask):
+    """The rows of a loop.
+
+    Parameters
+    ----------
+    loop : Loop
+        Whose numbers count.
+    """
+
+    loop: Loop = structure()
+
+    def __init__(self, loop: Loop) -> None:
+        self.loop, self.name, self.rows = loop, loop.name, 3 if loop.turns else 6
+
+    if not TYPE_CHECKING:  # numbers of the loop
+
+        @property
+        def gain(self) -> Array:
+            return np.asarray(self.loop.gain)
+
+        @property
+        def damping_ratio(self) -> float:
+            return self.loop.damping_ratio
+
+        @property
+        def weight(self) -> Array:
+            return self.loop.weight
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        for frame in self.loop.a, self.loop.b:
+            check_frame(robot, frame, f"{self.loop.label()}: frame")
+        self.check_gain(order, dt)
+
+    def row_names(self, robot: Robot) -> list[tuple[str, str]]:
+        return [(name, "m" if k < 3 else "rad") for k, name in enumerate(NAMES[: self.size(robot)])]
+
+    def plan(self, site: Site) -> Plan:
+        from ..base.loops import Call
+        from ..rows.plan import Plan
+        from .kernels.loop import write_loop
+
+        shared, loop = site.shared, self.loop
+        kept: Array = shared.kept(loop, lambda: np.zeros(10))
+        blocks = site.frame(loop.a), site.frame(loop.b)
+        where = shared.unknowns.of(loop) if loop in shared.unknowns else slice(shared.n, shared.n)
+        G = shared.wrenches[where.start - shared.n : where.stop - shared.n]
+        call = Call(write_loop, site.law(self), *blocks, loop.at, loop.at_b, kept, shared.work, G, len(G))
+        shared.given.setdefault(id(loop), [])[:] = [call]  # which others read G of
+        return Plan()

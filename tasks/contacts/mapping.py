@@ -1,0 +1,50 @@
+"""The map of a contact's forces to the joints, and the axes of its surface: once a tick, before any rows."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..base.checks import Array
+from ..rows.site import Move
+
+if TYPE_CHECKING:
+    from ..rows.site import Workspace
+    from .contact import Contact
+
+
+def keep_map(contact: Contact, shared: Workspace) -> tuple[Move, ...]:
+    """Have G and the axes of a contact written every tick of this workspace; what brings its surface up to date.
+
+    Parameters
+    ----------
+    contact : Contact
+    shared : Workspace
+    """
+    from ..base.loops import Call
+    from .kernels.contact import write_contact_map
+
+    slot, shape = contact.slot(shared), contact.shape
+    known = shared.given.setdefault(id(contact), [])
+    known.clear()
+    G = wrench_map(contact, shared)
+    count = len(shape.points) if contact in shared.unknowns else 0
+    told = (
+        shared.n,
+        shared.blocks.frame(contact.frame),
+        contact.wrench and bool(count),
+        count,
+        shape.points,
+        shape.centre,
+    )
+    known.append(Call(write_contact_map, *told, slot.surface, contact.normal, shape.along, slot.axes, G))
+    return () if contact.surface is None else contact.surface.kept_up(slot.surface)
+
+
+def wrench_map(contact: Contact, shared: Workspace) -> Array:
+    """G of a contact, shape (unknowns, n); nothing where it has no forces."""
+    if contact not in shared.unknowns:
+        return np.zeros((0, shared.n))
+    where, first = shared.unknowns.of(contact), shared.unknowns.nv
+    return shared.wrenches[where.start - first : where.stop - first]

@@ -1,0 +1,112 @@
+r"""Momentum of the whole robot, about its centre of mass: :math:`h = A_G(q)\, v`.
+
+The centroidal momentum, linear [kg m/s] and angular [kg m^2/s], along the axes of the world, follows its target at the
+rate K,
+
+.. math:: A_G a = \dot h^d + K (h^d - h) - \dot A_G v, \qquad A_G v = h^d \text{ at velocity order.}
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput, Label
+from hqp.checks import one_of
+
+from ..base.live import number, structure
+from ..robots import abilities as able
+from ..robots.robot import Robot
+from ..rows.loop_task import LoopTask
+from ..rows.part import Order
+from ..rows.site import kept_up
+from ..targets.trajectories import Trajectory, as_trajectory
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
+
+#: Which momentum.
+Kind = Literal["both", "linear", "angular"]
+#: Units of a momentum, and of its rate.
+UNITS = {"velocity": ("kg m/s", "kg m^2/s"), "acceleration": ("N", "N m"), "step": ("kg m", "kg m^2")}
+
+
+class MomentumTask(LoopTask):
+    """Bring the momentum of the robot to a target; angular momentum of zero keeps it from swinging round.
+
+    Parameters
+    ----------
+    target : array, shape (3,) or (6,), or Trajectory, optional
+        Linear [kg m/s] before angular [kg m^2/s] (default: 0).
+    kind : {"both", "linear", "angular"}
+    gain : float or array, shape (rows,)
+        K [1/s].
+    weight, name
+        See :class:`tasks.Task`.
+
+    Raises
+    ------
+    InvalidInput
+        If the kind is none, or the target has not its numbers; with a robot, if it does not tell its momentum.
+    """
+
+    kind: Kind = structure()
+
+    def __init__(
+        self,
+        target: ArrayLike | Trajectory | None = None,
+        *,
+        kind: Kind = "both",
+        gain: ArrayLike,
+        weight: ArrayLike = 1.0,
+        name: str | None = None,
+    ) -> None:
+        self._call(name)
+        one_of(kind, get_args(Kind), f"{self.label()}: kind")
+        self.kind, self.rows = kind, 6 if kind == "both" else 3
+        self.target = np.zeros(self.rows) if target is None else target
+        super().__init__(gain=gain, weight=weight, name=name)
+
+    @number
+    def target(self, value: ArrayLike | Trajectory) -> Trajectory:
+        """The momentum [kg m/s], [kg m^2/s]."""
+        return as_trajectory(value, self.rows, self.label())
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        if not {able.Sourced, able.Centroidal} <= _abilities(robot):
+            raise InvalidInput(f"{self.label()}: {robot!r} does not tell its momentum; robots of Pinocchio do")
+        if order == "step":
+            raise InvalidInput(f"{self.label()}: a step of inverse kinematics has no momentum")
+        super().check(robot, order, dt)
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        linear, angular = UNITS[order]
+        rows = [(axis, linear) for axis in "xyz"] + [(f"about {axis}", angular) for axis in "xyz"]
+        return [Label(self.name, row, unit) for row, unit in rows[self._first : self._first + self.size(robot)]]
+
+    def row_names(self, robot: Robot) -> list[tuple[str, str]]:
+        return [(label.row, label.unit) for label in self.labels(robot, "velocity")]
+
+    @property
+    def _first(self) -> int:
+        return 3 if self.kind == "angular" else 0
+
+    def plan(self, site: Site) -> Plan:
+        from ..base.loops import Call
+        from ..rows.plan import Plan
+        from .kernels.balance import write_momentum
+
+        target = np.zeros((3, site.rows))
+        moves = kept_up(self.target, *target)
+        map_of, drift = site.shared.blocks.momentum()
+        return Plan((Call(write_momentum, site.law(self), map_of, drift, self._first, target),), moves)
+
+    def _shown(self) -> list[str]:
+        return [repr(self.target), f"kind={self.kind!r}"]
+
+
+def _abilities(robot: Robot) -> set[type]:
+    return {kind for kind in (able.Sourced, able.Centroidal) if able.has(robot, kind)}

@@ -1,0 +1,79 @@
+"""What a contact forbids: its centre stays where it is on the surface, and its frame does not turn there."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hqp import InvalidInput
+
+from ..base.checks import Array
+from ..base.live import structure
+from ..robots.robot import Robot, check_frame
+from ..rows.loop_task import LoopTask
+from ..rows.part import Order
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
+    from .contact import Contact
+
+#: The motions by the axes of the surface: along them, and about them.
+LINEAR, ANGULAR = ("t1", "t2", "normal"), ("about t1", "about t2", "about the normal")
+
+
+class ContactMotion(LoopTask):
+    """Rows :math:`J_c x` of a contact, by the law of a task; without bounds where it is off.
+
+    Parameters
+    ----------
+    contact : Contact
+        Whose numbers count.
+    """
+
+    contact: Contact = structure()
+
+    def __init__(self, contact: Contact) -> None:
+        self.contact, self.name, self.rows = contact, contact.name, contact.shape.motions
+
+    if not TYPE_CHECKING:  # numbers of the contact
+
+        @property
+        def gain(self) -> Array:
+            return np.asarray(self.contact.gain)
+
+        @property
+        def damping_ratio(self) -> float:
+            return self.contact.damping_ratio
+
+        @property
+        def weight(self) -> Array:
+            return self.contact.weight
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        check_frame(robot, self.contact.frame, f"{self.contact.label()}: frame")
+        if self.at_rest(robot).frame(self.contact.frame).rotation.ndim == 1:
+            raise InvalidInput(f"{self.contact.label()}: {robot!r} moves in the plane; contacts take robots in space")
+        self.check_gain(order, dt)
+
+    def row_names(self, robot: Robot) -> list[tuple[str, str]]:
+        turning = self.contact.shape.turning.tolist()
+        return [(name, "m") for name in LINEAR] + [(ANGULAR[k], "rad") for k in turning]
+
+    def plan(self, site: Site) -> Plan:
+        from ..base.loops import Call
+        from ..rows.plan import Plan
+        from .kernels.contact import write_contact_motion
+        from .mapping import keep_map
+
+        shared, shape = site.shared, self.contact.shape
+        slot, block = self.contact.slot(shared), site.frame(self.contact.frame)
+        moves = keep_map(self.contact, shared)
+        if self.contact not in shared.unknowns:  # else it goes with the bounds of its forces
+            moves = (*moves, slot.move)
+        told: list[Any] = [site.law(self), slot.numbers, block, shape.centre, slot.surface, slot.axes]
+        return Plan((Call(write_contact_motion, *told, len(shape.turning), shape.along, shared.work),), moves)
+
+    def __repr__(self) -> str:
+        return f"motion of {self.contact!r}"

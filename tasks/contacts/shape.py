@@ -1,0 +1,89 @@
+"""Where a frame touches: points, and what of its motion they forbid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hqp import InvalidInput
+
+from ..base.checks import Array, finite, positive, positive_scalar
+
+#: Points as near to a line or to each other as this share of their extent are on it.
+FLAT = 1e-6
+#: Cosine beyond which an axis of the frame is taken to be along the normal.
+STEEP = 0.7
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """Points of a contact in the coordinates of its frame.
+
+    Attributes
+    ----------
+    points : array, shape (k, 3)
+        [m].
+    centre : array, shape (3,)
+        Of them; its motion is what the contact forbids, and how the frame turns.
+    along : array, shape (3,)
+        A direction of the frame in the surface, from which t1 is taken; 0 where the axes of the world are to do.
+    turning : array of int
+        The axes t1, t2, n of the surface about which it cannot turn.
+    """
+
+    points: Array
+    centre: Array
+    along: Array
+    turning: NDArray[np.int64]
+
+    @property
+    def motions(self) -> int:
+        """How many motions of the frame it forbids: 3 at a point, 5 along a line, 6 on a plane."""
+        return 3 + len(self.turning)
+
+
+def shape_of(
+    points: ArrayLike | None, plane: ArrayLike | None, line: float | None, centre: ArrayLike, what: str
+) -> Shape:
+    """Of points, of a rectangle in the x-y plane of the frame, of a line along its x axis, or of one point.
+
+    Raises
+    ------
+    InvalidInput
+        If several are given, or there is no point.
+    """
+    given = [name for name, value in (("points", points), ("plane", plane), ("line", line)) if value is not None]
+    if len(given) > 1:
+        raise InvalidInput(f"{what}: {' and '.join(given)} are given; it takes one of points, plane and line")
+    middle = finite(centre, f"{what}: centre")
+    if middle.shape != (3,):
+        raise InvalidInput(f"{what}: centre has shape {middle.shape}; it must be (3,)")
+    if plane is not None:
+        lengths = positive(plane, f"{what}: plane", unit="m")
+        if lengths.shape != (2,):
+            raise InvalidInput(f"{what}: plane has shape {lengths.shape}; it must be (2,), its lengths along x and y")
+        x, y = 0.5 * lengths
+        return _shape(middle + np.array([[x, y, 0.0], [x, -y, 0.0], [-x, y, 0.0], [-x, -y, 0.0]]))
+    if line is not None:
+        half = 0.5 * positive_scalar(line, f"{what}: line", unit="m")
+        return _shape(middle + np.array([[half, 0.0, 0.0], [-half, 0.0, 0.0]]))
+    if points is None:
+        return _shape(middle[None])
+    own = finite(points, f"{what}: points")
+    if own.ndim != 2 or own.shape[1] != 3 or not len(own):
+        raise InvalidInput(f"{what}: points have shape {own.shape}; they must be (k, 3), one or more of them, in m")
+    return _shape(own + middle)
+
+
+def _shape(points: Array) -> Shape:
+    centre = points.mean(axis=0)
+    _, sizes, ways = np.linalg.svd(points - centre, full_matrices=True)
+    sizes = np.append(sizes, np.zeros(3))[:3]
+    rank = int((sizes > FLAT * max(sizes[0], FLAT)).sum())
+    if rank == 0:
+        return Shape(points, centre, np.zeros(3), np.zeros(0, dtype=np.int64))
+    if rank == 1:  # a line turns about itself
+        return Shape(points, centre, ways[0], np.array([1, 2]))
+    return Shape(points, centre, np.eye(3)[0 if abs(ways[2, 0]) < STEEP else 1], np.arange(3))

@@ -1,0 +1,107 @@
+"""A contact at work: whether it holds, where it began to, and how large its forces may be at present.
+
+The rows of a contact are always there. One that is off has rows without bounds, and its forces are bound to 0, so that
+nothing of the structure changes when a foot is lifted or put down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..base.checks import Array
+from ..targets.timing import Timing, cubic
+from .kernels import layout as at
+
+#: How far the motion of a contact that is let go is off that which would hold at last, before it is free [m/s^2].
+WIDE = 100.0
+
+
+class Slot:
+    """What a contact keeps from tick to tick.
+
+    Parameters
+    ----------
+    points : int
+        Whose normal forces are bounded.
+
+    Attributes
+    ----------
+    numbers : array
+        What its loops read and write, see :mod:`tasks.contacts.kernels.layout`.
+    caps : array, shape (points,)
+        The largest normal force at each point at present [N].
+    axes : array, shape (18,)
+        As of the last tick, in the world: the axes of the surface, t1, t2 and n, one after the other, and the rotation
+        of the frame, by rows.
+    surface : array
+        Where its surface is, and how it moves.
+    """
+
+    def __init__(self, points: int) -> None:
+        self.numbers = np.zeros(at.SLOT_SIZE)
+        self.numbers[[at.ON, at.LOADED, at.BEARS]] = 1.0
+        self.caps = np.full(points, np.inf)
+        self.axes = np.concatenate([np.eye(3).ravel()] * 2)
+        self.surface = np.zeros(at.SURFACE_SIZE)
+        self.surface[at.R : at.R + 9] = np.eye(3).ravel()
+        self._ramp: Callable[[float], None] | None = None
+
+    @property
+    def on(self) -> bool:
+        """Whether it holds, or is just being released."""
+        return bool(self.numbers[at.ON])
+
+    @property
+    def bears(self) -> bool:
+        """Whether it is one to rely on: on, and not being released."""
+        return bool(self.numbers[at.BEARS])
+
+    def release(self, forces: Array, duration: float, law: Timing = cubic) -> None:
+        """Let the largest normal forces fall to 0 in this time [s], and then let the motion go, in as much time."""
+        self.numbers[at.BEARS] = 0.0
+
+        def ramp(share: float) -> None:
+            if share < 1.0:
+                self.caps[:] = forces * (1.0 - law(share)[0])
+            elif share < 2.0:
+                self.caps[:] = self.numbers[at.LOADED] = 0.0
+                self.numbers[at.OPEN] = WIDE * law(share - 1.0)[0]
+            else:
+                self.let_go()
+
+        self._begin(ramp, duration, 2.0)
+
+    def make(self, most: float, duration: float, law: Timing = cubic) -> None:
+        """Hold where it is from the next tick on; their sum may grow to `most` [N] in this time [s]."""
+        self.numbers[[at.ON, at.LOADED, at.BEARS]] = 1.0
+        self.numbers[[at.TAKEN, at.OPEN]] = 0.0
+
+        def ramp(share: float) -> None:
+            self.caps[:] = most / len(self.caps) * law(share)[0] if share < 1.0 else np.inf
+            if share >= 1.0:
+                self._ramp = None
+
+        self._begin(ramp, duration, 1.0)
+
+    def _begin(self, ramp: Callable[[float], None], duration: float, end: float) -> None:
+        """Go through a ramp from the next tick on, in shares of this time [s]."""
+        begin: float | None = None
+
+        def at_time(t: float) -> None:
+            nonlocal begin
+            begin = t if begin is None else begin
+            ramp(end if duration == 0.0 else (t - begin) / duration)
+
+        self._ramp = at_time
+
+    def let_go(self) -> None:
+        """Be off."""
+        self.numbers[[at.ON, at.LOADED, at.BEARS, at.OPEN]] = self.caps[:] = 0.0
+        self._ramp = None
+
+    def move(self, t: float) -> None:
+        """Come to this time [s]."""
+        if self._ramp is not None:
+            self._ramp(t)

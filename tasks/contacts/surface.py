@@ -1,0 +1,48 @@
+"""What a contact is made with: a surface that stands, or one that moves."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.checks import Array
+from ..rows.site import Move
+from ..targets.trajectories import Trajectory, as_trajectory
+from ..targets.turns import RotationTrajectory, as_rotation, stands_still
+from .kernels import layout as at
+
+
+class Surface:
+    """A body in the world on which a contact stands, such as a cart or a tilting platform.
+
+    Parameters
+    ----------
+    position : array, shape (3,), or Trajectory
+        Where its origin is [m].
+    rotation : array, shape (3, 3), or RotationTrajectory, optional
+        How it is turned; normals of contacts are along its axes.
+    """
+
+    def __init__(
+        self,
+        position: ArrayLike | Trajectory = (0.0, 0.0, 0.0),
+        rotation: ArrayLike | RotationTrajectory | None = None,
+    ) -> None:
+        self.position = as_trajectory(position, 3, "Surface: position")
+        self.rotation = as_rotation(np.eye(3) if rotation is None else rotation, "Surface: rotation")
+
+    def kept_up(self, place: Array) -> tuple[Move, ...]:
+        """Write where it is and how it moves, see :mod:`tasks.contacts.kernels.layout`, now and every tick."""
+
+        def move(t: float) -> None:
+            p, velocity, acceleration = self.position(t)
+            R, omega, alpha = self.rotation(t)
+            place[at.P : at.P + 3], place[at.R : at.R + 9] = p, np.ravel(R)
+            place[at.V : at.V + 6] = *velocity, *omega
+            place[at.CHANGE : at.CHANGE + 6] = *acceleration, *alpha
+
+        move(0.0)
+        return () if stands_still(self.position) and stands_still(self.rotation) else (move,)
+
+    def __repr__(self) -> str:
+        return f"Surface({self.position!r}, {self.rotation!r})"

@@ -1,0 +1,203 @@
+"""What a controller tells of contacts: forces, centres of pressure, joint torques; and how it releases them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hqp import InvalidInput
+
+from ..base.checks import Array, finite_scalar, nearest
+from ..contacts.contact import Contact
+from ..contacts.loop import Loop
+from ..robots.robot import base
+from ..rows.rows import Rows
+
+if TYPE_CHECKING:
+    from ..rows.stack import Stack
+
+#: What a contact may come to bear while it is being made: the weight of the robot, by this gravity [m/s^2]; where the
+#: base is fixed, which says nothing of it, so much [N].
+GRAVITY, FIXED = 9.81, 1000.0
+#: Of forces that are along the axes of the world.
+NO_AXES = np.zeros(0)
+
+
+class Forces(Mapping[str, Array]):
+    """The forces of one tick, by the names of the contacts, each computed when it is asked for.
+
+    ``forces["left"]`` is what the world does to the robot, in the axes of the world: at every point, shape (k, 3) [N];
+    of a contact with one wrench, shape (6,), [N] and [N m] about its centre. :meth:`cop` is where they press.
+    """
+
+    def __init__(self, rows: Rows, x: Array) -> None:
+        unknowns, shared = rows.unknowns, rows.shared
+        self._of: dict[str, tuple[Contact | Loop, Array, Array]] = {}
+        for block in unknowns.blocks:
+            owner = block.owner
+            axes = owner.slot(shared).axes.copy() if isinstance(owner, Contact) else NO_AXES
+            assert isinstance(owner, Contact | Loop)
+            self._of[block.name] = owner, x[unknowns.of(owner)], axes
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self._of:
+            raise KeyError(f"{name!r} is no contact{nearest(str(name), self._of)}")
+        owner, f, axes = self._of[name]
+        return owner.forces(f, axes) if isinstance(owner, Contact) else owner.forces(f)
+
+    def cop(self, name: str) -> Array:
+        """The centre of pressure of a contact in the coordinates of its frame, shape (3,) [m]; NaN without pressure."""
+        contact, f, axes = self._find(name)
+        return contact.cop(f, axes)
+
+    def normal(self, name: str) -> Array:
+        """The normal force at every point [N]."""
+        contact, f, _ = self._find(name)
+        return contact.normal_forces(f)
+
+    def _find(self, name: str) -> tuple[Contact, Array, Array]:
+        found = self._of.get(name)
+        if found is None or not isinstance(found[0], Contact):
+            raise KeyError(f"{name!r} is no contact{nearest(str(name), self.contacts)}")
+        return found[0], found[1], found[2]
+
+    @property
+    def contacts(self) -> tuple[str, ...]:
+        """The names of those that are contacts, and no loops."""
+        return tuple(name for name, (owner, _, _) in self._of.items() if isinstance(owner, Contact))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._of)
+
+    def __len__(self) -> int:
+        return len(self._of)
+
+    def __repr__(self) -> str:
+        return f"Forces({', '.join(f'{name}: {self[name].round(3).tolist()}' for name in self)})"
+
+
+class Pressures(Mapping[str, Array]):
+    """The centres of pressure of one tick, by the names of the contacts, in the coordinates of their frames [m]."""
+
+    def __init__(self, forces: Forces) -> None:
+        self._forces = forces
+
+    def __getitem__(self, name: str) -> Array:
+        return self._forces.cop(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._forces.contacts)
+
+    def __len__(self) -> int:
+        return len(self._forces.contacts)
+
+    def __repr__(self) -> str:
+        return f"Pressures({', '.join(f'{name}: {self[name].round(4).tolist()}' for name in self)})"
+
+
+def has_dynamics(stack: Stack) -> bool:
+    """Whether the motion equation is in a stack."""
+    return any(part.is_dynamics for part in stack)
+
+
+def check_torques(stack: Stack) -> None:
+    """Refuse contacts whose forces nobody knows, where torques are asked for.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    for part in stack:
+        if isinstance(part, Contact) and not has_dynamics(stack):
+            raise InvalidInput(
+                f"{part.label()}: torques hang on its forces, and the stack has no Dynamics(); add it beside"
+                " the contacts"
+            )
+
+
+def check_change(old: Stack, old_rows: Rows, new: Stack, new_rows: Rows, order: str, at_once: bool) -> None:
+    """Refuse to go over to a stack of other unknowns: what lies between forces of different contacts means nothing.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    if order == "torque":
+        check_torques(new)
+        if has_dynamics(old) != has_dynamics(new):
+            raise InvalidInput("change: only one of both stacks has Dynamics(); both must have it, or none")
+    if not at_once and not old_rows.unknowns.alike(new_rows.unknowns):
+        raise InvalidInput(
+            "change: the new stack has other contacts; put all of them into both stacks, and release and make them, or"
+            " change with duration=0"
+        )
+
+
+def joint_torques(rows: Rows, x: Array) -> Array:
+    """``M a + b - G^T f`` of all joints that have a motor, from the arrays of this tick, shape (nv - base,) [N m]."""
+    shared, nv = rows.shared, rows.unknowns.nv
+    M, b, first = shared.blocks.mass_matrix(), shared.blocks.bias(), base(shared.robot)
+    tau = M[first:] @ x[:nv] + b[first:]
+    if rows.unknowns.n > nv:
+        tau -= x[nv:] @ shared.wrenches[:, first:]
+    return np.asarray(tau)
+
+
+def weight_of(rows: Rows) -> float:
+    """As much as one of its contacts may come to bear [N]."""
+    return GRAVITY * float(rows.shared.blocks.mass_matrix()[0, 0]) if base(rows.shared.robot) else FIXED
+
+
+def find_contact(stack: Stack, contact: Contact | str) -> Contact:
+    """A contact of a stack, by itself or by its name.
+
+    Raises
+    ------
+    InvalidInput
+        If there is none; tells the nearest names.
+    """
+    own = [part for part in stack if isinstance(part, Contact)]
+    for part in own:
+        if part is contact or part.name == contact:
+            return part
+    what = repr(contact) if not isinstance(contact, str) else f"{contact!r}"
+    raise InvalidInput(f"{what} is no contact of the stack{nearest(str(contact), [part.name for part in own])}")
+
+
+def release(stack: Stack, rows: Rows, forces: Forces | None, contact: Contact | str, duration: float) -> None:
+    """See :meth:`tasks.Controller.release`."""
+    found, time = find_contact(stack, contact), _duration(duration, "release")
+    slot = found.slot(rows.shared)
+    if not slot.on:
+        raise InvalidInput(f"{found.label()}: is off already; it can be made")
+    now = np.zeros(len(slot.caps)) if forces is None or found.name not in forces.contacts else forces.normal(found.name)
+    slot.release(np.maximum(now, 0.0), time)
+
+
+def make(stack: Stack, rows: Rows, contact: Contact | str, duration: float) -> None:
+    """See :meth:`tasks.Controller.make`."""
+    found, time = find_contact(stack, contact), _duration(duration, "make")
+    slot = found.slot(rows.shared)
+    if slot.bears:
+        raise InvalidInput(f"{found.label()}: is on already; it can be released")
+    slot.make(weight_of(rows) if found in rows.unknowns else np.inf, time)
+
+
+def off(stack: Stack, rows: Rows) -> list[Contact]:
+    """The contacts that are off, or being released."""
+    return [part for part in stack if isinstance(part, Contact) and not part.slot(rows.shared).bears]
+
+
+def let_go(contacts: list[Contact], rows: Rows) -> None:
+    """Have them be off."""
+    for contact in contacts:
+        contact.slot(rows.shared).let_go()
+
+
+def _duration(value: float, what: str) -> float:
+    duration = finite_scalar(value, f"{what}: duration")
+    if duration < 0.0:
+        raise InvalidInput(f"{what}: duration = {duration:g} s must not be negative")
+    return duration

@@ -1,0 +1,53 @@
+"""A motion as one page that plays by itself: viser's own player, with the motion inside."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+
+from hqp import InvalidInput
+from hqp.files.whole import write_lines
+
+from ..base.checks import Array, positive_scalar
+from ..robots.robot import Robot
+from .figure import figure
+from .stage import look, open_stage
+
+
+def save_page(path: str | os.PathLike[str], robot: Robot, t: Array, q: Array, rate: float) -> None:
+    """Write a motion as a page.
+
+    Parameters
+    ----------
+    path : path
+    robot : Robot
+    t : array, shape (states,)
+        Times [s].
+    q : array, shape (states, nq)
+        Configurations.
+    rate : float
+        Pictures a second.
+
+    Raises
+    ------
+    InvalidInput
+        If the configurations are of another robot, there are none, or the file cannot be written.
+    """
+    rate = positive_scalar(rate, "rate", unit="1/s")
+    if q.ndim != 2 or q.shape[1] != robot.nq or not len(q):
+        raise InvalidInput(f"the configurations have shape {q.shape}; the robot takes (states, {robot.nq})")
+    server = open_stage()
+    try:
+        drawn = figure(server, robot)
+        look(server, drawn.bounds)
+        drawn.move(q[0])
+        recording = server.get_scene_serializer()
+        times = np.arange(t[0], t[-1] + 0.5 / rate, 1.0 / rate)
+        for k in np.minimum(np.searchsorted(t, times), len(t) - 1):
+            drawn.move(q[k])
+            recording.insert_sleep(1.0 / rate)
+        page = recording.as_html()
+    finally:
+        server.stop()
+    write_lines(path, page.splitlines())

@@ -1,0 +1,116 @@
+"""Where robots are drawn: a server of viser, which shows its scene in every browser that connects."""
+
+from __future__ import annotations
+
+import io
+from contextlib import redirect_stdout
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hqp import InvalidInput, MissingPackage
+from hqp.checks import of_type, whole_number
+
+from ..base.checks import Array
+from ..base.telling import tell
+
+if TYPE_CHECKING:
+    import viser
+
+#: Nobody but this machine; and the port, or the next that is free.
+LOOPBACK, PORT, LAST_PORT = "127.0.0.1", 8080, 65535
+#: Ways to say it.
+OWN = (LOOPBACK, "localhost", "::1")
+
+
+def viser_module() -> Any:
+    """viser, imported when something is drawn.
+
+    Raises
+    ------
+    MissingPackage
+        If it is not installed.
+    """
+    try:
+        import viser
+    except ImportError as error:
+        raise MissingPackage("a picture in the browser needs viser: pip install 'hqp[live]'") from error
+    return viser
+
+
+def open_stage(host: str = LOOPBACK, port: int = PORT, label: str = "hqp") -> viser.ViserServer:
+    """A server with a floor and light, without viser's way to share it over the internet.
+
+    Parameters
+    ----------
+    host : str
+        Where it listens: by default to this machine alone. Anything else is warned of.
+    port : int
+        Or the next that is free.
+    label : str
+        What stands at the top of the panel.
+
+    Raises
+    ------
+    InvalidInput
+        If it cannot listen there.
+    MissingPackage
+        If viser is not installed.
+    """
+    of_type(host, str, "host")
+    port = whole_number(port, "port", least=1)
+    if port > LAST_PORT:
+        raise InvalidInput(f"port = {port}; it must be at most {LAST_PORT}")
+    viser_module()
+    if host not in OWN:
+        tell(
+            f"listening on {host!r}: whoever reaches this machine can move what is shown, and there is no password;"
+            f" without --host it is {LOOPBACK}, for this machine alone"
+        )
+    try:
+        with redirect_stdout(io.StringIO()):  # the address is told by whoever opens it
+            server: viser.ViserServer = _stage()(host=host, port=port, label=label, verbose=False)
+    except (OSError, AssertionError, RuntimeError) as error:
+        raise InvalidInput(f"cannot listen on {host!r}, port {port}: {error}") from None
+    server.gui.configure_theme(show_share_button=False, show_logo=False, control_width="large")
+    server.gui.main_panel.dock_right()
+    server.scene.set_up_direction("+z")
+    server.scene.configure_default_lights(cast_shadow=False)
+    return server
+
+
+@cache
+def _stage() -> Any:
+    viser = viser_module()
+
+    class Stage(viser.ViserServer):  # type: ignore[misc, name-defined]
+        """Says nothing on its own, and opens no tunnel to the internet where a page asks for one."""
+
+        def request_share_url(self, verbose: bool = True) -> None:
+            return None
+
+        def stop(self) -> None:
+            with redirect_stdout(io.StringIO()):
+                super().stop()
+
+    return Stage
+
+
+def look(server: viser.ViserServer, bounds: Array) -> None:
+    """Lay a floor, and let pages begin with a view of what lies between two corners [m], shape (2, 3)."""
+    middle, size = bounds.mean(axis=0), float(np.linalg.norm(bounds[1] - bounds[0]))
+    floor = 0.0 if bounds[0, 2] > -0.05 * size else float(bounds[0, 2])
+    width = max(2.0, 2.0 * round(2.0 * size) / 2.0)
+    server.scene.add_grid(
+        "/floor",
+        width=width,
+        height=width,
+        cell_size=0.25,
+        section_size=1.0,
+        position=(0.0, 0.0, floor),
+        shadow_opacity=0.0,
+    )
+    camera = server.initial_camera
+    camera.position = middle + size * np.array([1.05, -0.7, 0.45])
+    camera.look_at = middle

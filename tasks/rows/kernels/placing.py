@@ -1,0 +1,27 @@
+"""The motion of the joints, brought into rows of all unknowns."""
+
+from __future__ import annotations
+
+from hqp.kernels.compile import entry, stamp
+from hqp.kernels.memory import floats, ints
+
+#: How many matrices, the joints, all unknowns; and of each matrix where it is (rows, nv), where to (rows, n), its rows.
+COUNT, JOINTS, UNKNOWNS, MATRICES = range(4)
+FROM, TO, ROWS = range(3)
+FIELDS = 3
+
+
+@stamp
+@entry
+def place_joints(here):
+    """Rows (rows, nv) become the first columns of rows (rows, n)."""
+    told = ints(here, 0, 4)
+    nv, n = told[JOINTS], told[UNKNOWNS]
+    for k in range(told[COUNT]):
+        matrix = ints(told[MATRICES], FIELDS * k, FIELDS)
+        rows = matrix[ROWS]
+        own, whole = floats(matrix[FROM], 0, rows * nv), floats(matrix[TO], 0, rows * n)
+        for r in range(rows):
+            for j in range(nv):
+                whole[r * n + j] = own[r * nv + j]
+    return 0

@@ -1,0 +1,76 @@
+"""The unknowns of a hierarchy: x is a row of named blocks, the motion of the joints and then what parts bring along.
+
+Most stacks have one block, the joint velocities or accelerations. A contact brings one more, its forces:
+
+.. math:: x = (a, f_1, f_2, \\dots).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import accumulate
+
+
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Unknowns of one part.
+
+    Attributes
+    ----------
+    owner : Part
+        The part that brings them.
+    name : str
+    names, units : tuple of str
+        Of each unknown.
+    """
+
+    owner: object
+    name: str
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+class Unknowns:
+    """x, block by block.
+
+    Parameters
+    ----------
+    nv : int
+        Of the first block, the motion of the joints.
+    blocks : iterable of Block
+
+    Attributes
+    ----------
+    n : int
+        All unknowns.
+    """
+
+    def __init__(self, nv: int, blocks: Iterable[Block] = ()) -> None:
+        self.nv, self.blocks = nv, tuple(blocks)
+        self._ends = tuple(accumulate(map(len, self.blocks), initial=nv))
+        self.n = self._ends[-1]
+
+    def of(self, owner: object) -> slice:
+        """Where in x the block of a part is."""
+        for block, start, end in zip(self.blocks, self._ends, self._ends[1:], strict=False):
+            if block.owner is owner:
+                return slice(start, end)
+        raise KeyError(owner)
+
+    def __contains__(self, owner: object) -> bool:
+        """Whether a part brings unknowns."""
+        return any(block.owner is owner for block in self.blocks)
+
+    def alike(self, other: Unknowns) -> bool:
+        """Whether both are the same numbers, so that what lies between an x of the one and one of the other has a
+        meaning."""
+        mine, theirs = ([block.owner for block in unknowns.blocks] for unknowns in (self, other))
+        return self.nv == other.nv and len(mine) == len(theirs) and all(map(_same, mine, theirs))
+
+
+def _same(one: object, other: object) -> bool:
+    return one is other

@@ -1,0 +1,152 @@
+"""A whole motion in a few lines: which level was short, from when to when, and what held it back."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from hqp import Solution
+from hqp.certificate import LevelExplanation
+
+from ..base.checks import Array
+
+#: Causes that are named of a tick, and of a stretch of time.
+MOST_NAMED = 3
+#: What is missing by no more than this is there, to round-off [m/s], [rad/s], ...
+ROUND_OFF = 1e-9
+
+
+@dataclass(frozen=True)
+class Shortfall:
+    """A level that could not be met in one tick.
+
+    Attributes
+    ----------
+    level : str
+        The names of its parts.
+    lacks : dict of str to float
+        Unit -> Euclidean norm of what is missing.
+    causes : tuple of str
+        What held it back, the strongest first; empty where its own rows contradict each other.
+    """
+
+    level: str
+    lacks: dict[str, float]
+    causes: tuple[str, ...]
+
+    @classmethod
+    def of(cls, plain: Mapping[str, Any]) -> Shortfall:
+        """What JSON made of it."""
+        return cls(plain["level"], dict(plain["lacks"]), tuple(plain["causes"]))
+
+
+def shortfalls(solution: Solution) -> tuple[Shortfall, ...]:
+    """The levels that a tick could not meet, the highest first."""
+    found = []
+    for level in solution.explain().levels:
+        if not met(level):
+            name = " + ".join(part.part for part in level.parts)
+            lacks: dict[str, float] = {}
+            for part in level.parts:
+                for unit, norm in part.residual.items():
+                    lacks[unit] = (lacks.get(unit, 0.0) ** 2 + norm**2) ** 0.5
+            causes = tuple(str(cause) for cause in level.causes[:MOST_NAMED])
+            found.append(Shortfall(name, {unit: norm for unit, norm in lacks.items() if norm > 0.0}, causes))
+    return tuple(found)
+
+
+def met(level: LevelExplanation) -> bool:
+    """Whether a level lacks nothing but round-off."""
+    return all(norm <= ROUND_OFF for part in level.parts for norm in part.residual.values())
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A time in which one level was short all along.
+
+    Attributes
+    ----------
+    level : str
+    begin, end : float
+        The first and the last checked tick of it [s].
+    most : dict of str to float
+        Unit -> the largest of what was missing.
+    causes : tuple of str
+        What held it back in most of these ticks.
+    """
+
+    level: str
+    begin: float
+    end: float
+    most: dict[str, float]
+    causes: tuple[str, ...]
+
+    def __str__(self) -> str:
+        when = f"at {self.begin:g} s" if self.begin == self.end else f"from {self.begin:g} to {self.end:g} s"
+        lacks = " and ".join(f"{norm:.3g} {unit}".rstrip() for unit, norm in self.most.items())
+        why = ", then ".join(self.causes) if self.causes else "its own rows contradict each other"
+        return f"{self.level} short {when}, by at most {lacks}: {why}"
+
+
+@dataclass(frozen=True)
+class Account:
+    """What was found of a motion; ``print`` it.
+
+    Attributes
+    ----------
+    begin, end : float
+        The first and the last of the checked ticks [s].
+    checked, certified : int
+        How many ticks were checked, and how many the certificate accepts.
+    stretches : tuple of Stretch
+        In the order of time.
+    stopped : str or None
+        Why the run ended before its time.
+    """
+
+    begin: float
+    end: float
+    checked: int
+    certified: int
+    stretches: tuple[Stretch, ...]
+    stopped: str | None
+
+    def __str__(self) -> str:
+        if not self.checked:
+            lines = ["no tick was checked; simulate(..., certify=1) checks all"]
+        else:
+            every = f"{self.certified} of {self.checked} checked ticks certified"
+            lines = [f"t = {self.begin:g} .. {self.end:g} s, {every}", *map(str, self.stretches)]
+            lines += [] if self.stretches else ["all levels met"]
+        return "\n".join(lines + ([] if self.stopped is None else [f"stopped: {self.stopped}"]))
+
+    __repr__ = __str__
+
+
+def account(checked_t: Array, ticks: Sequence[Sequence[Shortfall]], certified: int, stopped: str | None) -> Account:
+    """The stretches of a motion, from what its checked ticks could not meet."""
+    times = checked_t.tolist()
+    open_: dict[str, list[tuple[float, Shortfall]]] = {}
+    done: list[Stretch] = []
+    for t, short in zip(times, ticks, strict=True):
+        now = {each.level: each for each in short}
+        done += [_stretch(open_.pop(level)) for level in list(open_) if level not in now]
+        for level, each in now.items():
+            open_.setdefault(level, []).append((t, each))
+    done += [_stretch(ticks) for ticks in open_.values()]
+    begin, end = (times[0], times[-1]) if times else (0.0, 0.0)
+    stretches = tuple(sorted(done, key=lambda stretch: stretch.begin))
+    return Account(begin, end, len(times), certified, stretches, stopped)
+
+
+def _stretch(ticks: Sequence[tuple[float, Shortfall]]) -> Stretch:
+    most: dict[str, float] = {}
+    causes: Counter[str] = Counter()
+    for _, each in ticks:
+        for unit, norm in each.lacks.items():
+            most[unit] = max(most.get(unit, 0.0), norm)
+        causes.update(each.causes)
+    named = tuple(cause for cause, _ in causes.most_common(MOST_NAMED))
+    return Stretch(ticks[0][1].level, ticks[0][0], ticks[-1][0], most, named)

@@ -1,0 +1,132 @@
+"""``tasks.live``: a controller of one's own in the browser."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+
+from numpy.typing import ArrayLike
+
+from ..base.telling import LOG
+from ..control.controller import Controller
+from ..drawing.stage import LOOPBACK, PORT, open_stage
+from .panel import Panel
+from .scene import Overlay, Scene
+from .session import Session
+
+#: Pictures a second; and every so many-th of them has new words and plots.
+PICTURES, WORDS = 20.0, 4
+
+
+class Window:
+    """A session, and the page that shows it; closed by `close`, or as a context manager.
+
+    The picture has a thread of its own, which looks at the session and is never waited for. Where no page is open
+    nothing is drawn.
+
+    Parameters
+    ----------
+    session : Session
+    host, port, folder, overlays
+        See :func:`live`.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        *,
+        host: str = LOOPBACK,
+        port: int = PORT,
+        folder: str | os.PathLike[str] = ".",
+        overlays: Sequence[Overlay] = (),
+    ) -> None:
+        self.session = session
+        self.server = open_stage(host, port, "hqp live")
+        try:
+            self.scene = Scene(self.server, session, overlays)
+            self.panel = Panel(self.server, session, self.scene, Path(folder))
+        except BaseException:
+            self.server.stop()
+            raise
+        self.url = f"http://{self.server.get_host()}:{self.server.get_port()}"
+        self._pictures, self._closed = 0, threading.Event()
+        self._thread = threading.Thread(target=self._draw, name="picture", daemon=True)
+
+    def show(self) -> None:
+        """One picture, now."""
+        self.scene.show()
+        if self._pictures % WORDS == 0:
+            self.panel.show()
+        self._pictures += 1
+
+    def __enter__(self) -> Window:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """No more pictures, and nobody listens."""
+        self._closed.set()
+        if self._thread.is_alive():
+            self._thread.join(timeout=2.0)
+        self.server.stop()
+
+    def _draw(self) -> None:
+        while not self._closed.wait(1.0 / PICTURES):
+            if self.server.get_clients():
+                try:
+                    self.show()
+                except Exception:  # a picture that fails must not end the motion, nor go unseen
+                    LOG.exception("a picture could not be drawn")
+
+
+def live(
+    controller: Controller,
+    q0: ArrayLike | None = None,
+    *,
+    host: str = LOOPBACK,
+    port: int = PORT,
+    certify: int = 25,
+    folder: str | os.PathLike[str] = ".",
+    overlays: Sequence[Overlay] = (),
+) -> None:
+    """Run a controller in the loop with its model, shown and touched in a browser, until Ctrl-C.
+
+    It shows the robot, the targets of its tasks to be dragged or typed, gains, priorities to be reordered, joints
+    within their limits, and what each level lacks and why. It moves a model, and no robot.
+
+    Parameters
+    ----------
+    controller : Controller
+        With its dt [s]. Its tasks keep what was set on the page.
+    q0 : array, shape (nq,), optional
+        Where it begins (default: the robot's home).
+    host : str
+        Where it listens: by default to this machine alone. A warning tells who else can connect.
+    port : int
+        Or the next that is free.
+    certify : int
+        Every so many-th tick is put to the certificate and explained; 0 for none.
+    folder : path
+        Where recordings are saved.
+    overlays : sequence of Overlay
+        What else is drawn, see :class:`tasks.view.scene.Overlay`.
+
+    Raises
+    ------
+    InvalidInput
+        If the controller has no dt, q0 does not fit, or the host cannot be listened on.
+    MissingPackage
+        If viser is not installed.
+    """
+    session = Session(controller, q0, certify=certify)
+    with Window(session, host=host, port=port, folder=folder, overlays=overlays) as window:
+        print(f"open {window.url} in a browser; Ctrl-C ends it", flush=True)
+        print("any page that is open in a browser on this machine can connect to it, too", flush=True)
+        with suppress(KeyboardInterrupt):
+            session.run()

@@ -1,0 +1,132 @@
+"""What stands on the stage: the robot, and the targets of its tasks, to be dragged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from ..drawing.figure import Place, figure
+from ..drawing.stage import look
+from .session import Session
+from .targets import Target
+
+if TYPE_CHECKING:
+    import viser
+
+#: Of a gizmo, against the size of the robot; and of the axes of a target that goes its own way.
+GIZMO, AXES = 0.14, 0.08
+
+
+class Overlay(Protocol):
+    """Something else to be drawn with every picture, such as forces of contact or a support polygon."""
+
+    def put(self, server: viser.ViserServer, session: Session) -> None:
+        """Put it on the stage, once."""
+        ...
+
+    def show(self, session: Session) -> None:
+        """Bring it up to date; called from the thread of the picture, which must not ask the robot for a state."""
+        ...
+
+
+class Scene:
+    """The robot and its targets.
+
+    Parameters
+    ----------
+    server : viser.ViserServer
+    session : Session
+    overlays : sequence of Overlay
+        What else is drawn.
+    """
+
+    def __init__(self, server: viser.ViserServer, session: Session, overlays: Sequence[Overlay] = ()) -> None:
+        self._server, self._session, self._overlays = server, session, overlays
+        self.figure = figure(server, session.controller.robot)
+        self.figure.move(session.q)
+        look(server, self.figure.bounds)
+        size = float(np.linalg.norm(self.figure.bounds[1] - self.figure.bounds[0]))
+        self._parents = {
+            name: server.scene.add_frame(f"/relative/{i}", show_axes=False)
+            for i, name in enumerate(dict.fromkeys(t.relative_to for t in session.targets))
+            if name is not None
+        }
+        self.gizmos = [self._gizmo(target, i, size) for i, target in enumerate(session.targets)]
+        #: Where each target was when it was last shown, or dragged.
+        self._seen = [(target.p, target.R) for target in session.targets]
+        #: Told whenever a target was moved, here or by another program.
+        self.moved: Callable[[Target], None] = lambda target: None
+        for overlay in overlays:
+            overlay.put(server, session)
+
+    def _gizmo(self, target: Target, number: int, size: float) -> Any:
+        parent = self._parents.get(target.relative_to or "")
+        name = f"/targets/{number}" if parent is None else f"{parent.name}/target{number}"
+        position, wxyz = place_of(target)
+        if not target.fixed:
+            gizmo: Any = self._server.scene.add_frame(
+                name, axes_length=AXES * size, axes_radius=0.03 * AXES * size, position=position, wxyz=wxyz
+            )
+        else:
+            gizmo = self._server.scene.add_transform_controls(
+                name,
+                scale=GIZMO * size,
+                active_axes=target.free,
+                disable_axes=target.point is None,
+                disable_sliders=target.point is None,
+                disable_rotations=target.turn is None,
+                depth_test=False,
+                position=position,
+                wxyz=wxyz,
+            )
+            gizmo.on_update(self._dragging(target, number, gizmo))
+        self._server.scene.add_label(f"{name}/label", target.name)
+        return gizmo
+
+    def _dragging(self, target: Target, number: int, gizmo: Any) -> Callable[[Any], Any]:
+        async def dragged(event: Any) -> None:  # on the one thread of the server: the order of a drag is kept
+            p, R = np.array(gizmo.position), _matrix(gizmo.wxyz)
+
+            def move() -> None:
+                target.move(p if target.point is not None else None, R if target.turn is not None else None)
+                self._seen[number] = target.p, target.R
+                self.moved(target)
+
+            self._session.do(move)
+
+        return dragged
+
+    def put(self, target: Target) -> None:
+        """Show a target where it is, as after it was typed."""
+        number = self._session.targets.index(target)
+        gizmo, self._seen[number] = self.gizmos[number], (target.p, target.R)
+        gizmo.position, gizmo.wxyz = place_of(target)
+
+    def show(self) -> None:
+        """The robot where it is, and the targets that moved where they are."""
+        self.figure.move(self._session.q)
+        for name, parent in self._parents.items():
+            parent.position, parent.wxyz = self.figure.place(name)
+        for target, (p, R) in zip(self._session.targets, list(self._seen), strict=True):
+            target.follow(self._session.motion.t)
+            if not (np.array_equal(target.p, p) and np.array_equal(target.R, R)):  # moved, but not by a hand here
+                self.put(target)
+                self.moved(target)
+        for overlay in self._overlays:
+            overlay.show(self._session)
+
+
+def place_of(target: Target) -> Place:
+    """Where its gizmo is."""
+    from viser.transforms import SO3
+
+    w, x, y, z = SO3.from_matrix(target.R).wxyz
+    return target.p, (float(w), float(x), float(y), float(z))
+
+
+def _matrix(wxyz: Any) -> Any:
+    from viser.transforms import SO3
+
+    return SO3(np.array(wxyz) / np.linalg.norm(wxyz)).as_matrix()

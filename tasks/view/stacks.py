@@ -1,0 +1,169 @@
+"""A stack for a robot of which nothing is known but its model: what to begin with when it is looked at.
+
+An arm: its limits, then the position of its tip, then how that is turned, then a posture. A robot that stands on feet:
+its limits, feet that stay, the centre of mass, hands, a posture. Feet and hands are found, not named: the ends of the
+chains of joints; feet are those of a floating base that are lowest at home, hands the others that enough joints move.
+"""
+
+from __future__ import annotations
+
+from functools import reduce
+from operator import add
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hqp import InvalidInput
+
+from ..base.checks import Array
+from ..control.controller import Controller
+from ..frames.center_of_mass import CenterOfMassTask
+from ..frames.orientation import OrientationTask
+from ..frames.pose import PoseTask
+from ..frames.position import PositionTask
+from ..joints.posture import PostureTask
+from ..limits.joint_limits import JointLimits
+from ..robots.robot import RobotState
+from ..rows.part import Part
+from ..rows.stack import Stack
+
+if TYPE_CHECKING:
+    from ..robots.pinocchio import PinocchioRobot
+
+#: Gains [1/s]: of the feet, of what is dragged, of the posture.
+HOLD, REACH, REST = 10.0, 3.0, 1.0
+#: Largest accelerations of joints [rad/s^2], [m/s^2].
+BRAKES = 15.0
+#: How far above the lowest end of the robot a foot may be, against its height; and the joints a hand has at least.
+LOW, JOINTS = 0.15, 4
+#: Rows of a foot that is held as a whole.
+WHOLE = 6
+
+
+def ready_controller(robot: PinocchioRobot, dt: float) -> Controller[Array, None, None]:
+    """A controller of the stack to begin with, at velocity order.
+
+    A robot without limits of acceleration is given `BRAKES` for its joints: without any, a strict stack whose target is
+    out of reach throws a stretched arm from one limit of its speed to the other.
+
+    Raises
+    ------
+    InvalidInput
+        See :func:`ready_stack`; or if dt is not positive.
+    """
+    if robot.acceleration_limit is None:
+        brakes = np.full(robot.nv, BRAKES)
+        brakes[: robot.base] = np.inf
+        robot.acceleration_limit = brakes
+    return Controller(robot, ready_stack(robot), dt=dt)
+
+
+def ready_stack(robot: PinocchioRobot) -> Stack:
+    """The stack to begin with.
+
+    Raises
+    ------
+    InvalidInput
+        If the robot has no chain of joints to be moved by its end.
+    """
+    state = robot.at(robot.home, np.zeros(robot.nv))
+    feet, hands = limbs(robot)
+    if not feet and not hands:
+        raise InvalidInput(f"{robot!r} has no chain of joints with an end to be moved; give live() a controller")
+    levels: list[list[Part]] = [[JointLimits()]]
+    if feet:
+        levels.append([_foot(robot, state, name) for name in feet])
+        mass = state.center_of_mass.position
+        levels.append([CenterOfMassTask(mass[:2] if hands else mass, mask="xy" if hands else None, gain=REACH)])
+        if not hands:
+            levels.append([OrientationTask(np.eye(3), frame=_trunk(robot), gain=REACH, name="trunk")])
+    frames = [(name, state.frame(name)) for name in hands]
+    single = len(hands) == 1
+    levels.append(
+        [
+            PositionTask(f.position, frame=n, gain=REACH, name="position" if single else _called(n, "hand"))
+            for n, f in frames
+        ]
+    )
+    if not feet:
+        levels.append(
+            [
+                OrientationTask(
+                    f.rotation, frame=n, gain=REACH, name="orientation" if single else f"{_called(n, 'hand')} turn"
+                )
+                for n, f in frames
+            ]
+        )
+    levels.append([PostureTask(robot.home, gain=REST)])
+    return Stack(*(reduce(add, level[1:], level[0]) for level in levels if level))
+
+
+def limbs(robot: PinocchioRobot) -> tuple[list[str], list[str]]:
+    """The frames of feet and of hands, see above; of a robot with a tip, that alone."""
+    if not robot.base and robot.tip is not None:
+        return [], [robot.tip]
+    ends = _ends(robot)
+    state = robot.at(robot.home, np.zeros(robot.nv))
+    lengths = {joint: _length(robot, joint) for joint in ends}
+    heights = {joint: float(state.frame(_frame(robot, joint)).position[2]) for joint in ends}
+    feet: list[int] = []
+    if robot.base == 6 and ends:
+        low, high = min(heights.values()), max([*heights.values(), float(robot.home[2])])
+        feet = [j for j in ends if heights[j] <= low + LOW * (high - low) and lengths[j] >= 3]
+    hands = [joint for joint in ends if joint not in feet and lengths[joint] >= JOINTS]
+    if not feet and not hands and ends:
+        hands = [max(ends, key=lambda joint: lengths[joint])]
+    return [_frame(robot, joint) for joint in feet], [_frame(robot, joint) for joint in hands]
+
+
+def _ends(robot: PinocchioRobot) -> list[int]:
+    """Joints that carry no other; where several hang on one, as fingers on a hand, that one in their place."""
+    model = robot.model
+    parents = [int(parent) for parent in model.parents]
+    ends = [joint for joint in range(1, model.njoints) if joint not in parents[1:]]
+    first = 2 if robot.base else 1
+    grouped: list[int] = []
+    for joint in ends:
+        together = [other for other in ends if parents[other] == parents[joint]]
+        own = parents[joint] if len(together) > 1 and parents[joint] >= first else joint
+        if own not in grouped:
+            grouped.append(own)
+    return grouped
+
+
+def _length(robot: PinocchioRobot, joint: int) -> int:
+    """How many joints from the last one that carries several, such as a waist, to this one."""
+    parents = [int(parent) for parent in robot.model.parents]
+    count, first = 1, 2 if robot.base else 1
+    while (joint := parents[joint]) >= first and parents.count(joint) == 1:
+        count += 1
+    return count
+
+
+def _frame(robot: PinocchioRobot, joint: int) -> str:
+    """The link that a joint carries."""
+    import pinocchio as pin
+
+    for frame in robot.model.frames:
+        if frame.parentJoint == joint and frame.type == pin.FrameType.BODY and robot.has_frame(frame.name):
+            return str(frame.name)
+    return f"joint:{robot.model.names[joint]}"
+
+
+def _foot(robot: PinocchioRobot, state: RobotState, name: str) -> Part:
+    here = state.frame(name)
+    joint = robot.model.frames[robot.frame_index(name)].parentJoint
+    if len(robot.model.supports[joint]) - 2 >= WHOLE:
+        return PoseTask(here.position, here.rotation, frame=name, gain=HOLD, name=_called(name, "foot"))
+    return PositionTask(here.position, frame=name, gain=HOLD, name=_called(name, "foot"))
+
+
+def _trunk(robot: PinocchioRobot) -> str:
+    return _frame(robot, 1)
+
+
+def _called(link: str, limb: str) -> str:
+    """A limb in words where the name of its link tells the side: ``"left foot"``."""
+    words = link.lower().split("_")
+    sides = [side for side in ("left", "right") if side in words or side[0] in words]
+    return f"{sides[0]} {limb}" if len(sides) == 1 else link

@@ -1,0 +1,178 @@
+"""The targets of a stack as things to be dragged: a point, a rotation or both, and the tasks that follow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base.checks import Array
+from ..base.rotations import log, perpendicular
+from ..frames.axis import AxisTask
+from ..frames.center_of_mass import CenterOfMassTask
+from ..frames.frame_task import FrameTask
+from ..frames.look_at import LookAtTask
+from ..frames.place import PlaceTask
+from ..frames.position import PositionTask
+from ..robots.robot import RobotState
+from ..rows.inequality import Inequality
+from ..rows.part import Part
+from ..targets.trajectories import Setpoint
+from ..targets.turns import AboutZ, RotationSetpoint, stands_still
+
+
+@dataclass(eq=False)
+class Target:
+    """What can be dragged: one point, one rotation, or both of one frame.
+
+    Attributes
+    ----------
+    name : str
+    relative_to : str or None
+        The frame whose coordinates it is in; None for the world.
+    point : PlaceTask, LookAtTask or None
+        The task that follows its position.
+    turn : PlaceTask, AxisTask or None
+        The task that follows its rotation.
+    p : array, shape (3,)
+        Where it is [m]; coordinates that no task wants are those of the robot when it began.
+    R : array, shape (3, 3)
+        How it is turned.
+    """
+
+    name: str
+    relative_to: str | None
+    point: PlaceTask | LookAtTask | None
+    turn: PlaceTask | AxisTask | None
+    p: Array
+    R: Array
+
+    @property
+    def free(self) -> tuple[bool, bool, bool]:
+        """Along which axes dragging it means something."""
+        if isinstance(self.point, PlaceTask):
+            return 0 in self.point.mask, 1 in self.point.mask, 2 in self.point.mask
+        return (True, True, True)
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it can be dragged: a target that is a function of time goes its own way."""
+        goals = [] if self.point is None else [_goal(self.point)]
+        if self.turn is not None:
+            goals.append(self.turn.target if isinstance(self.turn, AxisTask) else self.turn.rotation)
+        return all(stands_still(goal) or isinstance(goal, Setpoint | RotationSetpoint) for goal in goals)
+
+    def move(self, p: Array | None = None, R: Array | None = None) -> None:
+        """Put it there: the tasks follow from the next tick on.
+
+        Raises
+        ------
+        InvalidInput
+            If a task does not take it; it then stays where it was.
+        """
+        if p is not None and self.point is not None:
+            before = self.p
+            self.p = np.where(self.free, p, before)
+            try:
+                _set_point(self.point, self.p)
+            except Exception:
+                self.p = before
+                raise
+        if R is not None and self.turn is not None:
+            self.R = np.asarray(_set_turn(self.turn, R))
+
+    def follow(self, t: float) -> None:
+        """Where the tasks want it at time t [s]: another program may have moved it."""
+        if isinstance(self.point, PlaceTask):
+            self.p = np.where(self.free, self.point.position(t)[0], self.p)
+        elif self.point is not None:
+            self.p = np.asarray(self.point.target(t)[0])
+        if isinstance(self.turn, PlaceTask):
+            self.R = np.asarray(self.turn.rotation(t)[0])
+        elif self.turn is not None:
+            self.R = _pointing(np.asarray(self.turn.target(t)[0]))
+
+
+def targets_of(parts: Iterable[Part], state: RobotState) -> list[Target]:
+    """The targets of all tasks of frames, position and rotation of one frame in one; state says where they begin."""
+    found: list[Target] = []
+    for part in parts:
+        task = part.task if isinstance(part, Inequality) else part
+        if isinstance(task, PlaceTask):
+            _add_place(found, task, state)
+        elif isinstance(task, LookAtTask):
+            here = task.seen(state)
+            found.append(Target(task.name, task.relative_to, task, None, np.array(here.position), np.eye(3)))
+        elif isinstance(task, AxisTask):
+            here = task.seen(state)
+            found.append(Target(task.name, task.relative_to, None, task, np.array(here.position), np.eye(3)))
+    for target in found:
+        target.follow(0.0)
+    return found
+
+
+def _add_place(found: list[Target], task: PlaceTask, state: RobotState) -> None:
+    point = task if task.position is not None else None
+    turn = task if task.rotation is not None else None
+    for target in found:  # the other half of the same frame
+        own = target.point or target.turn
+        if isinstance(own, PlaceTask) and _place(own) == _place(task):
+            if point is not None and turn is None and target.point is None:
+                target.point, target.name = point, f"{target.name} + {task.name}"
+                return
+            if turn is not None and point is None and target.turn is None:
+                target.turn, target.name = turn, f"{target.name} + {task.name}"
+                return
+    here = task.seen(state)
+    R = np.array(here.rotation) if here.rotation.ndim == 2 else np.eye(3)
+    found.append(Target(task.name, task.relative_to, point, turn, np.array(here.position), R))
+
+
+def _place(task: FrameTask) -> tuple[bool, str | None, str | None]:
+    return isinstance(task, CenterOfMassTask), task.frame, task.relative_to
+
+
+def _goal(task: PlaceTask | LookAtTask) -> object:
+    return task.target if isinstance(task, LookAtTask) else task.position
+
+
+def _set_point(task: PlaceTask | LookAtTask, p: Array) -> None:
+    goal = _goal(task)
+    if isinstance(task, PositionTask) and len(task.target(0.0)[0]) != 3:
+        goal, p = task.target, p[list(task.mask)]
+    if isinstance(goal, Setpoint):
+        goal.move(p)
+    elif isinstance(task, PlaceTask):
+        task.position = p
+    else:
+        task.target = p
+
+
+def _set_turn(task: PlaceTask | AxisTask, R: Array) -> Array:
+    """The rotation that it has then."""
+    if isinstance(task, AxisTask):
+        if isinstance(task.target, Setpoint):
+            task.target.move(R[:, 2])
+        else:
+            task.target = R[:, 2]
+        return R
+    goal = task.rotation
+    if isinstance(goal, RotationSetpoint):
+        goal.move(R)
+    elif isinstance(goal, AboutZ):  # unwrapped: the nearest of all angles that look the same
+        turned = float(log(R @ np.asarray(goal(0.0)[0]).T)[2])
+        angle = np.asarray(goal.angle(0.0)[0]) + turned
+        if isinstance(goal.angle, Setpoint):
+            goal.angle.move(angle)
+        else:
+            task.rotation = angle
+    else:
+        task.rotation = R
+    return np.asarray(task.rotation(0.0)[0])
+
+
+def _pointing(direction: Array) -> Array:
+    """A rotation whose z axis points there."""
+    axis = direction / np.linalg.norm(direction)
+    return np.column_stack([*perpendicular(axis), axis])

@@ -1,0 +1,600 @@
+"""Contacts: the laws of mechanics that their rows state, against Pinocchio and differences of positions."""
+
+from __future__ import annotations
+
+import copy
+import os
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import contact_scenes as scenes
+import numpy as np
+import pinocchio as pin
+import pytest
+from contact_scenes import DT, FEET, SOLE, Scene, advanced, humanoid, moved, quadruped
+
+from tasks import (
+    CenterOfMassTask,
+    Contact,
+    Controller,
+    Dynamics,
+    ForceTask,
+    JointLimits,
+    JointTorqueLimit,
+    Loop,
+    PoseTask,
+    PositionTask,
+    PostureTask,
+    Stack,
+    Step,
+    Surface,
+    TorqueTask,
+    load_robot,
+    simulate,
+    solve_ik,
+)
+from tasks.contacts.motion import ContactMotion
+
+#: What forces, torques and accelerations may be off by [N], [N m], [m/s^2].
+EXACT = 1e-9
+
+
+def controller_of(scene: Scene, stack: Stack | None = None) -> Controller:
+    wanted = scene.limits >> CenterOfMassTask(scene.com, gain=5.0) >> scene.rest() if stack is None else stack
+    return Controller(scene.robot, wanted, order="torque", dt=DT)
+
+
+def point_jacobian(robot, q, frame, point):
+    """Where a point of a frame is, and how it follows the joints, in the axes of the world."""
+    data = robot.model.createData()
+    pin.computeJointJacobians(robot.model, data, q)
+    number = robot.frame_index(frame)
+    place = pin.updateFramePlacement(robot.model, data, number)
+    J = pin.getFrameJacobian(robot.model, data, number, pin.LOCAL_WORLD_ALIGNED)
+    r = place.rotation @ np.asarray(point)
+    return place.translation + r, J[:3] - pin.skew(r) @ J[3:], J[3:]
+
+
+def from_forces(robot, q, step, contacts):
+    """What the forces of a step come to in all joints, the base included."""
+    total = np.zeros(robot.nv)
+    for contact in contacts:
+        given = step.forces[contact.name]
+        if contact.wrench:
+            _, J, turning = point_jacobian(robot, q, contact.frame, contact.shape.centre)
+            total += J.T @ given[:3] + turning.T @ given[3:]
+            continue
+        for point, f in zip(contact.shape.points, given, strict=True):
+            total += point_jacobian(robot, q, contact.frame, point)[1].T @ f
+    return total
+
+
+def check_mechanics(scene: Scene, q, v, step: Step, outside=0.0) -> None:
+    """The motion equation holds, in all joints; no force slips or pulls; no torque is beyond its limit."""
+    robot, base = scene.robot, scene.robot.base
+    needed = pin.rnea(robot.model, robot.model.createData(), q, v, step.a)
+    left = needed - from_forces(robot, q, step, scene.feet) - outside
+    assert np.abs(left[:base]).max(initial=0.0) < EXACT
+    assert np.abs(left[base:] - step.tau).max() < EXACT
+    assert (np.abs(step.tau) - robot.torque_limit[base:]).max() < EXACT
+    for contact in scene.feet:
+        f = step.forces[contact.name][:3][None] if contact.wrench else step.forces[contact.name]
+        assert (np.hypot(f[:, 0], f[:, 1]) - contact.friction * f[:, 2]).max() < EXACT
+        assert f[:, 2].min() > -EXACT
+
+
+@pytest.mark.parametrize(
+    "scene", [humanoid(), humanoid(rectangle=True, wrench=True), quadruped()], ids=("points", "wrenches", "quadruped")
+)
+def test_the_motion_equation_holds_and_no_limit_is_passed(scene: Scene) -> None:
+    com = CenterOfMassTask(scene.com, gain=5.0)
+    controller = controller_of(scene, scene.limits >> com >> PostureTask(scene.q, gain=4.0) + ForceTask(weight=0.01))
+    for seed in range(4):
+        q, v = moved(scene, seed, 0.02) if seed else (scene.q, scene.v)
+        step = controller(q, v)
+        assert step.ok
+        assert step.solution.certify().ok
+        check_mechanics(scene, q, v, step)
+
+
+@pytest.mark.parametrize(
+    ("shape", "motions"),
+    [
+        ({"points": SOLE}, 6),
+        ({"plane": (0.1, 0.05)}, 6),
+        ({"line": 0.1}, 5),
+        ({"points": [(0.1, 0.0, 0.0), (0.0, 0.05, 0.0)]}, 5),
+        ({"centre": (0.0, 0.0, -0.03)}, 3),
+        ({"points": [(0.0, 0.0, 0.0)] * 3}, 3),
+    ],
+)
+def test_what_a_contact_forbids_is_the_motion_of_its_points(shape, motions) -> None:
+    scene, small = humanoid(), 1e-6
+    robot, (q, v) = scene.robot, moved(scene, 1)
+    contact = Contact(FEET[0], friction=0.5, normal=(0.1, -0.2, 1.0), **shape)
+    motion, state = ContactMotion(contact), robot.at(q, v)
+    J, drift = motion.jacobian(state), motion.drift(state)
+    assert len(J) == motions
+    # No joint motion that it leaves free moves one of its points; all that it forbids does.
+    points = np.concatenate([point_jacobian(robot, q, contact.frame, p)[1] for p in contact.shape.points])
+    assert np.linalg.matrix_rank(J, 1e-8) == motions == np.linalg.matrix_rank(points, 1e-8)
+    assert np.linalg.matrix_rank(np.concatenate([J, points]), 1e-8) == motions
+    # Its drift is how its rates change while the joints do not accelerate.
+    ahead, behind = (
+        np.concatenate(
+            [
+                np.concatenate([here @ v, turning @ v])
+                for _, here, turning in [
+                    point_jacobian(robot, robot.integrate(q, s * v), FEET[0], contact.shape.centre)
+                ]
+            ]
+        )
+        for s in (small, -small)
+    )
+    change = (ahead - behind) / (2 * small)
+    _, at_centre, turning = point_jacobian(robot, q, FEET[0], contact.shape.centre)
+    along = np.linalg.lstsq(np.concatenate([at_centre, turning]).T, J.T, rcond=None)[0].T  # the axes of its rows
+    assert np.allclose(drift, along @ change, atol=1e-6)
+
+
+def test_forces_act_at_their_points() -> None:
+    """G is how the points move, by differences: power is force times velocity."""
+    scene, small = humanoid(), 1e-6
+    q, v = moved(scene, 2)
+    robot = scene.robot
+    step = controller_of(scene)(q, v)
+    power = sum(
+        f @ (point_jacobian(robot, robot.integrate(q, small * v), foot.frame, p)[0] - where) / small
+        for foot in scene.feet
+        for p, f in zip(foot.shape.points, step.forces[foot.name], strict=True)
+        for where in [point_jacobian(robot, q, foot.frame, p)[0]]
+    )
+    assert np.isclose(from_forces(robot, q, step, scene.feet) @ v, power, atol=1e-3)
+
+
+def test_a_sole_of_points_and_one_of_a_wrench_bear_the_same() -> None:
+    steps = []
+    for scene in humanoid(rectangle=True), humanoid(rectangle=True, wrench=True):
+        com = CenterOfMassTask(scene.com + np.array([0.01, 0.02, 0.0]), gain=5.0)
+        stack = scene.limits >> com >> PostureTask(scene.q, gain=4.0)
+        steps.append((scene, controller_of(scene, stack)(scene.q, scene.v)))
+    (points, first), (wrench, second) = steps
+    assert np.allclose(first.a, second.a, atol=1e-7)
+    total = [from_forces(s.robot, s.q, step, s.feet)[:6] for s, step in steps]
+    assert np.allclose(total[0], total[1], atol=1e-6)
+    assert second.forces["left"].shape == (6,)
+    for foot in wrench.feet:  # within the rectangle, on the plane of the sole
+        x, y, z = second.cop[foot.name]
+        assert abs(x - 0.035) <= 0.085 + 1e-9
+        assert abs(y) <= 0.03 + 1e-9
+        assert np.isclose(z, -0.03)
+    assert points.feet[0].unknowns == 12
+
+
+def test_ideal_sine_of_the_centre_of_mass() -> None:
+    """The first exercise of inverse dynamics on a biped: what is asked for is done, and proved."""
+    scene = humanoid()
+
+    def sine(t):
+        w, way, begun = np.pi, np.array([0.0, 0.03, 0.0]), min(t / 0.5, 1.0)
+        share, rate, change = begun**3 * (10 - 15 * begun + 6 * begun**2), 0.0, 0.0
+        if t < 0.5:
+            rate, change = 30 * (begun * (1 - begun)) ** 2 / 0.5, 60 * begun * (1 - begun) * (1 - 2 * begun) / 0.25
+        s, c = np.sin(w * t), np.cos(w * t)
+        return (
+            scene.com + way * share * s,
+            way * (rate * s + share * w * c),
+            way * (change * s + 2 * rate * w * c - share * w * w * s),
+        )
+
+    controller = controller_of(scene, scene.limits >> CenterOfMassTask(sine, gain=5.0) >> scene.rest())
+    q, v, worst = scene.q, scene.v, 0.0
+    for k in range(500):
+        step = controller(q, v, k * DT)
+        assert step.ok
+        if k % 25 == 0:
+            assert step.solution.certify().ok
+            check_mechanics(scene, q, v, step)
+        q, v = advanced(scene.robot, q, v, step.a)
+        worst = max(worst, np.linalg.norm(scene.robot.at(q, v).center_of_mass.position - sine((k + 1) * DT)[0]))
+    assert worst < 1e-3
+    for foot in scene.feet:
+        here, there = (scene.robot.at(p, v).frame(foot.frame).position for p in (q, scene.q))
+        assert np.linalg.norm(here - there) < 1e-5
+
+
+def test_a_run_is_recorded_with_its_torques() -> None:
+    scene = humanoid()
+    task = CenterOfMassTask(scene.com + np.array([0.0, 0.02, 0.0]), gain=5.0)
+    record = simulate(controller_of(scene, scene.limits >> task >> scene.rest()), scene.q, duration=0.2)
+    assert record.tau.shape == (100, 29)
+    assert record.certified_share == 1.0
+    assert record.active["torque"].shape == (100, 29)
+    assert not record.active["torque"].any()
+    step = controller_of(scene, scene.limits >> task >> scene.rest())(scene.q, scene.v)
+    assert np.allclose(record.tau[0], step.tau)
+
+
+def test_a_switch_changes_no_structure_and_jumps_nowhere() -> None:
+    scene = humanoid()
+    over = scene.robot.at(scene.q, scene.v).frame(FEET[0]).position
+    com = np.array([scene.com[0], over[1], scene.com[2]])
+    foot = scene.robot.at(scene.q, scene.v).frame(FEET[1])
+    swing = PoseTask((foot.position, foot.rotation), frame=FEET[1], gain=20.0)
+    controller = controller_of(scene, scene.limits >> CenterOfMassTask(com, gain=6.0) + swing >> scene.rest())
+    q, v, taus = scene.q, scene.v, []
+    rows, solver, hierarchy = controller._rows, controller._solver, controller.hierarchy
+    for k in range(1100):
+        if k == 700:
+            controller.release("right", 0.2)
+        if k == 900:
+            controller.make(scene.feet[1], 0.2)
+        step = controller(q, v, k * DT)
+        assert step.ok
+        if 800 <= k < 900:
+            assert np.abs(step.forces["right"]).max() < EXACT
+        if k % 50 == 0:
+            assert step.solution.certify().ok
+            check_mechanics(scene, q, v, step)
+        taus.append(step.tau)
+        q, v = advanced(scene.robot, q, v, step.a)
+    assert (rows, solver, hierarchy) == (controller._rows, controller._solver, controller.hierarchy)
+    jumps = np.abs(np.diff(taus, axis=0)).max(axis=1)
+    assert jumps[695:895].max() < 0.05
+    assert jumps[895:].max() < 0.5  # those of a ramp up to the weight, of 0.2 s
+
+
+def test_a_foot_that_may_slip_slips_rather_than_that_a_limit_is_passed() -> None:
+    """The ground is pulled away faster than friction can follow."""
+    still = np.zeros(3)
+    for may_slip in False, True:
+        scene = humanoid(friction=0.1, may_slip=may_slip, surface=Surface(lambda t: (still, still, [300.0, 0.0, 0.0])))
+        step = controller_of(scene, scene.limits >> PostureTask(scene.q, gain=4.0))(scene.q, scene.v)
+        assert step.ok
+        assert step.solution.certify().ok
+        told = str(step.solution.explain()).splitlines()
+        if may_slip:
+            check_mechanics(scene, scene.q, scene.v, step)
+            assert next(line for line in told if "left short by" in line).count("friction")
+        else:  # what it is to hold stands above its friction
+            assert any("friction short by" in line for line in told)
+
+
+def test_a_change_of_stacks_keeps_the_motion_equation_all_the_way() -> None:
+    scene = humanoid()
+    limits = scene.limits
+    here, there = (CenterOfMassTask(scene.com + np.array([0.0, y, 0.0]), gain=5.0) for y in (0.02, -0.02))
+    controller, q, v = controller_of(scene, limits >> here >> scene.rest()), scene.q, scene.v
+    for k in range(120):
+        if k == 20:
+            controller.change(limits >> there >> scene.rest(), duration=0.1)
+        step = controller(q, v, k * DT)
+        assert step.ok
+        if k % 10 == 5:
+            check_mechanics(scene, q, v, step)
+        q, v = advanced(scene.robot, q, v, step.a)
+    assert step.share == 1.0
+
+
+def test_off_is_as_if_it_were_not_there() -> None:
+    scene = humanoid()
+    com = CenterOfMassTask(scene.com, gain=5.0)
+    both = controller_of(scene, scene.limits >> com >> PostureTask(scene.q, gain=4.0))
+    alone = Scene(*scene[:4], scene.feet[:1])
+    other = CenterOfMassTask(scene.com, gain=5.0)
+    one = controller_of(alone, alone.limits >> other >> PostureTask(scene.q, gain=4.0))
+    both.release("right")
+    first, second = both(scene.q, scene.v), one(scene.q, scene.v)
+    assert np.allclose(first.a, second.a, atol=1e-6)
+    assert np.allclose(first.tau, second.tau, atol=1e-6)
+    assert np.isnan(first.cop["right"]).all()
+    assert not first.forces["right"].any()
+
+
+def test_a_surface_that_moves_takes_the_feet_along() -> None:
+    def lift(t):
+        return (
+            np.array([0.02, 0.0, 0.02]) * (1 - np.cos(4 * t)),
+            np.array([0.02, 0.0, 0.02]) * 4 * np.sin(4 * t),
+            (np.array([0.02, 0.0, 0.02]) * 16 * np.cos(4 * t)),
+        )
+
+    scene = humanoid(surface=Surface(lift))
+    controller = controller_of(scene, scene.limits >> scene.rest())
+    q, v, dt = scene.q, scene.v, 5e-4
+    start = scene.robot.at(q, v).frame(FEET[0]).position.copy()
+    controller = Controller(scene.robot, controller.stack, order="torque", dt=dt)
+    for k in range(400):
+        step = controller(q, v, k * dt)
+        assert step.ok
+        q, v = advanced(scene.robot, q, v, step.a, dt)
+    assert np.allclose(scene.robot.at(q, v).frame(FEET[0]).position - start, lift(0.2)[0], atol=1e-4)
+
+
+def test_a_tilted_surface_turns_the_cone() -> None:
+    tilt = 0.3
+    normal = np.array([np.sin(tilt), 0.0, np.cos(tilt)])
+    turned = pin.exp3(np.array([0.0, tilt, 0.0]))
+    for scene in humanoid(normal=normal), humanoid(surface=Surface(rotation=turned)):
+        step = controller_of(scene, scene.limits >> scene.rest())(scene.q, scene.v)
+        assert step.ok
+        f = np.concatenate([step.forces[name] for name in step.forces])
+        along = f @ normal
+        assert (np.linalg.norm(f - along[:, None] * normal, axis=1) - 0.6 * along).max() < EXACT
+
+
+def test_friction_is_inside_the_cone_for_any_number_of_faces() -> None:
+    most = []
+    for faces in 3, 4, 8, 16:
+        scene = humanoid(faces=faces)
+        task = ForceTask([200.0, 0.0, 100.0], contact=scene.feet[0])
+        step = controller_of(scene, scene.limits >> task >> scene.rest())(scene.q, scene.v)
+        f = step.forces["left"]
+        assert (np.hypot(f[:, 0], f[:, 1]) - 0.6 * f[:, 2]).max() < EXACT
+        most.append(np.hypot(*f.sum(axis=0)[:2]) / f[:, 2].sum())
+    assert 0.55 < most[-1] <= 0.6 + EXACT
+
+
+def test_normal_forces_keep_their_least_and_largest_sum() -> None:
+    scene = humanoid()
+    left, right = scene.feet
+    controller = controller_of(scene)
+    right.largest = 60.0
+    assert controller(scene.q, scene.v).forces["right"][:, 2].sum() <= 60.0 + EXACT
+    right.largest = np.inf
+    right.least = 250.0
+    assert controller(scene.q, scene.v).forces["right"][:, 2].sum() >= 250.0 - EXACT
+    with pytest.raises(ValueError, match="least = 250 N must not exceed largest"):
+        right.largest = 100.0
+    assert left.largest == np.inf
+
+
+def test_a_wrench_that_is_measured_is_counted() -> None:
+    scene = humanoid()
+    push = np.array([40.0, 10.0, 0.0, 1.0, 2.0, 3.0])
+    standing = Dynamics({"torso_link": lambda t: push}) + scene.feet[0] + scene.feet[1]
+    stack = standing >> JointTorqueLimit() + JointLimits() >> scene.rest()
+    step = controller_of(scene, stack)(scene.q, scene.v)
+    _, J, turning = point_jacobian(scene.robot, scene.q, "torso_link", np.zeros(3))
+    check_mechanics(scene, scene.q, scene.v, step, J.T @ push[:3] + turning.T @ push[3:])
+
+
+def test_at_velocity_order_a_contact_is_its_motion_alone() -> None:
+    scene = humanoid()
+    com = scene.com + np.array([0.02, 0.03, -0.02])
+    stack = scene.feet[0] + scene.feet[1] >> JointLimits() >> CenterOfMassTask(com, gain=5.0)
+    controller, q, v = Controller(scene.robot, stack, dt=0.005), scene.q, scene.v
+    for k in range(400):
+        step = controller(q, v, 0.005 * k)
+        q, v = scene.robot.integrate(q, 0.005 * step.v), step.v
+    state = scene.robot.at(q, v)
+    assert step.forces is None
+    assert np.linalg.norm(state.center_of_mass.position - com) < 1e-4
+    for foot in scene.feet:
+        assert (
+            np.linalg.norm(state.frame(foot.frame).position - scene.robot.at(scene.q, v).frame(foot.frame).position)
+            < 1e-4
+        )
+
+
+def test_at_velocity_order_a_foot_is_released_and_made() -> None:
+    scene = humanoid()
+    left, right = scene.feet
+    start = scene.robot.at(scene.q, scene.v).frame(FEET[1]).position.copy()
+    lift = PositionTask(start + np.array([0.0, 0.0, 0.05]), frame=FEET[1], gain=5.0)
+    stack = left + right >> JointLimits() >> lift
+    controller, q, v, heights = Controller(scene.robot, stack, dt=0.005), scene.q, scene.v, []
+    for k in range(600):
+        if k in (100, 400):
+            (controller.release if k == 100 else controller.make)("right", 0.2)
+        if k == 400:
+            lift.target = start
+        step = controller(q, v, 0.005 * k)
+        q, v = scene.robot.integrate(q, 0.005 * step.v), step.v
+        heights.append(scene.robot.at(q, v).frame(FEET[1]).position[2] - start[2])
+    assert abs(heights[99]) < 1e-9
+    assert np.isclose(heights[399], 0.05, atol=1e-3)
+    assert np.isclose(heights[599], heights[401], atol=1e-6)  # it holds where it was made
+
+
+def test_inverse_kinematics_keeps_contacts() -> None:
+    scene = humanoid()
+    com = scene.com + np.array([0.01, 0.02, -0.03])
+    stack = scene.feet[0] + scene.feet[1] >> JointLimits() >> CenterOfMassTask(com, gain=1.0)
+    found = solve_ik(scene.robot, stack, scene.q)
+    assert found.reached
+    for frame in FEET:
+        here, there = (scene.robot.at(q, scene.v).frame(frame).position for q in (found.q, scene.q))
+        assert np.linalg.norm(here - there) < 1e-6
+
+
+def test_a_hand_presses_a_table() -> None:
+    """A fixed base: no rows of a base, and the torques are those of the motion less those of the forces."""
+    robot = load_robot("panda", lock=["panda_finger_joint1"], acceleration_limit=50.0)
+    hand = Contact("panda_hand", centre=(0.0, 0.0, 0.1), friction=0.5, name="hand")
+    press = ForceTask([20.0], contact=hand)
+    rest = PostureTask(robot.home, gain=4.0) + ForceTask(weight=1e-3)
+    stack = Dynamics() + hand >> JointTorqueLimit() + JointLimits() >> press >> rest
+    controller, q, v = Controller(robot, stack, order="torque", dt=DT), np.array(robot.home), np.zeros(robot.nv)
+    for k in range(100):
+        step = controller(q, v, k * DT)
+        assert step.ok
+        q, v = advanced(robot, q, v, step.a)
+    assert step.solution.certify().ok
+    assert np.isclose(step.forces["hand"][0, 2], 20.0)
+    step = controller(q, v)
+    needed = pin.rnea(robot.model, robot.model.createData(), q, v, step.a)
+    assert np.allclose(needed - from_forces(robot, q, step, [hand]), step.tau, atol=EXACT)
+
+
+@pytest.mark.parametrize("turns", [True, False])
+def test_a_closed_chain_stays_closed_and_its_forces_are_equal_and_opposite(turns: bool) -> None:
+    scene = humanoid()
+    robot, state = scene.robot, scene.robot.at(scene.q, scene.v)
+    a, b = state.frame("left_rubber_hand"), state.frame("right_rubber_hand")
+    hands = Loop(
+        "left_rubber_hand",
+        "right_rubber_hand",
+        at_b=b.rotation.T @ (a.position - b.position),
+        turns=turns,
+        name="hands",
+    )
+    standing = Dynamics() + scene.feet[0] + scene.feet[1] + hands
+    stack = standing >> JointTorqueLimit() + JointLimits() >> scene.rest()
+    target = a.position + np.array([0.05, 0.0, 0.05])
+    stack = stack.inserted(PositionTask(target, frame="left_rubber_hand", gain=5.0), below=hands)
+    controller, q, v = controller_of(scene, stack), scene.q, scene.v
+    for k in range(300):
+        step = controller(q, v, k * DT)
+        assert step.ok
+        q, v = advanced(robot, q, v, step.a)
+    assert step.solution.certify().ok
+    first, J, turning = point_jacobian(robot, q, hands.a, hands.at)
+    other, J_b, turning_b = point_jacobian(robot, q, hands.b, hands.at_b)
+    assert np.linalg.norm(first - other) < 1e-5
+    assert np.linalg.norm(first - target) < 0.02
+    step, f = controller(q, v), None
+    f = step.forces["hands"]
+    outside = (J - J_b).T @ f[:3] + (0.0 if turns else (turning - turning_b).T @ f[3:])
+    check_mechanics(scene, q, v, step, outside)
+
+
+def test_numbers_are_live() -> None:
+    scene, other = humanoid(), humanoid(friction=0.2, gain=7.0)
+    changed = controller_of(scene)
+    changed(scene.q, scene.v)
+    for foot in scene.feet:
+        foot.friction, foot.gain = 0.2, 7.0
+    q, v = moved(scene, 3)
+    changed.release("right")
+    changed.make("right")
+    for foot in scene.feet[:1]:
+        changed.release(foot)
+        changed.make(foot)
+    fresh = controller_of(other)
+    first, second = changed(q, v), fresh(q, v)
+    assert np.allclose(first.a, second.a, atol=1e-6)
+    with pytest.raises(ValueError, match="frame is part of its structure"):
+        scene.feet[0].frame = "pelvis"
+
+
+def test_copies_know_which_contacts_are_off() -> None:
+    scene = humanoid()
+    controller = controller_of(scene)
+    controller(scene.q, scene.v)
+    controller.release("right")
+    step = controller(scene.q, scene.v, DT)
+    for made in copy.deepcopy(controller), pickle.loads(pickle.dumps(controller)):
+        again = made(scene.q, scene.v, DT)
+        assert np.allclose(again.a, step.a, atol=1e-6)
+        assert not again.forces["right"].any()
+
+
+def test_what_is_no_number_gives_no_torque() -> None:
+    scene = humanoid()
+    controller = controller_of(scene)
+    broken = scene.q.copy()
+    broken[10] = np.nan
+    for t in range(2):
+        step = controller(broken, scene.v, t * DT)
+        assert not step.ok
+        assert not step.tau.any()
+    step = controller(scene.q, scene.v)  # and the feet stand where they are first seen
+    assert step.ok
+    check_mechanics(scene, scene.q, scene.v, step)
+
+
+def test_an_ordinary_stack_has_one_block() -> None:
+    robot = load_robot("panda")
+    controller = Controller(robot, JointLimits() >> PostureTask(robot.home, gain=1.0), dt=0.01)
+    assert controller._rows.unknowns.n == controller.hierarchy.n == robot.nv
+    assert controller._rows.stack is controller.stack
+    assert controller(robot.home, np.zeros(robot.nv)).forces is None
+
+
+def test_redundant_contacts_are_handled_by_rank() -> None:
+    scene = humanoid()
+    twice = Contact(FEET[0], points=SOLE, friction=0.6, name="again")
+    both = Scene(*scene[:4], (*scene.feet, twice))
+    step = controller_of(both)(scene.q, scene.v)
+    assert step.ok
+    assert step.solution.certify().ok
+    check_mechanics(both, scene.q, scene.v, step)
+
+
+def test_the_interpreter_writes_the_same_rows(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-W", "error", scenes.__file__, str(tmp_path / "rows.npz")],
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    theirs, mine = np.load(tmp_path / "rows.npz"), scenes.rows()
+    assert set(theirs.files) == set(mine)
+    for name, numbers in mine.items():
+        most = np.abs(numbers, where=np.isfinite(numbers), out=np.zeros_like(numbers)).max()
+        assert np.allclose(theirs[name], numbers, rtol=0.0, atol=1e-12 * most), name
+
+
+REFUSED = {
+    "friction = 0.0 must be positive": lambda: Contact("foot", friction=0.0),
+    "friction = -1.0 must be positive": lambda: Contact("foot", friction=-1.0),
+    r"points have shape \(0,\)": lambda: Contact("foot", points=[]),
+    r"points have shape \(0, 3\)": lambda: Contact("foot", points=np.zeros((0, 3))),
+    "points and plane are given": lambda: Contact("foot", points=SOLE, plane=(0.1, 0.1)),
+    "faces": lambda: Contact("foot", faces=2),
+    "must be a direction": lambda: Contact("foot", normal=(0, 0, 0)),
+    "wrench = True takes a plane": lambda: Contact("foot", wrench=True),
+    "both frames are 'foot'": lambda: Loop("foot", "foot"),
+    "a target is for the forces of one contact": lambda: ForceTask([1.0]),
+}
+
+
+@pytest.mark.parametrize("named", REFUSED)
+def test_refuses_what_cannot_be(named: str) -> None:
+    with pytest.raises(ValueError, match=named):
+        REFUSED[named]()
+
+
+def test_refuses_stacks_and_robots_that_do_not_fit() -> None:
+    scene = humanoid()
+    left, right = scene.feet
+    robot = scene.robot
+    posture = PostureTask(scene.q, gain=4.0)
+    bare = load_robot("g1", torque_limit=np.full(robot.nv, np.inf))
+    rough = Contact(FEET[0], points=SOLE)
+    arm = load_robot("panda")
+    cases = {
+        r"the stack has no Dynamics\(\)": (robot, left + right >> posture),
+        "has no torque limit of its own": (bare, Dynamics() + left >> JointTorqueLimit() >> posture),
+        "needs its friction": (robot, Dynamics() + rough >> posture),
+        "is no frame of": (arm, Dynamics() + left >> PostureTask(arm.home, gain=1.0)),
+        "is not in the stack": (robot, Dynamics() + left >> ForceTask([1.0], contact=right)),
+        "floating base": (robot, TorqueTask() + posture),
+    }
+    for named, (on, stack) in cases.items():
+        with pytest.raises(ValueError, match=named):
+            Controller(on, stack, order="torque", dt=DT)
+    with pytest.raises(ValueError, match="velocities tell no forces"):
+        Controller(robot, Dynamics() + left >> posture, dt=DT)
+    controller = controller_of(scene)
+    for act, named in (
+        (lambda: controller.release("lefft"), "did you mean 'left'"),
+        (lambda: controller.make(left), "is on already"),
+        (lambda: controller.release(left, -1.0), "must not be negative"),
+        (lambda: controller.change(Dynamics() + left >> posture, duration=1.0), "other contacts"),
+        (lambda: controller.change(left >> posture, duration=0.0), r"no Dynamics\(\)"),
+    ):
+        with pytest.raises(ValueError, match=named):
+            act()
+
+
+def test_a_robot_without_contacts_is_said_to_fall(caplog: pytest.LogCaptureFixture) -> None:
+    scene = humanoid()
+    controller = Controller(scene.robot, Dynamics() >> PostureTask(scene.q, gain=4.0), order="torque", dt=DT)
+    assert "it falls" in caplog.text
+    step = controller(scene.q, scene.v)
+    assert np.allclose(scene.robot.at(scene.q, scene.v).center_of_mass.linear @ step.a, [0.0, 0.0, -9.81], atol=1e-6)
