@@ -46,5 +46,5 @@ def draw(path: Path, runs: Mapping[str, Sequence[Run]]) -> None:
         ):
             axes.set_ylabel(what)
         handles, labels = grid[0, 0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+        figure.legend(handles, labels, loc="outside lower center", ncols=-(-len(labels) // 2))
         figure.savefig(path, dpi=76, metadata={"Software": None}, pil_kwargs={"optimize": True})
