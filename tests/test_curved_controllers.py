@@ -115,7 +115,7 @@ def test_a_change_of_stacks_blends_what_both_ask_for() -> None:
 
 
 def test_unknown_velocities() -> None:
-    controller, (q, v) = planar([1.7, 0.4]), states()[0]
+    controller, (q, v) = planar([1.45, 0.4]), states()[4]
     unknown = controller(q)
     assert unknown.ok
     np.testing.assert_allclose(unknown.v, controller(q, None, 0.0).v, atol=1e-9)
@@ -132,7 +132,7 @@ def test_a_planar_arm_at_its_edge_is_calm() -> None:
         for damping in ("curvature", None)
     )
     assert default.certified_share == 1.0
-    assert jerk(default) < 0.01 * jerk(strict)
+    assert jerk(default) < 0.04 * jerk(strict)
     assert np.linalg.norm(default.errors["position"][-100:]) < 1.2 * np.linalg.norm(strict.errors["position"][-100:])
 
 

@@ -50,9 +50,9 @@ def test_a_reconstructed_task_is_slowed_as_its_measure_is():
     def measure(q: np.ndarray) -> float:
         return float(manipulability(ARM.jacobian(q)[:2]))
 
-    exact = Controller(ARM, tip())(ALMOST, STILL).v
+    exact = Controller(ARM, tip(), damping=None)(ALMOST, STILL).v
     w, threshold = measure(ALMOST), 0.3
-    slowed = Controller(ARM, Reconstructed(tip(), threshold))(ALMOST, STILL).v
+    slowed = Controller(ARM, Reconstructed(tip(), threshold), damping=None)(ALMOST, STILL).v
     expected = (w / threshold) ** 2 * falls(ALMOST, exact, measure)
     assert w < threshold
     assert falls(ALMOST, slowed, measure) == pytest.approx(expected, rel=1e-4)
@@ -69,8 +69,8 @@ def test_below_another_task_it_allows_for_that_tasks_motion():
     q = np.array([1.0, -0.3, 0.1])
     w = below.measure(ARM, q)
     assert w < threshold
-    exact = Controller(ARM, above >> turn())(q, STILL).v
-    slowed = Controller(ARM, above >> below)(q, STILL).v
+    exact = Controller(ARM, above >> turn(), damping=None)(q, STILL).v
+    slowed = Controller(ARM, above >> below, damping=None)(q, STILL).v
     ratio = falls(q, slowed, lambda q: below.measure(ARM, q)) / falls(q, exact, lambda q: below.measure(ARM, q))
     assert ratio == pytest.approx((w / threshold) ** 2, rel=1e-3)
     np.testing.assert_allclose(ARM.jacobian(q)[:2] @ slowed, ARM.jacobian(q)[:2] @ exact, atol=1e-9)
@@ -78,7 +78,7 @@ def test_below_another_task_it_allows_for_that_tasks_motion():
 
 def test_above_the_threshold_it_is_the_task_itself():
     q = np.array([0.3, 1.0, 0.8])
-    plain, same = (Controller(ARM, task)(q, STILL).v for task in (tip(), Reconstructed(tip(), 1e-3)))
+    plain, same = (Controller(ARM, task, damping=None)(q, STILL).v for task in (tip(), Reconstructed(tip(), 1e-3)))
     np.testing.assert_array_equal(plain, same)
 
 

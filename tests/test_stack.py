@@ -95,9 +95,9 @@ def test_limits_beside_a_task_become_rows_of_the_identity(parts):
 def test_plain_or_dense_is_the_same_problem(parts):
     _, position, _, posture = parts
     q, v = [0.3, 0.5, -0.4], [0.0, 0.0, 0.0]
-    plain = Controller(ARM, position >> posture)(q, v)
+    plain = Controller(ARM, position >> posture, damping=None)(q, v)
     free = OrientationTask(1.0, gain=3.0, weight=1e-9)  # all but silent, it forces the level into dense rows
-    dense = Controller(ARM, position >> posture + free)(q, v)
+    dense = Controller(ARM, position >> posture + free, damping=None)(q, v)
     assert plain.solution.hierarchy.levels[1].A is None
     assert dense.solution.hierarchy.levels[1].A is not None
     np.testing.assert_allclose(plain.v, dense.v, atol=1e-8)
@@ -131,7 +131,10 @@ def test_one_stack_serves_two_robots(parts):
 def test_a_lower_level_never_changes_a_higher_one(parts):
     _, position, orientation, posture = parts
     rng = np.random.default_rng(11)
-    alone, below = Controller(ARM, position >> orientation), Controller(ARM, position >> orientation >> posture)
+    alone, below = (
+        Controller(ARM, position >> orientation, damping=None),
+        Controller(ARM, position >> orientation >> posture, damping=None),
+    )
     for _ in range(10):
         q, v = rng.uniform(-2, 2, (2, 3))
         for k in range(2):

@@ -48,8 +48,11 @@ def run(controller: Controller, ticks: int, first: int = 0, q: np.ndarray = Q) -
 @orders
 def test_a_change_begins_at_the_old_answer_and_ends_at_the_new_one(order: str) -> None:
     old, new = LIMIT >> HAND >> TURN, LIMIT >> TURN >> REST
-    controller = Controller(ARM, old, order=order, dt=DT)
-    alone = {stack: Controller(ARM, stacks, order=order, dt=DT) for stack, stacks in (("old", old), ("new", new))}
+    controller = Controller(ARM, old, order=order, dt=DT, damping=None)
+    alone = {
+        stack: Controller(ARM, stacks, order=order, dt=DT, damping=None)
+        for stack, stacks in (("old", old), ("new", new))
+    }
     v = np.array([0.1, -0.2, 0.3, 0.0])
     answers = {name: own(Q, v).solution.x for name, own in alone.items()}
     controller(Q, v, 0.0)
@@ -68,14 +71,14 @@ def test_levels_that_both_begin_with_are_exact_all_the_way() -> None:
     far = PositionTask([2.5, 0.5], gain=8.0, name="far")
     old = LIMIT >> far >> TURN >> REST
     new = LIMIT >> far >> REST
-    controller = Controller(ARM, old, dt=DT)
+    controller = Controller(ARM, old, dt=DT, damping=None)
     run(controller, 3)
     controller.change(new, duration=0.1)
     q, v, shares = Q, np.zeros(4), []
     for k in range(25):
         step = controller(q, v, k * DT)
         shares.append(step.share)
-        shared = Controller(ARM, LIMIT >> far, dt=DT)(q, v, k * DT).solution
+        shared = Controller(ARM, LIMIT >> far, dt=DT, damping=None)(q, v, k * DT).solution
         h = hqp.Hierarchy(shared.hierarchy.levels)
         assert hqp.certify(h, step.v, unique=False).ok
         v = step.v
@@ -87,13 +90,13 @@ def test_levels_that_both_begin_with_are_exact_all_the_way() -> None:
 def test_an_inserted_equality_gets_its_intermediate_desired_value() -> None:
     """Of Lee, Mansard and Park 2012: the hierarchy with the target J x_without + s (h - J x_without)."""
     without, whole = HAND >> REST, HAND >> TURN >> REST
-    controller = Controller(ARM, without, dt=DT)
+    controller = Controller(ARM, without, dt=DT, damping=None)
     controller(Q, np.zeros(4), 0.0)
     controller.change(without.inserted(TURN, below=HAND), duration=1.0)
     controller(Q, np.zeros(4), 0.0)
     step = controller(Q, np.zeros(4), 0.3)
-    x = Controller(ARM, without)(Q, np.zeros(4)).v
-    full = Controller(ARM, whole)(Q, np.zeros(4)).solution.hierarchy
+    x = Controller(ARM, without, damping=None)(Q, np.zeros(4)).v
+    full = Controller(ARM, whole, damping=None)(Q, np.zeros(4)).solution.hierarchy
     turn = full.levels[1]
     turn.lower[:] = turn.upper[:] = (1.0 - step.share) * (turn.A @ x) + step.share * turn.lower
     np.testing.assert_allclose(step.v, hqp.solve(full).x, atol=1e-9)
@@ -101,16 +104,16 @@ def test_an_inserted_equality_gets_its_intermediate_desired_value() -> None:
 
 def test_a_change_during_a_change_starts_from_where_that_one_is() -> None:
     stack = LIMIT >> HAND >> REST
-    controller = Controller(ARM, stack, dt=DT)
+    controller = Controller(ARM, stack, dt=DT, damping=None)
     before = run(controller, 10)
     controller.change(stack.swapped(HAND, REST), duration=0.3)
     during = run(controller, 20, 10)
     controller.change(LIMIT >> TURN >> REST, duration=0.3)
     after = run(controller, 80, 30)
-    first = run(Controller(ARM, stack, dt=DT), 1)
+    first = run(Controller(ARM, stack, dt=DT, damping=None), 1)
     np.testing.assert_array_equal(before[0], first[0])
     # Each run starts at Q again: at the first tick of the second change nothing of the third stack counts yet.
-    replay = Controller(ARM, stack, dt=DT)
+    replay = Controller(ARM, stack, dt=DT, damping=None)
     run(replay, 10)
     replay.change(stack.swapped(HAND, REST), duration=0.3)
     run(replay, 20, 10)
@@ -123,7 +126,7 @@ def test_a_change_during_a_change_starts_from_where_that_one_is() -> None:
 def test_going_back_finds_rows_and_solver_as_they_were() -> None:
     stack = LIMIT >> HAND >> REST
     other = stack.swapped(HAND, REST)
-    controller = Controller(ARM, stack, dt=DT)
+    controller = Controller(ARM, stack, dt=DT, damping=None)
     rows, solver = controller._rows, controller._solver
     controller.change(other, duration=0.1)
     assert controller._rows is not rows
@@ -161,7 +164,7 @@ def test_stacks_with_parts_inserted_removed_and_swapped() -> None:
     ],
 )
 def test_what_cannot_be_changed_to_leaves_all_as_it_was(stack, options, named) -> None:
-    controller = Controller(ARM, LIMIT >> HAND, dt=DT)
+    controller = Controller(ARM, LIMIT >> HAND, dt=DT, damping=None)
     before = controller.stack, controller._rows
     with pytest.raises(InvalidInput, match=named):
         controller.change(stack, **options)
@@ -200,7 +203,7 @@ def swap_case(seed: int) -> tuple[Controller, Stack, np.ndarray]:
     joints = range(n - seed % 2)
     rest = PostureTask(wave(rng, q[list(joints)] + rng.uniform(-0.3, 0.3, len(joints)), 0.3), joints=joints, gain=3.0)
     stack = JointVelocityLimit(10.0) >> hand >> rest
-    return Controller(arm, stack, dt=DT), stack.swapped(hand, rest), q
+    return Controller(arm, stack, dt=DT, damping=None), stack.swapped(hand, rest), q
 
 
 def steps_between(seed: int, duration: float | None) -> np.ndarray:
@@ -232,7 +235,7 @@ def test_a_damped_level_keeps_its_rule_when_it_changes_places() -> None:
     assert stack.swapped(HAND, TURN) == LIMIT >> Damped(TURN, 0.1) >> HAND >> REST
     assert stack.without(HAND) == LIMIT >> Damped(TURN, 0.1) >> REST
     assert (LIMIT >> HAND >> REST).inserted(Damped(TURN, 0.1), below=HAND) == stack
-    controller = Controller(ARM, stack, dt=DT)
+    controller = Controller(ARM, stack, dt=DT, damping=None)
     before = run(controller, 5)
     controller.change(stack.swapped(HAND, TURN), duration=0.05)
     after = run(controller, 20, 5)

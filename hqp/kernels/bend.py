@@ -20,7 +20,6 @@ from .call import called
 from .compile import inner, integer
 from .memory import floats, ints, marks, matrix, vector
 from .orthogonal import length
-from .solver import levels_that_count
 from .symmetric import cholesky, eigen, smallest
 
 #: Where the curvatures are so small beside the least square of the rows, the linearisation is trusted.
@@ -310,86 +309,6 @@ def bend(here, k, count, d, above, least, damped):
 def ratio_of(bent, least):
     """How large curvatures are beside the least square of the rows."""
     return bent / least if least > 0.0 else math.inf if bent > 0.0 else 0.0
-
-
-@inner
-def quiet(here, there):
-    """Whether the strict answer is to be trusted, by the basis that it has left in directory `there`, at no bound.
-
-    What :func:`bend` looks at, from the triangles that are there: it costs less than the sweep.
-    """
-    head, ptr = ints(here, 0, plain.HEAD), marks(here, plain.PTR)
-    n, levels, last, cut = head[plain.N], head[plain.LEVELS], levels_that_count(there), marks(there, plain.CUT)
-    pivot, L, weights = marks(there, plain.PIVOT), matrix(there, plain.L), vector(here, plain.WEIGHTS)
-    lower, upper, ids = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, at.IDS)
-    if cut[last] < 0 or ints(there, 0, plain.HEAD)[plain.SWEEPS] != 1:  # proved without one, or it is of another guess
-        return False
-    for q in range(cut[last]):
-        if lower[pivot[q]] != upper[pivot[q]]:
-            return False
-    for k in range(head[at.TOP], levels):
-        count, least = gather(here, k), math.inf
-        if marks(here, at.CURVED)[k] == at.SPARED:
-            continue
-        for r in range(count):
-            if lower[ids[r]] != upper[ids[r]]:
-                return False
-        first = cut[min(k, last)]
-        if k >= last:
-            for i in range(ptr[k], ptr[k + 1]):
-                least = min(least, weights[i] * weights[i])
-        elif cut[k + 1] - first < count:  # some of the rows depend on others
-            return False
-        else:
-            least = least_of(L, pivot, first, cut[k + 1], vector(here, at.VALUES))
-        bent = contract(here, k, k + 1)
-        if first > 0 and pushed(here, there, k, first, n):
-            bent += contract(here, head[at.TOP], k)
-        if bent > TRUSTED * least:
-            return False
-    return True
-
-
-@inner
-def least_of(L, pivot, first, end, column):
-    """One over the square of the norm of the inverse of the triangle first .. end."""
-    total = 0.0
-    for c in range(first, end):
-        for r in range(c, end):
-            row = L[pivot[r]]
-            value = 1.0 if r == c else 0.0
-            for q in range(c, r):
-                value -= row[q] * column[q - first]
-            value /= row[r]
-            column[r - first] = value
-            total += value * value
-    return 1.0 / total if total > 0.0 else math.inf
-
-
-@inner
-def pushed(here, there, k, c, n):
-    """The weights of the curvatures above level k, by the triangle of the first c rows of V: whether any."""
-    V, L, pivot = matrix(there, plain.V), matrix(there, plain.L), marks(there, plain.PIVOT)
-    pull, mu, wanted = vector(here, at.PULL), vector(here, at.MU), vector(here, at.WANTED)
-    ptr, weights, some = marks(here, plain.PTR), vector(here, plain.WEIGHTS), False
-    for i in range(ptr[ints(here, 0, plain.HEAD)[at.TOP]], ptr[k]):
-        wanted[i] = 0.0
-    for j in range(n):
-        some = some or pull[j] != 0.0
-    if not some:
-        return False
-    for q in range(c):
-        direction, total = V[q], 0.0
-        for j in range(n):
-            total += direction[j] * pull[j]
-        mu[q] = total
-    for q in range(c - 1, -1, -1):
-        row = L[pivot[q]]
-        mu[q] /= row[q]
-        for r in range(q):
-            mu[r] -= row[r] * mu[q]
-        wanted[pivot[q]] = mu[q] * weights[pivot[q]]
-    return True
 
 
 @inner

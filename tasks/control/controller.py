@@ -178,8 +178,8 @@ class Controller(Live, Generic[V, A, T]):
         in which they do, and joints change their velocities calmly there and close to limits; in reach the answer is
         the strict one. ``step.relaxed`` and ``step.solution.explain()`` tell where. A level is left out of it by
         ``Damped(level, None)``. None: every level is strict. So it is where the stack is damped by itself, where no
-        part of it bends, as postures do not, where forces of contacts are unknowns too, and with backends of closed forms,
-        which take no inequalities.
+        part of it bends, as postures do not, where forces of contacts are unknowns too, and with backends of closed
+        forms, which take no inequalities.
 
     Raises
     ------

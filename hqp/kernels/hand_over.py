@@ -1,0 +1,196 @@
+r"""What a curved level hands over to the levels below it: rows that are held, and rows that are soft.
+
+Where nothing of a level is damped, all its rows are held. Else they are combined by how softly the level gives way:
+with :math:`G = U S V^T`, its rows in the directions that are left, and D, its damping there, the eigenvalues of
+:math:`S^{-1} V^T D V S^{-1}` are what is missed of a combination over what is met of it. The stiffness below is inverse
+to that, so that it grows without bound as the damping fades: a row that is held is its limit, and nothing is switched.
+"""
+
+from __future__ import annotations
+
+from . import curved_layout as at
+from . import layout as plain
+from .compile import inner, integer
+from .memory import ints, marks, matrix, vector
+from .orthogonal import length
+from .symmetric import eigen
+
+#: So stiff against the levels below are soft rows that are met as well as missed, times gain dt; and above the second
+#: number they are held.
+STIFF, STIFFEST = 6.0, 1e4
+#: A combination of rows that is so much shorter is none.
+NONE = 1e-9
+#: A row further from its bounds than this, relative to both, is violated.
+VIOLATED = 1e-9
+
+
+@inner
+def set_aside(here, row, d):
+    """Hold one more row below, which is `row` along Z: of Z, one direction less is left.
+
+    By the reflection that brings the last direction to where the row is, :math:`I - 2 u u^T / |u|^2`.
+    """
+    n, basis, turned = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), vector(here, at.REACH)
+    size, total = length(row, d), 0.0
+    row[d - 1] += size if row[d - 1] > 0.0 else -size
+    for j in range(n):
+        turned[j] = 0.0
+    for p in range(d):
+        direction = basis[p]
+        total += row[p] * row[p]
+        for j in range(n):
+            turned[j] += row[p] * direction[j]
+    for p in range(d):
+        direction, share = basis[p], 2.0 * row[p] / total
+        for j in range(n):
+            direction[j] -= share * turned[j]
+
+
+@inner
+def along(here, row, d, out):
+    """A row along the directions Z that are left; its length there, and its own."""
+    n, basis = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS)
+    for p in range(d):
+        direction, total = basis[p], 0.0
+        for j in range(n):
+            total += row[j] * direction[j]
+        out[p] = total
+    return length(out, d), length(row, n)
+
+
+@inner
+def hold(here, row, d):
+    """Hold a row below: how many directions are left."""
+    left = vector(here, at.MU)
+    size, whole = along(here, row, d, left)
+    if d > 0 and size > NONE * whole:
+        set_aside(here, left, d)
+        return d - 1
+    return d
+
+
+@inner
+def freeze(here, k, count, d, x, size):
+    """What of level k is held, or soft, below it, where x is its answer: how many directions are left."""
+    n, ids, state = ints(here, 0, plain.HEAD)[plain.N], marks(here, at.IDS), marks(here, at.STATE)
+    lower, upper, weights = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, plain.WEIGHTS)
+    reached, rows, J, mixed = (
+        vector(here, at.VALUE),
+        matrix(here, at.ROW),
+        matrix(here, at.J),
+        marks(here, at.CURVED)[k] == at.SPARED,
+    )
+    for r in range(count):
+        mixed = mixed or lower[ids[r]] != upper[ids[r]]
+    if not mixed:
+        return soften(here, count, d, x, size)
+    for r in range(count):
+        i, value = ids[r], 0.0
+        for j in range(n):
+            rows[i][j] = J[r][j]
+            value += J[r][j] * x[j]
+        low, high = weights[i] * lower[i], weights[i] * upper[i]
+        off = max(value - high, low - value)
+        if lower[i] == upper[i] or off > VIOLATED * (abs(value) + off):
+            state[i], reached[i] = at.HELD, value
+            d = hold(here, J[r], d)
+    return d
+
+
+@inner
+def compliance(here, count, d, size):
+    """How softly the level gives way in each combination Q of its rows: eigenvalues of S^-1 V' D V S^-1, G = U' S V'.
+
+    D is its damping, and what soft rows above it add. Returns how many combinations there are.
+    """
+    G, P, L, M = matrix(here, at.G), matrix(here, at.P), matrix(here, at.METRIC), matrix(here, at.M)
+    U, Q, E, half, values = (
+        matrix(here, at.U),
+        matrix(here, at.Q),
+        matrix(here, at.E),
+        matrix(here, at.HALF),
+        vector(here, at.VALUES),
+    )
+    for i in range(d):  # D = P + |J|^2 (1 - L^-1 L^-T); by columns of L^-1
+        for j in range(d):
+            E[i][j] = P[i][j] + (size * size if i == j else 0.0)
+    for c in range(d):
+        column = half[0]
+        for p in range(c, d):
+            total = 1.0 if p == c else 0.0
+            for q in range(c, p):
+                total -= L[p][q] * column[q]
+            column[p] = total / L[p][p]
+        for i in range(c, d):
+            for j in range(c, d):
+                E[i][j] -= size * size * column[i] * column[j]
+    for r in range(count):
+        for q in range(r + 1):
+            one, other, total = G[r], G[q], 0.0
+            for p in range(d):
+                total += one[p] * other[p]
+            M[r][q] = M[q][r] = total
+    eigen(M, U, values, count)
+    rank = integer(0)
+    for r in range(count):
+        if values[r] > NONE * NONE * size * size and rank < d:
+            row, own = half[rank], U[r]
+            for p in range(d):
+                row[p] = 0.0
+            for i in range(count):
+                for p in range(d):
+                    row[p] += own[i] / values[r] * G[i][p]
+            for i in range(count):
+                U[rank][i] = own[i]
+            rank += 1
+    for r in range(rank):
+        for q in range(r + 1):
+            total = 0.0
+            for i in range(d):
+                row, part = E[i], half[r][i]
+                for j in range(d):
+                    total += part * row[j] * half[q][j]
+            M[r][q] = M[q][r] = total
+    eigen(M, P, values, rank)  # P is no longer needed
+    for r in range(rank):
+        row = Q[r]
+        for i in range(count):
+            row[i] = 0.0
+        for q in range(rank):
+            for i in range(count):
+                row[i] += P[r][q] * U[q][i]
+    return rank
+
+
+@inner
+def soften(here, count, d, x, size):
+    """The same of a level of equalities: combined by how softly it gives way, each held or soft."""
+    n, ids, state = ints(here, 0, plain.HEAD)[plain.N], marks(here, at.IDS), marks(here, at.STATE)
+    reached, rows, stiffness = vector(here, at.VALUE), matrix(here, at.ROW), vector(here, at.STIFFNESS)
+    J, left, Q, soft = matrix(here, at.J), vector(here, at.MU), matrix(here, at.Q), vector(here, at.VALUES)
+    rank = compliance(here, count, d, size)
+    for r in range(count):
+        i = ids[r]
+        state[i] = at.LOST
+        if r >= rank:
+            continue
+        row, value = rows[i], 0.0
+        for j in range(n):
+            row[j] = 0.0
+        for p in range(count):
+            for j in range(n):
+                row[j] += Q[r][p] * J[p][j]
+        for j in range(n):
+            value += row[j] * x[j]
+        reached[i] = value
+        reach, _ = along(here, row, d, left)
+        if d == 0 or not reach > 0.0:
+            continue
+        stiff = STIFF / vector(here, at.SHARES)[ints(here, 0, plain.HEAD)[at.TOP]]
+        if soft[r] * STIFFEST > stiff:
+            state[i], stiffness[i] = at.SOFT, stiff / (soft[r] * reach)
+        else:
+            state[i] = at.HELD
+            set_aside(here, left, d)
+            d -= 1
+    return d
