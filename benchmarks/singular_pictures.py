@@ -13,6 +13,7 @@ from .singular_scenes import Run
 
 COLOURS = (
     "#bdbdbd", "#000000", "#0072b2", "#0072b2", "#56b4e9", "#009e73", "#e6c700", "#332288", "#d55e00", "#cc79a7",
+    "#882255", "#882255",
 )  # fmt: skip
 #: Of a method whose joint speeds are limited.
 LIMITED = "--"
@@ -45,5 +46,5 @@ def draw(path: Path, runs: Mapping[str, Sequence[Run]]) -> None:
         ):
             axes.set_ylabel(what)
         handles, labels = grid[0, 0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+        figure.legend(handles, labels, loc="outside lower center", ncols=-(-len(labels) // 2))
         figure.savefig(path, dpi=76, metadata={"Software": None}, pil_kwargs={"optimize": True})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -131,7 +132,11 @@ METHODS: dict[str, Method] = {
     "by error": _damped(ErrorDamping(FASTEST)),
     "Chiaverini": _decoupled,
     "Kim": _reconstructed,
+    "default": _strict,
+    "default, limits": _limited(_strict),
 }
+#: The methods that leave damping to the controller; of the others it damps nothing.
+DEFAULTS: dict[str, Literal["curvature"]] = {"default": "curvature", "default, limits": "curvature"}
 
 
 def scenes() -> list[Scene]:

@@ -11,7 +11,7 @@ import typer
 from hqp.commands.terminal import console
 from tasks import Controller, simulate
 
-from .singular_scenes import METHODS, Run, Scene, scenes
+from .singular_scenes import DEFAULTS, METHODS, Run, Scene, scenes
 from .tables import Row, show, terminal
 
 #: Tick [s], every how many the certificate and the report are asked for, and the speed [rad/s] of a diverged run.
@@ -29,7 +29,7 @@ def run(scene: Scene, method: str) -> Run:
             reported[level.name] = max(reported.get(level.name, 0.0), level.residual_norm)
         return bool(solution.certify().ok)
 
-    controller = Controller(scene.robot, stack, dt=TICK, damping=None)
+    controller = Controller(scene.robot, stack, dt=TICK, damping=DEFAULTS.get(method))
     record = simulate(
         controller, scene.start, duration=scene.duration, speed_cap=CAP, certify=EVERY, proof=proof
     )  # fmt: skip

@@ -19,7 +19,7 @@ stack = (
     >> OrientationTask(np.pi / 4, gain=2.0)
     >> PostureTask(np.zeros(4), gain=1.0)
 )
-controller = Controller(arm, stack, order="velocity", dt=0.02)
+controller = Controller(arm, stack, order="velocity", dt=0.02, damping=None)
 step = controller(np.radians([45.0, 35.0, -70.0, -30.0]), v=np.array([0.1, 0.8, -0.1, -0.2]))
 solution = step.solution
 print("joint velocities", step.v.round(4) + 0.0, "rad/s; proved:", solution.certify().ok)

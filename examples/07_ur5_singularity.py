@@ -6,7 +6,6 @@ import numpy as np
 
 from tasks import (
     Controller,
-    Damping,
     JointLimits,
     JointVelocityLimit,
     Line,
@@ -25,21 +24,20 @@ hand = robot.at(start, np.zeros(6)).frame()
 path = Line(hand.position, np.add(hand.position, [-0.1, 0.4, 0.0]), duration=3.0, timing=quintic)
 
 
-def run(limited: bool, strict: bool, damped: bool):
+def run(limited: bool, levels: bool, **options):
     position, orientation = PositionTask(path, gain=5.0), OrientationTask(hand.rotation, gain=5.0)
-    last = orientation + Damping(0.1) if damped else orientation
-    stack = position >> last if strict else position + last
+    stack = position >> orientation if levels else position + orientation
     if limited:
         stack = JointLimits(JointVelocityLimit(FASTEST)) >> stack
-    return simulate(Controller(robot, stack, dt=5e-3), start, duration=4.0, certify=20)
+    return simulate(Controller(robot, stack, dt=5e-3, **options), start, duration=4.0, certify=20)
 
 
 records = {
-    "strict, no limits": run(limited=False, strict=True, damped=False),
-    "strict": run(limited=True, strict=True, damped=False),
-    "strict, damped": run(limited=True, strict=True, damped=True),
-    "one level": run(limited=True, strict=False, damped=False),
-    "one level, damped": run(limited=True, strict=False, damped=True),
+    "strict, no limits": run(limited=False, levels=True, damping=None),
+    "strict": run(limited=True, levels=True, damping=None),
+    "as it comes": run(limited=True, levels=True),
+    "one level, strict": run(limited=True, levels=False, damping=None),
+    "one level": run(limited=True, levels=False),
 }
 print(f"{'largest of the run':18}  position [mm]  orientation [deg]  joint speed [rad/s]  certified")
 for name, record in records.items():

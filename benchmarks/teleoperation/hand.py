@@ -49,13 +49,17 @@ class Hand:
         They add up.
     ease : float
         How long it takes until they have their full size [s].
+    until : float
+        When it stops; then the target stands [s].
     """
 
     sways: tuple[Sway, ...]
     ease: float = 1.0
+    until: float = np.inf
 
     def at(self, t: float, position: Array, rotation: Array) -> tuple[Array, Array]:
         """The target at time t [s] of a frame that started there."""
+        t = min(t, self.until)
         size = quintic(min(t / self.ease, 1.0))[0]
         waves = [size * sway.at(t) for sway in self.sways]
         move, turn = (

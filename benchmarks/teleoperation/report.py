@@ -3,107 +3,86 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from math import degrees
 
 import numpy as np
 
-from hqp.arrays import Array
-
 from ..tables import Row
 from ..ticks.stream import Stream
-from .loop import Run
-from .metrics import Ranges, fast_share, frozen, jerk, longest, overspeed, ranges, rms
-from .tracking import errors, inevitable
+from .measure import Measure
+from .metrics import fast_share
+from .scenes import Scene
 
-#: By how much the hand has to be too far off for a robot that stands still to count as frozen [m].
-THRESHOLD = 5e-3
-#: Columns that are told where no joint starts outside its range; and, beside them, where one does.
+#: Columns that are told in any scene; and, beside them, those of scenes that ask for them.
 SHOWN = (
-    "scene", "method", "mm", "max", "deg", "jerk", ">3 Hz", "frozen", "longest", "raised", "out", "over", "p50", "p99",
+    "scene", "method", "mm", "max", "deg", "jerk", ">3 Hz", "frozen", "longest", "raised", "out", "over", "moved",
+    "reach", "caught", "p50", "p99",
 )  # fmt: skip
 COMING_BACK = "back"
-
-
-@dataclass(frozen=True, eq=False)
-class Tracking:
-    """How a run kept to its targets, tick by tick.
-
-    Attributes
-    ----------
-    far, excess : array, shape (ticks,)
-        Distance of the hand from its target, and what of it no configuration forces [m].
-    turned : array, shape (ticks,)
-        Angle between the hand and its target [rad].
-    """
-
-    far: Array
-    excess: Array
-    turned: Array
-
-
-def track(stream: Stream, runs: Sequence[Run]) -> dict[str, Tracking]:
-    """The same for all runs of a stream.
-
-    What is forced is what inverse kinematics finds, or less where one of the runs came nearer.
-    """
-    (frame,) = stream.scene.frames
-    measured = {run.name: errors(stream, frame, run.q) for run in runs}
-    forced = np.min([inevitable(stream, frame), *(far for far, _ in measured.values())], axis=0)
-    return {name: Tracking(far, far - forced, turned) for name, (far, turned) in measured.items()}
+STANDING = ("feet", "end", "end ik")
+#: Columns that are left out where they are empty: of angles nobody asks for, and of a first level of several tasks.
+OPTIONAL = ("deg", "moved", "reach", "end", "end ik")
 
 
 def hand_share(stream: Stream) -> float:
-    """The share of the power of the target's own velocity that is fast."""
-    (frame,) = stream.scene.frames
-    return fast_share(np.gradient(stream.positions[frame], stream.scene.dt, axis=0), stream.scene.dt)
+    """The share of the power of the targets' own velocities that is fast."""
+    dt = stream.scene.dt
+    moves = [np.gradient(stream.positions[frame], dt, axis=0) for frame in stream.scene.led]
+    return fast_share(np.hstack(moves), dt)
 
 
-def table(stream: Stream, runs: Sequence[Run], tracking: Mapping[str, Tracking]) -> list[Row]:
+def title(scene: Scene) -> str:
+    """What a scene is called: with its gain and tick where these are not the usual ones."""
+    usual = type(scene)("", "", "", ())
+    own = "" if (scene.gain, scene.dt) == (20.0, usual.dt) else f", K {scene.gain:g} /s, dt {1e3 * scene.dt:g} ms"
+    return scene.name + own
+
+
+def table(scene: Scene, measured: Mapping[str, Measure]) -> list[Row]:
     """One row a run; the columns are explained in the documentation of teleoperation."""
-    return [_row(stream, run, tracking[run.name]) for run in runs]
+    return [_row(scene, name, m) for name, m in measured.items()]
 
 
-def shown(stream: Stream, rows: Sequence[Row]) -> list[Row]:
+def shown(scene: Scene, rows: Sequence[Row]) -> list[Row]:
     """What of it fits a terminal."""
-    columns = [*SHOWN, COMING_BACK] if stream.scene.beyond else SHOWN
-    return [{column: row[column] for column in row if column in columns} for row in rows]
+    columns = [*SHOWN, *([COMING_BACK] if scene.beyond else []), *(STANDING if scene.standing else [])]
+    empty = {column for column in OPTIONAL if not any(row[column] for row in rows)}
+    return [{column: row[column] for column in row if column in columns and column not in empty} for row in rows]
 
 
-def _row(stream: Stream, run: Run, tracked: Tracking) -> Row:
-    dt, robot = stream.scene.dt, stream.robot
-    still = frozen(run.v, tracked.excess, THRESHOLD)
-    joints = np.array([robot.at(q, run.v[0]).joints for q in run.q])
-    kept = ranges(joints, *robot.position_limit)
-    us = 1e-3 * run.ns.min(axis=0)  # the same work in every round: what the machine adds is never negative
-    fast, over = overspeed(run.v, robot.velocity_limit)
+def _row(scene: Scene, name: str, m: Measure) -> Row:
     return {
-        "scene": stream.scene.name,
-        "method": run.name,
-        "mm": f"{1e3 * rms(tracked.excess):.1f}",
-        "max": f"{1e3 * tracked.excess.max():.1f}",
-        "whole mm": f"{1e3 * rms(tracked.far):.1f}",
-        "whole max": f"{1e3 * tracked.far.max():.1f}",
-        "deg": f"{np.degrees(rms(tracked.turned)):.2f}",
-        "deg max": f"{np.degrees(tracked.turned.max()):.2f}",
-        "jerk": _jerk(jerk(run.v, dt)),
-        ">3 Hz": f"{100 * fast_share(run.v, dt):.2f}%",
-        "frozen": str(int(still.sum())),
-        "longest": f"{1e3 * dt * longest(still):.0f}",
-        "raised": str(int(run.held.sum())),
-        "raised by": ", ".join(sorted(run.raised)),
-        "out ticks": str(kept.ticks),
-        "out": _small(kept.worst, kept.ticks),
-        "back": _back(kept, dt),
-        "further": _small(kept.further, int(kept.further > 0.0)),
-        "over ticks": str(fast),
-        "over": _small(over, fast),
-        "p50": f"{np.nanmedian(us):.0f}",
-        "p99": f"{np.nanquantile(us, 0.99):.0f}",
+        "scene": scene.name,
+        "gain": f"{scene.gain:g}",
+        "dt": f"{1e3 * scene.dt:g}",
+        "method": name,
+        "mm": f"{1e3 * m.excess:.1f}",
+        "max": f"{1e3 * m.excess_max:.1f}",
+        "whole mm": f"{1e3 * m.far:.1f}",
+        "whole max": f"{1e3 * m.far_max:.1f}",
+        "deg": "" if m.turned is None else f"{degrees(m.turned):.2f}",
+        "deg max": "" if m.turned_max is None else f"{degrees(m.turned_max):.2f}",
+        "jerk": f"{m.jerk:.0f}" if m.jerk >= 10.0 else f"{m.jerk:.1f}",
+        ">3 Hz": f"{100 * m.fast:.2f}%",
+        "frozen": str(m.frozen),
+        "longest": f"{1e3 * scene.dt * m.longest:.0f}",
+        "raised": str(m.raised),
+        "raised by": m.by,
+        "out ticks": str(m.out_ticks),
+        "out": _small(m.out, m.out_ticks),
+        "back": _seconds(m.back),
+        "further": _small(m.further, int(m.further > 0.0)),
+        "over ticks": str(m.over_ticks),
+        "over": _small(m.over, m.over_ticks),
+        "moved": "" if m.moved is None else f"{1e3 * m.moved:.3f}",
+        "reach": "" if m.reach is None else f"{m.reach:.2f}",
+        "caught": str(m.caught),
+        "feet": "" if m.strayed is None else f"{1e3 * m.strayed:.2f}",
+        "end": "" if m.end is None else f"{1e3 * m.end:.1f}",
+        "end ik": "" if m.forced is None else f"{1e3 * m.forced:.1f}",
+        "p50": f"{m.p50:.0f}",
+        "p99": f"{m.p99:.0f}",
     }
-
-
-def _jerk(value: float) -> str:
-    return f"{value:.0f}" if value >= 10.0 else f"{value:.1f}"
 
 
 def _small(worst: float, ticks: int) -> str:
@@ -111,5 +90,5 @@ def _small(worst: float, ticks: int) -> str:
     return f"{worst:.0e}" if ticks else "0"
 
 
-def _back(kept: Ranges, dt: float) -> str:
-    return "never" if kept.back is None else f"{dt * kept.back:.2f}"
+def _seconds(value: float | None) -> str:
+    return "never" if value is None else f"{value:.2f}"

@@ -1,4 +1,4 @@
-"""Scenes of teleoperation as data: a robot, and the motion of the target."""
+"""Scenes of teleoperation as data: a robot, and the motion of the targets."""
 
 from __future__ import annotations
 
@@ -32,6 +32,16 @@ class Scene(Asked):
 
     seconds: float = 15.0
     beyond: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def led(self) -> list[str]:
+        """The frames that the operator leads; others stand where they are."""
+        return [frame for frame in self.frames if frame in self.motions]
+
+    @property
+    def standing(self) -> list[str]:
+        """The frames whose task it is to stay where they are."""
+        return [frame for frame in self.frames if frame not in self.motions]
 
     def beginning(self, robot: PinocchioRobot) -> Array:
         """Where the robot starts, shape (nq,): its home, but for joints that start outside their range."""
@@ -70,7 +80,8 @@ _BACK = -np.pi / 2.0
 
 _PANDA = Scene("", "", "panda", _arm(_TIP), held=_FINGERS, gain=20.0, posture_gain=1.0)
 
-SCENES = (
+#: What the damping of this library was found with.
+KNOWN = (
     replace(
         _PANDA,
         name="figure eight",
@@ -119,3 +130,75 @@ SCENES = (
         posture_gain=1.0,
     ),
 )
+
+
+def _unseen(name: str, about: str, *sways: Sway) -> Scene:
+    return replace(_PANDA, name=name, about=about, motions={_TIP: Hand(sways)})
+
+
+def _random(seed: int) -> Scene:
+    """Out in any direction, mostly forwards, and about any other one at the same time, with a turn."""
+    rng = np.random.default_rng(seed)
+    out = rng.normal(size=3) * (1.0, 1.0, 0.7)
+    out[0] = abs(out[0])
+    out *= rng.uniform(0.25, 0.55) / np.linalg.norm(out)
+    aside, axis = (w / np.linalg.norm(w) for w in rng.normal(size=(2, 3)))
+    rates = rng.uniform((0.1, 0.15), (0.25, 0.35))
+    aside, axis, phase = rng.uniform(0.05, 0.25) * aside, rng.uniform(0.1, 0.5) * axis, rng.uniform(-1.0, 1.0)
+    return _unseen(
+        f"random {seed}",
+        f"a motion drawn at random, {2 * np.linalg.norm(out):.1f} m out and back",
+        Sway(rates[0], tuple(out), phase=_BACK),
+        Sway(rates[1], tuple(aside), tuple(axis), float(phase)),
+    )
+
+
+#: No decision on this library was made with these.
+UNSEEN = (
+    _unseen(
+        "faster",
+        "out of reach at twice the speed",
+        Sway(0.3, (0.5, 0.0, 0.0), phase=_BACK),
+        Sway(0.5, (0.0, 0.3, 0.1), (0.0, 0.3, 0.0)),
+    ),
+    _unseen(
+        "sideways",
+        "1.2 m to the left and back",
+        Sway(0.15, (0.0, 0.6, 0.0), phase=_BACK),
+        Sway(0.25, (0.2, 0.0, 0.1), (0.3, 0.0, 0.0)),
+    ),
+    _unseen(
+        "up",
+        "0.5 m forwards, 0.7 m up, and back",
+        Sway(0.15, (0.25, 0.0, 0.35), phase=_BACK),
+        Sway(0.25, (0.0, 0.2, 0.0)),
+    ),
+    *(_random(seed) for seed in range(201, 206)),
+)
+
+
+def _reach(side: float) -> Hand:
+    """Of one of two hands: forwards, to the side and up, and held there."""
+    forwards, apart = Sway(0.2, (0.35, 0.0, 0.0), phase=_BACK), Sway(0.13, (0.0, 0.1 * side, 0.05))
+    return Hand((forwards, apart, Sway(0.25, (0.0, 0.0, 0.15))), until=7.5)
+
+
+_FEET = tuple(f"{side}_ankle_roll_link" for side in ("left", "right"))
+_HANDS = tuple(f"{side}_rubber_hand" for side in ("left", "right"))
+
+HUMANOID = Scene(
+    "humanoid",
+    "feet and centre of mass above two hands that are led out of reach and held there for 3 s",
+    "g1",
+    (
+        (*(Goal("pose", foot, 10.0) for foot in _FEET), Goal("com", cost=3.0)),
+        tuple(Goal("position", hand) for hand in _HANDS),
+        (Goal("posture", cost=1e-3),),
+    ),
+    {_HANDS[0]: _reach(1.0), _HANDS[1]: _reach(-1.0)},
+    gain=20.0,
+    posture_gain=1.0,
+    seconds=10.5,
+)
+
+SCENES = (*KNOWN, *UNSEEN, HUMANOID)

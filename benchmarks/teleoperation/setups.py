@@ -12,7 +12,7 @@ from hqp import ErrorDamping
 
 from ..ticks.driver import Driver
 from ..ticks.ours import Ours
-from ..ticks.scenes import Goal
+from ..ticks.scenes import Scene
 from ..ticks.stream import Stream
 
 #: The joint acceleration that those keep which brake [rad/s^2].
@@ -43,6 +43,10 @@ class Own:
         """Why it cannot be asked: it always can."""
         return ""
 
+    def refuses(self, scene: Scene) -> str:
+        """Why it cannot be asked this: it always can."""
+        return ""
+
     def driver(self, stream: Stream) -> Driver:
         """At work on a stream."""
         return Ours(stream, name=self.name, **self.options)
@@ -59,8 +63,8 @@ class Peer:
         What the settings are called; empty for the default ones.
     lm : float
         Levenberg-Marquardt damping of frames: its share of the square of their whole error.
-    position : float
-        What the costs of positions are multiplied by.
+    first : float
+        What the costs of the first level are multiplied by.
     options : dict
         Of the driver beside the ticks, and of the ``solve_ik`` of the library.
     """
@@ -69,7 +73,7 @@ class Peer:
     solver: str
     variant: str = ""
     lm: float = 0.0
-    position: float = 1.0
+    first: float = 1.0
     options: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -79,25 +83,30 @@ class Peer:
 
     def missing(self) -> str:
         """Why it cannot be asked; empty where it can."""
-        for package in (self.package, {"proxqp": "proxsuite"}.get(self.solver, self.solver)):
+        for package in filter(None, (self.package, {"proxqp": "proxsuite"}.get(self.solver, self.solver))):
             if find_spec(package) is None:
                 return f"{self.name}: left out, {package} is not installed: python -m pip install -e '.[peers,solvers]'"
         return ""
 
+    def refuses(self, scene: Scene) -> str:
+        """Why it cannot be asked this; empty where it can."""
+        if self.package == "roboplan" and any(goal.what == "com" for goal in scene.goals):
+            return f"{self.name}: left out of {scene.name}, as it has no task for the centre of mass"
+        return ""
+
     def driver(self, stream: Stream) -> Driver:
         """At work on a stream. What the libraries damp by is the error times the gain, which is taken out here."""
-        levels = tuple(tuple(self._weighed(goal) for goal in level) for level in stream.scene.levels)
+        first, *others = stream.scene.levels
+        levels = (tuple(replace(goal, cost=self.first * goal.cost) for goal in first), *others)
         weighed = replace(stream, scene=replace(stream.scene, levels=levels))
         kind = getattr(import_module(f"benchmarks.ticks.with_{self.package}"), self.package.capitalize())
         variant = f" {self.variant}" if self.variant else ""
         return kind(self.solver, weighed, lm_damping=self.lm / stream.scene.step**2, name=variant, **self.options)
 
-    def _weighed(self, goal: Goal) -> Goal:
-        return replace(goal, cost=self.position * goal.cost) if goal.what == "position" else goal
-
 
 #: Costs and lm are 1 at a gain of 1 in the examples of both libraries with one arm; mink's also add a damping of 1e-3.
 SETUPS: tuple[Own | Peer, ...] = (
+    Own("hqp", {"strict": False}),
     Own("hqp strict"),
     Own("hqp damped", {"damping": {"position": 0.2, "orientation": 1.0}}),
     Own("hqp braked", {"acceleration": ACCELERATION}),
@@ -107,8 +116,12 @@ SETUPS: tuple[Own | Peer, ...] = (
     Peer("pink", "daqp"),
     Peer("pink", "proxqp"),
     Peer("pink", "daqp", "lm", lm=1.0, options={"safety_break": False}),
-    Peer("pink", "daqp", "lm 100", lm=1.0, position=100.0, options={"safety_break": False}),
+    Peer("pink", "daqp", "lm 100", lm=1.0, first=100.0, options={"safety_break": False}),
     Peer("pink", "daqp", "braked", options={"acceleration": ACCELERATION}),
     Peer("mink", "daqp"),
     Peer("mink", "daqp", "lm", lm=1.0, options={"damping": 1e-3}),
+    Peer("roboplan", ""),
+    Peer("roboplan", "", "lm 100", lm=1.0, first=100.0),
+    Peer("roboplan", "", "levels", options={"priorities": True}),
+    Peer("roboplan", "", "levels lm", lm=1.0, options={"priorities": True}),
 )

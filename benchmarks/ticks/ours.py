@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from tasks import CenterOfMassTask, Controller, Step
 from .driver import Driver
 from .stack import declare
 from .stream import Stream
+
+#: What a controller is told by who wants no damping beside that of the levels; others say nothing.
+STRICT: Mapping[str, Any] = {"damping": None}
 
 
 class Ours(Driver):
@@ -27,6 +31,8 @@ class Ours(Driver):
         Rules for the levels that begin with a goal of this kind; others are strict.
     acceleration : float, optional
         What the joints keep, too [rad/s^2].
+    strict : bool
+        Whether only those levels are damped that have a rule; else the default damping is left on.
     """
 
     def __init__(
@@ -36,13 +42,14 @@ class Ours(Driver):
         name: str = "hqp",
         damping: Mapping[str, DampingRule | float] = MappingProxyType({}),
         acceleration: float | None = None,
+        strict: bool = True,
     ) -> None:
         super().__init__(name, stream)
         scene, self.robot = stream.scene, stream.scene.load()
         if acceleration is not None:
             self.robot.acceleration_limit = np.full(self.robot.nv, acceleration)
         self.stack, targets = declare(scene, self.robot, damping)
-        self.controller = Controller(self.robot, self.stack, dt=scene.dt, damping=None)
+        self.controller = Controller(self.robot, self.stack, dt=scene.dt, **(STRICT if strict else {}))
         self.q, self.v = list(stream.q), list(stream.v)
         self.targets = [(target, list(stream.positions[name])) for name, target in targets.positions.items()]
         self.targets += [(target, list(stream.rotations[name])) for name, target in targets.rotations.items()]
