@@ -54,7 +54,7 @@ def test_no_motion_exceeds_its_limits(order, gain):
     v_max, a_max, dt = np.array([0.6, 1.0, 1.2]), np.array([8.0, 9.0, 10.0]), 0.01
     tasks = PositionTask([1.5, 0.8], gain=gain) >> OrientationTask(2.0, gain=1.5 * gain)
     limits = JointVelocityLimit(v_max) + JointAccelerationLimit(a_max)
-    record = simulate(Controller(ARM, limits >> tasks, order=order, dt=dt), Q, duration=1.5, certify=1)
+    record = simulate(Controller(ARM, limits >> tasks, order=order, dt=dt, damping=None), Q, duration=1.5, certify=1)
     assert record.stopped is None
     assert np.all(np.abs(record.v) <= v_max + 1e-9)
     assert np.all(np.abs(record.a) <= a_max + 1e-9 / dt)
@@ -184,7 +184,7 @@ def random_motion(seed, order):
     reach = rng.uniform(0.0, 1.5) * lengths.sum()
     stack = stack >> PositionTask([reach * np.cos(phi), reach * np.sin(phi)], gain=gain)
     below = [OrientationTask(phi, gain=gain), PostureTask(rng.uniform(-2.0, 2.0, n), gain=gain)]
-    return Controller(arm, stack >> below[rng.integers(2)], order=order, dt=dt), q, v
+    return Controller(arm, stack >> below[rng.integers(2)], order=order, dt=dt, damping=None), q, v
 
 
 def run(seed, order, duration):
