@@ -216,3 +216,15 @@ def test_rules_of_its_own_hold() -> None:
     default, off = (Controller(robot, stack, dt=DT, damping=d)([0.1, 0.1, 0.1]) for d in ("curvature", None))
     assert (default.v == off.v).all()
     assert [level.level for level in default.relaxed] == [1]
+
+
+def test_rows_above_plain_bounds_stay_what_they_are() -> None:
+    robot = arm()
+    guard = BoxLimit([-2.0, -2.0], [1.1, 0.5], gain=20.0)
+    stack = guard >> JointLimits() >> PositionTask([1.7, 0.4], gain=10.0) >> PostureTask([0.2] * 3, gain=1.0)
+    step = Controller(robot, stack, dt=DT)([0.1, 0.2, 0.1], [0.3, 0.2, 0.1])
+    assert step.relaxed
+    for stage in step.solution.stages:
+        for own, given in zip(stage.hierarchy.levels[:1], step.solution.hierarchy.levels, strict=False):
+            np.testing.assert_array_equal(own.A, given.A)
+    assert step.solution.levels[0].residual_norm <= 1e-9

@@ -54,7 +54,8 @@ def write_above(here, k, A, lower, upper, weights):
                 lower[place] = reached[i] if held else -math.inf
                 upper[place] = reached[i] if held else math.inf
             place += 1
-            row += 1
+            if row >= 0:  # else the level has no rows of A
+                row += 1
 
 
 @inner
