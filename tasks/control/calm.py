@@ -19,8 +19,8 @@ STRAIGHT = "the arm is straight in this direction"
 def curved_levels(rows: Rows) -> tuple[int, ...]:
     """Of every level, whether it may be damped by default (1), is below a task but left strict (2), or neither (0).
 
-    Of limits above all tasks nothing gives way, and a level with an inequality is left strict. So is all of a stack where
-    no task tells how its value bends, or where forces of contacts are unknown, too.
+    Of limits above all tasks nothing gives way, and a level with an inequality is left strict. So is all of a stack
+    where no task tells how its value bends, or where forces of contacts are unknown, too.
     """
     rules, work = rows.stack.damping, rows.work
     levels = len(rules)
