@@ -237,7 +237,7 @@ def test_the_residual_above_does_not_know_of_it(order):
     part = AtLeast(PositionTask([0.4], mask="z", gain=3.0, name="floor"))
     limits = JointLimits(JointVelocityLimit(0.3), JointAccelerationLimit(15.0))
     rng = np.random.default_rng(6)
-    options = {"order": order, "dt": 0.01}
+    options = {"order": order, "dt": 0.01, "damping": None}
     both, alone = (
         Controller(panda(), limits >> reach >> part, **options),
         Controller(panda(), limits >> reach, **options),

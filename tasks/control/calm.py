@@ -14,6 +14,8 @@ from ..rows.task import Task
 
 #: What explanations say where a task has a direction in which joints hardly move it.
 STRAIGHT = "the arm is straight in this direction"
+#: Beyond it velocities are none: their squares are beyond what a hierarchy takes.
+FASTEST = 1e12
 
 
 def curved_levels(rows: Rows) -> tuple[int, ...]:
@@ -86,6 +88,6 @@ class CalmSolver:
         if self._planned != self._rows.planned:
             self._solver.relinearise(linearised(self._rows, self._dt, self._curved, self._last))
             self._planned = self._rows.planned
-        known = last is not None and self._dt is not None and np.isfinite(last @ last)
+        known = last is not None and self._dt is not None and (np.abs(last) <= FASTEST).all()
         self._last[:] = last if known else np.nan
         return self._solver.solve(hierarchy)
