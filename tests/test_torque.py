@@ -158,7 +158,7 @@ def test_explanations_name_joint_and_unit():
 def test_it_reads_like_its_declaration():
     assert repr(JointTorqueLimit()) == "JointTorqueLimit()"
     assert repr(JointTorqueLimit([1, 2])) == "JointTorqueLimit([1.0, 2.0])"
-    controller = Controller(ARM, JointTorqueLimit() >> circle(), order="torque", damping=None)
+    controller = Controller(ARM, JointTorqueLimit() >> circle(), order="torque")
     assert "order='torque', backend" in repr(controller)
 
 
