@@ -13,7 +13,8 @@ from .contacts.loop import Loop
 from .contacts.momentum import MomentumTask
 from .contacts.surface import Surface
 from .contacts.torque_task import TorqueTask
-from .control.controller import Controller, Step
+from .control.controller import Controller
+from .control.step import Step
 from .criteria.gradient import GradientTask
 from .criteria.joint_ranges import JointCentringTask
 from .criteria.manipulability import DynamicManipulabilityTask, ManipulabilityTask, VelocityRatioTask

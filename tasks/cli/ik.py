@@ -12,6 +12,8 @@ from typer.core import TyperCommand
 from hqp.commands import command
 from hqp.commands.terminal import console
 
+from .robot_options import Base, Body, Lock
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -70,18 +72,9 @@ def ik(
         float | None,
         typer.Option("--tolerance", help="In m and in rad (default: 1e-4 m and 1e-3 rad).", metavar="T"),
     ] = None,
-    lock: Annotated[
-        list[str] | None,
-        typer.Option("--lock", help="Hold this joint where neutral; may be given several times.", metavar="JOINT"),
-    ] = None,
-    base: Annotated[
-        Literal["fixed", "planar", "floating"] | None,
-        typer.Option("--base", help="How the robot stands (default: as the library knows it, or as its file says)."),
-    ] = None,
-    body: Annotated[
-        list[str] | None,
-        typer.Option("--body", help="Where the robot begins, if an MJCF has several.", metavar="NAME"),
-    ] = None,
+    lock: Lock = None,
+    base: Base = None,
+    body: Body = None,
     plot: Annotated[
         Path | None,
         typer.Option("--plot", help="Draw the robot there into this PNG.", parser=command.path, metavar="FILE"),

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
 from hqp.commands import command
+
+from .robot_options import Base, Body, Lock
 
 #: Time between two ticks [s].
 TICK = 0.01
@@ -15,18 +17,9 @@ TICK = 0.01
 
 def live(
     robot: Annotated[str, typer.Argument(help="A name, as panda or g1, or a URDF or MJCF file.", metavar="ROBOT")],
-    lock: Annotated[
-        list[str] | None,
-        typer.Option("--lock", help="Hold this joint where neutral; may be given several times.", metavar="JOINT"),
-    ] = None,
-    base: Annotated[
-        Literal["fixed", "planar", "floating"] | None,
-        typer.Option("--base", help="How the robot stands (default: as the library knows it, or as its file says)."),
-    ] = None,
-    body: Annotated[
-        list[str] | None,
-        typer.Option("--body", help="Where the robot begins, if an MJCF has several.", metavar="NAME"),
-    ] = None,
+    lock: Lock = None,
+    base: Base = None,
+    body: Body = None,
     tick: Annotated[float, typer.Option("--dt", help="Time between two ticks [s].", metavar="DT")] = TICK,
     certify: Annotated[
         int, typer.Option("--certify", min=0, help="Put every so many-th tick to the certificate; 0 for none.")

@@ -36,9 +36,7 @@ def curved_levels(rows: Rows) -> tuple[int, ...]:
 
 def linearised(rows: Rows, dt: float | None, curved: tuple[int, ...], last: Array) -> Linearisation:
     """What the rows of a stack are the linearisation of, as they are planned now; `last` is x of the tick before."""
-    from hqp.kernels.call import address_of
-
-    from ..base.loops import SIGNATURE, Table, address
+    from ..base.loops import Table, address, compiled
 
     work, n, levels = rows.work, rows.hierarchy.n, len(curved)
     S, tables, gains = np.zeros((n, n)), list[Table](), np.zeros(rows.hierarchy.m)
@@ -52,7 +50,7 @@ def linearised(rows: Rows, dt: float | None, curved: tuple[int, ...], last: Arra
             weights = np.zeros(site.rows)
             table = Table(weights, S, *plan.curvature.table.told[2:])
             tables.append(table)
-            loop = address_of(plan.curvature.kernel, SIGNATURE)
+            loop = compiled(plan.curvature.kernel)
             contractions.append(Contraction(loop, address(table), weights, row))
     fastest = float(gains.max())
     shares, scales = np.full(levels, fastest * dt if dt and fastest else 1.0), gains / (fastest or 1.0)

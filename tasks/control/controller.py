@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import isfinite
-from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, get_args, overload
+from typing import TYPE_CHECKING, Any, Generic, Literal, get_args, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +15,6 @@ from hqp import InvalidInput, Settings, Solution, Solver, Status
 from hqp.checks import one_of, truth
 from hqp.errors import brief
 from hqp.guard import Guard
-from hqp.solution import Relaxation
 
 from ..base.checks import Array, finite_scalar, numbers, positive_scalar, scalar
 from ..base.live import Live, structure
@@ -37,80 +36,18 @@ from ..rows.rows import Rows
 from ..rows.stack import Stack
 from ..targets.timing import Timing, cubic
 from . import contacts as of
+from .step import A, Step, T, V
 from .transition import Limits, Transition
 
 if TYPE_CHECKING:
-    from typing_extensions import TypeVar
-
     from ..contacts.contact import Contact
     from ..rows.site import Memory
     from .calm import CalmSolver
-
-    V = TypeVar("V", default=Any)
-    A = TypeVar("A", default=Any)
-    T = TypeVar("T", default=Any)
-else:
-    from typing import TypeVar
-
-    #: What a step has as v, a and tau: arrays, or None by the order of the controller. A controller whose order is only
-    #: known at work has any of them.
-    V, A, T = TypeVar("V"), TypeVar("A"), TypeVar("T")
 
 #: How levels are damped that have no rule of their own.
 DefaultDamping = Literal["curvature"]
 #: Stacks that a controller keeps ready to go back to.
 MOST_PREPARED = 8
-
-
-class Step(NamedTuple, Generic[V, A, T]):
-    """What the controller says for one tick.
-
-    Attributes
-    ----------
-    order : {"velocity", "acceleration", "torque"}
-    state : RobotState
-        Where the robot was.
-    solution : hqp.Solution
-        How well every level is met; ``.certify().ok`` is the proof.
-    v : array, shape (nv,), or None
-        Joint velocities [rad/s], [m/s], at velocity order. Those of a floating base, the first six, are its linear and
-        angular velocity along its own axes.
-    a : array, shape (nv,), or None
-        Joint accelerations [rad/s^2], at acceleration and at torque order.
-    tau : array, shape (nv,), or None
-        Joint torques ``M(q) a + b(q, v)`` [N m] that a takes (Eq. 4.1), at torque order or if they were asked for; with
-        :class:`tasks.Dynamics` in the stack ``M a + b - G^T f``, of the joints that have a motor, shape (nv - base,).
-        Always finite: zero where the status of the solution is INVALID, which lets an arm fall.
-    share : float
-        How much of the stack counts: less than 1 while the controller changes to it from another one. Then v or a lies
-        between the answers of both, and `solution` is that of the new one alone.
-    forces : Forces or None
-        What the world does to the robot, by the names of the contacts: ``forces["left"]``, in world axes [N].
-    """
-
-    order: Command
-    state: RobotState
-    solution: Solution
-    v: V = None  # type: ignore[assignment]
-    a: A = None  # type: ignore[assignment]
-    tau: T = None  # type: ignore[assignment]
-    share: float = 1.0
-    forces: of.Forces | None = None
-
-    @property
-    def cop(self) -> of.Pressures | None:
-        """Centres of pressure by the names of the contacts, in the coordinates of their frames [m]."""
-        return None if self.forces is None else of.Pressures(self.forces)
-
-    @property
-    def ok(self) -> bool:
-        """Whether the solver claims the optimum; look at ``solution`` otherwise."""
-        return self.solution.ok
-
-    @property
-    def relaxed(self) -> tuple[Relaxation, ...]:
-        """What strictness was given up: lambda and residual norm of every damped level, highest first."""
-        return self.solution.relaxed
 
 
 def _by_the_rows(q: Array, v: Array, a: Array) -> Array:

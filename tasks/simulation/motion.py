@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ..base.checks import Array
-from ..control.controller import Step
+from ..control.step import Step
 
 
 def follow(

@@ -30,7 +30,8 @@ from hqp.checks import listed, of_type, whole_number
 from hqp.errors import brief
 
 from ..base.checks import Array, finite, finite_scalar, function, positive_scalar
-from ..control.controller import Controller, Step
+from ..control.controller import Controller
+from ..control.step import Step
 from ..robots.robot import Robot, check_joints, integration, joint_names, joint_units
 from ..rows.stack import Stack
 from ..targets.timing import Timing, cubic

@@ -13,7 +13,8 @@ from hqp import InvalidInput
 from hqp.checks import of_type, whole_number
 
 from ..base.checks import Array, finite
-from ..control.controller import Controller, Step
+from ..control.controller import Controller
+from ..control.step import Step
 from ..robots.robot import check_joints, home, integration
 from ..rows.part import Part
 from ..rows.stack import Stack

@@ -1,0 +1,76 @@
+"""What a controller says for one tick: motion, torques and forces, and how well every level is met."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple
+
+from hqp import Solution
+from hqp.solution import Relaxation
+
+from ..robots.robot import RobotState
+from ..rows.part import Command
+from . import contacts as of
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeVar
+
+    V = TypeVar("V", default=Any)
+    A = TypeVar("A", default=Any)
+    T = TypeVar("T", default=Any)
+else:
+    from typing import TypeVar
+
+    #: What a step has as v, a and tau: arrays, or None by the order of the controller. A controller whose order is only
+    #: known at work has any of them.
+    V, A, T = TypeVar("V"), TypeVar("A"), TypeVar("T")
+
+
+class Step(NamedTuple, Generic[V, A, T]):
+    """What the controller says for one tick.
+
+    Attributes
+    ----------
+    order : {"velocity", "acceleration", "torque"}
+    state : RobotState
+        Where the robot was.
+    solution : hqp.Solution
+        How well every level is met; ``.certify().ok`` is the proof.
+    v : array, shape (nv,), or None
+        Joint velocities [rad/s], [m/s], at velocity order. Those of a floating base, the first six, are its linear and
+        angular velocity along its own axes.
+    a : array, shape (nv,), or None
+        Joint accelerations [rad/s^2], at acceleration and at torque order.
+    tau : array, shape (nv,), or None
+        Joint torques ``M(q) a + b(q, v)`` [N m] that a takes (Eq. 4.1), at torque order or if they were asked for; with
+        :class:`tasks.Dynamics` in the stack ``M a + b - G^T f``, of the joints that have a motor, shape (nv - base,).
+        Always finite: zero where the status of the solution is INVALID, which lets an arm fall.
+    share : float
+        How much of the stack counts: less than 1 while the controller changes to it from another one. Then v or a lies
+        between the answers of both, and `solution` is that of the new one alone.
+    forces : Forces or None
+        What the world does to the robot, by the names of the contacts: ``forces["left"]``, in world axes [N].
+    """
+
+    order: Command
+    state: RobotState
+    solution: Solution
+    v: V = None  # type: ignore[assignment]
+    a: A = None  # type: ignore[assignment]
+    tau: T = None  # type: ignore[assignment]
+    share: float = 1.0
+    forces: of.Forces | None = None
+
+    @property
+    def cop(self) -> of.Pressures | None:
+        """Centres of pressure by the names of the contacts, in the coordinates of their frames [m]."""
+        return None if self.forces is None else of.Pressures(self.forces)
+
+    @property
+    def ok(self) -> bool:
+        """Whether the solver claims the optimum; look at ``solution`` otherwise."""
+        return self.solution.ok
+
+    @property
+    def relaxed(self) -> tuple[Relaxation, ...]:
+        """What strictness was given up: lambda and residual norm of every damped level, highest first."""
+        return self.solution.relaxed
