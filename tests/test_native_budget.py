@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 from test_native import BACKEND, fresh, proved
@@ -10,6 +12,7 @@ from hqp import Hierarchy, InvalidInput, Settings, Solver, Status
 from hqp.problems import hierarchies
 
 
+@cache
 def hard() -> list[tuple[str, Hierarchy]]:
     """Hierarchies which no guess solves."""
     made = [
