@@ -18,7 +18,7 @@ def hard() -> list[tuple[str, Hierarchy]]:
     made = [
         (f"{name} {k}", h)
         for name in ("vertex", "one point", "single point", "weights")
-        for k, h in enumerate(hierarchies(name, 300))
+        for k, h in enumerate(hierarchies(name, 60))
     ]
     return [(name, h) for name, h in made if fresh(h).counts.iterations > 0]
 

@@ -80,7 +80,8 @@ def test_example(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ca
     monkeypatch.setattr(sys, "argv", command(path, tmp_path))
     monkeypatch.syspath_prepend(path.parent)  # where it looks if it runs alone
     with monkeypatch.context() as modules, mpl.rc_context(), reasons() as told:
-        modules.delitem(sys.modules, "_pictures", raising=False)  # it sets what the context takes back
+        for own in path.parent.glob("_*.py"):  # which set what the context takes back
+            modules.delitem(sys.modules, own.stem, raising=False)
         runpy.run_path(str(path), run_name="__main__")
     check(path, tmp_path, capsys.readouterr().out)
     assert told == IN_PYTHON.get(path.stem, set())
