@@ -1,15 +1,9 @@
-"""Which parts of stacks Python writes: of all that are made while somebody looks.
-
-Run as a program, ``in_python.py FILE SCRIPT ...``, it runs a script and writes the reasons into a file, line by line.
-"""
+"""Which parts of stacks Python writes: of all that are made while somebody looks."""
 
 from __future__ import annotations
 
-import runpy
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 from unittest import mock
 
@@ -27,11 +21,3 @@ def reasons() -> Iterator[set[str]]:
 
     with mock.patch.object(Rows, "__init__", watched):
         yield found
-
-
-if __name__ == "__main__":
-    out, *sys.argv = sys.argv[1:]
-    sys.path[0] = str(Path(sys.argv[0]).parent)  # where it would look if it ran alone
-    with reasons() as told:
-        runpy.run_path(sys.argv[0], run_name="__main__")
-    Path(out).write_text("\n".join(sorted(told)), encoding="utf-8")
