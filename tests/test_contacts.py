@@ -514,7 +514,7 @@ def test_an_ordinary_stack_has_one_block() -> None:
     robot = load_robot("panda")
     controller = Controller(robot, JointLimits() >> PostureTask(robot.home, gain=1.0), dt=0.01, damping=None)
     assert controller._rows.unknowns.n == controller.hierarchy.n == robot.nv
-    assert controller._rows.stack is controller.stack
+    assert controller._rows.levels.parts == controller.stack.levels
     assert controller(robot.home, np.zeros(robot.nv)).forces is None
 
 

@@ -24,7 +24,7 @@ def curved_levels(rows: Rows) -> tuple[int, ...]:
     Of limits above all tasks nothing gives way, and a level with an inequality is left strict. So is all of a stack
     where no task tells how its value bends, or where forces of contacts are unknown, too.
     """
-    rules, work = rows.stack.damping, rows.work
+    rules, work = rows.levels.damping, rows.work
     levels = len(rules)
     first = min((k for k, _, part, _, _ in work if not part.is_limit), default=levels)
     bends = any(plan.curvature is not None for _, _, _, plan, _ in work)

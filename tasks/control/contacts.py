@@ -16,7 +16,7 @@ from ..robots.robot import base
 from ..rows.rows import Rows
 
 if TYPE_CHECKING:
-    from ..rows.stack import Stack
+    from ..rows.part import Stack
 
 #: What a contact may come to bear while it is being made: the weight of the robot, by this gravity [m/s^2]; where the
 #: base is fixed, which says nothing of it, so much [N].

@@ -31,9 +31,8 @@ from ..robots.robot import (
     workspace,
 )
 from ..rows.description import Description
-from ..rows.part import Command, Order, Part
+from ..rows.part import Command, Order, Part, Stack
 from ..rows.rows import Rows
-from ..rows.stack import Stack
 from ..targets.timing import Timing, cubic
 from . import contacts as of
 from .step import A, Step, T, V
@@ -441,17 +440,18 @@ class Controller(Live, Generic[V, A, T]):
         left = _Left(self.stack, self._rows, self._solver, self._transition)
         self._transition = None if at_once else Transition(left, duration, law)
         self._stack, (self._rows, self._solver) = wanted, prepared
-        self._limits = None if at_once else Limits.of(self._rows.stack, self.hierarchy, self._backend)
+        self._limits = None if at_once else Limits.of(self._rows.levels, self.hierarchy, self._backend)
 
-    def _new_solver(self, stack: Stack, rows: Rows) -> Solver | CalmSolver:
-        damps = self._damping is not None and not stack.damps
+    def _new_solver(self, rows: Rows) -> Solver | CalmSolver:
+        damps = self._damping is not None and not rows.levels.damps
         if damps and hqp.backend_info(self._backend).inequalities:
             from .calm import CalmSolver, curved_levels
 
             curved = curved_levels(rows)
             if any(curved):
                 return CalmSolver(rows, self.dt, curved, self._backend, self._settings)
-        rules: dict[int | str, hqp.DampingRule | float] = {k: rule for k, rule in enumerate(stack.damping) if rule}
+        damping = enumerate(rows.levels.damping)
+        rules: dict[int | str, hqp.DampingRule | float] = {k: rule for k, rule in damping if rule}
         return Solver(self._backend, self._settings, rules)
 
     def _prepare(self, stack: Stack) -> tuple[Rows, Solver | CalmSolver]:
@@ -460,7 +460,7 @@ class Controller(Live, Generic[V, A, T]):
         if found is None:
             order: Order = "velocity" if self.order == "velocity" else "acceleration"
             rows = stack.build(self.robot, order, self.dt, self._memory)
-            found = stack, rows, self._new_solver(rows.stack, rows)
+            found = stack, rows, self._new_solver(rows)
         self._prepared[id(stack)] = found  # what was asked for last comes last
         while len(self._prepared) > MOST_PREPARED:
             del self._prepared[next(iter(self._prepared))]

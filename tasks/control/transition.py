@@ -22,7 +22,7 @@ from hqp import Hierarchy, Solver
 
 from ..base.checks import Array, positive_scalar
 from ..robots.robot import RobotState
-from ..rows.stack import Stack
+from ..rows.levels import Levels
 from ..targets.timing import Timing, as_timing
 
 #: What a stack asks for at a state and a time: x, and whether its solver claims it.
@@ -47,9 +47,9 @@ class Limits:
         self._solver = Solver(backend)
 
     @classmethod
-    def of(cls, stack: Stack, hierarchy: Hierarchy, backend: str) -> Limits | None:
+    def of(cls, levels: Levels, hierarchy: Hierarchy, backend: str) -> Limits | None:
         """Those of a stack, if it begins with some."""
-        kinds = [all(part.is_limit for part in level) for level in stack.levels]
+        kinds = [all(part.is_limit for part in level) for level in levels.parts]
         count = (*kinds, False).index(False)
         return cls(hierarchy, count, backend) if count else None
 

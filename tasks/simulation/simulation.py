@@ -33,7 +33,7 @@ from ..base.checks import Array, finite, finite_scalar, function, positive_scala
 from ..control.controller import Controller
 from ..control.step import Step
 from ..robots.robot import Robot, check_joints, integration, joint_names, joint_units
-from ..rows.stack import Stack
+from ..rows.part import Stack
 from ..targets.timing import Timing, cubic
 from .log import Log
 from .motion import follow
