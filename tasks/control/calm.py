@@ -1,4 +1,4 @@
-"""The stack as a linearisation, so that it is damped where that misleads: see :mod:`hqp.solver.curved`."""
+"""Default damping of a controller: levels damped where their linearisation misleads (:mod:`hqp.solver.curved`)."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def linearised(rows: Rows, dt: float | None, curved: tuple[int, ...], last: Arra
 
 
 class CalmSolver:
-    """Solves the rows of a stack, damped where they mislead.
+    """Solves a stack, its levels damped where their linearisation misleads.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a controller tells of contacts: forces, centres of pressure, joint torques; and how it releases them."""
+"""Contacts of a controller at work: their forces and centres of pressure, joint torques, release and make."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ def joint_torques(rows: Rows, x: Array) -> Array:
 
 
 def weight_of(rows: Rows) -> float:
-    """As much as one of its contacts may come to bear [N]."""
+    """The largest sum of normal forces that a contact may come to bear while it is made [N]."""
     return GRAVITY * float(rows.shared.blocks.mass_matrix()[0, 0]) if base(rows.shared.robot) else FIXED
 
 
@@ -191,7 +191,7 @@ def off(stack: Stack, rows: Rows) -> list[Contact]:
 
 
 def let_go(contacts: list[Contact], rows: Rows) -> None:
-    """Have them be off."""
+    """Switch these contacts off."""
     for contact in contacts:
         contact.slot(rows.shared).let_go()
 

@@ -36,7 +36,7 @@ QUIET = nullcontext()
 
 
 class Controller(Live, Generic[V, A, T]):
-    """Turns a stack of tasks into motion, tick by tick, warm from the last.
+    """Computes the command of every tick from a stack of tasks, each solve warm-started from the last.
 
     A copy, by ``copy.deepcopy`` or pickle, is a controller of its own, with a robot and tasks of its own: one for each
     environment or thread. It is made from what defines it, and begins cold.
@@ -181,7 +181,7 @@ class Controller(Live, Generic[V, A, T]):
 
     @property
     def stack(self) -> Stack:
-        """What is wanted at present; :meth:`change` goes over to another one."""
+        """The stack that is solved at present; :meth:`change` goes over to another one."""
         return self._now.stack
 
     @property
@@ -204,7 +204,7 @@ class Controller(Live, Generic[V, A, T]):
         return self._rows.aims or {}
 
     def __call__(self, q: ArrayLike, v: ArrayLike | None = None, t: float = 0.0) -> Step[V, A, T]:
-        """The motion for this tick.
+        """The command for this tick.
 
         Parameters
         ----------
@@ -232,7 +232,7 @@ class Controller(Live, Generic[V, A, T]):
         return self.unchecked(position, velocity, t if type(t) is float else scalar(t, "t"))
 
     def unchecked(self, q: Array, v: Array | None, t: float) -> Step[V, A, T]:
-        """The motion for this tick, for a loop which knows that q and v are float arrays of the right shape."""
+        """The command for this tick, for a loop which knows that q and v are float arrays of the right shape."""
         with self._states.guard, QUIET if self._rows.compiled else np.errstate(all="ignore"):
             return self._step(q, v, t)
 

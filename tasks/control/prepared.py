@@ -111,7 +111,7 @@ class Preparation:
 
     @property
     def options(self) -> dict[str, Any]:
-        """What a controller was asked for in this."""
+        """These as arguments of a controller."""
         return {"backend": self.backend, "settings": self.settings, "damping": self.damping}
 
     def prepare(self, stack: Stack, memory: Memory) -> PreparedStack:

@@ -61,7 +61,7 @@ class Limits:
 
 
 class Transition:
-    """A transition under way.
+    """A transition from one stack to another, under way.
 
     Parameters
     ----------

@@ -37,7 +37,7 @@ class Figure(Protocol):
         ...
 
     def place(self, frame: str) -> Place:
-        """Where one of its frames is shown."""
+        """The pose at which one of its frames is shown."""
         ...
 
 

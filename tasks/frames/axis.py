@@ -43,7 +43,7 @@ class PointingTask(FrameTask, LoopTask):
 
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
-        """Where to: three coordinates, or a trajectory of them."""
+        """The direction or the point to point at: three coordinates, or a trajectory of them."""
         return as_trajectory(value, 3, self.label())
 
     @property

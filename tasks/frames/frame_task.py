@@ -97,7 +97,7 @@ class FrameTask(Task):
         return site.frame(self.frame, self.relative_to)
 
     def bends(self, site: Site) -> Table | None:
-        """How the frame bends, see :mod:`tasks.rows.curvature`; None where nobody tells."""
+        """The curvature of the frame's motion, see :mod:`tasks.rows.curvature`; None where it is not known."""
         from ..rows.curvature import frame_bends
 
         return frame_bends(site.shared, self.frame, self.relative_to)

@@ -33,7 +33,7 @@ HALF_TURN = np.pi
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Visit:
-    """A configuration with its errors.
+    """A configuration of the search, with its errors.
 
     Attributes
     ----------

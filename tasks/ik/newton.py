@@ -39,7 +39,7 @@ DROPPED = (JointLimit, JointLimits, FrameVelocityLimit)
 
 
 class Room(Part):
-    """Bounds of one step: the joint ranges and the trust region.
+    """Bounds of one Newton step: the joint ranges and the trust region.
 
     Parameters
     ----------

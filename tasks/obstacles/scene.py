@@ -31,7 +31,7 @@ class Paired(Protocol):
 
 
 class Scene:
-    """All pairs of one robot.
+    """The pairs of links and obstacles of one robot, in arrays for the loops.
 
     Parameters
     ----------

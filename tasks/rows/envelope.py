@@ -38,14 +38,14 @@ if TYPE_CHECKING:
 
 
 class Bounded(Protocol):
-    """Where the rows of a part are; see :class:`tasks.rows.site.Site`."""
+    """The rows of a part, as far as joint limits need them; see :class:`tasks.rows.site.Site`."""
 
     lower: Array
     upper: Array
 
 
 class Shared(Protocol):
-    """What a stack shares on one robot; see :class:`tasks.rows.site.Workspace`."""
+    """The quantities of a tick that joint limits need; see :class:`tasks.rows.site.Workspace`."""
 
     robot: Robot
     n: int

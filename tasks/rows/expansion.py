@@ -1,4 +1,4 @@
-"""From the stack that was declared to the levels that are solved: a part may stand for several, on levels of their own.
+"""Expansion of the declared stack into the levels that are solved: a part may stand for several, on several levels.
 
 A contact, for one, is a bound on its forces, which stands above all else, a motion that it forbids, which stands where
 the contact does, and friction, which stands with the limits. Most parts stand for themselves.
@@ -18,7 +18,7 @@ from .unknowns import Block
 
 @dataclass(frozen=True)
 class Setting:
-    """Where a part is to be at work.
+    """The robot, order and stack that a part is used in.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class Companions:
-    """The parts that one part stands for.
+    """The parts that one declared part is replaced by, and the levels where they belong.
 
     Attributes
     ----------
@@ -64,8 +64,8 @@ class Companions:
 
 
 @dataclass
-class _Places:
-    """Levels under construction, by the number of the level that was declared."""
+class _Draft:
+    """Levels under construction, by the number of the declared level."""
 
     here: list[list[RowWriter]]
     top: list[RowWriter] = field(default_factory=list)
@@ -82,18 +82,18 @@ def expand(declared: Levels, companions: Sequence[Sequence[Companions]]) -> Leve
     companions : sequence of sequences of Companions
         Of every part, level by level.
     """
-    places = _Places([[part for each in level for part in each.here] for level in companions])
+    draft = _Draft([[part for each in level for part in each.here] for level in companions])
     for k, level in enumerate(companions):
         limits = next((i for i in range(k, len(companions)) if any(p.limited for p in declared.parts[i])), None)
         for each in level:
-            places.top += each.top
+            draft.top += each.top
             if each.limits and limits is None:
-                places.limits.setdefault(k, []).extend(each.limits)
+                draft.limits.setdefault(k, []).extend(each.limits)
             elif limits is not None:
-                places.here[limits] += each.limits
-            places.below.setdefault(k if limits is None else limits, []).extend(each.below)
-    found: list[tuple[list[RowWriter], Rule]] = [(places.top, None)]
-    for k, (parts, rule) in enumerate(zip(places.here, declared.damping, strict=True)):
-        found += [(parts, rule), (places.limits.get(k, []), None), (places.below.get(k, []), None)]
+                draft.here[limits] += each.limits
+            draft.below.setdefault(k if limits is None else limits, []).extend(each.below)
+    found: list[tuple[list[RowWriter], Rule]] = [(draft.top, None)]
+    for k, (parts, rule) in enumerate(zip(draft.here, declared.damping, strict=True)):
+        found += [(parts, rule), (draft.limits.get(k, []), None), (draft.below.get(k, []), None)]
     kept = [(tuple(parts), rule) for parts, rule in found if parts]
     return Levels(tuple(parts for parts, _ in kept), tuple(rule for _, rule in kept))

@@ -1,4 +1,4 @@
-"""What is solved: rows in order of priority, level by level, and how each level is damped."""
+"""The levels that are solved: their parts in order of priority, and how each level is damped."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Rule: TypeAlias = "DampingRule | Literal[False] | None"
 
 
 class Levels(NamedTuple):
-    """Levels, the highest first.
+    """The parts of every level and its damping, the highest level first.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What is declared: tasks and limits, the parts, and stacks of them in order of priority.
+"""Parts, which are tasks and limits, and stacks of parts in order of priority.
 
 ``a >> b`` puts b below a, and ``a + b`` both on one level: an operation of parts that gives stacks, and of stacks.
 """
@@ -51,7 +51,7 @@ class Part(RowWriter):
     """
 
     def companions(self, setting: Setting) -> Companions:
-        """The parts that it stands for where it is at work; itself, unless it says more.
+        """The parts that it is replaced by when the stack is solved; by default itself.
 
         Raises
         ------
@@ -170,7 +170,7 @@ class Stack(Live):
         return of_levels([*levels[:place], *new, *levels[place:]])
 
     def _level(self, part: Part) -> int:
-        """Where a part stands."""
+        """The number of the level of a part."""
         for k, level in enumerate(self.levels):
             if any(own is part for own in level):
                 return k

@@ -1,4 +1,4 @@
-"""A row writer: the base of all that owns rows of a level, and writes them anew every tick."""
+"""The base class of everything that owns rows of a level, and writes them anew every tick."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What stands on the stage: the robot, and the targets of its tasks, to be dragged."""
+"""The picture in the browser: the robot, and the targets of its tasks as gizmos to be dragged."""
 
 from __future__ import annotations
 
