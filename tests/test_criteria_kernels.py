@@ -34,8 +34,8 @@ from tasks.base.loops import Call
 from tasks.base.rotations import exp
 from tasks.criteria.kernels import gradient, joints, measures
 from tasks.criteria.kernels.joints import write_kinetic_energy
-from tasks.frames.kernels import place as frames
-from tasks.frames.kernels.place import LOCAL, SPATIAL, WORLD
+from tasks.frames.kernels import placement as frames
+from tasks.frames.kernels.placement import LOCAL, SPATIAL, WORLD
 from tasks.robots.block import fill, relative
 from tasks.robots.chain import APART, chain_order, closed_form
 from tasks.robots.kernels import block

@@ -35,7 +35,7 @@ import numpy as np
 
 from hqp import InvalidInput
 
-from .checks import nearest
+from .checks import suggestion
 
 Given = TypeVar("Given")
 Kept = TypeVar("Kept")
@@ -239,7 +239,7 @@ class Live:
         if hasattr(type(self), name):
             raise InvalidInput(f"{self.label()}: {name} is given by its class, and stays; {self._instead}")
         known = sorted(other for other in vars(self).keys() | _data(type(self)) if not other.startswith("_"))
-        raise InvalidInput(f"{self.label()}: there is no attribute {name!r}{nearest(name, known)}")
+        raise InvalidInput(f"{self.label()}: there is no attribute {name!r}{suggestion(name, known)}")
 
     def __getstate__(self) -> dict[str, Any]:
         return dict(vars(self))

@@ -9,7 +9,7 @@ from hqp.solver.curved import CurvedSolver
 from hqp.solver.linearisation import Contraction, Errors, Linearisation
 
 from ..base.checks import Array
-from ..rows.rows import Rows
+from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.task import Task
 
 #: What explanations say where a task has a direction in which joints hardly move it.
@@ -18,7 +18,7 @@ STRAIGHT = "the arm is straight in this direction"
 FASTEST = 1e12
 
 
-def curved_levels(rows: Rows) -> tuple[int, ...]:
+def curved_levels(rows: HierarchyWriter) -> tuple[int, ...]:
     """Of every level, whether it may be damped by default (1), is below a task but left strict (2), or neither (0).
 
     Of limits above all tasks nothing gives way, and a level with an inequality is left strict. So is all of a stack
@@ -34,7 +34,7 @@ def curved_levels(rows: Rows) -> tuple[int, ...]:
     return tuple(0 if k < first else 2 if rule is False or k in bounded else 1 for k, rule in enumerate(rules))
 
 
-def linearised(rows: Rows, dt: float | None, curved: tuple[int, ...], last: Array) -> Linearisation:
+def linearised(rows: HierarchyWriter, dt: float | None, curved: tuple[int, ...], last: Array) -> Linearisation:
     """What the rows of a stack are the linearisation of, as they are planned now; `last` is x of the tick before."""
     from ..base.loops import Table, address, compiled
 
@@ -63,7 +63,7 @@ class CalmSolver:
 
     Parameters
     ----------
-    rows : Rows
+    rows : HierarchyWriter
     dt : float or None
         Tick [s]; where it is not known, nothing leans on the last x.
     curved : tuple of int
@@ -73,7 +73,7 @@ class CalmSolver:
     """
 
     def __init__(
-        self, rows: Rows, dt: float | None, curved: tuple[int, ...], backend: str, settings: Settings | None
+        self, rows: HierarchyWriter, dt: float | None, curved: tuple[int, ...], backend: str, settings: Settings | None
     ) -> None:
         self.backend = backend
         self._rows, self._dt, self._curved, self._last = rows, dt, curved, np.full(rows.hierarchy.n, np.nan)

@@ -17,8 +17,8 @@ from ..base.checks import Array, finite_scalar, numbers, positive_scalar, scalar
 from ..base.live import Live, structure
 from ..robots.robot import Robot, as_robot, check_joints
 from ..rows.description import Description
+from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.part import Command, Order, Part, Stack
-from ..rows.rows import Rows
 from ..targets.timing import Timing, cubic
 from . import contacts as of
 from .prepared import DefaultDamping, Options, Preparation, PreparedStacks, default_damping, tell_of_speed
@@ -185,7 +185,7 @@ class Controller(Live, Generic[V, A, T]):
         return self._now.stack
 
     @property
-    def _rows(self) -> Rows:
+    def _rows(self) -> HierarchyWriter:
         return self._now.rows
 
     @property

@@ -15,8 +15,8 @@ from hqp.errors import brief
 from ..base.checks import Array
 from ..base.telling import tell
 from ..robots.robot import Robot, RobotState, limit_of
+from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.part import Order, Stack
-from ..rows.rows import Rows
 
 if TYPE_CHECKING:
     from ..rows.site import Memory
@@ -58,11 +58,11 @@ class PreparedStack:
     Parameters
     ----------
     stack : Stack
-    rows : Rows
+    rows : HierarchyWriter
     solver : hqp.Solver or CalmSolver
     """
 
-    def __init__(self, stack: Stack, rows: Rows, solver: Solver | CalmSolver) -> None:
+    def __init__(self, stack: Stack, rows: HierarchyWriter, solver: Solver | CalmSolver) -> None:
         self.stack, self.rows, self.solver = stack, rows, solver
 
     def solve(self, state: RobotState, t: float, last: Array | None, fault: str | None = None) -> Solution:
@@ -115,7 +115,7 @@ class Preparation:
         return {"backend": self.backend, "settings": self.settings, "damping": self.damping}
 
     def prepare(self, stack: Stack, memory: Memory) -> PreparedStack:
-        """Rows of this stack, and a solver that is cold.
+        """HierarchyWriter of this stack, and a solver that is cold.
 
         Raises
         ------
@@ -125,7 +125,7 @@ class Preparation:
         rows = stack.build(self.robot, self.order, self.dt, memory)
         return PreparedStack(stack, rows, self._solver(rows))
 
-    def _solver(self, rows: Rows) -> Solver | CalmSolver:
+    def _solver(self, rows: HierarchyWriter) -> Solver | CalmSolver:
         levels = rows.levels
         if self.damping is not None and not levels.damps and hqp.backend_info(self.backend).inequalities:
             from .calm import CalmSolver, curved_levels

@@ -11,12 +11,12 @@ from hqp import InvalidInput
 
 from ..base.checks import Array
 from ..robots.robot import Robot, RobotState, check_fixed_base, inverse_dynamics
+from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.part import Command, Stack
-from ..rows.rows import Rows
 from .contacts import check_torques, has_dynamics, joint_torques
 
 #: Joint torques [N m] by the rows of this tick, the state, and x.
-Torques: TypeAlias = Callable[[Rows, RobotState, Array, bool], Array]
+Torques: TypeAlias = Callable[[HierarchyWriter, RobotState, Array, bool], Array]
 
 
 class RobotTorques:
@@ -31,11 +31,11 @@ class RobotTorques:
     def __init__(self, inverse_dynamics: Callable[[Array, Array, Array], Array]) -> None:
         self._inverse_dynamics = inverse_dynamics
 
-    def __call__(self, rows: Rows, state: RobotState, x: Array, valid: bool) -> Array:
+    def __call__(self, rows: HierarchyWriter, state: RobotState, x: Array, valid: bool) -> Array:
         return _finite(self._inverse_dynamics(state.q, state.v, x), True) if valid else np.zeros_like(x)
 
 
-def contact_torques(rows: Rows, state: RobotState, x: Array, valid: bool) -> Array:
+def contact_torques(rows: HierarchyWriter, state: RobotState, x: Array, valid: bool) -> Array:
     """``M a + b - G^T f``, where the stack has the motion equation: of its own arrays."""
     return _finite(joint_torques(rows, x), valid)
 

@@ -131,7 +131,7 @@ class AxisTask(PointingTask):
         return self._pointing(site, write_axis, at_point=False)
 
     def reading(self) -> Reading:
-        from .kernels.place import LOCAL
+        from .kernels.placement import LOCAL
 
         return Reading(LOCAL, np.hstack([np.zeros((2, 3)), self._across]))
 

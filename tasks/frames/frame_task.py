@@ -28,7 +28,7 @@ class Reading(NamedTuple):
     Attributes
     ----------
     axes : int
-        Along which its velocity is taken: WORLD, LOCAL or SPATIAL of :mod:`tasks.frames.kernels.place`.
+        Along which its velocity is taken: WORLD, LOCAL or SPATIAL of :mod:`tasks.frames.kernels.placement`.
     rows : array, shape (rows, 6)
         What each row takes of its linear and angular velocity along these axes.
     """

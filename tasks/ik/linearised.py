@@ -17,11 +17,11 @@ from ..base.checks import Array, finite, numbers
 from ..joints.posture import PostureTask
 from ..robots.answers import integration
 from ..robots.robot import Robot, base, joint_positions
+from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.inequality import Inequality
 from ..rows.levels import Levels
 from ..rows.part import Part, Stack
 from ..rows.row_writer import RowWriter
-from ..rows.rows import Rows
 from ..rows.task import Task
 from .newton import Room, levels_of_steps, ranges
 
@@ -92,7 +92,7 @@ class Linearised:
         wanted = _wanted([part for level in levels for part in level if isinstance(part, JUDGED)], goal)
         self.room = Room(*ranges(robot, solved))
         step = Levels(((self.room,), *map(tuple, levels)), (None,) * (1 + len(levels)))
-        self._rows = Rows(step, unknowns, robot, "step")
+        self._rows = HierarchyWriter(step, unknowns, robot, "step")
         self.hierarchy, self._solver = self._rows.hierarchy, hqp.Solver(backend)
         self._still = numbers(np.zeros(robot.nv), "v")
         self.integrate = integration(robot)

@@ -66,7 +66,7 @@ class Room(Part):
         from .kernels.steps import open_room
 
         shared = site.shared
-        places = shared.places.astype(np.int64)
+        places = shared.position_indices.astype(np.int64)
         self._call = Call(
             open_room, shared.n, shared.positions, places, self.low, self.high, self._reach, site.lower, site.upper
         )

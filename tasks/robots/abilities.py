@@ -181,7 +181,7 @@ class Inertial(Protocol):
 
 
 @runtime_checkable
-class Dynamics(Inertial, Protocol):
+class MotionEquation(Inertial, Protocol):
     """Knows its equation of motion: limits and criteria of torque ask for it."""
 
     def bias(self, q: Array, v: Array, /) -> Array:
@@ -296,7 +296,7 @@ class Sourced(Protocol):
         """Where the numbers of its frames come from; q and v hold the state of the tick."""
         ...
 
-    def places(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
+    def position_indices(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
         """Where in q the positions of these velocities are, shape (k,); -1 for one that has none of its own."""
         ...
 

@@ -57,7 +57,7 @@ class Shared(Protocol):
     def order(self) -> str: ...
 
     @property
-    def places(self) -> NDArray[np.signedinteger]: ...
+    def position_indices(self) -> NDArray[np.signedinteger]: ...
 
 
 class Claim(NamedTuple):
@@ -194,7 +194,7 @@ class Envelope:
             loop.V: shared.v,
             loop.POSITIONS: shared.positions,
             loop.NQ: len(shared.positions),
-            loop.PLACES: np.ascontiguousarray(shared.places, dtype=np.int64),
+            loop.PLACES: np.ascontiguousarray(shared.position_indices, dtype=np.int64),
             loop.TICK: shared.braking,
             loop.VELOCITY: self.velocity,
             loop.ACCELERATION: self.acceleration,

@@ -16,10 +16,10 @@ from ..base.checks import positive_scalar
 from ..base.live import Live, structure
 from ..robots.robot import Robot, as_robot
 from .expansion import Companions, Setting, expand
+from .hierarchy_writer import HierarchyWriter
 from .levels import Levels
 from .levels import Rule as Rule
 from .row_writer import RowWriter
-from .rows import Rows
 from .site import Memory
 from .tick import PER as PER
 from .tick import Command as Command
@@ -205,7 +205,9 @@ class Stack(Live):
     def __repr__(self) -> str:
         return " >> ".join(map(_shown, self.levels, self.damping))
 
-    def build(self, robot: Robot, order: Order, dt: float | None = None, memory: Memory | None = None) -> Rows:
+    def build(
+        self, robot: Robot, order: Order, dt: float | None = None, memory: Memory | None = None
+    ) -> HierarchyWriter:
         """The hierarchy of this stack for one robot, ready to be filled.
 
         Parameters
@@ -220,7 +222,7 @@ class Stack(Live):
 
         Returns
         -------
-        Rows
+        HierarchyWriter
             Its ``.hierarchy`` holds the numbers, its ``.fill(state, t)`` writes them.
 
         Raises
@@ -232,7 +234,7 @@ class Stack(Live):
         robot = as_robot(robot)
         one_of(order, get_args(Order), "order")
         tick = None if dt is None else positive_scalar(dt, "dt", unit="s")
-        return Rows(*self.expanded(robot, order), robot, order, tick, memory)
+        return HierarchyWriter(*self.expanded(robot, order), robot, order, tick, memory)
 
     def expanded(self, robot: Robot, order: Order) -> tuple[Levels, Unknowns]:
         """The levels that are solved, with all that the parts stand for on this robot, at this order; and for what.

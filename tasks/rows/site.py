@@ -56,8 +56,8 @@ class Workspace:
         [s].
     q, v : array, shapes (nq,) and (nv,)
         Of this tick.
-    positions, places : array, array of int, shape (nv,)
-        Where the position of each joint is: ``positions[places[j]]``; -1 where it has none of its own.
+    positions, position_indices : array, array of int, shape (nv,)
+        Where the position of each joint is: ``positions[position_indices[j]]``; -1 where it has none of its own.
     circles : array of int, shape (nv,)
         Where in q the cosine of each joint on a circle is, the sine being the next; -1 for all others.
     numbered : bool
@@ -98,12 +98,12 @@ class Workspace:
         self.braking = np.array([np.inf, np.nan if dt is None else dt])
         joints = np.arange(robot.nv)
         self._joints: Callable[[RobotState], Array] | None = None
-        self.positions, self.places, self.circles = self.q, joints, np.full(robot.nv, -1)
+        self.positions, self.position_indices, self.circles = self.q, joints, np.full(robot.nv, -1)
         source: Source = StateSource(robot)
         self.numbered = is_flat(robot)
         if able.has(robot, able.Sourced):
             source, self.numbered = robot.frame_source(self.q, self.v), True
-            self.places, self.circles = robot.places(joints), robot.circles(joints)
+            self.position_indices, self.circles = robot.position_indices(joints), robot.circles(joints)
         elif robot.nq != robot.nv:
             self.positions, self._joints = np.zeros(robot.nv), joint_reader(at_rest(robot))
         self.blocks = Blocks(source, self.n)

@@ -1,4 +1,4 @@
-"""A stack bound to one robot: the hierarchy, and the loops or functions that write its rows every tick."""
+"""The hierarchy of a stack on one robot, and the loops or functions that write its rows every tick."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from ..base.loops import Call
 
 
-class Rows:
-    """A stack bound to one robot: fills its hierarchy every tick.
+class HierarchyWriter:
+    """Writes the hierarchy of a stack on one robot, every tick.
 
     Attributes
     ----------
@@ -131,7 +131,7 @@ class Rows:
                 self._views.append((part, site))
                 self._weights.append((view.weights[own], np.zeros(0, dtype=np.intp)))
         shared.envelope.close(shared)
-        self._place = self._placing()
+        self._embed = self._embedding()
         self.plans: list[tuple[RowWriter, Plan]] = [(part, Plan()) for part, _ in self._views]
         self._plan(range(len(self._views)))
 
@@ -146,16 +146,16 @@ class Rows:
         self._joints.append((part, joints, rows))
         return joints
 
-    def _placing(self) -> list[Call]:
-        """What brings the motion of the joints into the rows of all unknowns, every tick."""
+    def _embedding(self) -> list[Call]:
+        """The loop that copies rows of the joint motion into rows of all unknowns, every tick."""
         moving = [(joints, rows) for part, joints, rows in self._joints if not part.plain]
         if not moving:
             return []
         from ..base.loops import Call, Table
-        from .kernels.placing import place_joints
+        from .kernels.embedding import embed_joints
 
         told = [entry for joints, rows in moving for entry in (joints, rows, len(rows))]
-        return [Call(place_joints, len(moving), self.unknowns.nv, self.unknowns.n, Table(*told))]
+        return [Call(embed_joints, len(moving), self.unknowns.nv, self.unknowns.n, Table(*told))]
 
     def _plan(self, which: Iterable[int]) -> None:
         """Plan how these parts write their rows."""
@@ -196,7 +196,7 @@ class Rows:
 
         shared = self.shared
         own = [call for _, plan in self.plans for call in plan.calls]
-        own += [*self._place, *self._aiming()]
+        own += [*self._embed, *self._aiming()]
         self.compiled = not self._python
         self._before = chained(shared.calls) if self._python else None  # what Python may ask for
         self._run = chained(own if self._python else [*shared.calls, *own])
