@@ -1,7 +1,7 @@
 r"""How the values of tasks of a frame bend, contracted with a weight for every row; see :mod:`tasks.rows.curvature`.
 
-*Placement.* With the weights along the axes of the world, u of the linear rows and w of the angular ones, and with what the
-task leaves free of a vector, Q (of nothing, if it has all three coordinates),
+*Placement.* With the weights along the axes of the world, u of the linear rows and w of the angular ones, and with
+what the task leaves free of a vector, Q (of nothing, if it has all three coordinates),
 
 .. math::
 
@@ -40,8 +40,8 @@ from .directions import NEAR, PARALLEL, dot
 
 #: Of every one: the weights of the rows, and the sum (n, n), to which it adds; how the frame is seen, and work space.
 WEIGHTS, SUM, SEEN, WORK = range(4)
-#: Of a placement task: the table of its law, its axes, whether rotation counts, where its first coordinate is among six, and the
-#: coordinates.
+#: Of a placement task: the table of its law, its axes, whether rotation counts, where its first coordinate is among
+#: six, and the coordinates.
 LAW, AXES, ANGULAR, FIRST, MASK = range(4, 9)
 #: Of a direction: the same table, the target, a and U by rows, and whether the target is a point.
 TARGET, AXIS, POINT = range(5, 8)

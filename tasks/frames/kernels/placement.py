@@ -21,7 +21,8 @@ from ...rows.kernels import law as of
 
 #: Of every measure: the table of its law, the block of its frame, its target, and work space of 64 numbers.
 LAW, BLOCK, TARGET, WORK = range(4)
-#: Of a placement task: the axes, whether position and rotation count, whether one angle about z is meant, and the coordinates.
+#: Of a placement task: the axes, whether position and rotation count, whether one angle about z is meant, and the
+#: coordinates.
 AXES, LINEAR, ANGULAR, ABOUT_Z, MASK = range(4, 9)
 WORLD, LOCAL, SPATIAL = range(3)
 #: Of its target: p, its velocity and acceleration; R by rows, omega and its rate; the angle about z.
