@@ -8,12 +8,12 @@ from hqp import InvalidInput
 
 from ..base.live import number
 from ..targets.trajectories import Spread, Trajectory, as_trajectory
-from .place import Mask, PlaceTask, Reference, as_reference, chosen
+from .placement import Mask, PlacementTask, Reference, as_reference, chosen
 
 AXES = ("x", "y", "z")
 
 
-class PositionTask(PlaceTask):
+class PositionTask(PlacementTask):
     """Bring a frame to a point: the first task of the thesis, r1 of Eq. 4.2.
 
     Parameters
@@ -21,7 +21,7 @@ class PositionTask(PlaceTask):
     target : array, shape (3,), or of one number a coordinate of the mask, or Trajectory
         [m]. Two numbers are x and y: all there is of a planar arm, and a line to stay on for a spatial robot.
     frame, relative_to, reference
-        See :class:`~tasks.frames.place.PlaceTask`.
+        See :class:`~tasks.frames.placement.PlacementTask`.
     mask : str or sequence of bool, optional
         The coordinates to be controlled, as in ``"z"`` or ``(False, False, True)``.
     gain, damping_ratio, weight, name

@@ -125,7 +125,7 @@ class PostureTask(LoopTask, TargetTask):
         size = len(self.target(0.0)[0])
         told, rows = np.empty((loops.JOINT_FIELDS, len(own)), dtype=np.int64), np.arange(len(own))
         positions = self.joints is not None and size == len(own)
-        places, circles = shared.places[own], shared.circles[own]
+        places, circles = shared.position_indices[own], shared.circles[own]
         told[loops.COLUMN] = own
         told[loops.RATE] = -1 if stands_still(self.target) else rows if size == len(own) else own
         if positions:

@@ -23,7 +23,7 @@ import numpy as np
 from hqp import InvalidInput, Label
 from hqp.checks import listed, of_type, whole_number
 
-from ..base.checks import Array, nearest, not_negative, pair, positive_scalar, scalar
+from ..base.checks import Array, not_negative, pair, positive_scalar, scalar, suggestion
 from ..base.live import number, structure
 from ..robots.robot import Robot, RobotState, on_pinocchio
 from ..rows.alone import write_alone
@@ -139,7 +139,7 @@ class SelfCollisionLimit(Part):
         sides = [tuple(blocks[name].ctypes.data for name in pair) for pair in shapes.pairs]
 
         def measure(tick: Tick) -> None:
-            for row, k in enumerate(sorted(shapes.nearest(tick.state, rows))):
+            for row, k in enumerate(sorted(shapes.closest(tick.state, rows))):
                 bodies[row] = sides[k]
                 shapes.contact(k, contacts[row])
 
@@ -205,7 +205,7 @@ class Shapes:
         self._pin.computeDistances(self.geometry, self._data)
         return np.array([result.min_distance for result in self._data.distanceResults])
 
-    def nearest(self, state: RobotState, count: int) -> list[int]:
+    def closest(self, state: RobotState, count: int) -> list[int]:
         """So many pairs, none of the others nearer.
 
         A ball about each shape tells the least that a pair can be apart; those farther than the last one wanted are
@@ -237,6 +237,6 @@ class Shapes:
         for name in both:
             if name not in bodies:
                 raise InvalidInput(
-                    f"{what}: {name!r} is no body with a shape{nearest(str(name), dict.fromkeys(bodies))}"
+                    f"{what}: {name!r} is no body with a shape{suggestion(str(name), dict.fromkeys(bodies))}"
                 )
         return both
