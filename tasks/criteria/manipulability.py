@@ -117,8 +117,10 @@ class ManipulabilityTask(_MeasureOfTask):
         Usually one of the levels above.
     gain : float
         K [1/s], against w in the unit of J to the power of m: [m^2] for the tip in the plane.
-    weight, name
-        See :class:`tasks.GradientTask`.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level.
+    name : str, optional
+        Used in messages, tables and records.
 
     Raises
     ------
@@ -148,8 +150,10 @@ class DynamicManipulabilityTask(_MeasureOfTask):
         Usually one of the levels above.
     gain : float
         K [1/s], against w_d in the unit of J M^-1 to the power of m: [1/kg^2 m^2] for the tip in the plane.
-    weight, name
-        See :class:`tasks.GradientTask`.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level.
+    name : str, optional
+        Used in messages, tables and records.
 
     Raises
     ------
@@ -189,8 +193,10 @@ class VelocityRatioTask(_MeasureOfTask):
         nothing is asked where that is zero.
     gain : float
         K [1/s], against r in the unit of J.
-    weight, name
-        See :class:`tasks.GradientTask`.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level.
+    name : str, optional
+        Used in messages, tables and records.
 
     Raises
     ------

@@ -46,8 +46,14 @@ class FrameTask(Task):
         The name of a frame of the robot (default: its tip).
     relative_to : str, optional
         A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
-    gain, damping_ratio, weight, name
-        See :class:`tasks.Task`.
+    gain : float or array, shape (rows,)
+        K [1/s]: the rate at which the error decays.
+    damping_ratio : float
+        The zeta of acceleration order; 1 is critical damping.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    name : str, optional
+        Used in messages, tables and records (default: the name of the class).
 
     Attributes
     ----------
