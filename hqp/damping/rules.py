@@ -1,5 +1,4 @@
-r"""How strongly a level is damped: rules, from the singular values of what is left of its rows, and from what it
-lacks, to a lambda.
+r"""Damping rules: the lambda of a level, from the singular values of its projected rows or from its residual.
 
 A damped level minimises, within what the levels above it leave,
 

@@ -1,4 +1,4 @@
-"""What was found as tables: the same ones in a terminal and in Markdown."""
+"""The results as tables, for a terminal and in Markdown."""
 
 from __future__ import annotations
 
