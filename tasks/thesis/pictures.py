@@ -26,7 +26,7 @@ Subject = Scenario | Idea | Study | Drawing
 
 @dataclass(frozen=True)
 class Picture:
-    """What is shown, the runs it shows, and the files to make of it; of a study none, it is a table."""
+    """A picture of the report: the runs it shows, and its files; of a study, which is a table, none."""
 
     subject: Subject
     jobs: tuple[Job, ...]

@@ -25,7 +25,7 @@ CERTIFY = 50
 
 @dataclass(frozen=True)
 class Job:
-    """What to simulate. Equal jobs give equal records.
+    """One simulation: scenario, law, backend and tick. Equal jobs give equal records.
 
     Attributes
     ----------
