@@ -112,7 +112,7 @@ Work = tuple[str, Callable[..., Any], tuple[Any, ...], dict[str, Any]]
 
 
 def _work(names: Sequence[str], count: int, near: int, whole: int, seed: int) -> Iterator[Work]:
-    """All of it, in pieces; what takes longest comes first."""
+    """All checks in pieces, the longest first."""
     from ..problems import equality_cases
     from . import PLACES, RELATIONS, SIZES, approach, check, compare, judge, part, validate_case
 

@@ -212,7 +212,7 @@ def _largest(values: Iterable[float]) -> str:
 
 
 def _verdict(ok: bool, allowed: float = 0.0) -> str:
-    """Of what promises something."""
+    """The verdict on a backend that promises an accuracy."""
     return "-" if math.isinf(allowed) else "ok" if ok else "!!"
 
 

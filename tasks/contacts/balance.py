@@ -44,7 +44,7 @@ class _Balance(Part):
 
     @property
     def weight(self) -> Array:
-        """That of the task."""
+        """The weight of the task."""
         return self.task.weight
 
     @weight.setter
@@ -135,7 +135,7 @@ class CapturePointTask(Part):
 
 
 class CaptureRows(_Balance):
-    """Those of a capture point."""
+    """The rows of a capture point task."""
 
     task: CapturePointTask
 

@@ -75,7 +75,7 @@ class _MeasureOfTask(GradientTask):
         return self._of(J, robot, q, t) if np.isfinite(J).all() else np.full(len(q), np.nan)
 
     def plan(self, site: Site) -> Plan:
-        """By loops where the gradient has a closed form; else by differences."""
+        """Loops where the gradient has a closed form; else Python, by differences."""
         told = self._frame(site)
         if told is None:
             return replace(self.python_plan(site), why=f"{self.label()}: its gradient is taken by differences")

@@ -125,7 +125,7 @@ class AxisTask(PointingTask):
 
     @property
     def direction(self) -> Trajectory:
-        """The same."""
+        """The target by its other name: the direction d."""
         return self.target
 
     @direction.setter

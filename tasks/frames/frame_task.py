@@ -99,7 +99,7 @@ class FrameTask(Task):
         return state.frame(self.frame)
 
     def block(self, site: Site) -> Array:
-        """The same for loops: its block, see :mod:`tasks.robots.kernels.block`."""
+        """The block of the frame, for loops; see :mod:`tasks.robots.kernels.block`."""
         return site.frame(self.frame, self.relative_to)
 
     def bends(self, site: Site) -> Table | None:

@@ -230,7 +230,7 @@ class PlaneLimit(Inequality):
 
     @property
     def normal(self) -> Array:
-        """Of length 1, shape (3,)."""
+        """The unit normal of the plane, shape (3,)."""
         return self.task.normal
 
     @normal.setter

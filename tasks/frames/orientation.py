@@ -92,7 +92,7 @@ class OrientationTask(PlacementTask):
 
     @property
     def rotation(self) -> RotationTrajectory:
-        """The same as a rotation in time."""
+        """The target as a function of time that gives rotations."""
         target: Any = self.target
         return AboutZ(target) if self._about_z else target
 

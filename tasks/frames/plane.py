@@ -81,7 +81,7 @@ class PlaneTask(FrameTask, LoopTask):
 
     @property
     def distance(self) -> Trajectory:
-        """The same."""
+        """The target by its other name: the distance from the plane [m]."""
         return self.target
 
     @distance.setter

@@ -86,7 +86,7 @@ class PositionTask(PlacementTask):
 
     @property
     def position(self) -> Trajectory:
-        """The same among three coordinates."""
+        """The target as a trajectory of three coordinates, those outside the mask zero."""
         return self.target if len(self.target(0.0)[0]) == 3 else Spread(self.target, self.mask)
 
     @position.setter

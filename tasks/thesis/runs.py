@@ -53,7 +53,7 @@ class Job:
 
     @property
     def coarser(self) -> Job:
-        """The same at twice the tick, by which this one is checked."""
+        """The same job at twice the tick, by which this one is checked."""
         item = self.scenario
         return replace(self, scenario=replace(item, tick=2 * item.tick, free_tick=2 * item.free_tick))
 
