@@ -49,7 +49,7 @@ NONE = 1.0 / LARGEST
 
 
 class Known(NamedTuple):
-    """Of a damped level, lambda, and whether the levels above it were solved alone."""
+    """The lambda of a damped level, and whether the levels above it were solved alone."""
 
     damping: float
     alone: bool

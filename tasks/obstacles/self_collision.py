@@ -119,7 +119,7 @@ class SelfCollisionLimit(Part):
         self.shapes(robot)
 
     def distances(self, robot: Robot, state: RobotState) -> Array:
-        """Of the pairs, in the order of ``shapes(robot).names()`` [m]."""
+        """The distances of the pairs [m], in the order of ``shapes(robot).names()``."""
         return self.shapes(robot).distances(state)
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
@@ -200,7 +200,7 @@ class Shapes:
         return [" - ".join(pair) for pair in self.pairs]
 
     def distances(self, state: RobotState) -> Array:
-        """Of all pairs [m]; negative where two overlap."""
+        """The distances of all pairs [m]; negative where two shapes overlap."""
         self._place(state)
         self._pin.computeDistances(self.geometry, self._data)
         return np.array([result.min_distance for result in self._data.distanceResults])

@@ -132,7 +132,7 @@ class Stack(Live):
         return self._declared.damps
 
     def swapped(self, first: Part, second: Part) -> Stack:
-        """The same parts, these two in each other's place, with the damping of a level that each has for itself.
+        """The stack with two parts exchanged, each with the damping of a level that it has for itself.
 
         Raises
         ------

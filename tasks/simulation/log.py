@@ -121,7 +121,7 @@ class Log:
         self.shortfalls.append(shortfalls(solution))
 
     def record(self, stopped: Stop | None) -> Record:
-        """All of it, as far as it went."""
+        """The record of the ticks that were run."""
         n = self.states
         q, v, a = self.q[:n], self.v[:n], self.a[: n - 1]
         x = v[1:] if self.order == "velocity" else a
