@@ -36,6 +36,11 @@ class Driver(ABC):
     def __init__(self, name: str, stream: Stream) -> None:
         self.name, self.stream, self.raised = name, stream, Counter[str]()
 
+    @property
+    def unknowns(self) -> int:
+        """How many numbers an answer has."""
+        return self.stream.robot.nv
+
     def stand(self, k: int, q: Array, v: Array) -> None:
         """Let the robot be elsewhere at tick k than the stream has it: where the library itself has led it."""
         self.q[k] = self.configured(q)
@@ -54,7 +59,7 @@ class Driver(ABC):
 
     @abstractmethod
     def velocity(self, answer: Any) -> Array:
-        """The joint velocities of an answer of :meth:`tick`, in the order of the stream."""
+        """The joint velocities of an answer of :meth:`tick`, in the order of the stream; of who decides forces, all."""
 
     def proved(self, k: int, v: Array) -> bool | None:
         """Whether joint velocities are certified as the optimum of tick k; None where nothing can be."""
@@ -72,7 +77,7 @@ class Driver(ABC):
                 self.raised[type(error).__name__] += 1
             times.append(clock() - start)
             answers.append(answer)
-        nothing = np.full(self.stream.robot.nv, np.nan)
+        nothing = np.full(self.unknowns, np.nan)
         return np.array(times), np.array([nothing if x is None else self.velocity(x) for x in answers])
 
     def split(self, first: int, last: int) -> Array:
