@@ -52,21 +52,21 @@ class ProxQP(QPSolver):
         other = ~equal & (np.isfinite(qp.lower) | np.isfinite(qp.upper))
         key = np.stack([equal, other]).tobytes()
         told = (qp.H, qp.g, qp.C[equal], qp.lower[equal], qp.C[other], qp.lower[other], qp.upper[other])
-        if key not in self.kept:
-            made = self.proxqp.dense.QP(len(qp.g), int(equal.sum()), int(other.sum()), True)
-            made.init(*told, qp.low, qp.high)
-            made.settings.initial_guess = self.proxqp.InitialGuess.WARM_START_WITH_PREVIOUS_RESULT
-            self.kept[key] = made
-            return made, None
-        return self.kept[key], (*told, qp.low, qp.high)
+        return key, (*told, qp.low, qp.high)
 
     def solve(self, given: Any) -> Array:
-        problem, told = given
-        if told is not None:
+        key, told = given
+        problem = self.kept.pop(key, None)
+        if problem is None:
+            problem = self.proxqp.dense.QP(len(told[1]), len(told[3]), len(told[5]), True)
+            problem.init(*told)
+        else:
+            problem.settings.initial_guess = self.proxqp.InitialGuess.WARM_START_WITH_PREVIOUS_RESULT
             problem.update(*told)
         problem.solve()
         if problem.results.info.status != self.proxqp.PROXQP_SOLVED:
-            raise NoAnswer(problem.results.info.status.name)
+            raise NoAnswer(problem.results.info.status.name)  # from where no other solve begins
+        self.kept[key] = problem
         return np.array(problem.results.x)
 
 

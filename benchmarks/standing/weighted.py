@@ -78,18 +78,22 @@ class Weighing:
             own = part.columns(rows.unknowns, rows.shared.robot)
             columns[k : k + len(own)] = own
         self.columns = columns[self.bounds]
-        soft = h.pointers[hard]
-        self.soft, self.A = slice(soft, h.m), slice(in_A[soft], len(h.A))
-        level = np.repeat(np.arange(len(h.levels)), np.diff(h.pointers))[soft:]
-        self.weights = h.weights[soft:] ** 2 * DECADES ** (level - hard)
-        self.ridge = REGULARISATION * np.eye(h.n)
+        soft = np.arange(h.pointers[hard], h.m)
+        level = np.repeat(np.arange(len(h.levels)), np.diff(h.pointers))[soft]
+        weights = h.weights[soft] ** 2 * DECADES ** (level - hard)
+        whole = h.columns[soft] < 0
+        self.tasks, self.A, self.weights = soft[whole], in_A[soft[whole]], weights[whole]
+        self.alone, self.of, self.pulls = soft[~whole], h.columns[soft[~whole]], weights[~whole]
+        self.diagonal = np.diag_indices(h.n)
 
     def qp(self) -> WeightedQP:
         """Of the rows as they are now."""
-        h, A = self.hierarchy, self.hierarchy.A[self.A]
+        h, n, A = self.hierarchy, self.hierarchy.n, self.hierarchy.A[self.A]
         pulled = A.T * self.weights
-        low, high = np.full(h.n, -np.inf), np.full(h.n, np.inf)
+        H, g = pulled @ A, -(pulled @ h.lower[self.tasks])
+        H[self.diagonal] += REGULARISATION + np.bincount(self.of, self.pulls, n)
+        g -= np.bincount(self.of, self.pulls * h.lower[self.alone], n)
+        low, high = np.full(n, -np.inf), np.full(n, np.inf)
         low[self.columns], high[self.columns] = h.lower[self.bounds], h.upper[self.bounds]
         own = self.constraints
-        g = -(pulled @ h.lower[self.soft])
-        return WeightedQP(pulled @ A + self.ridge, g, h.A[self.C], h.lower[own], h.upper[own], low, high)
+        return WeightedQP(H, g, h.A[self.C], h.lower[own], h.upper[own], low, high)
