@@ -30,12 +30,13 @@ EVERY = 20
 #: The scene whose tick is the unit of all others, and what it is called here.
 UNIT, UNIT_NAME = "panda slow", "hqp, panda"
 LEGEND = f"""\
-robots that stand: us of the processor, whole ticks, torques told, each the shortest of its rounds; changes: of the ticks at which a
-contact is being made or let go; rows, solve: medians of the parts, timed alone; of others, to lay the QP out counts as
-rows; to panda, to weighted: ratio of medians, to the tick of a Panda in the same run, to the fastest weighted QP;
-solve to: the same of the solves alone; lost: by how much more than in the strict answer the centre of mass misses its
-acceleration, worst [m/s^2]; failed: ticks without an answer; beyond: largest excess over a row of physics or limits that the
-strict answer keeps; proved: certificates of every {EVERY}th answer; all are given the rows that hqp writes"""
+robots that stand: us of the processor, whole ticks with torques, each the shortest of its rounds
+changes: of the ticks at which a contact is being made or let go; rows, solve: medians of the parts, timed alone; of
+others, to lay the QP out counts as rows; to panda, to weighted: ratio of medians, to the tick of a Panda in the same
+run, to the fastest weighted QP; solve to: the same of the solves alone; failed: ticks without an answer; lost: by how
+much more than in the strict answer the centre of mass misses its acceleration, worst [m/s^2]; beyond: largest excess
+over a row of physics or limits that the strict answer keeps; proved: certificates of every {EVERY}th answer
+all are given the rows that hqp writes"""
 
 
 #: A row that is passed by no more counts as kept.
