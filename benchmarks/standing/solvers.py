@@ -79,13 +79,12 @@ class Quadprog(QPSolver):
         self.call = import_module("quadprog").solve_qp
 
     def given(self, qp: WeightedQP) -> Any:
-        equal = qp.equal
-        below, above = (np.flatnonzero(~equal & np.isfinite(bound)) for bound in (qp.lower, qp.upper))
-        low, high = (np.flatnonzero(np.isfinite(bound)) for bound in (qp.low, qp.high))
-        unit = np.eye(len(qp.g))
-        rows = np.concatenate([qp.C[equal], qp.C[below], -qp.C[above], unit[low], -unit[high]])
-        ends = np.concatenate([qp.lower[equal], qp.lower[below], -qp.upper[above], qp.low[low], -qp.high[high]])
-        return qp.H, -qp.g, rows.T, ends, int(equal.sum())
+        equal, fixed, unit = qp.equal, qp.low == qp.high, np.eye(len(qp.g))
+        below, above = (~equal & np.isfinite(bound) for bound in (qp.lower, qp.upper))
+        low, high = (~fixed & np.isfinite(bound) for bound in (qp.low, qp.high))
+        rows = np.concatenate([qp.C[equal], unit[fixed], qp.C[below], -qp.C[above], unit[low], -unit[high]])
+        ends = [qp.lower[equal], qp.low[fixed], qp.lower[below], -qp.upper[above], qp.low[low], -qp.high[high]]
+        return qp.H, -qp.g, rows.T, np.concatenate(ends), int(equal.sum() + fixed.sum())
 
     def solve(self, given: Any) -> Array:
         return np.asarray(self.call(*given)[0])
