@@ -33,8 +33,8 @@ from .base import Answer
 STATUSES = {
     OPTIMAL: Status.OPTIMAL,
     SUBOPTIMAL: Status.SUBOPTIMAL,
-    STALLED: Status.STALLED,
-    kernel.UNEVEN: Status.STALLED,  # until the certificate says better
+    STALLED: Status.STALLED,  # these two until the certificate says better
+    kernel.UNEVEN: Status.STALLED,
 }
 #: Of the kernel: two addresses, an outcome.
 SIGNATURE = int64(int64, int64)
@@ -146,9 +146,9 @@ class Native:
 
 
 def judged(hierarchy: Hierarchy, x: Array, x_ref: Array, outcome: int, level: int, counts: Counts) -> Answer:
-    """What is claimed of x. Where one tolerance does not say enough, the certificate has the word."""
+    """What is claimed of x. What the kernel could not prove, or one tolerance does not tell, the certificate decides."""
     status = STATUSES[outcome]
-    if outcome == kernel.UNEVEN:
+    if status is Status.STALLED:
         failed = certify(hierarchy, x, x_ref).failed
         if failed is None:
             status = Status.OPTIMAL
