@@ -129,7 +129,7 @@ class BatchSolver:
             alone: Answer | Solution | None = None
             if outcome in STATUSES:
                 alone = judged(batch[b], x[b], own, outcome, level, Counts(*counts))
-            if alone is None or alone.status is Status.STALLED:  # a number is out of range, or only looked as if
+            if alone is None or alone.status is Status.STALLED:  # in doubt, or out of range
                 alone = Solver("native", self.settings).solve(batch[b], own)
                 x[b], said[b, 2:], self._sides[b] = alone.x, alone.counts[:2], 0
             statuses[b] = alone.status
