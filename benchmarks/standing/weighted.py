@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hqp.arrays import Array
-from tasks.rows.rows import Rows
+from tasks.rows.hierarchy_writer import HierarchyWriter
 
 #: From one level to the next, in the cost; what is added for its Hessian to be positive definite.
 DECADES, REGULARISATION = 1e-2, 1e-8
@@ -59,12 +59,12 @@ class Weighing:
 
     Parameters
     ----------
-    rows : Rows
+    rows : HierarchyWriter
     hard : int
         How many levels are constraints.
     """
 
-    def __init__(self, rows: Rows, hard: int) -> None:
+    def __init__(self, rows: HierarchyWriter, hard: int) -> None:
         h = self.hierarchy = rows.hierarchy
         plain = np.zeros(h.m, dtype=bool)
         for _, first, part, _, site in rows.work:
