@@ -139,7 +139,7 @@ class Explanation:
                 first = number == 0
                 state = ("met" if part.met else "short") + ("" if level.proved else ", not proved")
                 cells = (
-                    str(level.level) if first else "", part.part, state, f"{part.short_by} {part.weighed}".strip() if not part.met else "",
+                    str(level.level) if first else "", part.part, state, part.lacking,
                     rank if first else "", why if first else "",
                 )  # fmt: skip
                 table.add_row(*map(Text, cells))

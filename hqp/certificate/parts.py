@@ -56,10 +56,13 @@ class PartExplanation:
             return ""
         return f"(weight {least:.3g})" if least == most else f"(weights {least:.3g} to {most:.3g})"
 
+    @property
+    def lacking(self) -> str:
+        """The residual in words, and the weights; empty where the part is met."""
+        return "" if self.met else f"{self.short_by} {self.weighed}".rstrip()
+
     def __str__(self) -> str:
-        if self.met:
-            return f"{self.part} met"
-        return f"{self.part} short by {self.short_by} {self.weighed}".rstrip()
+        return f"{self.part} met" if self.met else f"{self.part} short by {self.lacking}"
 
     def data(self) -> dict[str, Any]:
         """Plain Python, as JSON takes it."""

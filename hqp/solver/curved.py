@@ -188,8 +188,8 @@ class CurvedSolver:
                 Solution(declared.points[k], Status.OPTIMAL, self.backend, stage, zero, self.settings, staged=None)
             )
         if not solution.ok:
-            told = {"status": solution.status, "message": solution.message, "level": solution.level}
-            stages[-1] = replace(stages[-1], **told)
+            said, level = solution.message, solution.level
+            stages[-1] = replace(stages[-1], status=solution.status, message=said, level=level)
         return Stages(
             tuple(stages),
             {k: float(declared.strengths[k]) for k in declared.levels},

@@ -126,6 +126,6 @@ class Work:
         ends = np.cumsum([rows * columns for rows, columns in self._shapes])
         parts = [part.reshape(shape) for part, shape in zip(np.split(told, ends[:-1]), self._shapes, strict=True)]
         points, strengths, norms, stiffness, combined, damped = parts
-        n = points.shape[1]
+        n = len(points[0])
         vectors = strengths[:, 0], norms[:, 0], stiffness[:, 0]
         return Declared(opened, last, states, points, *vectors, combined, damped.reshape(-1, n, n + 1))

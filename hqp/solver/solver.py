@@ -16,7 +16,7 @@ from ..arrays import Array, finite_vector, real_array
 from ..backends.base import Answer
 from ..backends.registry import make_backend
 from ..checks import of_type
-from ..damping import DampingRule, Staged, by_index, index_of, rules_of, told
+from ..damping import DampingRule, Staged, by_index, index_of, retold, rules_of, told
 from ..errors import InvalidInput, Unsupported, brief
 from ..guard import Guard
 from ..hierarchy import LARGEST, Hierarchy
@@ -150,6 +150,7 @@ class Solver:
         if self._began is not None:
             self._began(now)
         proved = fault = own_aims = None
+        numbers = hierarchy.numbers.copy()  # what a proof is of, whatever becomes of the numbers from here on
         if aims is not None:
             fault, reference = (None, self._zero) if x_ref is None else self._reference(x_ref)
             own_aims = self._own_aims(hierarchy, aims, reference)
@@ -165,7 +166,7 @@ class Solver:
                 proved = self._quick(hierarchy, reference)
         solution = new(Solution)  # and its fields, at a third of the price of a frozen dataclass's __init__
         fields = solution.__dict__
-        fields["_noted"] = hierarchy, hierarchy.numbers.copy(), reference, self._always
+        fields["_noted"] = hierarchy, numbers, reference, self._always
         if proved is not None:
             if len(proved) == 2:
                 fields["x"], fields["counts"] = proved
@@ -175,7 +176,7 @@ class Solver:
             fields["status"] = OPTIMAL
         elif self._staged is not None:
             reference = self._zero if x_ref is None else real_array(x_ref, "x_ref")
-            return self._solve_in_stages(hierarchy, reference, own_aims)
+            return self._solve_in_stages(hierarchy, numbers, reference, own_aims)
         else:
             answer = self._answer(hierarchy, reference, fault)
             fields["x"], fields["status"], fields["counts"] = answer.x, answer.status, answer.counts
@@ -217,7 +218,7 @@ class Solver:
             own[place] = row
         return own if len(own) else None
 
-    def _solve_in_stages(self, hierarchy: Hierarchy, reference: Array, aims: Array | None) -> Solution:
+    def _solve_in_stages(self, hierarchy: Hierarchy, numbers: Array, reference: Array, aims: Array | None) -> Solution:
         """Stage by stage, where the backend does not take all at once, or has failed."""
         assert self._staged is not None
         if aims is not None and not (np.abs(aims) <= LARGEST).all() and not hierarchy.find_fault():
@@ -226,22 +227,21 @@ class Solver:
             x = np.where(np.abs(reference) <= LARGEST, reference, 0.0)
             given = hierarchy.copy(), x, self.settings, message
             return Solution(x.copy(), Status.INVALID, self.backend, *given, staged=None)
-        staged = self._staged.solve(hierarchy, reference, aims)
-        last = staged.solutions[-1]
+        stages = self._staged.solve(hierarchy, reference, aims)
+        last = stages.solutions[-1]
         solved, levels = len(last.hierarchy.levels), len(hierarchy.levels)
         where = f"in the stage of levels 0 to {solved - 1}: " if solved < levels else ""
-        return Solution(
-            last.x,
-            last.status,
-            self.backend,
-            hierarchy.copy(),
-            last.x_ref,
-            self.settings,
-            message=f"{where}{last.message}" if last.message else "",
-            level=last.level,
-            counts=Counts(*map(sum, zip(*(stage.counts for stage in staged.solutions), strict=True))),
-            staged=staged,
-        )
+        solution = new(Solution)
+        fields = solution.__dict__
+        fields["x"], fields["status"], fields["level"] = last.x, last.status, last.level
+        fields["message"] = f"{where}{last.message}" if last.message else ""
+        fields["counts"] = Counts(*map(sum, zip(*(stage.counts for stage in stages.solutions), strict=True)))
+        if last.status is Status.INVALID:
+            fields["staged"] = stages
+        tell = partial(retold, self.damping, partial(_solve_once, self.backend, self.settings), reference)
+        fields["_noted"] = hierarchy, numbers, last.x_ref, (self.backend, self.settings, tell)
+        fields["_points"], fields["_aims"] = self._staged.answers, aims
+        return solution
 
     def _answer(self, hierarchy: Hierarchy, reference: Array, fault: str | None) -> Answer:
         """What the backend says, or why it is not asked."""
