@@ -21,12 +21,15 @@ class Handed(NamedTuple):
     level : int
     rows : array, shape (any, n)
         Combinations of its weighted rows, all but those that are declared soft.
+    length : float
+        Of all its weighted rows together: beside it a combination is round-off, or is not.
     reached : array, shape (n,)
         The x that its own stage found.
     """
 
     level: int
     rows: Array
+    length: float
     reached: Array
 
 
@@ -34,7 +37,7 @@ def left_alone(handed: Handed, name: str, x: Array, tolerance: float) -> LevelCe
     """Whether x has these rows where the level left them; the residual is how far it has moved them."""
     with np.errstate(all="ignore"):  # an x out of all bounds is judged, not warned about
         moved = length(handed.rows @ (x - handed.reached))
-        size = float(np.linalg.norm(handed.rows)) * (length(x) + length(handed.reached))
+        size = handed.length * (length(x) + length(handed.reached))
     share = moved / size if size > 0.0 else 0.0
     ok = share <= MARGIN * tolerance
     left = "handed over" if not name else f"{name}, handed over"

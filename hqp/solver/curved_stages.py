@@ -140,7 +140,8 @@ def handed(given: Hierarchy, declared: Declared) -> tuple[Handed, ...]:
         play = np.flatnonzero(states != at.GIVEN)
         rows = level.weights[play, None] * given.matrix(j)[play]
         soft = np.linalg.qr(declared.combined[own, : len(level)][states == at.SOFT][:, play].T)[0]
-        found.append(Handed(j, rows - soft @ (soft.T @ rows), declared.points[j]))
+        kept, size = rows - soft @ (soft.T @ rows), float(np.linalg.norm(rows))
+        found.append(Handed(j, kept, size, declared.points[j]))
     return tuple(found)
 
 
