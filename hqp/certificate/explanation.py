@@ -65,9 +65,10 @@ class LevelExplanation:
 
     def __str__(self) -> str:
         if self.met:
-            *parts, last = [part.part for part in self.parts] or [self.name or f"level {self.level}"]
-            named = f"{', '.join(parts)} and {last}" if parts else last
-            return f"{self._beside()}{named} met ({self._standing()})"
+            parts = [part.part for part in self.parts] or [self.name or f"level {self.level}"]
+            named = " and ".join(parts[:MOST_NAMED])
+            more = f" and {len(parts) - MOST_NAMED} more" if len(parts) > MOST_NAMED else ""
+            return f"{self._beside()}{named}{more} met ({self._standing()})"
         causes = list(map(str, self.causes))
         if self.inner > LEAST_SHARE * sum(cause.strength for cause in self.causes):
             causes.insert(sum(cause.strength > self.inner for cause in self.causes), "each other")

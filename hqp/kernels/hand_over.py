@@ -70,12 +70,11 @@ def hold(here, row, d):
 
 
 @inner
-def combination(here, k, i):
-    """What row i of level k is a combination of, for those below: nothing yet."""
+def combine_nothing(here, k, i):
+    """Below its level k, row i is a combination of no rows yet."""
     ptr, own = marks(here, plain.PTR), matrix(here, at.COMBINED)[i]
     for p in range(ptr[k + 1] - ptr[k]):
         own[p] = 0.0
-    return own
 
 
 @inner
@@ -95,7 +94,8 @@ def freeze(here, k, count, d, x, size):
         return soften(here, k, count, d, x, size)
     for r in range(count):
         i, value = ids[r], 0.0
-        combination(here, k, i)[i - marks(here, plain.PTR)[k]] = 1.0
+        combine_nothing(here, k, i)
+        matrix(here, at.COMBINED)[i][i - marks(here, plain.PTR)[k]] = 1.0
         for j in range(n):
             rows[i][j] = J[r][j]
             value += J[r][j] * x[j]
@@ -181,10 +181,11 @@ def soften(here, k, count, d, x, size):
     rank, first = compliance(here, count, d, size), marks(here, plain.PTR)[k]
     for r in range(count):
         i = ids[r]
-        state[i], own = at.LOST, combination(here, k, i)
+        state[i] = at.LOST
+        combine_nothing(here, k, i)
         if r >= rank:
             continue
-        row, value = rows[i], 0.0
+        row, own, value = rows[i], matrix(here, at.COMBINED)[i], 0.0
         for j in range(n):
             row[j] = 0.0
         for p in range(count):

@@ -31,7 +31,7 @@ from ..solution import Counts, Solution, Stages, Status
 from .curved_stages import Stage, handed, softened
 from .curved_work import Work, directory_of, stage_of
 from .linearisation import Linearisation
-from .solver import DEFAULT_BACKEND, Solver
+from .solver import DEFAULT_BACKEND, Solver, solve_once
 
 WHAT = "curved levels"
 new = object.__new__
@@ -195,7 +195,7 @@ class CurvedSolver:
             {k: float(declared.strengths[k]) for k in declared.levels},
             {k: aims[k] for k in declared.levels},
             stages[-1].hierarchy,
-            partial(_solve_once, self.backend, self.settings),
+            partial(solve_once, self.backend, self.settings),
             {k: declared.points[k] for k in declared.levels},
             self._linearisation.singular,
             softened=softened(declared, given.pointers),
@@ -219,10 +219,6 @@ class CurvedSolver:
             self._raised.append(error)
             return -1
         return OPTIMAL if solution.ok else -1
-
-
-def _solve_once(backend: str, settings: Settings, hierarchy: Hierarchy, x_ref: Array) -> Solution:
-    return Solver(backend, settings).solve(hierarchy, x_ref)
 
 
 def _asked(answer: Callable[[int, int], int]) -> tuple[Any, int]:

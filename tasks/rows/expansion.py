@@ -67,10 +67,11 @@ class Companions:
 
 
 class Expanded(NamedTuple):
-    """A stack as it is solved, and what it is solved for."""
+    """A stack as it is solved, what it is solved for, and the parts that each part declared stands for, by its id."""
 
     stack: Stack
     unknowns: Unknowns
+    meant: dict[int, tuple[Part, ...]]
 
 
 @dataclass
@@ -95,10 +96,12 @@ def expand(stack: Stack, robot: Robot, order: Order) -> Expanded:
     found = [[part.companions(setting) for part in level] for level in stack.levels]
     blocks = [each.block for level in found for each in level if each.block is not None]
     unknowns = Unknowns(robot.nv, blocks)
+    pairs = zip(stack, (each for level in found for each in level), strict=True)
+    meant = {id(part): (*each.top, *each.here, *each.limits, *each.below) for part, each in pairs}
     alone = [each.here for level in found for each in level] == [(part,) for part in stack]
     if alone and not any(each.top for level in found for each in level):
-        return Expanded(stack, unknowns)
-    return Expanded(_placed(stack, found), unknowns)
+        return Expanded(stack, unknowns, meant)
+    return Expanded(_placed(stack, found), unknowns, meant)
 
 
 def _placed(stack: Stack, found: list[list[Companions]]) -> Stack:

@@ -62,7 +62,7 @@ class Rows:
         self, stack: Stack, robot: Robot, order: Order, dt: float | None, memory: Memory | None = None
     ) -> None:
         self._robot, self._order, self._dt = robot, order, dt
-        self.stack, self.unknowns = expand(stack, robot, order)
+        self.stack, self.unknowns, self._meant = expand(stack, robot, order)
         self._memory: Memory = {} if memory is None else memory
         self._check()
         self._rest = at_rest(robot)
@@ -222,8 +222,16 @@ class Rows:
         ]
 
     def bounds(self, part: Part) -> tuple[Array, Array] | None:
-        """Lower and upper bounds that a part writes (views), or None if it is not in the stack."""
-        return next(((site.lower, site.upper) for own, site in self._views if own is part), None)
+        """Lower and upper bounds of a part (views; of one that stands for several, a copy), None if it is not here."""
+        if part not in self.stack and id(part) not in self._meant:
+            return None
+        meant = self._meant.get(id(part), (part,))
+        sites = [site for own, site in self._views if any(own is each for each in meant)]
+        if len(sites) == 1:
+            return sites[0].lower, sites[0].upper
+        none = np.zeros(0)
+        lower, upper = ([getattr(site, side) for site in sites] for side in ("lower", "upper"))
+        return np.concatenate([none, *lower]), np.concatenate([none, *upper])
 
     def describe(self) -> Description:
         """Who writes the rows of each part, and why Python does where it does."""
