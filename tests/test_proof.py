@@ -14,10 +14,10 @@ import curved_stacks
 import numpy as np
 import pytest
 from contact_scenes import humanoid
-from misread import Misreader, in_python, misread, slips, stage_misread
+from misread import Misreader, Slip, in_python, misread, slips, stage_misread
 
 import hqp
-from hqp import FixedDamping, Hierarchy, Level, NumericalFiltering, SingularValueDamping, Solver
+from hqp import FixedDamping, Hierarchy, InvalidInput, Level, NumericalFiltering, SingularValueDamping, Solver
 from hqp.certificate import Handed, left_alone
 from tasks import (
     CenterOfMassTask,
@@ -110,27 +110,18 @@ def test_no_stage_is_misread_on_many_arms():
     print(told)
 
 
-def test_limits_that_are_overwritten_in_a_stage_are_missed():
-    """The rows of torque limits, one after the other, each as if it were not there."""
+def test_torque_limits_that_are_overwritten_in_a_stage_are_missed():
+    """One entry of their rows after the other: what then breaks a limit is not certified."""
     controller, state = panda()
-    solver = in_python(controller)
-    right = controller(*state).solution
-    k, refused = len(right.stages[0].hierarchy.levels) - 1, 0
-    for row in range(14):
-        place = right.stages[0].hierarchy.A.shape[1] * row
-        for column in range(7):
-            other = stage_misread(controller, state, k, slips_of(place + column))
-            assert solver.settings is other.settings
-            broken = other.levels[0].residual_norm > 1e-6
-            refused += broken
-            assert not broken or not other.certify().ok
-    assert refused
-
-
-def slips_of(place):
-    from misread import Slip
-
-    return Slip(place, -1.0)
+    in_python(controller)
+    first = controller(*state).solution.stages[0].hierarchy
+    k, broken = len(first.levels) - 1, 0
+    for place in range(7 * first.n):
+        other = stage_misread(controller, state, k, Slip(place, -1.0))
+        if other.ok and other.levels[0].residual_norm > 1e-6:
+            broken += 1
+            assert not other.certify().ok
+    assert broken
 
 
 def test_what_is_handed_over_is_to_stay():
@@ -214,7 +205,10 @@ def test_a_damped_level_that_was_misread_is_refused(rule, lasting):
         x_ref, damping = rng.standard_normal(h.n), {1: rule}
         assert hqp.solve(h, damping=damping, x_ref=x_ref).certify().ok
         for slip in slips(h, rng, 2):
-            other = misread(Solver(damping=damping), h.copy(), slip, x_ref, lasting)
+            try:
+                other = misread(Solver(damping=damping), h.copy(), slip, x_ref, lasting)
+            except InvalidInput:  # filtering takes no inequality, which the slip has made
+                continue
             if not other.ok:
                 continue
             certified, declared = other.certify().ok, other.dampings.get(1, 0.0)
@@ -241,7 +235,7 @@ def test_one_stage_of_a_damped_level_that_was_misread_is_refused():
                 solver._staged._stages[at] = Misreader(Solver().solve, slip)
                 try:
                     other = solver.solve(h)
-                except IndexError:  # a slip beyond a smaller stage
+                except (IndexError, InvalidInput):  # beyond a smaller stage; or none that filtering takes
                     continue
                 if not other.ok:
                     continue
@@ -253,7 +247,8 @@ def test_one_stage_of_a_damped_level_that_was_misread_is_refused():
 
 def test_another_reference_or_aim_is_refused():
     rng = np.random.default_rng(0)
-    h, x_ref = strict(rng), None
+    tasks = Level.equality(rng.standard_normal((2, 6)), [0.3, 0.2])
+    h = Hierarchy([Level.bounds([-9.0] * 6, [9.0] * 6), tasks, Level.equality(rng.standard_normal((1, 6)), [0.1])])
     for damping in {}, {1: 0.3}:
         x_ref = rng.standard_normal(h.n)
         aims = {1: rng.standard_normal(h.n)} if damping else None
