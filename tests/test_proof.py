@@ -111,7 +111,7 @@ def test_no_stage_is_misread_on_many_arms():
 
 
 def test_torque_limits_that_are_overwritten_in_a_stage_are_missed():
-    """In the last stage, which gives x, one entry of their rows after the other: what breaks a limit is not certified."""
+    """One entry of their rows after the other, in the last stage: what then breaks a limit is not certified."""
     controller, state = panda()
     in_python(controller)
     last = controller(*state).solution.stages[-1].hierarchy
