@@ -626,3 +626,12 @@ def test_degrees_of_redundancy_count_forces_too(tmp_path: Path) -> None:
     np.testing.assert_array_equal(record.degrees.redundancy, n - np.cumsum(record.ranks, axis=1))
     record.save(tmp_path / "r.npz")
     assert type(record).load(tmp_path / "r.npz").unknowns == n
+
+
+def test_forces_at_a_bound_are_told_by_how_many_points() -> None:
+    """A foot that is asked to press no more than it can lift off its points: all push, and are one cause."""
+    scene = humanoid()
+    pull = ForceTask([-50.0], contact=scene.feet[0], weight=1.0)
+    stack = Dynamics() + scene.feet[0] + scene.feet[1] >> pull >> scene.rest()
+    told = str(controller_of(scene, stack)(scene.q, scene.v).solution.explain())
+    assert "left: forces, at 4 of 4 points" in told, told
