@@ -11,8 +11,9 @@ MOST_ROOMS = 20
 
 
 #: The circles that are left: ``a >> b`` of two parts is a stack, and a stack holds parts, and expands and builds
-#: their rows; a contact stands for parts, which are of a contact.
+#: their rows; a contact stands for parts, which are of a contact; a solution has stages, which are solutions.
 MUTUAL = {
+    "hqp": [["hqp.solution.explaining", "hqp.solution.solution", "hqp.solution.stages"]],
     "tasks": [
         [f"tasks.contacts.{name}" for name in ("contact", "forces", "friction", "mapping", "motion")],
         ["tasks.rows.expansion", "tasks.rows.part", "tasks.rows.rows", "tasks.rows.stack"],
