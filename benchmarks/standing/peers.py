@@ -9,7 +9,7 @@ import numpy as np
 
 from hqp import Hierarchy
 from hqp.arrays import Array
-from hqp.backends.daqp import Rows
+from hqp.backends.daqp import DaqpProblem
 from tasks.control.contacts import joint_torques
 
 from ..methods.daqp_direct import TOLERANCES
@@ -70,7 +70,7 @@ class DaqpStanding(Peer):
         self.call, self.H, self.f = import_module("daqp").solve, np.eye(self.unknowns), np.zeros(self.unknowns)
 
     def _decide(self, hierarchy: Hierarchy) -> Iterator[Array | None]:
-        rows = Rows.of(hierarchy)
+        rows = DaqpProblem.of(hierarchy)
         yield None
         x, _, flag, _ = self.call(
             self.H, self.f, rows.A, rows.upper, rows.lower, rows.sense, rows.break_points, **TOLERANCES
