@@ -151,6 +151,7 @@ _BACKENDS = [
     ),
 ]
 
+#: All backends by name, those that cannot run here included.
 BACKENDS: dict[str, BackendInfo] = {info.name: info for info in _BACKENDS}
 
 

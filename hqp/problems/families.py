@@ -63,7 +63,7 @@ class Family:
         return self.hierarchy.__doc__ or ""
 
 
-#: By name.
+#: The families of hard problems, by name.
 FAMILIES: dict[str, Family] = {
     family.name: family
     for family in (

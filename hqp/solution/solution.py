@@ -92,6 +92,7 @@ class Counts(NamedTuple):
     levels_polished: int = 0
 
 
+#: What is counted where nothing is.
 NO_COUNTS = Counts()
 
 
