@@ -69,8 +69,7 @@ def tables() -> str:
         found.setdefault(constant.path, []).append(constant)
     parts = [
         heading("Constants"),
-        "What a solve may be told is in :class:`hqp.Settings`. These numbers are built in, each at the top of the module that "
-        "uses it.",
+        "What a solve may be told is in :class:`hqp.Settings`. These numbers are built in, each at the top of its module.",
     ]
     for place, rows in found.items():
         lines = "\n".join(f"   * - ``{row.name}``\n     - ``{row.value}``\n     - {row.about}" for row in rows)

@@ -1,0 +1,107 @@
+"""The reference: every public name is documented once, with all that it takes, and what its examples show is so."""
+
+from __future__ import annotations
+
+import doctest
+import inspect
+import re
+import sys
+from collections import Counter
+from enum import Enum
+from importlib import import_module
+from typing import Any
+
+import pytest
+from command import ROOT
+
+sys.path.insert(0, str(ROOT / "docs/_site"))
+from public import NAMESPACES, PARTS, Public, public
+
+NAMES = public()
+DOCUMENTED = [name for name in NAMES if inspect.isclass(name.value) or inspect.isroutine(name.value)]
+LONGEST_SENTENCE = 160
+of_all = pytest.mark.parametrize("name", DOCUMENTED, ids=lambda name: name.path)
+
+
+def text(value: Any) -> str:
+    return inspect.getdoc(value) or ""
+
+
+def taken(value: Any) -> list[str]:
+    """The parameters that a user gives; of a protocol, an enumeration and an exception none."""
+    if inspect.isclass(value) and (getattr(value, "_is_protocol", False) or issubclass(value, Enum | Exception)):
+        return []
+    return [name for name in inspect.signature(value).parameters if not name.startswith("_") and name != "self"]
+
+
+def told(docstring: str) -> set[str]:
+    """The names that stand above an explanation in the sections of parameters and attributes."""
+    found: set[str] = set()
+    for section in re.split(r"\n(?=\w[\w ]*\n-{3,}\n)", docstring):
+        if section.startswith(("Parameters", "Other Parameters", "Attributes")):
+            for line in re.findall(r"^(\S[^\n:]*?)(?: :.*)?$\n(?=    )", section, re.MULTILINE):
+                found.update(word.strip(" *") for word in line.split(","))
+    return found
+
+
+def methods(value: type) -> dict[str, Any]:
+    return {
+        name: each
+        for name, each in vars(value).items()
+        if not name.startswith("_") and (inspect.isroutine(each) or isinstance(each, property | classmethod))
+    }
+
+
+def test_every_exported_name_has_one_place():
+    counts = Counter(name.path for name in NAMES)
+    assert [path for path, count in counts.items() if count > 1] == []
+    exported = [getattr(import_module(space), name) for space in NAMESPACES for name in import_module(space).__all__]
+    assert all(any(value is name.value for name in NAMES) for value in exported if not inspect.ismodule(value))
+    assert {name.part for name in NAMES} == set(PARTS)
+
+
+@of_all
+def test_the_first_sentence_says_what_it_is(name: Public):
+    assert not inspect.isclass(name.value) or "__doc__" in vars(name.value)
+    paragraph = text(name.value).split("\n\n")[0].replace("\n", " ")
+    assert paragraph.endswith((".", ":")), f"{name.path}: {paragraph!r} is no sentence"
+    assert len(re.split(r"(?<=\w[.)])\s+(?=[A-Z`])", paragraph)[0]) <= LONGEST_SENTENCE
+
+
+@of_all
+def test_every_parameter_is_told(name: Public):
+    missing = [parameter for parameter in taken(name.value) if parameter not in told(text(name.value))]
+    assert missing == [], f"{name.path} does not tell {', '.join(missing)}"
+
+
+@of_all
+def test_every_method_is_told(name: Public):
+    if inspect.isclass(name.value):
+        assert [method for method, value in methods(name.value).items() if not inspect.getdoc(value)] == []
+
+
+@of_all
+def test_what_examples_show_is_so(name: Public):
+    run(name.value, name.path)
+
+
+@pytest.mark.parametrize("module", ["hqp", "tasks", *PARTS])
+def test_what_examples_of_a_part_show_is_so(module: str):
+    part = import_module(module)
+    assert text(part).split("\n\n")[0].endswith(".")
+    run(part, module, recurse=False)
+
+
+def run(value: Any, path: str, recurse: bool = True) -> None:
+    module = import_module(value.__module__) if hasattr(value, "__module__") else value
+    for example in doctest.DocTestFinder(recurse=recurse).find(value, path, module=module, globs={}):
+        assert doctest.DocTestRunner().run(example).failed == 0, f"{example.name} shows something else"
+
+
+def test_constants_have_their_reason():
+    pytest.importorskip("sphinx", reason="the table of constants is made by Sphinx")
+    from constants import constants
+
+    found = list(constants())
+    assert len(found) > 100
+    assert [f"{each.path}: {each.name}" for each in found if not each.about] == []
