@@ -163,6 +163,11 @@ def available_backends() -> tuple[str, ...]:
 def backend_info(name: str) -> BackendInfo:
     """Look a backend up by name.
 
+    Parameters
+    ----------
+    name : str
+        One of ``hqp.backends.BACKENDS``.
+
     Raises
     ------
     UnknownBackend

@@ -93,6 +93,15 @@ FAMILIES: dict[str, Family] = {
 def hierarchies(name: str, count: int, seed: int = 0) -> Iterator[Hierarchy]:
     """The first `count` hierarchies of a family, the same for the same arguments.
 
+    Parameters
+    ----------
+    name : str
+        One of `FAMILIES`.
+    count : int
+        How many.
+    seed : int
+        Another one gives others.
+
     Raises
     ------
     InvalidInput

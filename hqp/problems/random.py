@@ -61,7 +61,17 @@ CASES: dict[str, Callable[[np.random.Generator, int, tuple[int, ...]], list[Arra
 
 @dataclass(frozen=True)
 class Case:
-    """One family of the validation: a shape and a rank case."""
+    """One family of the validation: a shape and a rank case.
+
+    Parameters
+    ----------
+    n : int
+        Number of unknowns.
+    rows : tuple of int
+        Rows of each level.
+    rank : str
+        A rank case, one of `CASES`.
+    """
 
     n: int
     rows: tuple[int, ...]
@@ -139,7 +149,20 @@ def _rows(rng: np.random.Generator, m: int, n: int, integers: bool, above: list[
 
 
 def random_sides(rng: np.random.Generator, value: Array, integers: bool = False) -> tuple[Array, Array]:
-    """Lower and upper bounds of all kinds about `value`; a third of them shifted, so that levels conflict."""
+    """Lower and upper bounds of all kinds about `value`; a third of them shifted, so that levels conflict.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    value : array, shape (m,)
+        About which the bounds lie.
+    integers : bool
+        Whether they are whole numbers, so that ties are exact.
+
+    Returns
+    -------
+    lower, upper : array, shape (m,)
+    """
     m = len(value)
     shift = np.where(rng.random(m) < 0.33, _draw(rng, m, integers), 0.0)
     centre = value + shift

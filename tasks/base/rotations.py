@@ -97,6 +97,15 @@ def about(axis: int, angle: float) -> Array:
 def from_rpy(roll: float, pitch: float, yaw: float) -> Array:
     """Turned about the axes of the world by roll (x), then pitch (y), then yaw (z) [rad]: URDF's ``rpy``.
 
+    Parameters
+    ----------
+    roll, pitch, yaw : float
+        Angles [rad].
+
+    Returns
+    -------
+    array, shape (3, 3)
+
     Raises
     ------
     InvalidInput
@@ -110,6 +119,11 @@ def from_xyzw(quaternion: ArrayLike) -> Array:
     """The rotation of a unit quaternion (x, y, z, w), its scalar part last, as in ROS and Pinocchio, shape (3, 3).
 
     MuJoCo and Eigen's constructor write (w, x, y, z): reorder it first.
+
+    Parameters
+    ----------
+    quaternion : array, shape (4,)
+        x, y, z, w.
 
     Raises
     ------

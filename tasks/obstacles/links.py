@@ -91,7 +91,14 @@ class LinkCapsule(Live):
 
 
 def planar_links(arm: PlanarArm, radius: float) -> tuple[LinkCapsule, ...]:
-    """Every link of a planar arm, from the base on, with a radius [m]."""
+    """Every link of a planar arm, from the base on, with a radius [m].
+
+    Parameters
+    ----------
+    arm : PlanarArm
+    radius : float
+        Of every link [m].
+    """
     lengths = of_type(arm, PlanarArm, "arm").lengths
     return tuple(
         LinkCapsule(f"link{i + 1}", [-length, 0.0], radius, name=f"link {i + 1}") for i, length in enumerate(lengths)

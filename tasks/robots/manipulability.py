@@ -63,6 +63,11 @@ def manipulability(J: ArrayLike) -> Array:
 
     It is 0 where J has more rows than columns: some direction cannot be moved.
 
+    Parameters
+    ----------
+    J : array, shape (..., m, n)
+        Jacobian of the task.
+
     Raises
     ------
     InvalidInput
@@ -76,6 +81,11 @@ def manipulability(J: ArrayLike) -> Array:
 
 def velocity_ellipse(J: ArrayLike) -> VelocityEllipse:
     """The image of the joint velocities of norm one (section 1.3.5).
+
+    Parameters
+    ----------
+    J : array, shape (..., m, n)
+        Jacobian of the task.
 
     Raises
     ------

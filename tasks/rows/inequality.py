@@ -163,7 +163,13 @@ class AtLeast(Inequality):
 
 
 class AtMost(Inequality):
-    """Keep what a task measures at its target or below, row by row; see :class:`AtLeast`."""
+    """Keep what a task measures at its target or below, row by row; see :class:`AtLeast`.
+
+    Parameters
+    ----------
+    task : Task
+        Its target is the bound, its gain the rate at which the bound is neared.
+    """
 
     def __init__(self, task: Task) -> None:
         super().__init__(task, -np.inf, 0.0)
