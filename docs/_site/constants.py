@@ -73,5 +73,5 @@ def tables() -> str:
     ]
     for place, rows in found.items():
         lines = "\n".join(f"   * - ``{row.name}``\n     - ``{row.value}``\n     - {row.about}" for row in rows)
-        parts += [f"{place}\n{'-' * len(place)}", f".. list-table::\n   :widths: 25 15 60\n\n{lines}"]
+        parts += [f"{place}\n{'-' * len(place)}", f".. list-table::\n   :width: 100%\n   :widths: 25 15 60\n\n{lines}"]
     return "\n\n".join(parts)

@@ -39,7 +39,7 @@ NAVIGATION = {
 
 
 def add(app: Sphinx, docname: str, source: list[str]) -> None:
-    """The landing page ends with all others."""
+    """End the landing page with all others."""
     if docname == LANDING:
         for caption, names in NAVIGATION.items():
             source[0] += f"\n```{{toctree}}\n:hidden:\n:caption: {caption}\n\n" + "\n".join(names) + "\n```\n"

@@ -48,7 +48,7 @@ def part(module: str, names: list[Public]) -> str:
 def table(rows: list[tuple[str, str]]) -> str:
     """Names, and what they are."""
     lines = "\n".join(f"   * - {name}\n     - {about}" for name, about in rows)
-    return f".. list-table::\n   :widths: 30 70\n\n{lines}"
+    return f".. list-table::\n   :width: 100%\n   :widths: 30 70\n\n{lines}"
 
 
 def entry(name: Public) -> str:

@@ -46,7 +46,7 @@ class Batch:
     template : Hierarchy
         Its structure and, to begin with, its numbers are those of every one.
     count : int
-        B.
+        How many, B.
 
     Attributes
     ----------
