@@ -69,7 +69,7 @@ def tables() -> str:
         found.setdefault(constant.path, []).append(constant)
     parts = [
         heading("Constants"),
-        "What a solve may be told is in :class:`hqp.Settings`. These numbers are built in, each at the top of its module.",
+        "What a solve may be told is in :class:`hqp.Settings`. These numbers are built in.",
     ]
     for place, rows in found.items():
         lines = "\n".join(f"   * - ``{row.name}``\n     - ``{row.value}``\n     - {row.about}" for row in rows)

@@ -77,8 +77,8 @@ def allowance(
     value, slack, norms : array, shape (m,)
         A x, the slacks w, and the norms of the rows of A; the latter two may be one number for all.
     size, way : float
-        ``||x||``, and the longest way that takes part in x, see :func:`travel`, or as much of it as is known: a size of x
-        alone says nothing of its round-off where it is the small difference of large numbers.
+        ``||x||``, and the longest way that takes part in x, see :func:`travel`, or as much of it as is known: a size of
+        x alone says nothing of its round-off where it is the small difference of large numbers.
     tolerance : float
         Relative to the data.
 

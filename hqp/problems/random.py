@@ -111,6 +111,14 @@ def random_hierarchy(rng: np.random.Generator, *, n: int | None = None, levels: 
         Unknowns (default: 2 to 12).
     levels : int, optional
         Levels (default: 1 to 6).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from hqp import solve
+    >>> from hqp.problems import random_hierarchy
+    >>> solve(random_hierarchy(np.random.default_rng(0))).certify().ok
+    True
     """
     n = int(rng.integers(2, 13)) if n is None else n
     count = int(rng.integers(1, 7)) if levels is None else levels

@@ -65,6 +65,17 @@ class Solver:
     of an answer. When the structure (sizes, bounded variables) changes, the solver starts afresh.
     A solver serves one thread at a time: it works in memory of its own, without the interpreter's lock, and raises
     where a second one comes. A copy, also one that was pickled, is another solver with the same settings, and cold.
+
+    Examples
+    --------
+    >>> from hqp import Hierarchy, Level, Solver
+    >>> hierarchy = Hierarchy([Level.equality([[1.0, 1.0]], [3.0], name="sum")])
+    >>> solver = Solver()
+    >>> for target in 3.0, 4.0:
+    ...     hierarchy.levels[0].lower[:] = hierarchy.levels[0].upper[:] = target
+    ...     print(solver.solve(hierarchy).x)
+    [1.5 1.5]
+    [2. 2.]
     """
 
     def __init__(
@@ -330,6 +341,14 @@ def solve(
         If no backend of that name can run here; lists those that can.
     Unsupported
         If the backend does not take such a hierarchy; names one that does.
+
+    Examples
+    --------
+    >>> from hqp import Hierarchy, Level, solve
+    >>> limits, total = Level.bounds([-1.0, -1.0], [1.0, 1.0]), Level.equality([[1.0, 1.0]], [3.0])
+    >>> solution = solve(Hierarchy([limits, total]))
+    >>> solution.x, solution.levels[1].residual_norm, solution.certify().ok
+    (array([1., 1.]), 1.0, True)
     """
     settings = _DEFAULT if settings is None else of_type(settings, Settings, "settings")
     now = None if settings.time_limit == math.inf else time.monotonic_ns()

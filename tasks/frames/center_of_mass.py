@@ -36,6 +36,14 @@ class CenterOfMassTask(PositionTask):
         The coordinates to be controlled.
     gain, damping_ratio, weight, name
         See :class:`tasks.Task`.
+
+    Examples
+    --------
+    >>> from tasks import CenterOfMassTask, Controller, load_robot
+    >>> panda = load_robot("panda", lock=["panda_finger_joint1"])
+    >>> lean = CenterOfMassTask([0.1, 0.0], mask="xy", gain=2.0)
+    >>> Controller(panda, lean)(panda.home).v.shape
+    (7,)
     """
 
     def __init__(

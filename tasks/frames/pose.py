@@ -48,6 +48,13 @@ class PoseTask(PlaceTask):
         of the frame; or the spatial velocity, its linear rows those of the point that is passing the world's origin.
     gain, damping_ratio, weight, name
         See :class:`tasks.Task`; a gain or a weight may be one number a row, in [m] before [rad].
+
+    Examples
+    --------
+    >>> from math import pi
+    >>> from tasks import PoseTask, from_rpy
+    >>> PoseTask([0.4, 0.2, 0.5], from_rpy(pi, 0.0, 0.0), gain=2.0)
+    PoseTask([0.4, 0.2, 0.5], rotation by [3.1416, 0.0, 0.0], reference='local_world_aligned', gain=2)
     """
 
     def __init__(

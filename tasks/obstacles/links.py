@@ -37,6 +37,12 @@ class LinkCapsule(Live):
     ------
     InvalidInput
         If the radius is negative or the end neither a name nor a point.
+
+    Examples
+    --------
+    >>> from tasks import LinkCapsule
+    >>> LinkCapsule("panda_link5", "panda_link6", 0.06, name="forearm")
+    LinkCapsule('panda_link5', 'panda_link6', 0.06)
     """
 
     frame: str = structure()
@@ -98,6 +104,12 @@ def planar_links(arm: PlanarArm, radius: float) -> tuple[LinkCapsule, ...]:
     arm : PlanarArm
     radius : float
         Of every link [m].
+
+    Examples
+    --------
+    >>> from tasks import PlanarArm, planar_links
+    >>> [link.name for link in planar_links(PlanarArm([0.5, 0.5, 0.5]), 0.05)]
+    ['link 1', 'link 2', 'link 3']
     """
     lengths = of_type(arm, PlanarArm, "arm").lengths
     return tuple(

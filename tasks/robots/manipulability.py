@@ -72,6 +72,12 @@ def manipulability(J: ArrayLike) -> Array:
     ------
     InvalidInput
         If J is not finite or has not two axes at least.
+
+    Examples
+    --------
+    >>> from tasks import manipulability
+    >>> float(manipulability([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]))
+    2.0
     """
     J = _jacobians(J)
     if J.shape[-2] > J.shape[-1]:
@@ -91,6 +97,12 @@ def velocity_ellipse(J: ArrayLike) -> VelocityEllipse:
     ------
     InvalidInput
         If J is not finite or has not two axes at least.
+
+    Examples
+    --------
+    >>> from tasks import velocity_ellipse
+    >>> velocity_ellipse([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]).half_axes
+    array([2., 1.])
     """
     J = _jacobians(J)
     directions, values, _ = np.linalg.svd(J)
@@ -112,6 +124,13 @@ def task_degrees(J: ArrayLike, tolerance: float = RANK_TOLERANCE) -> Degrees:
     ------
     InvalidInput
         If J is not finite or has not two axes at least, or the tolerance is out of range.
+
+    Examples
+    --------
+    >>> from tasks import task_degrees
+    >>> degrees = task_degrees([[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+    >>> int(degrees.manipulability), int(degrees.redundancy)
+    (1, 2)
     """
     J = _jacobians(J)
     share = positive_number(tolerance, "tolerance", below=1.0)

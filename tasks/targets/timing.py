@@ -77,6 +77,12 @@ def quintic(u: float) -> tuple[float, float, float]:
     -------
     tuple of float
         s, and its first and second derivative by u.
+
+    Examples
+    --------
+    >>> from tasks import quintic
+    >>> quintic(0.5)
+    (0.5, 1.875, 0.0)
     """
     rest = 1.0 - u
     return u * u * u * (10.0 - u * (15.0 - 6.0 * u)), 30.0 * (u * rest) ** 2, 60.0 * u * rest * (1.0 - 2.0 * u)
