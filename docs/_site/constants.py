@@ -36,14 +36,15 @@ def constants() -> Iterator[Constant]:
 
 
 def _of(place: str, code: str) -> Iterator[Constant]:
-    analyzer = ModuleAnalyzer.for_string(code, place)
-    analyzer.analyze()
-    for node in ast.parse(code).body:
-        if isinstance(node, ast.Assign):
-            for target, value in _pairs(node.targets[0], node.value):
-                if target.isupper() and not target.startswith("_") and _is_number(value):
-                    about = " ".join(analyzer.attr_docs.get(("", target), [])).strip()
-                    yield Constant(place, target, ast.unparse(value), about)
+    assigned = [node for node in ast.parse(code).body if isinstance(node, ast.Assign)]
+    pairs = [pair for node in assigned for pair in _pairs(node.targets[0], node.value)]
+    found = {name: value for name, value in pairs if name.isupper() and name[0] != "_" and _is_number(value)}
+    if found:
+        analyzer = ModuleAnalyzer.for_string(code, place)
+        analyzer.analyze()
+        for name, value in found.items():
+            about = " ".join(analyzer.attr_docs.get(("", name), [])).strip()
+            yield Constant(place, name, ast.unparse(value), about)
 
 
 def _pairs(target: ast.expr, value: ast.expr) -> Iterator[tuple[str, ast.expr]]:

@@ -15,11 +15,17 @@ import pytest
 from command import ROOT
 
 sys.path.insert(0, str(ROOT / "docs/_site"))
-from public import NAMESPACES, PARTS, Public, public
+from public import NAMESPACES, PARTS, public
 
 NAMES = public()
 DOCUMENTED = [name for name in NAMES if inspect.isclass(name.value) or inspect.isroutine(name.value)]
 LONGEST_SENTENCE = 160
+
+#: What nobody constructs: results, and bases whose subclasses have examples; and what needs MuJoCo.
+WITHOUT_EXAMPLE = {
+    *("hqp.BatchSolution", "hqp.Certificate", "hqp.Explanation", "hqp.Solution"),
+    *("tasks.IkResult", "tasks.Record", "tasks.Tick", "tasks.FrameTask", "tasks.TargetTask", "tasks.MujocoPlant"),
+}
 
 
 def text(value: Any) -> str:
@@ -76,7 +82,9 @@ def test_the_first_sentence_says_what_it_is():
 
 
 def test_every_parameter_is_told():
-    missing = {name.path: [each for each in taken(name.value) if each not in told(text(name.value))] for name in DOCUMENTED}
+    missing = {
+        name.path: [each for each in taken(name.value) if each not in told(text(name.value))] for name in DOCUMENTED
+    }
     assert {path: names for path, names in missing.items() if names} == {}
 
 
@@ -102,12 +110,8 @@ def test_what_examples_show_is_so(part: str):
 
 def test_what_users_construct_has_an_example():
     """Tasks, limits, criteria and obstacles; robots; targets; whatever solves."""
-    ours = [
-        name
-        for name in DOCUMENTED
-        if name.namespace in {"hqp", "tasks"} and inspect.isclass(name.value) and taken(name.value) and not is_base(name)
-    ]
-    assert [name.path for name in ours if ">>>" not in text(name.value)] == []
+    ours = [name for name in DOCUMENTED if name.namespace in {"hqp", "tasks"} and inspect.isclass(name.value)]
+    assert {name.path for name in ours if taken(name.value) and ">>>" not in text(name.value)} == WITHOUT_EXAMPLE
 
 
 def run(value: Any, path: str, recurse: bool = True) -> None:
