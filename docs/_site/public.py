@@ -17,6 +17,8 @@ MET = {
     "hqp.backends.base": ["Answer", "Backend"],
     "hqp.qp": ["FlatQP", "FlatResult", "FlatSolver", "Sizes"],
     "hqp.validation": ["KnownAnswer", "Finding", "check", "Judgement", "judge"],
+    "tasks.frames.place": ["PlaceTask"],
+    "tasks.obstacles.shapes": ["Obstacle"],
     "tasks.robots.abilities": "all",
     "tasks.robots.chain": ["Branched", "Chained"],
     "tasks.robots.frame": ["planar_frame"],
@@ -37,6 +39,9 @@ PARTS = [
     *("tasks.contacts", "tasks.control", "tasks.simulation", "tasks.ik", "tasks.view", "tasks.targets"),
     *("tasks.robots", "tasks.base"),
 ]
+
+#: Modules whose docstring says more than those of their names: the law, as a formula.
+LAWS = ["hqp.damping.staged", "tasks.obstacles.avoidance", "tasks.obstacles.distance", "tasks.obstacles.self_collision"]
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Any
 from constants import tables
 from docutils import nodes
 from pages import heading, write
-from public import PARTS, Public, home, public
+from public import LAWS, PARTS, Public, home, public
 from sphinx.addnodes import pending_xref
 from sphinx.application import Sphinx
 from sphinx.config import Config
@@ -40,9 +40,10 @@ def index(parts: list[str]) -> str:
 
 
 def part(module: str, names: list[Public]) -> str:
-    """A part of the library: what it is for, a table of its names, and all of each."""
+    """A part of the library: what it is for, a table of its names, all of each, and the laws behind them."""
     rows = [(f":py:obj:`{name.name} <{name.path}>`", summary(name)) for name in names]
-    return "\n\n".join([heading(module), f".. automodule:: {module}", table(rows), *map(entry, names)])
+    laws = [f"{law}\n{'-' * len(law)}\n\n.. automodule:: {law}" for law in LAWS if law.startswith(f"{module}.")]
+    return "\n\n".join([heading(module), f".. automodule:: {module}", table(rows), *map(entry, names), *laws])
 
 
 def table(rows: list[tuple[str, str]]) -> str:
@@ -105,6 +106,14 @@ class _Text(str):
         return str(self)
 
 
+def no_type(app: Sphinx, what: str, name: str, value: Any, options: Any, lines: list[str]) -> None:
+    """Undo that napoleon takes what stands before a colon for the type: of an attribute it is half a sentence."""
+    types = [line for line in lines if line.startswith(":type: ")]
+    if what in {"attribute", "property"} and types:
+        lines.remove(types[0])
+        lines[0] = f"{types[0].removeprefix(':type: ')}: {lines[0]}"
+
+
 def no_names(app: Sphinx, doctree: nodes.document) -> None:
     """Words in the type of a parameter, ``array, shape (rows,)``, are no names of ours unless they look like one."""
     for node in list(doctree.findall(pending_xref)):
@@ -115,5 +124,6 @@ def no_names(app: Sphinx, doctree: nodes.document) -> None:
 def setup(app: Sphinx) -> dict[str, bool]:
     app.connect("config-inited", generate)
     app.connect("autodoc-process-signature", as_written)
+    app.connect("autodoc-process-docstring", no_type, priority=600)  # after napoleon
     app.connect("doctree-read", no_names)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

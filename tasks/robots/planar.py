@@ -40,7 +40,7 @@ PLANE = [0, 1, 5]
 
 class PlanarState:
     """A planar arm at one instant, each quantity computed when first asked for; see
-    :class:`tasks.robots.robot.RobotState`.
+    :class:`tasks.RobotState`.
 
     Attributes
     ----------
