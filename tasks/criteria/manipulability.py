@@ -126,6 +126,15 @@ class ManipulabilityTask(_MeasureOfTask):
     ------
     InvalidInput
         If `task` is no Task, or a gain or a weight is not positive or larger than 1e15.
+
+    Examples
+    --------
+    >>> from tasks import Controller, ManipulabilityTask, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> place = PositionTask([1.0, 0.2], gain=2.0)
+    >>> Controller(arm, place >> ManipulabilityTask(place, gain=1.0))(q).v.round(3)
+    array([ 0.523,  0.038, -0.25 ])
     """
 
     measure: ClassVar[str] = "manipulability"
@@ -160,6 +169,14 @@ class DynamicManipulabilityTask(_MeasureOfTask):
     InvalidInput
         If `task` is no Task, a gain or a weight is not positive or larger than 1e15, or the robot has no
         ``mass_matrix(q)``, links without mass, or a floating base, which no torque moves.
+
+    Examples
+    --------
+    >>> from tasks import Controller, DynamicManipulabilityTask, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5], masses=[1.0, 1.0, 1.0])
+    >>> place = PositionTask([1.0, 0.2], gain=2.0)
+    >>> Controller(arm, place >> DynamicManipulabilityTask(place, gain=1.0))([1.1, -1.3, -0.7]).v.round(3)
+    array([ 1.258, -1.733,  1.886])
     """
 
     measure: ClassVar[str] = "dynamic manipulability"
@@ -203,6 +220,15 @@ class VelocityRatioTask(_MeasureOfTask):
     InvalidInput
         If `task` is no Task, the direction is zero, not finite or not of its rows, or a gain or a weight is not
         positive or larger than 1e15.
+
+    Examples
+    --------
+    >>> from tasks import Controller, PlanarArm, PositionTask, VelocityRatioTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> place = PositionTask([1.0, 0.2], gain=2.0)
+    >>> Controller(arm, place >> VelocityRatioTask(place, [1.0, 0.0], gain=1.0))(q).v.round(3)
+    array([ 0.519,  0.049, -0.262])
     """
 
     measure: ClassVar[str] = "velocity ratio"

@@ -56,6 +56,13 @@ class PoseTask(PlacementTask):
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     name : str, optional
         Used in messages, tables and records (default: "pose").
+
+    Examples
+    --------
+    >>> from math import pi
+    >>> from tasks import PoseTask, from_rpy
+    >>> PoseTask([0.4, 0.2, 0.5], from_rpy(pi, 0.0, 0.0), gain=2.0)
+    PoseTask([0.4, 0.2, 0.5], rotation by [3.1416, 0.0, 0.0], reference='local_world_aligned', gain=2)
     """
 
     def __init__(
