@@ -57,9 +57,10 @@ from .rows.inequality import AtLeast, AtMost, Within
 from .rows.part import Command, Order, Part, Tick
 from .rows.stack import Stack
 from .rows.task import TargetTask, Task
+from .simulation.ground import Ground
 from .simulation.physics import MujocoPlant
 from .simulation.record import Record
-from .simulation.simulation import Change, Plant, simulate
+from .simulation.simulation import Change, Plant, Switch, simulate
 from .targets.paths import Chain, Circle, Line, Polygon
 from .targets.polynomial import Polynomial
 from .targets.timing import cubic, cycloid, harmonic, quintic
@@ -108,6 +109,7 @@ __all__ = [
     "FrameTask",
     "FrameVelocityLimit",
     "GradientTask",
+    "Ground",
     "IkResult",
     "JointAccelerationLimit",
     "JointCentringTask",
@@ -154,6 +156,7 @@ __all__ = [
     "Step",
     "SupportLimit",
     "Surface",
+    "Switch",
     "TargetTask",
     "Task",
     "Tick",
