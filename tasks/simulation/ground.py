@@ -28,8 +28,8 @@ class Ground:
     friction : float
         mu.
     time_constant : float
-        Of the spring, critically damped [s]; at least twice the step of the physics. What stands sinks in by about
-        0.1 g times its square.
+        Of the spring, critically damped [s]; at least twice the step of the physics. The larger, the deeper what
+        stands sinks in.
     ratio : float
         How much harder friction is than the normal force, ``impratio`` of MuJoCo.
     noslip : int
@@ -68,6 +68,7 @@ class Ground:
         option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL if self.pyramids else mujoco.mjtCone.mjCONE_ELLIPTIC
         option.impratio, option.noslip_iterations = self.ratio, self.noslip
         option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_MIDPHASE)  # which misses points once the ground is moved
         specification.worldbody.add_geom(
             name="ground",
             type=mujoco.mjtGeom.mjGEOM_PLANE,
