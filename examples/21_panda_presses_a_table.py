@@ -1,10 +1,9 @@
 """A Panda comes down on a table, presses it with 20 N, and raises its elbow meanwhile: in MuJoCo."""
 
 import sys
-from typing import ClassVar
 
 import numpy as np
-from _standing import moved, passed, stops
+from _standing import Scales, moved, passed, stops
 
 from tasks import (
     AtLeast,
@@ -15,7 +14,6 @@ from tasks import (
     Ground,
     JointLimits,
     JointTorqueLimit,
-    MujocoPlant,
     OrientationTask,
     PositionTask,
     PostureTask,
@@ -37,30 +35,20 @@ press = ForceTask(stops([0.0], (2.5, None), (1.0, [20.0])), contact=hand, name="
 lowest = AtLeast(PositionTask([LOWEST], frame="panda_link4", mask="z", gain=10.0, name="elbow"))
 limits = Dynamics() + hand >> JointTorqueLimit() + JointLimits()
 pointing = OrientationTask(home.frame(tip).rotation, frame=tip, gain=10.0)
-sagging = PostureTask(np.add(q, [0.0, 0.5, 0.0, 0.0, 0.0, 0.0, 0.0]), gain=4.0, weight=0.5)  # lets the elbow down
+sagging = PostureTask(
+    np.add(q, [1.2, 0.0, -1.2, 0.0, 0.0, 0.0, 0.0]), gain=4.0, weight=0.5
+)  # turns the elbow out and down
 rest = pointing + sagging + ForceTask(weight=1e-3)
 controller = Controller(robot, limits >> down + press >> lowest >> rest, order="torque", dt=2e-3)
-
-
-class Scales(MujocoPlant):
-    """A plant that writes down how hard the table is pressed [N]."""
-
-    read: ClassVar[list[float]] = []
-
-    def advance(self, q: np.ndarray, v: np.ndarray, tau: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
-        q, v = super().advance(q, v, tau, dt)
-        self.read.append(self.forces["hand"][0, 2])
-        return q, v
-
 
 plant = Scales(robot, contacts=[hand], ground=Ground(height=table[2]))
 switches = [Switch(0.0, hand, on=False), Switch(2.1, hand, on=True, duration=0.1)]  # it begins above the table
 record = simulate(controller, q, duration=SECONDS, plant=plant, changes=switches)
 
 
-pressed, last = np.array(plant.read), np.array(plant.read)[-1000:]
+pressed = np.array([forces["hand"][0, 2] for forces in plant.read])  # [N]
 height = np.array([robot.at(*state).frame("panda_link4").position[2] for state in zip(record.q, record.v, strict=True)])
-print(f"{record}\nin the last 2 s it presses with {last.min():.2f} to {last.max():.2f} N")
+print(f"{record}\nin the last 2 s it presses with {pressed[-1000:].min():.2f} to {pressed[-1000:].max():.2f} N")
 print(f"elbow from {height[0]:.4f} m to {height[-1]:.4f} m, at least {height.min():.4f} m of {LOWEST} m")
 slip = np.linalg.norm(moved(record, hand), axis=1).max()
 print(f"the tip slips by at most {1e3 * slip:.2f} mm; no torque passed by more than {passed(record, [hand]):.0e} N m")

@@ -64,7 +64,7 @@ def robots(
     middle, half = 0.5 * (low + high), max(0.5 * (high - low)[:2].max(), 0.25) + 0.05
     box = [(m - half, m + half) for m in middle[:2]] + [(low[2] - 0.05, high[2] + 0.05)]
     axes = space(figure, place, tuple(box))
-    axes.set_title(f"t = {record.t[k]:g} s")
+    axes.set_title(f"t = {record.t[k]:.1f} s")
     stick(axes, segments, BLUE)
     c = state.center_of_mass.position
     axes.plot(*np.array([c, [c[0], c[1], box[2][0] + 0.02]]).T, color=RED, ls=":", lw=1.0)
@@ -85,7 +85,8 @@ def leaning(
     grid = figure.add_gridspec(2, 3, width_ratios=[1, 1, 1.3])
     ends = [hand, hand.replace("right", "left")]
     for column, t in enumerate((0.0, record.t[-2])):
-        robots(figure, grid[:, column], record, contacts, float(t), ends).scatter(*thing, color=GREEN, marker="x", s=40)
+        axes = robots(figure, grid[:, column], record, contacts, float(t), ends)
+    axes.scatter(*thing, color=GREEN, marker="x", s=40)
     above, short = figure.add_subplot(grid[0, 2], aspect="equal"), figure.add_subplot(grid[1, 2])
     states = [record.robot.at(q, v) for q, v in zip(record.q, record.v, strict=True)]
     points = [

@@ -58,3 +58,13 @@ def tell(record: Record, contacts: Sequence[Contact], plant: MujocoPlant, still:
     if "center of mass" in record.errors:
         off = 1e3 * np.linalg.norm(record.errors["center of mass"], axis=1)
         print(f"center of mass off by at most {off.max():.2f} mm, {off[-1]:.2f} mm at the end")
+
+
+class Scales(MujocoPlant):
+    """A plant that writes down what its ground bears, tick by tick, by the names of the contacts [N]."""
+
+    def advance(self, q: np.ndarray, v: np.ndarray, tau: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
+        """As the plant does."""
+        after = super().advance(q, v, tau, dt)
+        self.__dict__.setdefault("read", []).append(self.forces)
+        return after

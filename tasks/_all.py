@@ -60,6 +60,7 @@ from .rows.task import TargetTask, Task
 from .simulation.ground import Ground
 from .simulation.physics import MujocoPlant
 from .simulation.record import Record
+from .simulation.rigid import RigidContactPlant
 from .simulation.simulation import Change, Plant, Switch, simulate
 from .targets.paths import Chain, Circle, Line, Polygon
 from .targets.polynomial import Polynomial
@@ -145,6 +146,7 @@ __all__ = [
     "PostureTask",
     "Reconstructed",
     "Record",
+    "RigidContactPlant",
     "Robot",
     "RobotState",
     "RotationSetpoint",

@@ -190,6 +190,11 @@ def off(stack: Stack, rows: Rows) -> list[Contact]:
     return [part for part in stack if isinstance(part, Contact) and not part.slot(rows.shared).bears]
 
 
+def loaded(stack: Stack, rows: Rows) -> tuple[str, ...]:
+    """The names of the contacts that may bear forces."""
+    return tuple(part.name for part in stack if isinstance(part, Contact) and part.slot(rows.shared).loaded)
+
+
 def let_go(contacts: list[Contact], rows: Rows) -> None:
     """Have them be off."""
     for contact in contacts:
