@@ -24,9 +24,9 @@ from ..base.checks import Array, function, positive_scalar
 from ..contacts.contact import Contact
 from ..robots.robot import Robot, base, check_frame, on_pinocchio
 
-#: Damping of forces that are not unique, of the proximal method [1/kg].
+#: What makes forces unique that the contacts share, of the proximal method [1/kg].
 PROXIMAL = 1e-10
-#: How many forces one contact has, by how many motions it forbids.
+#: What Pinocchio calls a contact, by how many motions it forbids.
 KINDS = {3: "CONTACT_3D", 6: "CONTACT_6D"}
 
 
