@@ -33,7 +33,7 @@ floor = np.array([0.0, 0.0, places["left"].position[2] - 0.03])
 sole = [(x, y, -0.03) for x in (-0.05, 0.12) for y in (-0.03, 0.03)]
 right, left = (Contact(frame, points=sole, friction=0.6, name=side) for side, frame in frames.items())
 steps = Steps(
-    {side: place.position[1] for side, place in places.items()}, com, floor[2], PHASE, 1.0, SECONDS - 2.0, 0.03
+    {side: place.position[1] for side, place in places.items()}, com, floor[2], PHASE, 2.0, SECONDS - 2.0, 0.03
 )
 swings = [
     PoseTask((steps.foot(side, place.position, 2 * RAMP), place.rotation), frame=frames[side], gain=20.0, name=side)

@@ -257,7 +257,7 @@ def test_twenty_seconds_of_walking_in_place() -> None:
     state = here.robot.at(here.q, here.v)
     places = {name: state.frame(frame) for name, frame in zip(("right", "left"), FEET[::-1], strict=True)}
     sides = {name: place.position[1] for name, place in places.items()}
-    steps = Steps(sides, here.com, places["left"].position[2] - 0.03, phase, 1.0, 18.0, 0.03)
+    steps = Steps(sides, here.com, places["left"].position[2] - 0.03, phase, 2.0, 18.0, 0.03)
     swings = [
         PoseTask((steps.foot(name, place.position, 2 * ramp), place.rotation), frame=frame, gain=20.0, name=name)
         for (name, place), frame in zip(places.items(), FEET[::-1], strict=True)

@@ -75,7 +75,7 @@ SHORT = {
 }
 
 #: What some need that is no part of every installation.
-NEEDS = {name: "mujoco" for name in SHORT}
+NEEDS = dict.fromkeys(SHORT, "mujoco")
 
 
 def test_every_example_is_expected():
