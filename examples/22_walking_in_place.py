@@ -54,4 +54,4 @@ print(f"{len(steps.switches(RAMP))} switches of contacts; the mass sways by {1e3
 if sys.argv[1:]:  # a folder, for the picture
     from _contact_pictures import feet
 
-    feet(sys.argv[1], "walking.png", record, (left, right), times=(0.0, 4.2, 5.0))
+    feet(sys.argv[1], "walking.png", record, (left, right), times=(0.0, 4.65, 5.45))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hqp import InvalidInput
-from hqp.checks import whole_number
+from hqp.checks import truth, whole_number
 
 from ..base.checks import finite_scalar, positive_scalar
 
@@ -51,11 +51,17 @@ class Ground:
     pyramids: bool = False
 
     def __post_init__(self) -> None:
-        if self.height is not None:
-            finite_scalar(self.height, "Ground: height")
-        for name, unit in (("friction", ""), ("time_constant", "s"), ("ratio", "")):
-            positive_scalar(getattr(self, name), f"Ground: {name}", unit=unit)
-        whole_number(self.noslip, "Ground: noslip")
+        height = None if self.height is None else finite_scalar(self.height, "Ground: height")
+        checked = {
+            "height": height,
+            "friction": positive_scalar(self.friction, "Ground: friction"),
+            "time_constant": positive_scalar(self.time_constant, "Ground: time_constant", unit="s"),
+            "ratio": positive_scalar(self.ratio, "Ground: ratio"),
+            "noslip": whole_number(self.noslip, "Ground: noslip"),
+            "pyramids": truth(self.pyramids, "Ground: pyramids"),
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
 
     def lay(self, specification: Any, mujoco: Any, step: float) -> None:
         """Put it into the world, and say how contacts are solved."""
