@@ -282,6 +282,7 @@ def test_twenty_seconds_of_walking_in_place() -> None:
             "time_constant = 0.0001 s must be at least twice the step of the physics, 0.001 s",
         ),
         (lambda here: MujocoPlant(here.robot).push("nose", [0, 0, 1], 0.1), "push: frame"),
+        (lambda here: MujocoPlant(here.robot).push("universe", [0, 0, 1], 0.1), "on nothing that has mass, and moves"),
         (lambda here: MujocoPlant(here.robot).push("base", [0, 1], 0.1), r"push: force has shape \(2,\)"),
         (lambda here: MujocoPlant(here.robot).push("base", [0, 0, 1], 0.0), "push: duration = 0.0 s must be positive"),
         (lambda here: RigidContactPlant(here.robot, [Contact("base", line=0.1, friction=0.5)]), "is a line"),

@@ -30,7 +30,7 @@ from ..base.checks import Array, finite, finite_scalar, positive_scalar
 from ..contacts.contact import Contact
 from ..robots.robot import Robot, base, check_frame, on_pinocchio
 from .ground import Ground
-from .mujoco_model import joints, known, point_name, specification_of
+from .mujoco_model import free, joints, known, point_name, specification_of
 
 if TYPE_CHECKING:
     import mujoco
@@ -171,7 +171,10 @@ class MujocoPlant:
             raise InvalidInput(f"push: force has shape {pull.shape}; it must be (3,), in N")
         begin = self.time if start is None else finite_scalar(start, "push: start")
         found = self._robot.model.frames[self._robot.model.getFrameId(frame)]
-        body = self.model.body(self._robot.model.names[found.parentJoint]).id
+        joint = self._robot.model.names[found.parentJoint]
+        body = self._mujoco.mj_name2id(self.model, self._mujoco.mjtObj.mjOBJ_BODY, joint)
+        if body < 0:
+            raise InvalidInput(f"push: frame {frame!r} is on nothing that has mass, and moves")
         self._pushes.append(Push(body, found.placement.translation.copy(), pull, begin, begin + seconds))
 
     @property
@@ -244,6 +247,10 @@ def _checked(robot: Robot, contacts: tuple[Contact, ...]) -> Any:
     other = [name for joint, name in joints(robot.model) if not known(joint)]
     if other:
         raise InvalidInput(f"MujocoPlant: joint {other[0]!r} of {robot!r} must turn about one axis, or slide along it")
+    if any(free(joint) for joint, _ in joints(robot.model)[1:]) or (
+        base(robot) and not robot.model.jointPlacements[1].isIdentity()
+    ):
+        raise InvalidInput(f"MujocoPlant: the base of {robot!r} must be its first joint, and float about the origin")
     for contact in contacts:
         check_frame(robot, contact.frame, f"{contact.label()}: frame")
     return robot
