@@ -56,9 +56,11 @@ from .rows.damped import Damped
 from .rows.inequality import AtLeast, AtMost, Within
 from .rows.part import Command, Order, Part, Stack, Tick
 from .rows.task import TargetTask, Task
+from .simulation.ground import Ground
 from .simulation.physics import MujocoPlant
 from .simulation.record import Record
-from .simulation.simulation import Change, Plant, simulate
+from .simulation.rigid import RigidContactPlant
+from .simulation.simulation import Change, Plant, Switch, simulate
 from .targets.paths import Chain, Circle, Line, Polygon
 from .targets.polynomial import Polynomial
 from .targets.timing import cubic, cycloid, harmonic, quintic
@@ -107,6 +109,7 @@ __all__ = [
     "FrameTask",
     "FrameVelocityLimit",
     "GradientTask",
+    "Ground",
     "IkResult",
     "JointAccelerationLimit",
     "JointCentringTask",
@@ -142,6 +145,7 @@ __all__ = [
     "PostureTask",
     "Reconstructed",
     "Record",
+    "RigidContactPlant",
     "Robot",
     "RobotState",
     "RotationSetpoint",
@@ -153,6 +157,7 @@ __all__ = [
     "Step",
     "SupportLimit",
     "Surface",
+    "Switch",
     "TargetTask",
     "Task",
     "Tick",

@@ -65,9 +65,9 @@ PASSIVE = {
     "MissingPackage", "UnknownBackend", "Unsupported", "Command", "Frame", "Order", "Part", "Plant", "Robot",
     "RobotState", "RotationTrajectory", "Trajectory", "FrameTask", "TargetTask", "GradientTask", "Tick", "Side",
     "Status",
-    # of contacts: what they refuse is asked in test_contacts.py; and a server that does not return
+    # of contacts: what they refuse is asked in their own tests; and a server that does not return
     "Contact", "Dynamics", "ForceTask", "CenterOfPressureTask", "MomentumTask", "CapturePointTask", "SupportLimit",
-    "TorqueTask", "Surface", "Loop", "live",
+    "TorqueTask", "Surface", "Loop", "RigidContactPlant", "live",
 }  # fmt: skip
 
 ROOT = Path(hqp.__file__).parents[1]
@@ -222,6 +222,7 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "FrameVelocityLimit": made(
             tasks.FrameVelocityLimit, 1.0, frame="link3", relative_to="link0", mask="xyz", reference="local", name="own"
         ),
+        "Ground": made(tasks.Ground, 0.0, friction=0.8, time_constant=0.01, ratio=1.0, noslip=0, pyramids=False),
         "JointAccelerationLimit": made(tasks.JointAccelerationLimit, 1.0, name="own"),
         "JointCentringTask": made(tasks.JointCentringTask, gain=1.0, weight=1.0, name="own"),
         "JointCouplingTask": made(tasks.JointCouplingTask, {0: 1.0, 1: -1.0}, 0.0, **gain),
@@ -237,7 +238,7 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "ManipulabilityTask": made(tasks.ManipulabilityTask, p, gain=1.0, weight=1.0, name="own"),
         "MinimumMotionTask": made(tasks.MinimumMotionTask, 1.0, gain=1.0, name="own"),
         "MinimumTorqueTask": made(tasks.MinimumTorqueTask, torque_range=(-1.0, 1.0), weight=1.0, name="own"),
-        "MujocoPlant": made(tasks.MujocoPlant, spatial_robot, step=0.001),
+        "MujocoPlant": made(tasks.MujocoPlant, spatial_robot, contacts=[], ground=None, step=0.001),
         "OrientationTask": made(OrientationTask, np.eye(3), mask="xyz", reference="local", **framed),
         "PinocchioRobot": made(
             tasks.PinocchioRobot, new(lambda: robot().model), tip="link3", name="own", position_limit=(-1.0, 1.0),
@@ -263,6 +264,7 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "Setpoint": made(Setpoint, v),
         "Sphere": made(Sphere, [1.0, 0.0], 0.1),
         "Stack": made(Stack, p, new(PostureTask, v, gain=1.0)),
+        "Switch": made(tasks.Switch, 0.02, "left", on=True, duration=0.1),
         "Task": made(tasks.Task, **gain),
         "Turn": made(Turn, np.eye(3), np.eye(3), 1.0, law=tasks.quintic),
         "VelocityRatioTask": made(tasks.VelocityRatioTask, p, [1.0, 0.0], gain=1.0, weight=1.0, name="own"),

@@ -180,7 +180,7 @@ def test_refuses_files_of_other_things(members, tmp_path):
 
 def test_refuses_records_of_another_format(tmp_path):
     np.savez(tmp_path / "old.npz", head=np.array(json.dumps({"format": "hqp record 0"})))
-    with pytest.raises(InvalidInput, match=r"no record.*: its format is 'hqp record 0'; it must be 'hqp record 2'"):
+    with pytest.raises(InvalidInput, match=r"no record.*: its format is 'hqp record 0'; it must be 'hqp record 3'"):
         Record.load(tmp_path / "old.npz")
 
 

@@ -54,6 +54,11 @@ class Slot:
         return bool(self.numbers[at.ON])
 
     @property
+    def loaded(self) -> bool:
+        """Whether there may be forces in it."""
+        return bool(self.numbers[at.LOADED])
+
+    @property
     def bears(self) -> bool:
         """Whether it is one to rely on: on, and not being released."""
         return bool(self.numbers[at.BEARS])

@@ -194,6 +194,11 @@ def off(stack: Stack, rows: HierarchyWriter) -> list[Contact]:
     return [part for part in stack if isinstance(part, Contact) and not part.slot(rows.shared).bears]
 
 
+def loaded(stack: Stack, rows: HierarchyWriter) -> tuple[str, ...]:
+    """The names of the contacts that may bear forces."""
+    return tuple(part.name for part in stack if isinstance(part, Contact) and part.slot(rows.shared).loaded)
+
+
 def let_go(contacts: list[Contact], rows: HierarchyWriter) -> None:
     """Switch these contacts off."""
     for contact in contacts:

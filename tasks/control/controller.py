@@ -306,6 +306,11 @@ class Controller(Live, Generic[V, A, T]):
         """
         of.make(self.stack, self._rows, contact, duration)
 
+    @property
+    def loaded(self) -> tuple[str, ...]:
+        """The names of the contacts that may bear forces at present: those that are on, unless all theirs are gone."""
+        return of.loaded(self.stack, self._rows)
+
     def change(self, stack: Stack | Part, *, duration: float, law: Timing = cubic) -> None:
         """Go over to another stack without a jump, from the next tick on; see :mod:`tasks.control.transition`.
 

@@ -82,8 +82,19 @@ ROBOTS: dict[str, Entry] = {
         | _both("left", "right", arm_SIDE_4_joint=-1.57),
     ),
     "icub": Entry("icub_description/robots/icub.urdf", base="floating", height=0.6),
-    "go2": Entry("go2_description/urdf/go2.urdf", base="floating", height=0.4),
-    "solo12": Entry("solo_description/robots/solo12.urdf", base="floating", height=0.3),
+    "go2": Entry(
+        "go2_description/urdf/go2.urdf",
+        base="floating",
+        height=0.287,
+        home=_both("F", "R", SIDEL_thigh_joint=0.9, SIDER_thigh_joint=0.9)
+        | _both("F", "R", SIDEL_calf_joint=-1.8, SIDER_calf_joint=-1.8),
+    ),
+    "solo12": Entry(
+        "solo_description/robots/solo12.urdf",
+        base="floating",
+        height=0.24,
+        home=_both("L", "R", FSIDE_HFE=0.8, FSIDE_KFE=-1.6, HSIDE_HFE=-0.8, HSIDE_KFE=1.6),
+    ),
 }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from hqp import InvalidInput, Side, Solution, Status
 from ..base.checks import Array
 from ..control.contacts import has_dynamics
 from ..control.controller import Controller
+from ..control.step import Step
 from ..robots.robot import RobotState, base, inverse_dynamics, manipulability, pose_reader
 from ..rows.part import Part
 from .account import Shortfall, shortfalls
@@ -87,6 +88,9 @@ class Log:
         )
         #: The torques that were told, where forces are unknowns too: accelerations alone do not tell them.
         self.tau = np.empty((ticks, nv - base(controller.robot))) if has_dynamics(controller.stack) else None
+        #: The forces of contacts, by their names, where they are unknowns.
+        self.forces: dict[str, Array] = {}
+        self._ticks = ticks
         self.checked_t: list[float] = []
         self.certified = 0
         self.ranks: list[list[int]] = []
@@ -103,12 +107,16 @@ class Log:
             values[k] = error(state, t)
         self.states = k + 1
 
-    def tick(self, k: int, a: Array, tau: Array | None, status: Status) -> None:
+    def tick(self, k: int, a: Array, step: Step[Any, Any, Any]) -> None:
         """What tick k did; the bounds are still those that it was given."""
         self.a[k] = a
         if self.tau is not None:
-            self.tau[k] = np.nan if tau is None else tau
-        self.status.append(status)
+            self.tau[k] = np.nan if step.tau is None else step.tau
+        for name, force in ({} if step.forces is None else step.forces).items():
+            if name not in self.forces:
+                self.forces[name] = np.full((self._ticks, *force.shape), np.nan)
+            self.forces[name][k] = force
+        self.status.append(step.solution.status)
         for _, part, lowers, uppers in (*self.bounds, *self.torque_bounds):
             lowers[k], uppers[k] = self._controller.bounds(part) if part in self._controller.stack else FREE
 
@@ -155,6 +163,7 @@ class Log:
             shortfalls=tuple(self.shortfalls),
             unknowns=self._unknowns,
             robot=self._controller.robot,
+            forces={name: _frozen(forces[: n - 1]) for name, forces in self.forces.items()},
         )
 
 

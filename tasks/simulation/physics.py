@@ -2,28 +2,48 @@ r"""A plant moved by the physics of MuJoCo instead of the model of the controlle
 
 The robot is handed over as it is, joint by joint: placements, axes, masses, inertias, armatures and viscous damping
 of its Pinocchio model. Joints that the model holds, such as locked fingers, are part of the links that carry them.
-There are no collisions, no ranges of the joints and no dry friction. In free space both agree on
+Links do not collide; of a robot with contacts, their points touch the ground. There are no ranges of the joints and no
+dry friction. In free space both agree on
 
 .. math:: M(q)\,\dot v + b(q, v) + D\,v = \tau,
 
 but for the damping D, which the controller does not know: it has to be overcome by feedback, as in life.
+
+Of a floating base, Pinocchio has the position, the quaternion (x, y, z, w), and both velocities along the axes of the
+base. MuJoCo has the quaternion (w, x, y, z), and the linear velocity along the axes of the world.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import ceil
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from hqp import InvalidInput, MissingPackage
+from hqp.checks import listed, of_type
 from hqp.errors import brief
 
-from ..base.checks import Array, positive_scalar
-from ..robots.robot import Robot, check_fixed_base, on_pinocchio
+from ..base.checks import Array, finite, finite_scalar, positive_scalar
+from ..contacts.contact import Contact
+from ..robots.robot import Robot, base, check_frame, on_pinocchio
+from .ground import Ground
+from .mujoco_model import free, joints, known, point_name, specification_of
 
 if TYPE_CHECKING:
     import mujoco
+
+
+class Push(NamedTuple):
+    """A force in the axes of the world [N], at a point of a body, from one time to another [s]."""
+
+    body: int
+    point: Array
+    force: Array
+    start: float
+    end: float
 
 
 class MujocoPlant:
@@ -32,20 +52,25 @@ class MujocoPlant:
     Parameters
     ----------
     robot : PinocchioRobot
-        With a fixed base, and one position a joint.
+        With a base that is fixed or floats, and one position a joint.
+    contacts : list of Contact
+        Those whose points touch the ground, which are to be level there.
+    ground : Ground, optional
+        Where it is, how rough, and how contacts are modelled.
     step : float
         The longest step of the physics [s]; a tick of the controller is cut into as many as it takes.
 
     Attributes
     ----------
     model, data : mujoco.MjModel, mujoco.MjData
-    dofs : array of int, shape (nv,)
-        Where MuJoCo keeps the joints of the robot.
+    dofs : array of int
+        Where MuJoCo keeps the joints that have a motor.
 
     Raises
     ------
     InvalidInput
-        If the robot is not of that kind, or MuJoCo refuses it, as it does inertias that no body has.
+        If the robot is not of that kind, a contact is none of it, or MuJoCo refuses it, as it does inertias that no
+        body has.
     MissingPackage
         If MuJoCo is not installed.
     """
@@ -53,108 +78,191 @@ class MujocoPlant:
     model: mujoco.MjModel
     data: mujoco.MjData
 
-    def __init__(self, robot: Robot, *, step: float = 5e-4) -> None:
+    def __init__(
+        self, robot: Robot, *, contacts: Iterable[Contact] = (), ground: Ground | None = None, step: float = 5e-4
+    ) -> None:
         try:
             import mujoco
         except ImportError:
             raise MissingPackage("physics need MuJoCo: pip install 'hqp[mujoco]'") from None
         self._mujoco: Any = mujoco
         self.step = positive_scalar(step, "step", unit="s")
-        if not on_pinocchio(robot):
-            raise InvalidInput(f"robot = {brief(robot)}; the physics need the model of a PinocchioRobot")
-        model: Any = robot.model
-        check_fixed_base(robot, "MujocoPlant")
-        other = [name for joint, name in _joints(model) if not _known(joint)]
-        if other:
-            raise InvalidInput(
-                f"MujocoPlant: joint {other[0]!r} of {robot!r} must turn about one axis, or slide along it"
-            )
+        self.ground = Ground() if ground is None else of_type(ground, Ground, "ground")
+        self.contacts = tuple(
+            of_type(contact, Contact, "a contact") for contact in listed(contacts, "contacts", "Contact")
+        )
+        self._robot = _checked(robot, self.contacts)
+        model: Any = self._robot.model
+        specification = specification_of(model, mujoco, self.contacts)
+        if self.contacts:
+            self.ground.lay(specification, mujoco, self.step)
         try:
-            self.model = _specification(model, mujoco).compile()
+            self.model = specification.compile()
         except ValueError as error:
             raise InvalidInput(f"MujocoPlant: MuJoCo refuses {robot!r}: {error}") from None
         self.data = mujoco.MjData(self.model)
-        self.dofs = np.array([self.model.joint(name).dofadr[0] for _, name in _joints(model)], dtype=np.intp)
+        self._base = base(robot)
+        named = [self.model.joint(name) for _, name in joints(model)][1 if self._base else 0 :]
+        self.dofs = np.array([joint.dofadr[0] for joint in named], dtype=np.intp)
+        self._places = np.array([joint.qposadr[0] for joint in named], dtype=np.intp)
+        names = [[point_name(contact, k) for k in range(len(contact.shape.points))] for contact in self.contacts]
+        self._points = [np.array([self.model.geom(name).id for name in each], dtype=np.intp) for each in names]
+        self._laid = not self.contacts or self.ground.height is not None
+        self._pushes: list[Push] = []
+
+    @property
+    def time(self) -> float:
+        """How long it has moved [s]."""
+        return float(self.data.time)
 
     def advance(self, q: Array, v: Array, tau: Array, dt: float) -> tuple[Array, Array]:
         """Positions [rad] and velocities [rad/s] dt [s] after (q, v), while the torques tau [N m] hold."""
         steps = ceil(dt / self.step * (1.0 - 1e-9))
         self.model.opt.timestep = dt / steps
-        data, dofs = self.data, self.dofs
-        data.qpos[dofs], data.qvel[dofs], data.qfrc_applied[dofs] = q, v, tau
+        self.place(q, v)
+        if not self._laid:
+            self._lay_ground()
+        data = self.data
+        data.qfrc_applied[:] = 0.0
+        data.qfrc_applied[self.dofs] = tau
+        self._apply_pushes()
         self._mujoco.mj_step(self.model, data, steps)
-        return data.qpos[dofs].copy(), data.qvel[dofs].copy()
+        return self.state()
+
+    def place(self, q: Array, v: Array) -> None:
+        """Have the robot be there: q and v as its own model has them."""
+        data = self.data
+        if self._base:
+            data.qpos[:3], data.qpos[3], data.qpos[4:7] = q[:3], q[6], q[3:6]
+            data.qvel[:3], data.qvel[3:6] = _rotation(q) @ v[:3], v[3:6]
+            q, v = q[7:], v[6:]
+        data.qpos[self._places], data.qvel[self.dofs] = q, v
+
+    def state(self) -> tuple[Array, Array]:
+        """Where the robot is: q and v as its own model has them."""
+        data = self.data
+        q, v = data.qpos[self._places].copy(), data.qvel[self.dofs].copy()
+        if not self._base:
+            return q, v
+        q = np.concatenate([data.qpos[:3], data.qpos[4:7], data.qpos[3:4], q])
+        return q, np.concatenate([data.qvel[:3] @ _rotation(q), data.qvel[3:6], v])
+
+    def push(self, frame: str, force: ArrayLike, duration: float, *, start: float | None = None) -> None:
+        """Push a frame at its origin, in all ticks that begin within a time.
+
+        Parameters
+        ----------
+        frame : str
+        force : array, shape (3,)
+            In the axes of the world [N].
+        duration : float
+            [s].
+        start : float, optional
+            By the clock of the plant [s], :attr:`time` (default: now).
+
+        Raises
+        ------
+        InvalidInput
+            If there is no such frame, or a number is out of range.
+        """
+        check_frame(self._robot, frame, "push: frame")
+        pull, seconds = finite(force, "push: force"), positive_scalar(duration, "push: duration", unit="s")
+        if pull.shape != (3,):
+            raise InvalidInput(f"push: force has shape {pull.shape}; it must be (3,), in N")
+        begin = self.time if start is None else finite_scalar(start, "push: start")
+        found = self._robot.model.frames[self._robot.model.getFrameId(frame)]
+        joint = self._robot.model.names[found.parentJoint]
+        body = self._mujoco.mj_name2id(self.model, self._mujoco.mjtObj.mjOBJ_BODY, joint)
+        if body < 0:
+            raise InvalidInput(f"push: frame {frame!r} is on nothing that has mass, and moves")
+        self._pushes.append(Push(body, found.placement.translation.copy(), pull, begin, begin + seconds))
+
+    @property
+    def forces(self) -> dict[str, Array]:
+        """What the ground did to the robot in the last step of the physics, at every point of the contacts, (k, 3) [N].
+
+        By the names of the contacts, in the axes of the world.
+        """
+        every, wrench = np.zeros((self.model.ngeom, 3)), np.zeros(6)
+        for i in range(self.data.ncon):
+            contact = self.data.contact[i]
+            self._mujoco.mj_contactForce(self.model, self.data, i, wrench)
+            every[contact.geom2] += wrench[:3] @ contact.frame.reshape(3, 3)  # the plane is the first of both
+        return {contact.name: every[points] for contact, points in zip(self.contacts, self._points, strict=True)}
+
+    @property
+    def points(self) -> dict[str, Array]:
+        """Where the points of the contacts are, (k, 3) [m], by the names of the contacts."""
+        self._mujoco.mj_kinematics(self.model, self.data)
+        found = zip(self.contacts, self._points, strict=True)
+        return {contact.name: self.data.geom_xpos[points].copy() for contact, points in found}
+
+    def creep(self, q: Array, duration: float = 10.0) -> float:
+        """How far a point of the contacts creeps along the ground while all joints are held [m].
+
+        It is what the contact model of the physics does by itself, whoever controls the robot.
+        """
+        import pinocchio as pin
+
+        from ..robots.pinocchio import PinocchioRobot
+
+        model: Any = self._robot.model
+        held = pin.buildReducedModel(model, list(range(2 if self._base else 1, model.njoints)), np.asarray(q))
+        plant = MujocoPlant(PinocchioRobot(held), contacts=self.contacts, ground=self.ground, step=self.step)
+        q, v, none = np.array(q[: held.nq]), np.zeros(held.nv), np.zeros(0)
+        q, v = plant.advance(q, v, none, 1.0)  # it comes to rest
+        before = plant.points
+        plant.advance(q, v, none, duration)
+        return max(
+            float(np.linalg.norm((there - before[name])[:, :2], axis=1).max()) for name, there in plant.points.items()
+        )
+
+    def _lay_ground(self) -> None:
+        """Bring the ground to where the lowest point is."""
+        lowest = min(float(points[:, 2].min()) for points in self.points.values())
+        self.model.geom("ground").pos[2] += lowest
+        self._laid = True
+
+    def _apply_pushes(self) -> None:
+        now = self.time + 1e-9
+        self._pushes = [push for push in self._pushes if now < push.end]
+        acting = [push for push in self._pushes if push.start <= now]
+        if not acting:
+            return
+        data, mujoco = self.data, self._mujoco
+        mujoco.mj_kinematics(self.model, data)
+        mujoco.mj_comPos(self.model, data)
+        for push in acting:
+            at = data.xpos[push.body] + data.xmat[push.body].reshape(3, 3) @ push.point
+            mujoco.mj_applyFT(self.model, data, push.force, np.zeros(3), at, push.body, data.qfrc_applied)
 
     def __repr__(self) -> str:
         return f"MujocoPlant({self.model.nv} degrees of freedom, step={self.step:g})"
 
 
-def _known(joint: Any) -> bool:
-    """Whether MuJoCo has such a joint: one position, one velocity, and no screw."""
-    kind = joint.shortname().removeprefix("JointModel")
-    return bool(joint.nq == joint.nv == 1 and kind.startswith(("R", "P")))
+def _checked(robot: Robot, contacts: tuple[Contact, ...]) -> Any:
+    """A robot that MuJoCo can move, and that has these contacts."""
+    if not on_pinocchio(robot):
+        raise InvalidInput(f"robot = {brief(robot)}; the physics need the model of a PinocchioRobot")
+    other = [name for joint, name in joints(robot.model) if not known(joint)]
+    if other:
+        raise InvalidInput(f"MujocoPlant: joint {other[0]!r} of {robot!r} must turn about one axis, or slide along it")
+    if any(free(joint) for joint, _ in joints(robot.model)[1:]) or (
+        base(robot) and not robot.model.jointPlacements[1].isIdentity()
+    ):
+        raise InvalidInput(f"MujocoPlant: the base of {robot!r} must be its first joint, and float about the origin")
+    for contact in contacts:
+        check_frame(robot, contact.frame, f"{contact.label()}: frame")
+    return robot
 
 
-def _joints(model: Any) -> list[tuple[Any, str]]:
-    """The joints of a Pinocchio model and their names, without the universe."""
-    return list(zip(list(model.joints)[1:], list(model.names)[1:], strict=True))
-
-
-def _specification(model: Any, mujoco: Any) -> mujoco.MjSpec:
-    """The same robot in the words of MuJoCo: a body a joint, or one for all joints in a row that carry nothing between.
-
-    What carries nothing is no body to MuJoCo. Its joint goes to the next one that does, as the first of several.
-    """
-    import pinocchio as pin
-
-    specification = mujoco.MjSpec()
-    specification.option.gravity = model.gravity.linear
-    specification.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
-    bodies, waiting = [specification.worldbody], dict[int, list[tuple[int, pin.SE3]]]()
-    children = [[i for i in range(1, model.njoints) if model.parents[i] == parent] for parent in range(model.njoints)]
-    for index in range(1, model.njoints):
-        inertia, parent, place = model.inertias[index], int(model.parents[index]), model.jointPlacements[index]
-        before = [(i, place.inverse() * at) for i, at in waiting.pop(parent, [])]
-        if before:  # where the first of them is placed on the last body that there is
-            first = before[0][0]
-            place = model.jointPlacements[first] * before[0][1].inverse()
-        own = [*before, (index, pin.SE3.Identity())]
-        if inertia.mass == 0.0 and len(children[index]) == 1:
-            waiting[index] = own
-            bodies.append(bodies[parent])
-            continue
-        name = model.names[index]
-        body = bodies[parent].add_body(name=name, pos=place.translation, quat=_quaternion(place.rotation))
-        J = inertia.inertia
-        body.explicitinertial = True
-        body.mass, body.ipos = inertia.mass, inertia.lever
-        body.fullinertia = [J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2]]
-        for i, at in own:
-            _add_joint(body, model, i, at, mujoco)
-        bodies.append(body)
-    return specification
-
-
-def _add_joint(body: Any, model: Any, index: int, at: Any, mujoco: Any) -> None:
-    """Put a joint of the model into a body, on which it is at a place."""
-    joint = model.joints[index]
-    motion = joint.createData()
-    joint.calc(motion, np.zeros(model.nq))
-    subspace = np.array(motion.S).reshape(6)  # linear, angular: one of them is the axis
-    slides = bool(subspace[:3].any())
-    body.add_joint(
-        name=model.names[index],
-        type=mujoco.mjtJoint.mjJNT_SLIDE if slides else mujoco.mjtJoint.mjJNT_HINGE,
-        pos=at.translation,
-        axis=at.rotation @ (subspace[:3] if slides else subspace[3:]),
-        armature=model.armature[joint.idx_v],
-        damping=[model.damping[joint.idx_v], 0.0, 0.0],
+def _rotation(q: Array) -> Array:
+    """That of a floating base, from the quaternion (x, y, z, w) in q."""
+    x, y, z, w = q[3:7] / np.linalg.norm(q[3:7])
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
     )
-
-
-def _quaternion(rotation: Array) -> Array:
-    """(w, x, y, z) of a rotation matrix, as MuJoCo writes it."""
-    import pinocchio as pin
-
-    x, y, z, w = pin.Quaternion(rotation).coeffs()
-    return np.array([w, x, y, z])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import asdict, dataclass
+from dataclasses import field as made
 from typing import Any
 
 import numpy as np
@@ -19,13 +20,13 @@ from ..robots.robot import Robot, as_robot
 from .account import Account, Shortfall, account
 
 #: What the head of a saved record says; the number changes with the fields.
-FORMAT = "hqp record 2"
-#: One that knows no shortfalls.
-FORMER = "hqp record 1"
+FORMAT = "hqp record 3"
+#: Those before: one that knows no shortfalls, and one that knows no forces.
+FORMER, UNFORCED = "hqp record 1", "hqp record 2"
 #: The fields which are arrays, those which are arrays or None, and those which are dicts of arrays.
 ARRAYS = ("t", "q", "v", "a", "pose", "checked_t", "ranks")
 OPTIONAL = ("tau", "manipulability")
-DICTS = ("errors", "active")
+DICTS = ("errors", "active", "forces")
 
 
 @dataclass(frozen=True)
@@ -88,6 +89,9 @@ class Record:
         tell, which means as many as joints.
     robot : Robot or None
         What moved; None in a record from a file, which holds no robot.
+    forces : dict of arrays, shape (N, k, 3)
+        What was asked of the world at the points of every contact, in its axes [N], by its name; of contacts with one
+        wrench, and of loops, as :class:`tasks.Step` has them. Empty without :class:`tasks.Dynamics`.
     """
 
     t: Array
@@ -107,6 +111,7 @@ class Record:
     shortfalls: tuple[tuple[Shortfall, ...], ...] | None = None
     unknowns: int | None = None
     robot: Robot | None = None
+    forces: dict[str, Array] = made(default_factory=dict)
 
     @property
     def checked(self) -> int:
@@ -173,12 +178,12 @@ class Record:
         """
         with arrays_of(path, "record") as members:
             head = json.loads(str(members["head"]))
-            if head["format"] not in (FORMAT, FORMER):
+            if head["format"] not in (FORMAT, FORMER, UNFORCED):
                 raise ValueError(f"its format is {head['format']!r}; it must be {FORMAT!r}")
             arrays: dict[str, Any] = {field: members[field] for field in ARRAYS}
             arrays |= {field: members.get(field) for field in OPTIONAL}
             for field in DICTS:
-                arrays[field] = {name: members[f"{field} {i}"] for i, name in enumerate(head["names"][field])}
+                arrays[field] = {name: members[f"{field} {i}"] for i, name in enumerate(head["names"].get(field, []))}
             kinds = [Status(value) for value in head["status"]]
             return cls(
                 **arrays,

@@ -26,10 +26,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput, Solution
-from hqp.checks import listed, of_type, whole_number
+from hqp.checks import listed, of_type, truth, whole_number
 from hqp.errors import brief
 
 from ..base.checks import Array, finite, finite_scalar, function, positive_scalar
+from ..contacts.contact import Contact
+from ..control.contacts import find_contact
 from ..control.controller import Controller
 from ..control.step import Step
 from ..robots.robot import Robot, check_joints, integration, joint_names, joint_units
@@ -73,6 +75,27 @@ class Change:
     law: Timing = cubic
 
 
+@dataclass(frozen=True, eq=False)
+class Switch:
+    """A contact to make or to release, see :meth:`tasks.Controller.make` and :meth:`tasks.Controller.release`.
+
+    Attributes
+    ----------
+    t : float
+        When [s].
+    contact : Contact or its name
+    on : bool
+        Whether it is made.
+    duration : float
+        [s].
+    """
+
+    t: float
+    contact: Contact | str
+    on: bool
+    duration: float = 0.0
+
+
 #: The longest run: a record of so many ticks fills a gigabyte or two.
 MOST_TICKS = 10_000_000
 
@@ -96,7 +119,7 @@ def simulate(
     speed_cap: float = SPEED_CAP,
     certify: int = 50,
     proof: Callable[[Any], bool] | None = None,
-    changes: Iterable[Change] = (),
+    changes: Iterable[Change | Switch] = (),
     progress: Callable[[float], None] | None = None,
     plant: Plant | None = None,
 ) -> Record:
@@ -120,8 +143,8 @@ def simulate(
         Put every so many-th tick to the certificate; 0 for none.
     proof : callable, optional
         The judge of the solutions of those ticks (default: ``solution.certify().ok``).
-    changes : iterable of Change
-        Stacks to go over to on the way; the controller keeps the last.
+    changes : iterable of Change and Switch
+        Stacks to go over to on the way, of which the controller keeps the last; contacts to make and to release.
     progress : callable, optional
         Told the share of the run that is done, about a hundred times.
     plant : Plant, optional
@@ -185,7 +208,7 @@ class _Run:
         speed_cap: float,
         certify: int,
         proof: Callable[[Any], bool] | None,
-        changes: Iterable[Change],
+        changes: Iterable[Change | Switch],
         plant: Plant | None,
     ) -> None:
         self.dt, self.ticks = _ticks(controller, duration)
@@ -199,9 +222,9 @@ class _Run:
         self._v = np.zeros(robot.nv) if v0 is None else finite(v0, "v0")
         check_joints(robot, self._q, self._v)
         self._judge = _certified if proof is None else function(proof, "proof")
-        given = [_checked(of_type(change, Change, "a change")) for change in listed(changes, "changes", "Change")]
+        given = [_checked(change, controller) for change in listed(changes, "changes", "Change")]
         self._waiting = deque(sorted(given, key=lambda change: change.t))
-        stacks = [controller.stack, *(change.stack for change in self._waiting)]
+        stacks = [controller.stack, *(change.stack for change in self._waiting if isinstance(change, Change))]
         parts = {id(part): part for stack in stacks for part in stack}
         self.log = Log(controller, self.ticks, robot.at(self._q, self._v), parts.values())
         self._integrate = integration(robot)
@@ -210,8 +233,7 @@ class _Run:
         """Solve and move on by one tick; why the run stops here, or None if it goes on."""
         controller, t = self._controller, self._start + k * self.dt
         while self._waiting and t >= self._waiting[0].t:
-            change = self._waiting.popleft()
-            controller.change(change.stack, duration=change.duration, law=change.law)
+            _make_happen(self._waiting.popleft(), controller)
         step = controller.unchecked(self._q, self._v, t)
         self.log.state(k, t, step.state)
         if not step.ok:
@@ -224,7 +246,7 @@ class _Run:
         if not speed <= self._cap:  # NaN too
             where = _fastest(controller.robot, self._v)
             return Stop(t + self.dt, f"diverged at t = {t + self.dt:g} s: {where}", diverged=True)
-        self.log.tick(k, a, step.tau, step.solution.status)
+        self.log.tick(k, a, step)
         return None
 
     def _move(self, step: Step[Any, Any, Any]) -> Array:
@@ -270,10 +292,23 @@ def _check_plant(plant: Plant | None, controller: Controller) -> None:
         raise InvalidInput(f"plant = {brief(plant)} is a {type(plant).__name__}; a plant has advance(q, v, tau, dt)")
 
 
-def _checked(change: Change) -> Change:
-    """A change whose time is a number, and whose stack is one."""
-    stack = change.stack if isinstance(change.stack, Stack) else Stack(change.stack)
+def _checked(change: Change | Switch, controller: Controller) -> Change | Switch:
+    """A change whose time is a number, and whose stack is one, or a switch of a contact of the stack."""
+    if isinstance(change, Switch):
+        find_contact(controller.stack, change.contact)
+        return replace(change, t=finite_scalar(change.t, "a switch: t"), on=truth(change.on, "a switch: on"))
+    stack = of_type(change, Change, "a change").stack
+    stack = stack if isinstance(stack, Stack) else Stack(stack)
     return replace(change, t=finite_scalar(change.t, "a change: t"), stack=stack)
+
+
+def _make_happen(change: Change | Switch, controller: Controller) -> None:
+    if isinstance(change, Change):
+        controller.change(change.stack, duration=change.duration, law=change.law)
+    elif change.on:
+        controller.make(change.contact, change.duration)
+    else:
+        controller.release(change.contact, change.duration)
 
 
 def _fastest(robot: Robot, v: Array) -> str:

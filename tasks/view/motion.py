@@ -200,7 +200,7 @@ class Motion:
         if self._certify and k % self._certify == 0:
             log.check(self.t, step.solution, step.solution.certify().ok)
         log.state(k, self.t, step.state)
-        log.tick(k, a, step.tau, step.solution.status)
+        log.tick(k, a, step)
         if log.states >= MOST_RECORDED:
             self.stop_recording()
 

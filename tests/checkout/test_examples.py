@@ -35,6 +35,11 @@ SAYS = {
     "15_spraying": "square first gun off by at most 74.2",
     "16_snake_arm": "body clear nearest  10.5",
     "17_inspection": "pipes known   nearest  34.1",
+    "18_biped_lifts_a_foot": "25 of 25 checked ticks certified); 1250 optimal",
+    "19_quadruped_is_pushed": "30 of 30 checked ticks certified); 1500 optimal",
+    "20_humanoid_leans": "support polygon met (1 of 8 rows at a bound)",
+    "21_panda_presses_a_table": "40 of 40 checked ticks certified",
+    "22_walking_in_place": "40 of 40 checked ticks certified); 2000 optimal",
 }
 
 #: Why Python writes parts of their stacks; loops write all others.
@@ -54,16 +59,28 @@ DRAWS = {
     "15_spraying": ["spraying.png"],
     "16_snake_arm": ["snake_arm.png"],
     "17_inspection": ["inspection.png"],
+    "18_biped_lifts_a_foot": ["biped.png"],
+    "19_quadruped_is_pushed": ["quadruped.png"],
+    "20_humanoid_leans": ["leaning.png"],
+    "21_panda_presses_a_table": ["pressing.png"],
+    "22_walking_in_place": ["walking.png"],
 }
 
 #: What some take after the folder, to be short: seconds.
-SHORT = {"12_torque_limited_panda": ["6"]}
+SHORT = {
+    "12_torque_limited_panda": ["6"],
+    "18_biped_lifts_a_foot": ["2.5"],
+    "19_quadruped_is_pushed": ["3"],
+    "20_humanoid_leans": ["3"],
+    "21_panda_presses_a_table": ["4"],
+    "22_walking_in_place": ["4"],
+}
 
 #: Of every kind one, which also runs by itself: one that prints, one that draws.
 ALONE = ("01_levels", "06_panda_elbow_up")
 
 #: What some need that is no part of every installation.
-NEEDS = {"12_torque_limited_panda": "mujoco"}
+NEEDS = dict.fromkeys(SHORT, "mujoco")
 
 
 def test_every_example_is_expected():

@@ -1,0 +1,89 @@
+"""What a robot stands on in MuJoCo, and how contacts are modelled there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from hqp import InvalidInput
+from hqp.checks import truth, whole_number
+
+from ..base.checks import finite_scalar, positive_scalar
+
+#: Radius of the spheres that stand for the points of contacts [m]: small, so that none of them rolls.
+RADIUS = 1e-4
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A level floor or table top, which only the points of contacts touch.
+
+    MuJoCo makes a contact a spring and damper along its normal, and friction a viscous damper that is stiff but not
+    rigid: what stands creeps. Elliptic cones, a large `ratio` and `noslip` sweeps hold the creep down.
+
+    Parameters
+    ----------
+    height : float, optional
+        Of its surface [m] (default: where the lowest point is when the motion begins).
+    friction : float
+        mu.
+    time_constant : float
+        Of the spring, critically damped [s]; at least twice the step of the physics. The larger, the deeper what
+        stands sinks in.
+    ratio : float
+        How much harder friction is than the normal force, ``impratio`` of MuJoCo.
+    noslip : int
+        Sweeps of the solver after all others which take back what slips; 0 for none.
+    pyramids : bool
+        Whether friction cones are pyramids, as they are by MuJoCo's own default; else they are round.
+
+    Raises
+    ------
+    InvalidInput
+        If a number is out of range.
+    """
+
+    height: float | None = None
+    friction: float = 0.8
+    time_constant: float = 0.005
+    ratio: float = 10.0
+    noslip: int = 3
+    pyramids: bool = False
+
+    def __post_init__(self) -> None:
+        height = None if self.height is None else finite_scalar(self.height, "Ground: height")
+        checked = {
+            "height": height,
+            "friction": positive_scalar(self.friction, "Ground: friction"),
+            "time_constant": positive_scalar(self.time_constant, "Ground: time_constant", unit="s"),
+            "ratio": positive_scalar(self.ratio, "Ground: ratio"),
+            "noslip": whole_number(self.noslip, "Ground: noslip"),
+            "pyramids": truth(self.pyramids, "Ground: pyramids"),
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+
+    def lay(self, specification: Any, mujoco: Any, step: float) -> None:
+        """Put it into the world, and say how contacts are solved."""
+        if self.time_constant < 2.0 * step:
+            raise InvalidInput(
+                f"Ground: time_constant = {self.time_constant:g} s must be at least twice the step of the physics,"
+                f" {2.0 * step:g} s"
+            )
+        option = specification.option
+        option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL if self.pyramids else mujoco.mjtCone.mjCONE_ELLIPTIC
+        option.impratio, option.noslip_iterations = self.ratio, self.noslip
+        option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_MIDPHASE)  # which misses points once the ground is moved
+        specification.worldbody.add_geom(
+            name="ground",
+            type=mujoco.mjtGeom.mjGEOM_PLANE,
+            size=[0.0, 0.0, 1.0],
+            pos=[0.0, 0.0, (self.height or 0.0) - RADIUS],
+            contype=0,
+            conaffinity=1,
+            condim=3,
+            priority=1,  # its numbers are those of the contact
+            friction=[self.friction, 0.005, 1e-4],
+            solref=[self.time_constant, 1.0],
+        )

@@ -1,0 +1,112 @@
+"""A robot of Pinocchio in the words of MuJoCo: bodies, joints, and spheres at the points of contacts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..base.checks import Array
+from .ground import RADIUS
+
+if TYPE_CHECKING:
+    import mujoco
+
+    from ..contacts.contact import Contact
+
+
+def known(joint: Any) -> bool:
+    """Whether MuJoCo has such a joint: one position, one velocity, and no screw; or a base that is free."""
+    kind = joint.shortname().removeprefix("JointModel")
+    return bool(joint.nq == joint.nv == 1 and kind.startswith(("R", "P"))) or free(joint)
+
+
+def free(joint: Any) -> bool:
+    """Whether it moves and turns at will."""
+    return bool(joint.shortname() == "JointModelFreeFlyer")
+
+
+def joints(model: Any) -> list[tuple[Any, str]]:
+    """The joints of a Pinocchio model and their names, without the universe."""
+    return list(zip(list(model.joints)[1:], list(model.names)[1:], strict=True))
+
+
+def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) -> mujoco.MjSpec:
+    """The same robot in the words of MuJoCo: a body a joint, or one for all joints in a row that carry nothing between.
+
+    What carries nothing is no body to MuJoCo. Its joint goes to the next one that does, as the first of several.
+    """
+    import pinocchio as pin
+
+    specification = mujoco.MjSpec()
+    specification.option.gravity = model.gravity.linear
+    specification.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    bodies, waiting = [specification.worldbody], dict[int, list[tuple[int, pin.SE3]]]()
+    children = [[i for i in range(1, model.njoints) if model.parents[i] == parent] for parent in range(model.njoints)]
+    for index in range(1, model.njoints):
+        inertia, parent, place = model.inertias[index], int(model.parents[index]), model.jointPlacements[index]
+        before = [(i, place.inverse() * at) for i, at in waiting.pop(parent, [])]
+        if before:  # where the first of them is placed on the last body that there is
+            first = before[0][0]
+            place = model.jointPlacements[first] * before[0][1].inverse()
+        own = [*before, (index, pin.SE3.Identity())]
+        if inertia.mass == 0.0 and len(children[index]) == 1:
+            waiting[index] = own
+            bodies.append(bodies[parent])
+            continue
+        name = model.names[index]
+        body = bodies[parent].add_body(name=name, pos=place.translation, quat=quaternion(place.rotation))
+        J = inertia.inertia
+        body.explicitinertial = True
+        body.mass, body.ipos = inertia.mass, inertia.lever
+        body.fullinertia = [J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2]]
+        for i, at in own:
+            _add_joint(body, model, i, at, mujoco)
+        bodies.append(body)
+    for contact in contacts:
+        frame = model.frames[model.getFrameId(contact.frame)]
+        for k, point in enumerate(contact.shape.points):
+            bodies[frame.parentJoint].add_geom(
+                name=point_name(contact, k),
+                type=mujoco.mjtGeom.mjGEOM_SPHERE,
+                size=[RADIUS, 0.0, 0.0],
+                pos=frame.placement.act(point),
+                mass=0.0,
+                contype=1,
+                conaffinity=0,
+            )
+    return specification
+
+
+def point_name(contact: Contact, k: int) -> str:
+    """What MuJoCo calls a point of a contact."""
+    return f"{contact.name} point {k}"
+
+
+def _add_joint(body: Any, model: Any, index: int, at: Any, mujoco: Any) -> None:
+    """Put a joint of the model into a body, on which it is at a place."""
+    joint = model.joints[index]
+    if free(joint):
+        body.add_joint(name=model.names[index], type=mujoco.mjtJoint.mjJNT_FREE)
+        return
+    motion = joint.createData()
+    joint.calc(motion, np.zeros(model.nq))
+    subspace = np.array(motion.S).reshape(6)  # linear, angular: one of them is the axis
+    slides = bool(subspace[:3].any())
+    body.add_joint(
+        name=model.names[index],
+        type=mujoco.mjtJoint.mjJNT_SLIDE if slides else mujoco.mjtJoint.mjJNT_HINGE,
+        pos=at.translation,
+        axis=at.rotation @ (subspace[:3] if slides else subspace[3:]),
+        armature=model.armature[joint.idx_v],
+        damping=[model.damping[joint.idx_v], 0.0, 0.0],
+    )
+
+
+def quaternion(rotation: Array) -> Array:
+    """(w, x, y, z) of a rotation matrix, as MuJoCo writes it."""
+    import pinocchio as pin
+
+    x, y, z, w = pin.Quaternion(rotation).coeffs()
+    return np.array([w, x, y, z])

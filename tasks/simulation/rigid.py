@@ -1,0 +1,137 @@
+r"""A plant on the constrained dynamics of Pinocchio: contacts that hold without fail, whatever force it takes.
+
+With the torques tau, and the motion :math:`J_c` of the contacts that hold,
+
+.. math:: M a + b = S^T \tau + J_c^T f, \quad J_c a + \dot J_c v = -2 K J_c v + K^2 e.
+
+It is the control experiment: a controller whose contacts are these gets the accelerations that it says. The feedback
+takes back what integration drifts, and nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable
+from math import ceil
+from typing import Any
+
+import numpy as np
+
+from hqp import InvalidInput
+from hqp.checks import listed, of_type
+from hqp.errors import brief
+
+from ..base.checks import Array, function, positive_scalar
+from ..contacts.contact import Contact
+from ..robots.robot import Robot, base, check_frame, on_pinocchio
+
+#: What makes forces unique that the contacts share, of the proximal method [1/kg].
+PROXIMAL = 1e-10
+#: What Pinocchio calls a contact, by how many motions it forbids.
+KINDS = {3: "CONTACT_3D", 6: "CONTACT_6D"}
+
+
+class RigidContactPlant:
+    """A robot whose contacts hold, moved by joint torques: ``simulate(..., plant=RigidContactPlant(robot, feet))``.
+
+    Parameters
+    ----------
+    robot : PinocchioRobot
+    contacts : list of Contact
+        Points, or what is held in all directions; no lines, and none of them pushes only: they pull as well.
+    holding : callable, optional
+        The names of those that hold at present, asked for every tick: ``lambda: controller.loaded``. One that begins
+        to hold does so where it then is (default: all of them, always).
+    step : float
+        The longest step of integration [s].
+    gain : float
+        K [1/s].
+
+    Raises
+    ------
+    InvalidInput
+        If the robot is not of that kind, or a contact is none of it, or is a line.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        contacts: Iterable[Contact],
+        *,
+        holding: Callable[[], Collection[str]] | None = None,
+        step: float = 5e-4,
+        gain: float = 20.0,
+    ) -> None:
+        import pinocchio as pin
+
+        if not on_pinocchio(robot):
+            raise InvalidInput(f"robot = {brief(robot)}; its plant needs the model of a PinocchioRobot")
+        self._pin: Any = pin
+        self._robot: Any = robot
+        self.contacts = tuple(of_type(each, Contact, "a contact") for each in listed(contacts, "contacts", "Contact"))
+        for contact in self.contacts:
+            check_frame(robot, contact.frame, f"{contact.label()}: frame")
+            if contact.shape.motions not in KINDS:
+                raise InvalidInput(f"{contact.label()}: is a line; a RigidContactPlant takes points and planes")
+        names = tuple(contact.name for contact in self.contacts)
+        self._holding = (lambda: names) if holding is None else function(holding, "holding")
+        self.step = positive_scalar(step, "step", unit="s")
+        self.gain = positive_scalar(gain, "gain", unit="1/s")
+        self._data = self._robot.model.createData()
+        self._free = np.zeros(base(robot))
+        self._held: dict[str, Any] = {}
+        self._models: Any = pin.StdVec_RigidConstraintModel()
+        self._datas: Any = pin.StdVec_RigidConstraintData()
+        self._proximal = pin.ProximalSettings(1e-12, PROXIMAL, 20)
+        pin.initConstraintDynamics(self._robot.model, self._data, self._models, self._datas)
+
+    def advance(self, q: Array, v: Array, tau: Array, dt: float) -> tuple[Array, Array]:
+        """Positions [rad] and velocities [rad/s] dt [s] after (q, v), while the torques tau [N m] hold."""
+        steps = ceil(dt / self.step * (1.0 - 1e-9))
+        h, full = dt / steps, np.concatenate([self._free, tau])
+        self._hold(q)
+        for _ in range(steps):
+            a = self.acceleration(q, v, full)
+            q, v = self._pin.integrate(self._robot.model, q, h * v + 0.5 * h * h * a), v + h * a
+        return q, v
+
+    def acceleration(self, q: Array, v: Array, tau: Array) -> Array:
+        """That of all joints under torques, shape (nv,), by the contacts that hold [rad/s^2]."""
+        told = self._robot.model, self._data, q, v, tau, self._models, self._datas, self._proximal
+        return np.array(self._pin.constraintDynamics(*told))
+
+    @property
+    def forces(self) -> dict[str, Array]:
+        """What the world did to the robot in the last step, by the names of the contacts that hold, shape (6,).
+
+        Force [N] and, of what is held in all directions, moment [N m] about its centre, along the axes of its frame.
+        """
+        found = zip(self._held, self._datas, strict=True)
+        return {name: np.array(data.contact_force.vector) for name, data in found}
+
+    def _hold(self, q: Array) -> None:
+        """Have those hold which are to, each where it began to."""
+        wanted = {contact.name: contact for contact in self.contacts if contact.name in set(self._holding())}
+        if list(wanted) == list(self._held):
+            return
+        pin, model = self._pin, self._robot.model
+        pin.framesForwardKinematics(model, self._data, q)
+        self._held = {name: self._held.get(name) or self._constraint(contact) for name, contact in wanted.items()}
+        self._models, self._datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
+        for constraint in self._held.values():
+            self._models.append(constraint)
+            self._datas.append(constraint.createData())
+        pin.initConstraintDynamics(model, self._data, self._models, self._datas)
+
+    def _constraint(self, contact: Contact) -> Any:
+        pin, model = self._pin, self._robot.model
+        frame = model.frames[model.getFrameId(contact.frame)]
+        here = frame.placement * pin.SE3(np.eye(3), contact.shape.centre)
+        kind = getattr(pin.ContactType, KINDS[contact.shape.motions])
+        there = self._data.oMi[frame.parentJoint] * here
+        constraint = pin.RigidConstraintModel(kind, model, frame.parentJoint, here, 0, there, pin.ReferenceFrame.LOCAL)
+        constraint.m_baumgarte_parameters.Kp = self.gain**2
+        constraint.m_baumgarte_parameters.Kd = 2.0 * self.gain
+        return constraint
+
+    def __repr__(self) -> str:
+        return f"RigidContactPlant({len(self.contacts)} contacts, step={self.step:g})"

@@ -1,0 +1,299 @@
+"""Robots that stand in physics: what is handed over is the same state, and what is asked for is what happens."""
+
+from __future__ import annotations
+
+import sys
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from contact_scenes import DT, FEET, Scene, humanoid, moved, quadruped
+
+from hqp import InvalidInput
+from tasks import (
+    CenterOfMassTask,
+    Contact,
+    Controller,
+    Dynamics,
+    ForceTask,
+    Ground,
+    JointLimits,
+    JointTorqueLimit,
+    MujocoPlant,
+    PoseTask,
+    PositionTask,
+    PostureTask,
+    Record,
+    RigidContactPlant,
+    Stack,
+    Switch,
+    load_robot,
+    simulate,
+)
+
+pytest.importorskip("mujoco", reason="physics need MuJoCo: pip install 'hqp[mujoco]'")
+sys.path.insert(0, str(Path(__file__).parents[1] / "examples"))
+from _pendulum import Steps
+from _standing import moved as slip
+from _standing import passed, stops
+
+SCENES = {"humanoid": humanoid, "quadruped": quadruped}
+PELVIS = {"humanoid": "pelvis", "quadruped": "base"}
+
+
+@cache
+def scene(name: str) -> Scene:
+    return SCENES[name]()
+
+
+def standing(name: str, task: Stack | CenterOfMassTask | None = None) -> Controller:
+    """A controller that keeps the centre of mass where it is, or as it is told."""
+    here = scene(name)
+    wanted = CenterOfMassTask(here.com, gain=6.0) if task is None else task
+    return Controller(here.robot, here.limits >> wanted >> here.rest(PELVIS[name]), order="torque", dt=DT)
+
+
+def check(record: Record, feet: tuple[Contact, ...]) -> None:
+    """It stood: every tick optimal and, of those checked, certified; nothing slipped, no torque or cone was passed."""
+    assert record.stopped is None
+    assert {status.value for status in record.status} == {"optimal"}
+    assert record.certified == record.checked > 0
+    assert passed(record, feet) < 1e-9
+    for foot in feet:
+        assert np.linalg.norm(slip(record, foot), axis=1).max() < 3e-3
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_state_comes_back_as_it_was(name: str) -> None:
+    here = scene(name)
+    plant = MujocoPlant(here.robot, contacts=here.feet)
+    for seed in range(5):
+        q, v = moved(here, seed, 10.0)
+        plant.place(q, v)
+        there = plant.state()
+        assert np.allclose(there[0], q, atol=1e-15)
+        assert np.allclose(there[1], v, atol=1e-13)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_points_are_where_the_model_has_them(name: str) -> None:
+    here = scene(name)
+    plant = MujocoPlant(here.robot, contacts=here.feet)
+    q, v = moved(here, 1, 5.0)
+    plant.place(q, v)
+    for foot in here.feet:
+        frame = here.robot.at(q, v).frame(foot.frame)
+        expected = frame.position + foot.shape.points @ frame.rotation.T
+        assert np.allclose(plant.points[foot.name], expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_free_fall(name: str) -> None:
+    """Without ground the centre of mass falls as it must; energy, momentum about it and the pose stay those of q, v."""
+    here = scene(name)
+    robot, model = here.robot, here.robot.model
+    plant, data = MujocoPlant(robot), here.robot.model.createData()
+    q, v = moved(here, 2)
+    begin, none = robot.at(q, v).center_of_mass, np.zeros(robot.nv - 6)
+    place, speed = begin.position.copy(), begin.linear @ v
+    energy = pin.computeMechanicalEnergy(model, data, q, v)
+    turning = pin.computeCentroidalMomentum(model, data, q, v).angular.copy()
+    for _ in range(100):
+        q, v = plant.advance(q, v, none, DT)
+    fallen = place + 0.2 * speed + [0.0, 0.0, -0.5 * 9.81 * 0.2**2]
+    assert np.allclose(robot.at(q, v).center_of_mass.position, fallen, atol=1e-8)
+    assert pin.computeMechanicalEnergy(model, data, q, v) == pytest.approx(energy, abs=1e-5)
+    assert np.allclose(pin.computeCentroidalMomentum(model, data, q, v).angular, turning, atol=1e-7)
+
+
+def test_free_fall_under_torques_is_that_of_the_model() -> None:
+    """One small step, as Pinocchio's forward dynamics say: base and joints, velocities in the axes of the base."""
+    here, h = scene("humanoid"), 1e-5
+    plant, (q, v) = MujocoPlant(here.robot), moved(here, 3, 2.0)
+    tau = np.linspace(-5.0, 5.0, here.robot.nv - 6)
+    a = pin.aba(here.robot.model, here.robot.model.createData(), q, v, np.concatenate([np.zeros(6), tau]))
+    there = plant.advance(q, v, tau, h)
+    assert np.allclose((there[1] - v) / h, a, rtol=1e-3, atol=1e-2 * np.abs(a).max())
+    assert np.allclose(there[0], here.robot.integrate(q, h * v + 0.5 * h * h * a), atol=1e-9)
+
+
+def test_a_push_is_momentum() -> None:
+    here = scene("quadruped")
+    plant, (q, v) = MujocoPlant(here.robot), (here.q, here.v)
+    plant.push("base", [0.0, 60.0, 0.0], 0.02, start=0.01)
+    mass = sum(inertia.mass for inertia in here.robot.model.inertias)
+    speeds = []
+    for _ in range(25):
+        q, v = plant.advance(q, v, np.zeros(12), DT)
+        speeds.append((here.robot.at(q, v).center_of_mass.linear @ v)[1])
+    assert np.allclose(speeds[:5], 0.0, atol=1e-9)
+    assert np.allclose(speeds[-10:], 60.0 * 0.02 / mass, rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_held_joints_do_not_creep(name: str) -> None:
+    here = scene(name)
+    assert MujocoPlant(here.robot, contacts=here.feet).creep(here.q, 1.0) < 1e-5
+    assert MujocoPlant(here.robot, contacts=here.feet, ground=Ground(pyramids=True, noslip=0)).creep(here.q, 1.0) < 1e-3
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_it_stands_and_the_ground_bears_its_weight(name: str) -> None:
+    here, plant = scene(name), MujocoPlant(scene(name).robot, contacts=scene(name).feet)
+    record = simulate(standing(name), here.q, duration=0.6, plant=plant)
+    check(record, here.feet)
+    weight = 9.81 * sum(inertia.mass for inertia in here.robot.model.inertias)
+    assert np.isclose(sum(f[:, 2].sum() for f in plant.forces.values()), weight, rtol=0.01)
+    assert np.linalg.norm(record.errors["center of mass"][-1]) < 1e-3
+    for foot in here.feet:
+        assert np.allclose(record.forces[foot.name][-1].sum(0), plant.forces[foot.name].sum(0), atol=0.02 * weight)
+
+
+def test_a_quadruped_that_is_pushed_comes_back() -> None:
+    here, plant = scene("quadruped"), MujocoPlant(scene("quadruped").robot, contacts=scene("quadruped").feet)
+    plant.push("base", [0.0, 60.0, 0.0], 0.2, start=0.1)
+    record = simulate(standing("quadruped"), here.q, duration=1.2, plant=plant)
+    check(record, here.feet)
+    off = np.linalg.norm(record.errors["center of mass"], axis=1)
+    assert off.max() > 0.02
+    assert off[-1] < 0.01
+
+
+def test_on_ice_it_slips() -> None:
+    """The physics judge by their own friction, not by what the controller takes it to be."""
+    here = scene("quadruped")
+    plant = MujocoPlant(here.robot, contacts=here.feet, ground=Ground(friction=0.02))
+    plant.push("base", [0.0, 60.0, 0.0], 0.2)
+    record = simulate(standing("quadruped"), here.q, duration=0.3, plant=plant)
+    assert max(np.linalg.norm(slip(record, foot), axis=1).max() for foot in here.feet) > 3e-3
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_contacts_that_hold_give_the_accelerations_that_were_told(name: str) -> None:
+    here = scene(name)
+    task = CenterOfMassTask(here.com + np.array([0.01, 0.02, -0.02]), gain=5.0)
+    controller = standing(name, task)
+    plant = RigidContactPlant(here.robot, here.feet, holding=lambda: controller.loaded)
+    q, v = here.q, here.v
+    for k in range(60):
+        step = controller(q, v, k * DT)
+        after = plant.advance(q, v, step.tau, 1e-6)
+        if k % 20 == 0:
+            assert np.allclose((after[1] - v) / 1e-6, step.a, atol=1e-6)
+        q, v = plant.advance(q, v, step.tau, DT)
+    held = np.array([np.linalg.norm(force[:3]) for force in plant.forces.values()])
+    asked = np.array([np.linalg.norm(step.forces[foot.name].sum(axis=0)) for foot in here.feet])
+    assert np.allclose(held.sum(), asked.sum(), rtol=0.1)
+    assert (
+        np.linalg.norm(
+            here.robot.at(q, v).frame(here.feet[0].frame).position
+            - here.robot.at(here.q, v).frame(here.feet[0].frame).position
+        )
+        < 1e-5
+    )
+
+
+def test_a_foot_is_lifted_where_contacts_hold() -> None:
+    record, feet = lifted(
+        lambda controller, feet: RigidContactPlant(scene("humanoid").robot, feet, holding=lambda: controller.loaded)
+    )
+    check(record, feet)
+
+
+@pytest.mark.sweep
+def test_a_foot_is_lifted_in_physics() -> None:
+    record, feet = lifted(lambda controller, feet: MujocoPlant(scene("humanoid").robot, contacts=feet))
+    check(record, feet)
+
+
+def lifted(plant_of):
+    """A humanoid shifts its weight, lifts its right foot by 2 cm and puts it down, in 2 s."""
+    here = scene("humanoid")
+    state = here.robot.at(here.q, here.v)
+    over, foot = state.frame(FEET[0]).position, state.frame(FEET[1])
+    com = CenterOfMassTask(stops(here.com, (1.0, [here.com[0], over[1], here.com[2]])), gain=6.0)
+    way = stops(foot.position, (1.25, None), (0.25, np.add(foot.position, [0.0, 0.0, 0.02])), (0.25, foot.position))
+    swing = PoseTask((way, foot.rotation), frame=FEET[1], gain=20.0)
+    controller = standing("humanoid", com + swing)
+    switches = [Switch(1.05, "right", on=False, duration=0.1), Switch(1.8, "right", on=True, duration=0.1)]
+    plant = plant_of(controller, here.feet)
+    record = simulate(controller, here.q, duration=1.95, plant=plant, changes=switches)
+    heights = [here.robot.at(q, v).frame(FEET[1]).position[2] for q, v in zip(record.q, record.v, strict=True)]
+    assert np.isclose(max(heights) - heights[0], 0.02, atol=1e-3)
+    assert not record.forces["right"][590:890].any()
+    return record, here.feet
+
+
+def test_an_arm_presses_a_table() -> None:
+    robot = load_robot("panda", lock=["panda_finger_joint1"], acceleration_limit=50.0)
+    tip = robot.at(robot.home, np.zeros(7)).frame()
+    hand = Contact("panda_hand_tcp", friction=0.5, name="hand")
+    press = ForceTask(stops([0.0], (0.3, [20.0])), contact=hand)
+    stack = Dynamics() + hand >> JointTorqueLimit() + JointLimits() >> press
+    rest = PositionTask(tip.position, gain=5.0) + PostureTask(robot.home, gain=4.0) + ForceTask(weight=1e-3)
+    controller = Controller(robot, stack >> rest, order="torque", dt=DT)
+    plant = MujocoPlant(robot, contacts=[hand])
+    record = simulate(controller, robot.home, duration=0.8, plant=plant)
+    check(record, (hand,))
+    assert plant.forces["hand"][0, 2] == pytest.approx(20.0, abs=0.2)
+    assert record.forces["hand"][-1, 0, 2] == pytest.approx(20.0, abs=1e-6)
+
+
+def test_forces_are_saved(tmp_path: Path) -> None:
+    record = simulate(standing("quadruped"), scene("quadruped").q, duration=0.02)
+    record.save(tmp_path / "run.npz")
+    loaded = Record.load(tmp_path / "run.npz")
+    assert list(loaded.forces) == [foot.name for foot in scene("quadruped").feet]
+    for name, forces in record.forces.items():
+        assert forces.shape == (10, 1, 3)
+        np.testing.assert_array_equal(loaded.forces[name], forces)
+
+
+@pytest.mark.sweep
+def test_twenty_seconds_of_walking_in_place() -> None:
+    here, phase, ramp = scene("humanoid"), 0.4, 0.05
+    state = here.robot.at(here.q, here.v)
+    places = {name: state.frame(frame) for name, frame in zip(("right", "left"), FEET[::-1], strict=True)}
+    sides = {name: place.position[1] for name, place in places.items()}
+    steps = Steps(sides, here.com, places["left"].position[2] - 0.03, phase, 2.0, 18.0, 0.03)
+    swings = [
+        PoseTask((steps.foot(name, place.position, 2 * ramp), place.rotation), frame=frame, gain=20.0, name=name)
+        for (name, place), frame in zip(places.items(), FEET[::-1], strict=True)
+    ]
+    controller = standing("humanoid", CenterOfMassTask(steps.center_of_mass, gain=10.0) + swings[0] + swings[1])
+    plant = MujocoPlant(here.robot, contacts=here.feet)
+    record = simulate(controller, here.q, duration=20.0, plant=plant, changes=steps.switches(ramp))
+    check(record, here.feet)
+    assert np.linalg.norm(record.errors["center of mass"], axis=1).max() < 5e-3
+
+
+@pytest.mark.parametrize(
+    ("make", "named"),
+    [
+        (lambda here: MujocoPlant(here.robot, contacts=[Contact("nose", friction=0.5)]), "no frame 'nose'|'nose'"),
+        (lambda here: MujocoPlant(here.robot, contacts=[3]), "a contact = 3 is a int; it must be a Contact"),
+        (lambda here: MujocoPlant(here.robot, ground=3), "ground = 3 is a int; it must be a Ground"),
+        (lambda here: Ground(friction=-1.0), "Ground: friction"),
+        (lambda here: Ground(noslip=-1), "Ground: noslip"),
+        (
+            lambda here: MujocoPlant(here.robot, contacts=here.feet, ground=Ground(time_constant=1e-4)),
+            "time_constant = 0.0001 s must be at least twice the step of the physics, 0.001 s",
+        ),
+        (lambda here: MujocoPlant(here.robot).push("nose", [0, 0, 1], 0.1), "push: frame"),
+        (lambda here: MujocoPlant(here.robot).push("universe", [0, 0, 1], 0.1), "on nothing that has mass, and moves"),
+        (lambda here: MujocoPlant(here.robot).push("base", [0, 1], 0.1), r"push: force has shape \(2,\)"),
+        (lambda here: MujocoPlant(here.robot).push("base", [0, 0, 1], 0.0), "push: duration = 0.0 s must be positive"),
+        (lambda here: RigidContactPlant(here.robot, [Contact("base", line=0.1, friction=0.5)]), "is a line"),
+        (lambda here: RigidContactPlant(3, []), "needs the model of a PinocchioRobot"),
+    ],
+)
+def test_refusals(make, named: str) -> None:
+    with pytest.raises(InvalidInput, match=named):
+        make(scene("quadruped"))
+
+
+def test_a_switch_names_a_contact_of_the_stack() -> None:
+    with pytest.raises(InvalidInput, match="'nose' is no contact of the stack"):
+        simulate(standing("quadruped"), scene("quadruped").q, duration=0.1, changes=[Switch(0.0, "nose", on=True)])
