@@ -33,7 +33,9 @@ from .frames.position import PositionTask
 from .ik.inverse_kinematics import IkResult, solve_ik
 from .joints.coupling import JointCouplingTask
 from .joints.damping import Damping
+from .joints.freeze import Freeze
 from .joints.joint_motion import JointMotion
+from .joints.joint_velocity import JointVelocityTask
 from .joints.posture import PostureTask
 from .limits.acceleration import JointAccelerationLimit
 from .limits.joint_limits import JointLimits
@@ -107,6 +109,7 @@ __all__ = [
     "Frame",
     "FrameTask",
     "FrameVelocityLimit",
+    "Freeze",
     "GradientTask",
     "IkResult",
     "JointAccelerationLimit",
@@ -117,6 +120,7 @@ __all__ = [
     "JointPositionLimit",
     "JointTorqueLimit",
     "JointVelocityLimit",
+    "JointVelocityTask",
     "KineticEnergyTask",
     "Line",
     "LinkCapsule",

@@ -28,6 +28,7 @@ from tasks import (
     DynamicManipulabilityTask,
     FrameTask,
     FrameVelocityLimit,
+    Freeze,
     GradientTask,
     JointAccelerationLimit,
     JointCentringTask,
@@ -37,6 +38,7 @@ from tasks import (
     JointPositionLimit,
     JointTorqueLimit,
     JointVelocityLimit,
+    JointVelocityTask,
     KineticEnergyTask,
     Line,
     LinkCapsule,
@@ -359,6 +361,17 @@ def damping(s: Setting) -> Iterator[Case]:
     yield Case(Spec(Damping, weight=0.1), {"weight": np.linspace(0.0, 0.5, len(s.q))}, KEPT)
 
 
+def speeds(s: Setting) -> Iterator[Case]:
+    stays = (*KEPT, "joints")
+    yield Case(Spec(Freeze, joints=[1, 3]), {"weight": [0.5, 0.0]}, (*stays, "all_but"))
+    yield Case(Spec(Freeze, all_but=[0]), {"weight": 0.5}, (*stays, "all_but"))
+    way = Line([0.1, 0.2], [0.4, -0.1], 2.0)
+    live = {"target": way, "weight": 0.5}
+    yield Case(Spec(JointVelocityTask, target=[0.1, -0.2], joints=[0, 2]), live, stays, {"gain": 3.0})
+    live = {"target": np.linspace(-0.3, 0.3, len(s.q)), "gain": 5.0}
+    yield Case(Spec(JointVelocityTask, target=0.2, gain=4.0), live, stays, orders=("acceleration",))
+
+
 def own(s: Setting) -> Iterator[Case]:
     yield Case(Spec(Height, height=0.2, gain=2.0), {**GAINS, "height": 0.4}, KEPT)
     yield Case(Spec(Abscissa, target=0.2, gain=2.0), {**GAINS, "target": 0.4, "weight": 0.0}, KEPT)
@@ -486,6 +499,6 @@ GROUPS: dict[str, Callable[[Setting], Iterator[Case]]] = {
     group.__name__: group
     for group in (
         position, orientation, pose, center_of_mass, axis, look_at, plane, posture, coupling, joint_motion, damping,
-        own, inequality, cartesian, joint_limits, criteria, reconstructed, distances,
+        speeds, own, inequality, cartesian, joint_limits, criteria, reconstructed, distances,
     )
 }  # fmt: skip

@@ -24,7 +24,7 @@ class OrientationTask(PlaceTask):
     ----------
     target : array, shape (3, 3), or RotationTrajectory; or float, or Trajectory of one number
         The rotation, its columns the axes that the frame is to have; or the angle about z [rad], counter-clockwise,
-        which leaves the other axes free.
+        which leaves the other axes free. Of a transform, and of a PoseSetpoint, it is the rotation.
     frame, relative_to, reference
         See :class:`~tasks.frames.place.PlaceTask`.
     mask : str or sequence of bool, optional

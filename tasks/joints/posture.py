@@ -61,10 +61,7 @@ class PostureTask(LoopTask, TargetTask):
         name: str | None = None,
     ) -> None:
         self._call(name)
-        self.joints = None if joints is None else tuple(listed(joints, f"{self.label()}: joints", "joints"))
-        for joint in self.joints or ():
-            if not isinstance(joint, str | Integral) or isinstance(joint, bool):
-                raise InvalidInput(f"{self.label()}: joint {brief(joint)} must be a name or a number")
+        self.joints = named_joints(joints, f"{self.label()}: joints")
         if self.joints is not None:
             self.rows = len(self.joints)
         self.target = target
@@ -161,6 +158,23 @@ class PostureTask(LoopTask, TargetTask):
 
     def _shown(self) -> list[str]:
         return [*super()._shown(), *([] if self.joints is None else [f"joints={list(self.joints)}"])]
+
+
+def named_joints(joints: Iterable[str | int] | None, what: str) -> tuple[str | int, ...] | None:
+    """Names and numbers of joints, as they are kept.
+
+    Raises
+    ------
+    InvalidInput
+        If one is neither.
+    """
+    if joints is None:
+        return None
+    kept = tuple(listed(joints, what, "joints"))
+    for joint in kept:
+        if not isinstance(joint, str | Integral) or isinstance(joint, bool):
+            raise InvalidInput(f"{what.removesuffix('s')} {brief(joint)} must be a name or a number")
+    return kept
 
 
 @lru_cache(maxsize=256)

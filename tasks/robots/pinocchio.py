@@ -29,6 +29,7 @@ except ImportError as error:  # pragma: no cover
     raise MissingPackage("spatial robots need Pinocchio: pip install 'hqp[robots]'") from error
 
 from .axes import NONE
+from .configurations import Configurations
 from .files.xml import root_of
 from .keeping import Kept, Recipe
 from .kinematics import Kinematics
@@ -49,7 +50,7 @@ Limit = ArrayLike | Mapping[str, float]
 Range = tuple[ArrayLike, ArrayLike] | Mapping[str, tuple[float, float]]
 
 
-class PinocchioRobot(PinocchioModel):
+class PinocchioRobot(Configurations, PinocchioModel):
     """A robot with a Pinocchio model. One robot serves one thread; copies share the model.
 
     Parameters
@@ -304,8 +305,8 @@ class PinocchioRobot(PinocchioModel):
 
     # The state.
 
-    def at(self, q: ArrayLike, v: ArrayLike) -> PinocchioState:
-        """Everything that tasks ask for at (q, v), each quantity computed when first asked for.
+    def at(self, q: ArrayLike, v: ArrayLike | None = None) -> PinocchioState:
+        """Everything that tasks ask for at (q, v), each quantity computed when asked for; v left out is at rest.
 
         Raises
         ------
@@ -313,7 +314,7 @@ class PinocchioRobot(PinocchioModel):
             If q or v has not the numbers of this robot, or a circle or quaternion of q has not norm 1 to 1e-6. NaN
             passes: the solver reports it.
         """
-        state = self.state(q, v)
+        state = self.state(q, np.zeros(self.nv) if v is None else v)
         if self._units:
             state.q, fault = self.on_manifold(state.q)
             if fault is not None:

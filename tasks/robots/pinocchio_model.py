@@ -79,8 +79,8 @@ class PinocchioModel(Live):
         self.guard = Guard(f"the workspace of {self!r}")
         self.tip = None if tip is None else self.check_frame(of_type(tip, str, "tip"))
 
-    def at(self, q: ArrayLike, v: ArrayLike) -> RobotState:
-        """The state at (q, v)."""
+    def at(self, q: ArrayLike, v: ArrayLike | None = None) -> RobotState:
+        """The state at (q, v), or at rest."""
         raise NotImplementedError
 
     # Configurations.
