@@ -14,6 +14,7 @@ from .contacts.momentum import MomentumTask
 from .contacts.surface import Surface
 from .contacts.torque_task import TorqueTask
 from .control.controller import Controller
+from .control.rate_loop import RateLoop, loop
 from .control.step import Step
 from .criteria.gradient import GradientTask
 from .criteria.joint_ranges import JointCentringTask
@@ -145,6 +146,7 @@ __all__ = [
     "PoseTask",
     "PositionTask",
     "PostureTask",
+    "RateLoop",
     "Reconstructed",
     "Record",
     "Robot",
@@ -174,6 +176,7 @@ __all__ = [
     "harmonic",
     "live",
     "load_robot",
+    "loop",
     "manipulability",
     "planar_links",
     "quintic",

@@ -46,7 +46,7 @@ def test_all_but_a_group() -> None:
     g1 = load_robot("g1")
     arm = [name for name in g1.joint_names if name.startswith("left_") and ("shoulder" in name or "elbow" in name)]
     hand = g1.at(g1.home, np.zeros(g1.nv)).frame("left_rubber_hand").position
-    goal = PositionTask(hand + [0.05, 0.05, 0.1], frame="left_rubber_hand", gain=3.0)
+    goal = PositionTask(hand + np.array([0.05, 0.05, 0.1]), frame="left_rubber_hand", gain=3.0)
     v = Controller(g1, JointLimits() >> Freeze(all_but=arm) >> goal, dt=0.01)(g1.home).v
     moving = np.isin(g1.joint_names, arm)
     assert (v[~moving] == 0.0).all()

@@ -219,7 +219,7 @@ def as_rotation(target: ArrayLike | RotationTrajectory | Trajectory, what: str) 
     if is_transform(target):
         return FixedRotation(transform(target, f"{what}: target")[1])
     if hasattr(target, "as_matrix"):
-        return FixedRotation(rotation_matrix(target, f"{what}: target"))
+        return FixedRotation(rotation_matrix(target.as_matrix(), f"{what}: target"))
     if not callable(target):
         array = finite(target, f"{what}: target")
         if array.size == 1:
