@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import time
 
 import pytest
 
@@ -61,8 +62,11 @@ def test_a_loop_that_is_left_tells_too(caplog) -> None:
     assert "took too long" in caplog.text
 
 
-def test_real_time_goes_on(caplog) -> None:
-    assert [tick.k for tick in loop(rate=1000.0, duration=0.003)][0] == 0
+def test_real_time_goes_on() -> None:
+    began = time.perf_counter()
+    last = max(tick.k for tick in loop(rate=500.0, duration=0.01))
+    assert last <= 4
+    assert time.perf_counter() - began >= 0.008
 
 
 @pytest.mark.parametrize("wrong", [{"rate": 0.0}, {"rate": 200.0, "duration": -1.0}, {"rate": float("nan")}])

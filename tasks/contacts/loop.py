@@ -133,6 +133,9 @@ class LoopMotion(LoopTask):
     def __init__(self, loop: Loop) -> None:
         self.loop, self.name, self.rows = loop, loop.name, 3 if loop.turns else 6
 
+    cap: Array | None = structure(None)
+    deceleration: float | None = structure(None)
+
     if not TYPE_CHECKING:  # numbers of the loop
 
         @property

@@ -1,4 +1,4 @@
-r"""A loop at a constant rate: tick k begins at :math:`t_k = k / \text{rate}` after the first, whatever the ones before took.
+"""A loop at a constant rate: tick k begins k/rate after the first, however long the ones before took.
 
 Deadlines are counted from the first tick, and not from the one before, so that delays do not add up. Where a tick is
 not done when the next is due, the next begins at once; ticks that are over altogether by then are left out, and `dt` of

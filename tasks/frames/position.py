@@ -26,7 +26,7 @@ class PositionTask(PlaceTask):
         See :class:`~tasks.frames.place.PlaceTask`.
     mask : str or sequence of bool, optional
         The coordinates to be controlled, as in ``"z"`` or ``(False, False, True)``.
-    gain, damping_ratio, weight, name
+    gain, damping_ratio, weight, cap, deceleration, name
         See :class:`tasks.Task`.
 
     Raises
@@ -46,6 +46,8 @@ class PositionTask(PlaceTask):
         gain: ArrayLike,
         damping_ratio: float = 1.0,
         weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None = None,
     ) -> None:
         self._call(name)
@@ -58,6 +60,8 @@ class PositionTask(PlaceTask):
             gain=gain,
             damping_ratio=damping_ratio,
             weight=weight,
+            cap=cap,
+            deceleration=deceleration,
             name=name,
         )
         self._two = mask is None and not local

@@ -38,7 +38,7 @@ class PostureTask(LoopTask, TargetTask):
         A floating base is left alone.
     joints : names or numbers, optional
         The joints to be brought there (default: all). Each must have one position.
-    gain, damping_ratio, weight, name
+    gain, damping_ratio, weight, cap, deceleration, name
         See :class:`tasks.Task`.
 
     Raises
@@ -58,6 +58,8 @@ class PostureTask(LoopTask, TargetTask):
         gain: ArrayLike,
         damping_ratio: float = 1.0,
         weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None = None,
     ) -> None:
         self._call(name)
@@ -65,7 +67,9 @@ class PostureTask(LoopTask, TargetTask):
         if self.joints is not None:
             self.rows = len(self.joints)
         self.target = target
-        Task.__init__(self, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+        Task.__init__(
+            self, gain=gain, damping_ratio=damping_ratio, weight=weight, cap=cap, deceleration=deceleration, name=name
+        )
 
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
