@@ -41,11 +41,13 @@ from tasks import (
     JointVelocityTask,
     KineticEnergyTask,
     Line,
+    LinearHolonomicTask,
     LinkCapsule,
     LookAtTask,
     ManipulabilityTask,
     MinimumMotionTask,
     MinimumTorqueTask,
+    OmniwheelTask,
     OrientationTask,
     Part,
     PlanarArm,
@@ -55,6 +57,7 @@ from tasks import (
     PositionTask,
     PostureTask,
     Reconstructed,
+    RollingTask,
     SelfCollisionLimit,
     Setpoint,
     Sphere,
@@ -353,6 +356,21 @@ def coupling(s: Setting) -> Iterator[Case]:
     yield Case(Spec(JointCouplingTask, factors={0: 1.0, 1: -1.0}, gain=2.0), live, KEPT)
 
 
+def linear(s: Setting) -> Iterator[Case]:
+    A, other = np.eye(len(s.q))[[0, 2]] + 0.1, np.eye(len(s.q))[[1, 2]]
+    live = {**GAINS, "b": [0.1, 0.3], "A": other, "q0": s.q + 0.1, "target": Made([0.1, 0.3], {"b": [0.1, 0.3]})}
+    yield Case(Spec(LinearHolonomicTask, A=A, b=[0.2, -0.1], q0=s.q - 0.2, gain=2.0), live, KEPT)
+    yield Case(Spec(LinearHolonomicTask, A=A, gain=2.0), {"b": Line([0.1, 0.3], [0.2, 0.2], 2.0)}, KEPT)
+
+
+def wheels(s: Setting) -> Iterator[Case]:
+    if not s.flat:
+        live = {**GAINS, "radius": 0.2, "normal": [0.1, 0.2, 1.0], "floor": 0.1}
+        yield Case(Spec(RollingTask, radius=0.1, frame=s.frame, gain=2.0), live, FRAME)
+        turned = {**live, "axle": [0.1, 0.3, 1.0], "rollers": 0.6}
+        yield Case(Spec(OmniwheelTask, radius=0.1, frame=s.frame, gain=2.0), turned, FRAME)
+
+
 def joint_motion(s: Setting) -> Iterator[Case]:
     task = Spec(PositionTask, target=s.point(0.4, 0.2, 0.5), gain=2.0)
     inner = {"gain": 3.0, "damping_ratio": 0.8, "target": s.point(0.3, 0.4, 0.4)}
@@ -502,7 +520,7 @@ def distances(s: Setting) -> Iterator[Case]:
 GROUPS: dict[str, Callable[[Setting], Iterator[Case]]] = {
     group.__name__: group
     for group in (
-        position, orientation, pose, center_of_mass, axis, look_at, plane, posture, coupling, joint_motion, damping,
-        speeds, own, inequality, cartesian, joint_limits, criteria, reconstructed, distances,
+        position, orientation, pose, center_of_mass, axis, look_at, plane, wheels, posture, coupling, linear,
+        joint_motion, damping, speeds, own, inequality, cartesian, joint_limits, criteria, reconstructed, distances,
     )
 }  # fmt: skip

@@ -8,7 +8,8 @@ import time
 import pytest
 
 from hqp import InvalidInput
-from tasks import RateLoop, loop
+from tasks import loop
+from tasks.control.rate_loop import RateLoop
 
 
 class Clock:
