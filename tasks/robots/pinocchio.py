@@ -59,7 +59,6 @@ class PinocchioRobot(Configurations, PinocchioModel):
     tip : str, optional
         The frame that tasks mean which name none.
     name : str, optional
-        Default: the model's own.
     position_limit : pair of float or array, shape (nv,), or dict of name to pair, optional
         Lowest and highest joint positions [rad], [m] (default: the model's). Numbers count for all joints that have a
         position, arrays are infinite for the others; a dict changes the joints that it names. A joint whose ends are
@@ -91,6 +90,8 @@ class PinocchioRobot(Configurations, PinocchioModel):
         The workspace that its states share, and whose it is at the moment.
     left_out : tuple of str
         What its file has that is no part of it.
+    closures : tuple of Closure
+        Frames that its file holds together, for :meth:`tasks.Loop.of`.
     recipe : Recipe or None
         How the ties of its model were made, for copies; see :mod:`tasks.robots.keeping`.
     source : pathlib.Path or None
