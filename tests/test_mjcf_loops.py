@@ -40,8 +40,6 @@ def test_stacks_close_them(name, order) -> None:
     stack = Stack(*Loop.of(robot, gain=10.0)) >> PostureTask(start, gain=1.0)
     record = simulate(Controller(robot, stack, order=order, dt=0.005), start, duration=2.0)
     error = LoopMotion(Loop.of(robot)[0]).error(robot.at(record.q[-1]), 0.0)
-    fixed = load_robot(mujoco.MjModel.from_xml_string(FOUR_BARS.format(LOOPS[name]))).at(record.q[-1]).frame("three")
-    assert fixed.position.shape == (3,)
     assert np.abs(error).max() < 1e-3
 
 
@@ -66,11 +64,6 @@ def test_a_rotation_of_a_loop_is_kept_from_the_start_and_live() -> None:
 def test_what_is_wrong_is_refused_in_words() -> None:
     with pytest.raises(InvalidInput, match="give turns=False"):
         Loop("one", "two", rotation=np.eye(3))
-    nameless = FOUR_BARS.format('<connect body1="one" body2="four" anchor="0 0 0"/>').replace('name="two"', "")
-    sites = '<connect site1="pin" site2="ground"/>'
+    nameless = FOUR_BARS.format(LOOPS["sites"]).replace('name="two"', "")
     with pytest.raises(InvalidInput, match="give it a name"):
-        load_robot(
-            mujoco.MjModel.from_xml_string(
-                nameless.replace(nameless[nameless.index("<connect") : nameless.index("</eq")], sites)
-            )
-        )
+        load_robot(mujoco.MjModel.from_xml_string(nameless))
