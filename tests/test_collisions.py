@@ -84,7 +84,7 @@ def test_an_mjcf_keeps_off_a_box(order) -> None:
     _, robot = arm()
     wall = Box([0.2, 1.0, 1.0], at(0.9, 0.0, 0.5), name="wall")
     away = CollisionLimit([wall], margin=0.02, gain=10.0)
-    start = np.array([-0.6, 0.9, 0.9, 0.5])
+    start = np.array([-1.4, 1.2, 1.6, -0.4])
     assert away.distances(robot, robot.at(start)).min() > 0.05
     limits = JointLimits() if order == "velocity" else JointVelocityLimit(1.0)
     goal = PositionTask([1.0, 0.55], mask="xz", gain=2.0)
