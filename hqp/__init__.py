@@ -1,4 +1,4 @@
-"""Strict task priorities: declare levels in order, get the x that honours that order exactly, with proof.
+"""Lexicographic sequences of QPs: declare levels in order of priority, get the x that is optimal for all, with proof.
 
 >>> from hqp import Hierarchy, Level, solve
 >>> hierarchy = Hierarchy([
@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 #: Former names -> what there is instead; each warns, for one version.
 _FORMER = {

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 
 import pytest
 from hypothesis import settings
@@ -21,14 +23,17 @@ settings.load_profile("hqp")
 os.environ.pop("COLUMNS", None)
 
 
+#: What makes kernels ready, those first that take longest to compile.
+WARM_UPS = loops.warm_up, native.warm_up, native.warm_up_damped, curved.warm_up
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_sessionstart(session: pytest.Session) -> None:
-    """Before pytest-xdist starts its workers, compile what all of them then load from disk."""
+    """Before pytest-xdist starts its workers, compile on all cores what each of them then loads from disk."""
     if not hasattr(session.config, "workerinput"):
-        native.warm_up()
-        native.warm_up_damped()
-        curved.warm_up()
-        loops.warm_up()
+        with ProcessPoolExecutor(mp_context=get_context("spawn")) as processes:
+            for ready in [processes.submit(warm_up) for warm_up in WARM_UPS]:
+                ready.result()
 
 
 #: Backends which take any hierarchy and promise its optimum.

@@ -28,7 +28,7 @@ def test_validate_prints_both_formulas(capsys: pytest.CaptureFixture[str]) -> No
 
 
 def test_validate_by_case(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["validate", "--count", "1", "-b", "cascade:proxsuite", "--jobs", "1", "--cases"]) == 0
+    assert run(["validate", "--count", "1", "-b", "native", "--jobs", "1", "--cases"]) == 0
     assert capsys.readouterr().out.count("30; 6,6,6,30 repeated row") == 2
 
 
@@ -38,8 +38,8 @@ def test_a_backend_outside_its_class_is_exit_code_1(
     from hqp import validation
 
     monkeypatch.setitem(validation.ACCURACY, "exact", 1e-30)
-    assert run(["validate", "--count", "1", "-b", "cascade:proxsuite", "--jobs", "1"]) == 1
-    assert "outside their class: cascade:proxsuite" in capsys.readouterr().out
+    assert run(["validate", "--count", "1", "-b", "native", "--jobs", "1"]) == 1
+    assert "outside their class: native" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -89,7 +89,7 @@ CHOICES = {
 
 
 @pytest.mark.parametrize("order", ORDERS)
-@pytest.mark.parametrize("dt", [0.01, 0.02, 0.05])
+@pytest.mark.parametrize("dt", [0.05, *(pytest.param(dt, marks=pytest.mark.sweep) for dt in (0.01, 0.02))])
 @pytest.mark.parametrize("choice", CHOICES)
 def test_whatever_is_chosen_between_the_bounds_keeps_all_limits(order, dt, choice):
     n = 1000

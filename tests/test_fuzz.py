@@ -56,7 +56,7 @@ from tasks.simulation.record import Stop
 pytest.importorskip("pinocchio")
 
 #: Calls of the default run, over all its parts, and of the sweep; damaged files of a kind, and lines of the command.
-PARTS, CALLS, SWEEP, FILES, COMMANDS = 8, 64_000, 400_000, 400, 120
+PARTS, CALLS, SWEEP, FILES, COMMANDS = 4, 8_000, 400_000, 400, 120
 #: Functions that are called back: whatever they raise is their own.
 CALLBACKS = {"proof", "progress"}
 #: What is not called: types that only come out, protocols, exceptions, constants.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 from test_native import BACKEND, fresh, proved
@@ -10,12 +12,13 @@ from hqp import Hierarchy, InvalidInput, Settings, Solver, Status
 from hqp.problems import hierarchies
 
 
+@cache
 def hard() -> list[tuple[str, Hierarchy]]:
     """Hierarchies which no guess solves."""
     made = [
         (f"{name} {k}", h)
         for name in ("vertex", "one point", "single point", "weights")
-        for k, h in enumerate(hierarchies(name, 300))
+        for k, h in enumerate(hierarchies(name, 60))
     ]
     return [(name, h) for name, h in made if fresh(h).counts.iterations > 0]
 

@@ -150,8 +150,8 @@ def _limited(described: Description, named: Mapping[str, Any], what: str) -> Des
     model = pin.Model(described.model)
     ranges = position_limit(model, named.get("position"), what, zero_is_none=False)
     for i, axis in enumerate(axes(model)):
-        if axis.place != NONE and ranges is not None:
-            model.lowerPositionLimit[axis.place], model.upperPositionLimit[axis.place] = ranges[:, i]
+        if axis.q_index != NONE and ranges is not None:
+            model.lowerPositionLimit[axis.q_index], model.upperPositionLimit[axis.q_index] = ranges[:, i]
     for key, upper, lower, units in (
         ("velocity", model.upperVelocityLimit, model.lowerVelocityLimit, SPEED),
         ("torque", model.upperEffortLimit, model.lowerEffortLimit, TORQUE),

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import runpy
 import subprocess
 import sys
 from pathlib import Path
 
-import in_python
+import matplotlib as mpl
 import pytest
+from in_python import reasons
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("[0-9]*.py"))
 MOST_LINES = 60
@@ -57,6 +59,9 @@ DRAWS = {
 #: What some take after the folder, to be short: seconds.
 SHORT = {"12_torque_limited_panda": ["6"]}
 
+#: Of every kind one, which also runs by itself: one that prints, one that draws.
+ALONE = ("01_levels", "06_panda_elbow_up")
+
 #: What some need that is no part of every installation.
 NEEDS = {"12_torque_limited_panda": "mujoco"}
 
@@ -66,25 +71,47 @@ def test_every_example_is_expected():
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
-def test_example(path: Path, tmp_path: Path):
+def test_example(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+    """In this process, which has the kernels already: another takes seconds to start."""
     assert len(path.read_text(encoding="utf-8").splitlines()) < MOST_LINES
     if path.stem in NEEDS:
         pytest.importorskip(NEEDS[path.stem], reason=f"the example needs {NEEDS[path.stem]}")
-    pictures = DRAWS.get(path.stem, [])
-    arguments = [str(tmp_path), *SHORT.get(path.stem, [])] if pictures else []
-    told = tmp_path.parent / f"{tmp_path.name}.told"
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", command(path, tmp_path))
+    monkeypatch.syspath_prepend(path.parent)  # where it looks if it runs alone
+    with monkeypatch.context() as modules, mpl.rc_context(), reasons() as told:
+        for own in path.parent.glob("_*.py"):  # which set what the context takes back
+            modules.delitem(sys.modules, own.stem, raising=False)
+        runpy.run_path(str(path), run_name="__main__")
+    check(path, tmp_path, capsys.readouterr().out)
+    assert told == IN_PYTHON.get(path.stem, set())
+
+
+@pytest.mark.parametrize("path", [path for path in EXAMPLES if path.stem in ALONE], ids=lambda path: path.stem)
+def test_an_example_alone(path: Path, tmp_path: Path):
+    """In a process of its own, as anybody runs it."""
     done = subprocess.run(
-        [sys.executable, "-W", "error", in_python.__file__, str(told), str(path), *arguments],
+        [sys.executable, "-W", "error", *command(path, tmp_path)],
         cwd=tmp_path,
         capture_output=True,
         text=True,
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    assert SAYS[path.stem] in done.stdout
-    assert set(told.read_text(encoding="utf-8").splitlines()) == IN_PYTHON.get(path.stem, set())
-    left = sorted(file.name for file in tmp_path.iterdir())
+    check(path, tmp_path, done.stdout)
+
+
+def command(path: Path, folder: Path) -> list[str]:
+    """An example and its arguments."""
+    return [str(path), *([str(folder), *SHORT.get(path.stem, [])] if path.stem in DRAWS else [])]
+
+
+def check(path: Path, folder: Path, said: str) -> None:
+    """What an example said, and what it left in its folder."""
+    pictures = DRAWS.get(path.stem, [])
+    assert SAYS[path.stem] in said
+    left = sorted(file.name for file in folder.iterdir())
     assert left == pictures, "an example leaves its pictures alone, where it was told to"
     for picture in pictures:
-        for folder in tmp_path, IMAGES:
-            assert 0 < (folder / picture).stat().st_size < LARGEST[Path(picture).suffix]
+        for place in folder, IMAGES:
+            assert 0 < (place / picture).stat().st_size < LARGEST[Path(picture).suffix]

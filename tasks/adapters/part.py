@@ -1,0 +1,138 @@
+r"""Rows that another library measures, as a part of a stack.
+
+Pink and mink solve one quadratic program for a step :math:`\Delta q = v\,\Delta t`. What one of their objects adds to
+it is, of a cost,
+
+.. math:: \tfrac12 \lVert W (J \Delta q + \alpha e) \rVert^2 + \tfrac\mu2 \lVert \Delta q \rVert^2,
+
+and of a constraint :math:`G \Delta q \le h`. Here the same are rows of v: :math:`W J v = -\alpha W e / \Delta t` with
+:math:`\sqrt\mu\, v = 0` below them, and :math:`G v \le h / \Delta t`. On one level they give the step of the other
+library; on several, priorities.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+
+import numpy as np
+
+from hqp import InvalidInput, Label
+
+from ..base.checks import Array
+from ..base.live import structure
+from ..robots.answers import at_rest
+from ..robots.robot import Robot
+from ..rows.part import Order, Part
+from ..rows.tick import Tick
+
+#: Names of rows that both libraries have in this order.
+ROW_NAMES = {
+    "FrameTask": ("x", "y", "z", "rx", "ry", "rz"),
+    "RelativeFrameTask": ("x", "y", "z", "rx", "ry", "rz"),
+    "ComTask": ("x", "y", "z"),
+}
+#: A matrix (rows, nv) and a vector (rows,), of a step of the joints.
+Rows = tuple[Array, Array]
+
+
+class Source(ABC):
+    """What measures the rows of one object of another library."""
+
+    #: What messages call it: ``FrameTask``.
+    kind: str
+
+    @abstractmethod
+    def rows(self, robot: Robot, q: Array, dt: float) -> Rows:
+        """The rows of a step at configuration q; of a constraint those of ``G dq <= h``.
+
+        Raises
+        ------
+        InvalidInput
+            If the object cannot be measured.
+        """
+
+    def row_names(self, count: int) -> Sequence[str]:
+        """What explanations call so many rows."""
+        own = ROW_NAMES.get(self.kind, ())
+        return [*own, *(f"row {i}" for i in range(len(own), count))] if len(own) <= count else own[:count]
+
+
+class Adapted(Part):
+    """One object of another library as rows of velocity; made by :func:`from_pink` or :func:`from_mink`.
+
+    Its numbers are live as they are there: what is set on the object of the other library counts at the next tick.
+    At velocity order only, with the dt of the controller as the length of the step.
+    """
+
+    bounds: bool = structure()
+
+    def __init__(self, source: Source, *, bounds: bool, name: str | None) -> None:
+        self._source = source
+        self._count: int | None = None
+        self.bounds = bounds
+        self.name = source.kind.lower() if name is None else name
+        self.weight = np.array(1.0)
+
+    @property
+    def is_limit(self) -> bool:  # type: ignore[override]
+        """Whether the rows only bound, and ask for nothing."""
+        return self.bounds
+
+    def label(self) -> str:
+        return f"{self._source.kind} {self.name!r}"
+
+    def size(self, robot: Robot) -> int:
+        """As many rows as the object has at rest; it may have fewer later, and not more."""
+        if self._count is None:
+            self._count = len(self._source.rows(robot, at_rest(robot).q, 1.0)[1])
+        return self._count
+
+    def labels(self, robot: Robot, order: Order) -> list[Label]:
+        unit = "step/s" if self.bounds else "cost/s"
+        return [Label(self.name, row, unit) for row in self._source.row_names(self.size(robot))]
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        if order != "velocity" or dt is None:
+            raise InvalidInput(f"{self.label()} is for velocity order with a dt: its rows are those of one step")
+
+    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
+        """Measure the object at the configuration of this tick."""
+        assert A is not None
+        assert tick.dt is not None
+        matrix, vector = self._source.rows(tick.robot, tick.state.q, tick.dt)
+        count = len(vector)
+        if count > len(lower):
+            raise InvalidInput(
+                f"{self.label()} has {count} rows now, and {len(lower)} when the controller was made; make a new one"
+            )
+        A[:count], A[count:] = matrix, 0.0
+        lower[:], upper[count:] = -np.inf, np.inf
+        upper[:count] = vector / tick.dt
+        if not self.bounds:
+            lower[:count] = upper[:count]
+
+
+def least_squares(H: Array, c: Array, what: str) -> Rows:
+    r"""Rows of which :math:`\tfrac12 x^T H x + c^T x` is half the square, but for a constant.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no least value: H is not positive semidefinite, or c leads along its null space.
+    """
+    values, vectors = np.linalg.eigh(H)
+    small = 1e-12 * max(1.0, float(np.abs(values).max(initial=0.0)))
+    along = vectors.T @ c
+    if values.min(initial=0.0) < -small or np.abs(along[values <= small]).max(initial=0.0) > small:
+        raise InvalidInput(f"{what}: its cost has no least value: it cannot be a level of its own")
+    root = np.sqrt(np.maximum(values, 0.0))
+    kept = values > small
+    target = np.where(kept, -along / np.where(kept, root, 1.0), 0.0)
+    return np.where(kept, root, 0.0)[:, None] * vectors.T, target
+
+
+def damped(J: Array, e: Array, mu: float) -> Rows:
+    """Rows J dq = e with ``sqrt(mu) dq = 0`` below them."""
+    n = J.shape[1]
+    return np.concatenate([J, np.sqrt(mu) * np.eye(n)]), np.concatenate([e, np.zeros(n)])
