@@ -77,7 +77,7 @@ class _MeasureOfTask(GradientTask):
         return self._of(J, robot, q, t) if np.isfinite(J).all() else np.full(len(q), np.nan)
 
     def plan(self, site: Site) -> Plan:
-        """By loops where the gradient has a closed form; else by differences."""
+        """Loops where the gradient has a closed form; else Python, by differences."""
         told = self._frame(site)
         if told is None:
             return replace(self.python_plan(site), why=f"{self.label()}: its gradient is taken by differences")
@@ -119,8 +119,10 @@ class ManipulabilityTask(_MeasureOfTask):
         Usually one of the levels above.
     gain : float
         K [1/s], against w in the unit of J to the power of m: [m^2] for the tip in the plane.
-    weight, name
-        See :class:`tasks.GradientTask`.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level.
+    name : str, optional
+        Used in messages, tables and records.
 
     Raises
     ------
@@ -185,8 +187,10 @@ class DynamicManipulabilityTask(_MeasureOfTask):
         Usually one of the levels above.
     gain : float
         K [1/s], against w_d in the unit of J M^-1 to the power of m: [1/kg^2 m^2] for the tip in the plane.
-    weight, name
-        See :class:`tasks.GradientTask`.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level.
+    name : str, optional
+        Used in messages, tables and records.
 
     Raises
     ------
@@ -226,8 +230,10 @@ class VelocityRatioTask(_MeasureOfTask):
         nothing is asked where that is zero.
     gain : float
         K [1/s], against r in the unit of J.
-    weight, name
-        See :class:`tasks.GradientTask`.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level.
+    name : str, optional
+        Used in messages, tables and records.
 
     Raises
     ------
