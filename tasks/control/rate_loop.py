@@ -127,5 +127,11 @@ def loop(rate: float, duration: float = inf) -> RateLoop:
     ------
     InvalidInput
         If the rate or the duration is not positive.
+
+    Examples
+    --------
+    >>> from tasks import loop
+    >>> all(tick.dt >= 0.002 for tick in loop(rate=500, duration=0.01))
+    True
     """
     return RateLoop(rate, duration)
