@@ -14,10 +14,11 @@ from .contacts.momentum import MomentumTask
 from .contacts.surface import Surface
 from .contacts.torque_task import TorqueTask
 from .control.controller import Controller
+from .control.rate_loop import loop
 from .control.step import Step
 from .criteria.gradient import GradientTask
 from .criteria.joint_ranges import JointCentringTask
-from .criteria.manipulability import DynamicManipulabilityTask, ManipulabilityTask, VelocityRatioTask
+from .criteria.manipulability import DynamicManipulabilityTask, ManipulabilityTask, MinorAxisTask, VelocityRatioTask
 from .criteria.motion import KineticEnergyTask, MinimumMotionTask
 from .criteria.reconstruction import Reconstructed
 from .criteria.torque import MinimumTorqueTask
@@ -30,10 +31,14 @@ from .frames.orientation import OrientationTask
 from .frames.plane import PlaneTask
 from .frames.pose import PoseTask
 from .frames.position import PositionTask
+from .frames.rolling import OmniwheelTask, RollingTask
 from .ik.inverse_kinematics import IkResult, solve_ik
 from .joints.coupling import JointCouplingTask
 from .joints.damping import Damping
+from .joints.freeze import Freeze
 from .joints.joint_motion import JointMotion
+from .joints.joint_velocity import JointVelocityTask
+from .joints.linear import LinearHolonomicTask
 from .joints.posture import PostureTask
 from .limits.acceleration import JointAccelerationLimit
 from .limits.joint_limits import JointLimits
@@ -41,10 +46,12 @@ from .limits.position import JointPositionLimit
 from .limits.torque import JointTorqueLimit
 from .limits.velocity import JointVelocityLimit
 from .obstacles.avoidance import AvoidanceTask
+from .obstacles.collision import CollisionLimit
 from .obstacles.distance import DistanceLimit
 from .obstacles.links import LinkCapsule, planar_links
 from .obstacles.self_collision import SelfCollisionLimit
 from .obstacles.shapes import Capsule, Sphere
+from .obstacles.solids import Box, Polyhedron
 from .robots.frame import Frame
 from .robots.library import available_robots
 from .robots.loading import load_robot
@@ -86,6 +93,7 @@ __all__ = [
     "AtMost",
     "AvoidanceTask",
     "AxisTask",
+    "Box",
     "BoxLimit",
     "Capsule",
     "CapturePointTask",
@@ -94,6 +102,7 @@ __all__ = [
     "Chain",
     "Change",
     "Circle",
+    "CollisionLimit",
     "Command",
     "Contact",
     "Controller",
@@ -108,6 +117,7 @@ __all__ = [
     "Frame",
     "FrameTask",
     "FrameVelocityLimit",
+    "Freeze",
     "GradientTask",
     "Ground",
     "IkResult",
@@ -119,16 +129,20 @@ __all__ = [
     "JointPositionLimit",
     "JointTorqueLimit",
     "JointVelocityLimit",
+    "JointVelocityTask",
     "KineticEnergyTask",
     "Line",
+    "LinearHolonomicTask",
     "LinkCapsule",
     "LookAtTask",
     "Loop",
     "ManipulabilityTask",
     "MinimumMotionTask",
     "MinimumTorqueTask",
+    "MinorAxisTask",
     "MomentumTask",
     "MujocoPlant",
+    "OmniwheelTask",
     "Order",
     "OrientationTask",
     "Part",
@@ -138,6 +152,7 @@ __all__ = [
     "PlaneTask",
     "Plant",
     "Polygon",
+    "Polyhedron",
     "Polynomial",
     "PoseSetpoint",
     "PoseTask",
@@ -148,6 +163,7 @@ __all__ = [
     "RigidContactPlant",
     "Robot",
     "RobotState",
+    "RollingTask",
     "RotationSetpoint",
     "RotationTrajectory",
     "SelfCollisionLimit",
@@ -174,6 +190,7 @@ __all__ = [
     "harmonic",
     "live",
     "load_robot",
+    "loop",
     "manipulability",
     "planar_links",
     "quintic",

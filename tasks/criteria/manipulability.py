@@ -1,16 +1,18 @@
 r"""Secondary criteria: measures of manipulability, maximised in the null space of the tasks above.
 
-Three measures of how well a task can be moved, which its Jacobian J (m rows) and the mass matrix M tell:
+Four measures of how well a task can be moved, which its Jacobian J (m rows) and the mass matrix M tell:
 
 .. math::
 
     w &= \sqrt{\det J J^T} && \text{manipulability (Yoshikawa 1985a)} \\
     w_d &= \sqrt{\det J M^{-1} M^{-T} J^T} && \text{dynamic manipulability (Yoshikawa 1985b)} \\
-    r &= (u^T (J J^T)^{-1} u)^{-1/2} && \text{velocity ratio in the direction u (Dubey and Luh 1987)}
+    r &= (u^T (J J^T)^{-1} u)^{-1/2} && \text{velocity ratio in the direction u (Dubey and Luh 1987)} \\
+    \sigma_m &= \min_{\lVert u \rVert = 1} r && \text{minor axis of the velocity ellipsoid (Dubey and Luh 1987)}
 
 w is the volume of what joint velocities of norm one make of the task, but for a constant; w_d that of its
 accelerations by torques of norm one, from rest; and r the length of the ellipsoid of velocities along u, the speed of
-the task per joint speed. Where J loses rank w and w_d fall to zero, and r does unless u can still be moved.
+the task per joint speed, of which :math:`\sigma_m`, the least singular value of J, is that of the worst direction.
+Where J loses rank w, w_d and :math:`\sigma_m` fall to zero, and r does unless u can still be moved.
 A redundant arm can raise them, because motions that the task does not see change them: each is a
 :class:`~tasks.GradientTask`, to be put below the task.
 """
@@ -148,6 +150,50 @@ class ManipulabilityTask(_MeasureOfTask):
 
     def _of(self, J: Array, robot: Robot, q: Array, t: float) -> Array:
         return manipulability(J)
+
+
+class MinorAxisTask(_MeasureOfTask):
+    """Lengthen the minor axis of the velocity ellipsoid of `task`: raise its speed in the direction that is worst.
+
+    ``reach >> MinorAxisTask(reach, gain=5.0)``; of manipulability, which is the product of all axes, the others have a
+    share too.
+
+    Parameters
+    ----------
+    task : Task
+        Usually one of the levels above.
+    gain : float
+        K [1/s], against the axis in the unit of J: [m] for the tip in the plane.
+    weight, name
+        See :class:`tasks.GradientTask`.
+
+    Raises
+    ------
+    InvalidInput
+        If `task` is no Task, or a gain or a weight is not positive or larger than 1e15.
+
+    Examples
+    --------
+    >>> from tasks import Controller, MinorAxisTask, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> reach = PositionTask([1.0, 0.6], gain=2.0)
+    >>> controller = Controller(arm, reach >> MinorAxisTask(reach, gain=5.0), dt=0.01)
+    >>> controller([0.4, 0.6, 0.3]).solution.certify().ok
+    True
+    """
+
+    measure: ClassVar[str] = "minor axis"
+
+    def _loops(self, site: Site, told: tuple[Entry, ...]) -> Plan:
+        from ..base.loops import Call
+        from ..rows.plan import Plan
+        from .kernels.measures import write_minor_axis
+
+        return Plan((Call(write_minor_axis, *self.law(site), *told),))
+
+    def _of(self, J: Array, robot: Robot, q: Array, t: float) -> Array:
+        rows, joints = J.shape[-2:]
+        return np.zeros(len(J)) if rows > joints else np.asarray(velocity_ellipse(J).half_axes[..., -1])
 
 
 class DynamicManipulabilityTask(_MeasureOfTask):

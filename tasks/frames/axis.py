@@ -91,6 +91,10 @@ class AxisTask(PointingTask):
         The zeta of acceleration order; 1 is critical damping.
     weight : float or array, shape (2,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    cap : float or array, shape (rows,), optional
+        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+    deceleration : float, optional
+        The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
         Used in messages, tables and records (default: "axis").
 
@@ -118,11 +122,22 @@ class AxisTask(PointingTask):
         gain: ArrayLike,
         damping_ratio: float = 1.0,
         weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None = None,
     ) -> None:
         self._call(name)
         self.target, self.axis = direction, axis
-        super().__init__(frame, relative_to, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+        super().__init__(
+            frame,
+            relative_to,
+            gain=gain,
+            damping_ratio=damping_ratio,
+            weight=weight,
+            cap=cap,
+            deceleration=deceleration,
+            name=name,
+        )
 
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:

@@ -40,6 +40,10 @@ class CenterOfMassTask(PositionTask):
         The zeta of acceleration order; 1 is critical damping.
     weight : float or array, shape (rows,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    cap : float or array, shape (rows,), optional
+        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+    deceleration : float, optional
+        The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
         Used in messages, tables and records (default: "center of mass").
 
@@ -61,6 +65,8 @@ class CenterOfMassTask(PositionTask):
         gain: ArrayLike,
         damping_ratio: float = 1.0,
         weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None = None,
     ) -> None:
         super().__init__(
@@ -70,6 +76,8 @@ class CenterOfMassTask(PositionTask):
             gain=gain,
             damping_ratio=damping_ratio,
             weight=weight,
+            cap=cap,
+            deceleration=deceleration,
             name="center of mass" if name is None else name,
         )
 

@@ -52,6 +52,10 @@ class FrameTask(Task):
         The zeta of acceleration order; 1 is critical damping.
     weight : float or array, shape (rows,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    cap : float or array, shape (rows,), optional
+        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+    deceleration : float, optional
+        The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
         Used in messages, tables and records (default: the name of the class).
 
@@ -83,12 +87,16 @@ class FrameTask(Task):
         gain: ArrayLike,
         damping_ratio: float,
         weight: ArrayLike,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None,
     ) -> None:
         self._call(name)
         self.frame = None if frame is None else of_type(frame, str, f"{self.label()}: frame")
         self.relative_to = None if relative_to is None else of_type(relative_to, str, f"{self.label()}: relative_to")
-        super().__init__(gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+        super().__init__(
+            gain=gain, damping_ratio=damping_ratio, weight=weight, cap=cap, deceleration=deceleration, name=name
+        )
 
     def seen(self, state: RobotState) -> Frame:
         """The frame, in the coordinates of the world or of `relative_to`."""

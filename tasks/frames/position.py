@@ -8,6 +8,7 @@ from hqp import InvalidInput
 
 from ..base.live import number
 from ..targets.trajectories import Spread, Trajectory, as_trajectory
+from ..targets.turns import place_of
 from .placement import Mask, PlacementTask, Reference, as_reference, chosen
 
 AXES = ("x", "y", "z")
@@ -35,6 +36,10 @@ class PositionTask(PlacementTask):
         The zeta of acceleration order; 1 is critical damping.
     weight : float or array, shape (rows,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    cap : float or array, shape (rows,), optional
+        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+    deceleration : float, optional
+        The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
         Used in messages, tables and records (default: "position").
 
@@ -63,6 +68,8 @@ class PositionTask(PlacementTask):
         gain: ArrayLike,
         damping_ratio: float = 1.0,
         weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None = None,
     ) -> None:
         self._call(name)
@@ -75,6 +82,8 @@ class PositionTask(PlacementTask):
             gain=gain,
             damping_ratio=damping_ratio,
             weight=weight,
+            cap=cap,
+            deceleration=deceleration,
             name=name,
         )
         self._two = mask is None and not local
@@ -83,7 +92,8 @@ class PositionTask(PlacementTask):
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
         """Where the frame is to be [m]: three coordinates, or those of the mask; or a trajectory."""
-        trajectory, what = as_trajectory(value, None, self.label()), self.label()
+        what = self.label()
+        trajectory = as_trajectory(place_of(value, what), None, what)
         size, local = len(trajectory(0.0)[0]), self.reference == "local"
         sizes = {3} if local else {len(self.mask), 3} | ({2} if self._two else set())
         if size not in sizes or (size != 3 and size != len(self.mask)):
@@ -108,4 +118,4 @@ class PositionTask(PlacementTask):
 
 def _size(target: ArrayLike | Trajectory, what: str) -> int:
     """How many coordinates a target has."""
-    return len(as_trajectory(target, None, what)(0.0)[0])
+    return len(as_trajectory(place_of(target, what), None, what)(0.0)[0])

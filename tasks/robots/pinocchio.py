@@ -29,7 +29,7 @@ except ImportError as error:  # pragma: no cover
     raise MissingPackage("spatial robots need Pinocchio: pip install 'hqp[robots]'") from error
 
 from .axes import NONE
-from .files.xml import root_of
+from .configurations import Configurations
 from .keeping import Kept, Recipe
 from .kinematics import Kinematics
 from .pinocchio_model import PinocchioModel
@@ -37,6 +37,7 @@ from .pinocchio_source import PinocchioSource
 from .pinocchio_state import PinocchioState
 from .ranges import SAME, both_ways, largest, no_faster, no_position, within
 from .ranges import position_limit as limits_of
+from .shapes import Shaped
 
 #: The unit of a limit for a joint that turns, and for one that slides.
 SPEED = {"rad": "rad/s", "m": "m/s"}
@@ -49,7 +50,7 @@ Limit = ArrayLike | Mapping[str, float]
 Range = tuple[ArrayLike, ArrayLike] | Mapping[str, tuple[float, float]]
 
 
-class PinocchioRobot(PinocchioModel):
+class PinocchioRobot(Configurations, Shaped, PinocchioModel):
     """A robot with a Pinocchio model. One robot serves one thread; copies share the model.
 
     Parameters
@@ -58,7 +59,6 @@ class PinocchioRobot(PinocchioModel):
     tip : str, optional
         The frame that tasks mean which name none.
     name : str, optional
-        Default: the model's own.
     position_limit : pair of float or array, shape (nv,), or dict of name to pair, optional
         Lowest and highest joint positions [rad], [m] (default: the model's). Numbers count for all joints that have a
         position, arrays are infinite for the others; a dict changes the joints that it names. A joint whose ends are
@@ -90,10 +90,14 @@ class PinocchioRobot(PinocchioModel):
         The workspace that its states share, and whose it is at the moment.
     left_out : tuple of str
         What its file has that is no part of it.
+    closures : tuple of Closure
+        Frames that its file holds together, for :meth:`tasks.Loop.of`.
     recipe : Recipe or None
         How the ties of its model were made, for copies; see :mod:`tasks.robots.keeping`.
     source : pathlib.Path or None
         The file that it was loaded from, for its shapes; see :meth:`geometry`.
+    scene : mujoco.MjModel or None
+        What MuJoCo compiled of it.
 
     Raises
     ------
@@ -133,8 +137,7 @@ class PinocchioRobot(PinocchioModel):
         self.recipe: Recipe | None = None
         self.start_from(pin.neutral(model))
         self.source: Path | None = None
-        self._geometry: pin.GeometryModel | None = None
-        self._visuals: pin.GeometryModel | None = None
+        self.scene: Any = None
 
     @number
     def position_limit(self, value: Range | None) -> Array | None:
@@ -178,39 +181,6 @@ class PinocchioRobot(PinocchioModel):
         """Take this configuration as neutral, and as home unless the model names one."""
         self._begun, self._neutral = neutral, self._inside(neutral)
         self.home = self._named("home") if "home" in self.configurations else self._neutral
-
-    def geometry(self) -> pin.GeometryModel:
-        """The collision shapes of its file, read when first asked for; meshes become their convex hulls.
-
-        Raises
-        ------
-        InvalidInput
-            If there is no URDF file, or a mesh of it cannot be read.
-        """
-        if self._geometry is None:
-            from .geometry import collision_geometry
-
-            self._geometry = collision_geometry(self.model, self._urdf())
-        return self._geometry
-
-    def visuals(self) -> pin.GeometryModel:
-        """What its file says it looks like, read when first asked for.
-
-        Raises
-        ------
-        InvalidInput
-            If there is no URDF file, or a mesh of it cannot be read.
-        """
-        if self._visuals is None:
-            from .geometry import visual_geometry
-
-            self._visuals = visual_geometry(self.model, self._urdf())
-        return self._visuals
-
-    def _urdf(self) -> Path:
-        if self.source is None or root_of(self.source, repr(self)) != "robot":
-            raise InvalidInput(f"{self!r} has no URDF file to read shapes from; use load_robot, or set its source")
-        return self.source
 
     # The configuration.
 
@@ -314,8 +284,8 @@ class PinocchioRobot(PinocchioModel):
 
     # The state.
 
-    def at(self, q: ArrayLike, v: ArrayLike) -> PinocchioState:
-        """Everything that tasks ask for at (q, v), each quantity computed when first asked for.
+    def at(self, q: ArrayLike, v: ArrayLike | None = None) -> PinocchioState:
+        """Everything that tasks ask for at (q, v), each quantity computed when asked for; v left out is at rest.
 
         Raises
         ------
@@ -323,7 +293,7 @@ class PinocchioRobot(PinocchioModel):
             If q or v has not the numbers of this robot, or a circle or quaternion of q has not norm 1 to 1e-6. NaN
             passes: the solver reports it.
         """
-        state = self.state(q, v)
+        state = self.state(q, np.zeros(self.nv) if v is None else v)
         if self._units:
             state.q, fault = self.on_manifold(state.q)
             if fault is not None:
@@ -350,7 +320,7 @@ class PinocchioRobot(PinocchioModel):
 
     def __getstate__(self) -> dict[str, Any]:
         own = dict(self.__dict__, model=Kept(self.model, self.recipe), kinematics=None, guard=None)
-        return dict(own, _geometry=None, _visuals=None)
+        return dict(own, _geometry=self._geometry if self._geometry_is_given else None, _visuals=None)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         own = vars(self)
