@@ -14,6 +14,7 @@ from .contacts.momentum import MomentumTask
 from .contacts.surface import Surface
 from .contacts.torque_task import TorqueTask
 from .control.controller import Controller
+from .control.rate_loop import loop
 from .control.step import Step
 from .criteria.gradient import GradientTask
 from .criteria.joint_ranges import JointCentringTask
@@ -30,10 +31,14 @@ from .frames.orientation import OrientationTask
 from .frames.plane import PlaneTask
 from .frames.pose import PoseTask
 from .frames.position import PositionTask
+from .frames.rolling import OmniwheelTask, RollingTask
 from .ik.inverse_kinematics import IkResult, solve_ik
 from .joints.coupling import JointCouplingTask
 from .joints.damping import Damping
+from .joints.freeze import Freeze
 from .joints.joint_motion import JointMotion
+from .joints.joint_velocity import JointVelocityTask
+from .joints.linear import LinearHolonomicTask
 from .joints.posture import PostureTask
 from .limits.acceleration import JointAccelerationLimit
 from .limits.joint_limits import JointLimits
@@ -107,6 +112,7 @@ __all__ = [
     "Frame",
     "FrameTask",
     "FrameVelocityLimit",
+    "Freeze",
     "GradientTask",
     "IkResult",
     "JointAccelerationLimit",
@@ -117,8 +123,10 @@ __all__ = [
     "JointPositionLimit",
     "JointTorqueLimit",
     "JointVelocityLimit",
+    "JointVelocityTask",
     "KineticEnergyTask",
     "Line",
+    "LinearHolonomicTask",
     "LinkCapsule",
     "LookAtTask",
     "Loop",
@@ -127,6 +135,7 @@ __all__ = [
     "MinimumTorqueTask",
     "MomentumTask",
     "MujocoPlant",
+    "OmniwheelTask",
     "Order",
     "OrientationTask",
     "Part",
@@ -145,6 +154,7 @@ __all__ = [
     "Record",
     "Robot",
     "RobotState",
+    "RollingTask",
     "RotationSetpoint",
     "RotationTrajectory",
     "SelfCollisionLimit",
@@ -170,6 +180,7 @@ __all__ = [
     "harmonic",
     "live",
     "load_robot",
+    "loop",
     "manipulability",
     "planar_links",
     "quintic",

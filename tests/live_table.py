@@ -28,6 +28,7 @@ from tasks import (
     DynamicManipulabilityTask,
     FrameTask,
     FrameVelocityLimit,
+    Freeze,
     GradientTask,
     JointAccelerationLimit,
     JointCentringTask,
@@ -37,13 +38,16 @@ from tasks import (
     JointPositionLimit,
     JointTorqueLimit,
     JointVelocityLimit,
+    JointVelocityTask,
     KineticEnergyTask,
     Line,
+    LinearHolonomicTask,
     LinkCapsule,
     LookAtTask,
     ManipulabilityTask,
     MinimumMotionTask,
     MinimumTorqueTask,
+    OmniwheelTask,
     OrientationTask,
     Part,
     PlanarArm,
@@ -53,6 +57,7 @@ from tasks import (
     PositionTask,
     PostureTask,
     Reconstructed,
+    RollingTask,
     SelfCollisionLimit,
     Setpoint,
     Sphere,
@@ -250,7 +255,10 @@ class Slow(Part):
 # The table.
 
 HALF = np.array(0.5)
-GAINS = {"gain": 3.0, "damping_ratio": 0.8, "weight": 0.5}
+LAW = {"gain": 3.0, "damping_ratio": 0.8, "weight": 0.5}
+#: What shortens errors: of tasks that are to be met.
+SHORT = {"cap": 0.02, "deceleration": 0.05}
+GAINS = {**LAW, **SHORT}
 KEPT = ("name", "rows")
 FRAME = (*KEPT, "frame", "relative_to")
 PLACE = (*FRAME, "mask", "reference")
@@ -348,6 +356,21 @@ def coupling(s: Setting) -> Iterator[Case]:
     yield Case(Spec(JointCouplingTask, factors={0: 1.0, 1: -1.0}, gain=2.0), live, KEPT)
 
 
+def linear(s: Setting) -> Iterator[Case]:
+    A, other = np.eye(len(s.q))[[0, 2]] + 0.1, np.eye(len(s.q))[[1, 2]]
+    live = {**GAINS, "b": [0.1, 0.3], "A": other, "q0": s.q + 0.1, "target": Made([0.1, 0.3], {"b": [0.1, 0.3]})}
+    yield Case(Spec(LinearHolonomicTask, A=A, b=[0.2, -0.1], q0=s.q - 0.2, gain=2.0), live, KEPT)
+    yield Case(Spec(LinearHolonomicTask, A=A, gain=2.0), {"b": Line([0.1, 0.3], [0.2, 0.2], 2.0)}, KEPT)
+
+
+def wheels(s: Setting) -> Iterator[Case]:
+    if not s.flat:
+        live = {**GAINS, "radius": 0.2, "normal": [0.1, 0.2, 1.0], "floor": 0.1}
+        yield Case(Spec(RollingTask, radius=0.1, frame=s.frame, gain=2.0), live, FRAME)
+        turned = {**live, "axle": [0.1, 0.3, 1.0], "rollers": 0.6}
+        yield Case(Spec(OmniwheelTask, radius=0.1, frame=s.frame, gain=2.0), turned, FRAME)
+
+
 def joint_motion(s: Setting) -> Iterator[Case]:
     task = Spec(PositionTask, target=s.point(0.4, 0.2, 0.5), gain=2.0)
     inner = {"gain": 3.0, "damping_ratio": 0.8, "target": s.point(0.3, 0.4, 0.4)}
@@ -359,10 +382,22 @@ def damping(s: Setting) -> Iterator[Case]:
     yield Case(Spec(Damping, weight=0.1), {"weight": np.linspace(0.0, 0.5, len(s.q))}, KEPT)
 
 
+def speeds(s: Setting) -> Iterator[Case]:
+    stays = (*KEPT, "joints")
+    yield Case(Spec(Freeze, joints=[1, 3]), {"weight": [0.5, 0.0]}, (*stays, "all_but"))
+    yield Case(Spec(Freeze, all_but=[0]), {"weight": 0.5}, (*stays, "all_but"))
+    way = Line([0.1, 0.2], [0.4, -0.1], 2.0)
+    live = {"target": way, "weight": 0.5}
+    yield Case(Spec(JointVelocityTask, target=[0.1, -0.2], joints=[0, 2]), live, stays, {"gain": 3.0})
+    live = {"target": np.linspace(-0.3, 0.3, len(s.q)), "gain": 5.0}
+    yield Case(Spec(JointVelocityTask, target=0.2, gain=4.0), live, stays, orders=("acceleration",))
+
+
 def own(s: Setting) -> Iterator[Case]:
     yield Case(Spec(Height, height=0.2, gain=2.0), {**GAINS, "height": 0.4}, KEPT)
     yield Case(Spec(Abscissa, target=0.2, gain=2.0), {**GAINS, "target": 0.4, "weight": 0.0}, KEPT)
-    yield Case(Spec(Ordinate, frame=s.frame, gain=2.0), GAINS, FRAME)
+    short = {name: Made(value) for name, value in SHORT.items()}  # which its keywords do not know
+    yield Case(Spec(Ordinate, frame=s.frame, gain=2.0), {**LAW, **short}, FRAME)
     yield Case(Spec(Stretched, share=2.0, gain=2.0), {"gain": 3.0, "weight": 0.5, "share": 3.0}, KEPT)
     yield Case(Spec(Slow, most=0.4), {"most": 0.2}, KEPT, {"weight": Made(HALF)})
 
@@ -370,7 +405,7 @@ def own(s: Setting) -> Iterator[Case]:
 def inequality(s: Setting) -> Iterator[Case]:
     other = s.point(0.3, 0.4, 0.4)
     task = Spec(PositionTask, target=s.point(0.4, 0.2, 0.5), gain=2.0)
-    inner = under("task", {**GAINS, "target": other})
+    inner = under("task", {**LAW, "target": other})
     stays = (*KEPT, "plain", "task", *(f"task.{name}" for name in PLACE))
     weight = {"weight": Made(HALF, {"task.weight": 0.5})}
     for kind in AtLeast, AtMost:
@@ -485,7 +520,7 @@ def distances(s: Setting) -> Iterator[Case]:
 GROUPS: dict[str, Callable[[Setting], Iterator[Case]]] = {
     group.__name__: group
     for group in (
-        position, orientation, pose, center_of_mass, axis, look_at, plane, posture, coupling, joint_motion, damping,
-        own, inequality, cartesian, joint_limits, criteria, reconstructed, distances,
+        position, orientation, pose, center_of_mass, axis, look_at, plane, wheels, posture, coupling, linear,
+        joint_motion, damping, speeds, own, inequality, cartesian, joint_limits, criteria, reconstructed, distances,
     )
 }  # fmt: skip

@@ -688,6 +688,18 @@ FOUR_BARS = """<mujoco><default><joint axis="0 1 0"/><geom type="capsule" size="
   </worldbody>
   <equality>{}</equality></mujoco>"""
 
+#: What closes chains of it.
+LOOPS = {
+    "points": '<connect name="loop" body1="three" body2="one" anchor=".3 0 0"/>',
+    "points, without a name": '<connect body1="three" body2="one" anchor=".3 0 0"/>',
+    "a point of the world": '<connect name="grounded" body1="three" anchor=".3 0 0"/>',
+    "sites": '<connect name="pinned" site1="pin" site2="ground"/>',
+    "bodies, welded": '<weld name="rigid" body1="two" body2="three"/>',
+    "bodies, welded elsewhere": '<weld body1="one" body2="three" relpose=".3 .1 .2 .8 .6 0 0" anchor=".1 0 0"/>',
+    "sites, welded": '<weld name="held" site1="pin" site2="ground"/>',
+    "the world, welded": '<weld name="glue" body1="three"/>',
+}
+
 REFUSED: dict[str, Refusal] = {
     "a joint with a name that Pinocchio has taken": Refusal(
         """<mujoco><worldbody><body name="one" pos="0 0 .1"><joint name="universe" axis="0 0 1" range="-90 90"/>
@@ -700,22 +712,6 @@ REFUSED: dict[str, Refusal] = {
         </worldbody></mujoco>""",
         ("shoulder_ball",),
     ),
-    "a chain that is closed": Refusal(
-        FOUR_BARS.format('<connect name="loop" body1="three" body2="one" anchor=".3 0 0"/>'), ("loop",)
-    ),
-    "a chain that is closed, without a name": Refusal(
-        FOUR_BARS.format('<connect body1="three" body2="one" anchor=".3 0 0"/>'), ("three", "one")
-    ),
-    "a chain that ends in the world": Refusal(
-        FOUR_BARS.format('<connect name="grounded" body1="three" anchor=".3 0 0"/>'), ("grounded",)
-    ),
-    "a chain that is closed by sites": Refusal(
-        FOUR_BARS.format('<connect name="pinned" site1="pin" site2="ground"/>'), ("pinned",)
-    ),
-    "a hand that is welded to the world": Refusal(
-        f'<mujoco>{ALONE}<equality><weld name="glue" body1="lower"/></equality></mujoco>', ("glue",)
-    ),
-    "links that are welded": Refusal(FOUR_BARS.format('<weld name="rigid" body1="two" body2="three"/>'), ("rigid",)),
     "a tie that is bent": Refusal(
         gripper('<joint name="bent" joint1="right" joint2="left" polycoef="0 1 2 0 0"/>'), ("bent",)
     ),

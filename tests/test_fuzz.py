@@ -219,6 +219,7 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "DynamicManipulabilityTask": made(tasks.DynamicManipulabilityTask, p, gain=1.0, weight=1.0, name="own"),
         "Fixed": made(Fixed, v),
         "FixedRotation": made(tasks.FixedRotation, np.eye(3)),
+        "Freeze": made(tasks.Freeze, [0, 1], all_but=None, weight=1.0, name="own"),
         "FrameVelocityLimit": made(
             tasks.FrameVelocityLimit, 1.0, frame="link3", relative_to="link0", mask="xyz", reference="local", name="own"
         ),
@@ -230,14 +231,19 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "JointPositionLimit": made(JointPositionLimit, -1.0, 1.0, return_speed=0.5, name="own"),
         "JointTorqueLimit": made(tasks.JointTorqueLimit, 1.0, name="own"),
         "JointVelocityLimit": made(JointVelocityLimit, 1.0, name="own"),
+        "JointVelocityTask": made(tasks.JointVelocityTask, [0.1, 0.2], joints=[0, 1], gain=1.0, weight=1.0, name="own"),
         "KineticEnergyTask": made(tasks.KineticEnergyTask, weight=1.0, gain=1.0, name="own"),
         "Line": made(Line, [0.0, 0.0], [1.0, 0.0], 1.0, timing=tasks.cubic),
+        "LinearHolonomicTask": made(tasks.LinearHolonomicTask, np.eye(3)[:2], [0.1, 0.2], q, **gain),
         "LinkCapsule": made(tasks.LinkCapsule, "joint0", "joint1", 0.1, name="own"),
         "LookAtTask": made(tasks.LookAtTask, [1.0, 0.0, 1.0], axis=[0.0, 0.0, 1.0], **framed),
         "ManipulabilityTask": made(tasks.ManipulabilityTask, p, gain=1.0, weight=1.0, name="own"),
         "MinimumMotionTask": made(tasks.MinimumMotionTask, 1.0, gain=1.0, name="own"),
         "MinimumTorqueTask": made(tasks.MinimumTorqueTask, torque_range=(-1.0, 1.0), weight=1.0, name="own"),
         "MujocoPlant": made(tasks.MujocoPlant, spatial_robot, step=0.001),
+        "OmniwheelTask": made(
+            tasks.OmniwheelTask, 0.1, axle=[0.0, 1.0, 0.0], rollers=0.5, normal=[0.0, 0.0, 1.0], floor=0.0, **framed
+        ),
         "OrientationTask": made(OrientationTask, np.eye(3), mask="xyz", reference="local", **framed),
         "PinocchioRobot": made(
             tasks.PinocchioRobot, new(lambda: robot().model), tip="link3", name="own", position_limit=(-1.0, 1.0),
@@ -256,6 +262,7 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "PositionTask": made(PositionTask, v, mask="xyz", reference="local", **framed),
         "PostureTask": made(PostureTask, [0.1, 0.2], joints=[0, 1], **gain),
         "Reconstructed": made(tasks.Reconstructed, p, 0.1, above=new(position, name="above")),
+        "RollingTask": made(tasks.RollingTask, 0.1, normal=[0.0, 0.0, 1.0], floor=0.0, **framed),
         "RotationSetpoint": made(tasks.RotationSetpoint, np.eye(3)),
         "SelfCollisionLimit": made(
             tasks.SelfCollisionLimit, pairs=[("link0", "link3")], margin=0.01, gain=1.0, rows=2, name="own"
@@ -275,6 +282,7 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
             load_robot, urdf(folder), base=None, body=None, mimic="lock", lock=["joint0"], tip="link3",
             position_limit=(-1.0, 1.0), velocity_limit=1.0, acceleration_limit=1.0, torque_limit=1.0,
         ),
+        "loop": made(tasks.loop, 200.0, duration=0.1),
         "manipulability": made(tasks.manipulability, np.eye(2)),
         "planar_links": made(planar_links, a, 0.1),
         "simulate": made(
@@ -321,8 +329,13 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "Record.save": made(lambda path: record().save(path), folder / "out-record.npz"),
         "Record.load": made(Record.load, folder / "r.npz"),
         "PlanarArm.at": made(lambda q, v: arm().at(q, v), q, v),
+        "PlanarArm.check_limits": made(lambda q, **own: arm().check_limits(q, **own), q, tolerance=1.0),
+        "PlanarArm.interpolate": made(lambda *o: arm().interpolate(*o), q, q, 0.5),
         "PlanarArm.points": made(lambda q: arm().points(q), q),
         "PinocchioRobot.at": made(lambda q, v: robot().at(q, v), q, v),
+        "PinocchioRobot.check_limits": made(lambda q: robot().check_limits(q), q),
+        "PinocchioRobot.interpolate": made(lambda *o: robot().interpolate(*o), q, q, 0.5),
+        "PinocchioRobot.transform": made(lambda *o: robot().at(q).transform(*o), "link3", "link1"),
         "PinocchioRobot.configuration": made(lambda x: robot().configuration(x), {"joint0": 0.1}),
         "PinocchioRobot.random": made(lambda x: robot().random(x), new(lambda: np.random.default_rng(0))),
         "PinocchioRobot.describe": made(lambda x: robot().describe(x), q),

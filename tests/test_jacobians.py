@@ -20,17 +20,20 @@ from tasks import (
     CenterOfMassTask,
     JointCouplingTask,
     Line,
+    LinearHolonomicTask,
     LookAtTask,
+    OmniwheelTask,
     OrientationTask,
     PlaneTask,
     PoseTask,
     PositionTask,
     PostureTask,
+    RollingTask,
     Turn,
     load_robot,
     quintic,
 )
-from tasks.base.rotations import exp, log
+from tasks.base.rotations import exp, log, perpendicular
 
 #: The frame that is looked at, one that stands for the world, and two joints.
 ROBOTS = {
@@ -185,6 +188,36 @@ def kinds(name):
         kind(f"plane{label}", plane, lambda m: NORMAL @ m.p_dot[:, None], root=seen)
         kind(f"center of mass{label}", com, lambda m: m.com_dot, root=seen)
 
+        def slip(m, radius=0.2):  # of what touches the plane
+            return m.p_dot + np.cross(m.omega, -radius * NORMAL)
+
+        def rolls(m, near, size, own=own):
+            return RollingTask(0.2, normal=3.0 * NORMAL, floor=0.1, **own)
+
+        def drives(m, near, size, own=own):
+            return OmniwheelTask(0.2, axle=AXIS, rollers=0.6, normal=3.0 * NORMAL, floor=0.1, **own)
+
+        def driven(m, slip=slip):
+            ahead = np.cross(m.R @ AXIS, NORMAL)
+            ahead = exp(0.6 * NORMAL) @ (ahead / np.linalg.norm(ahead))
+            return np.array([ahead @ slip(m), NORMAL @ m.p_dot])
+
+        plane_of = np.vstack([perpendicular(NORMAL), NORMAL])
+        kind(f"rolling{label}", rolls, lambda m, P=plane_of, slip=slip: P @ slip(m), None, seen)
+        kind(f"omniwheel{label}", drives, driven, None, seen)
+
+    law = {"gain": GAIN, "damping_ratio": ZETA}
+
+    def linear(m, near, size):
+        columns = [list(m.joints).index(joint) for joint in joints]
+        A = np.zeros((2, len(m.joints)))
+        A[:, columns] = [[2.0, -1.0], [0.5, 1.0]]
+        start = robot_named(name).neutral
+        way = [
+            m.joints[joint] - robot_named(name).at(start).joints[c] for joint, c in zip(joints, columns, strict=True)
+        ]
+        return LinearHolonomicTask(A, passing(A[:, columns] @ way + size * near[0][:2], near[1][:2]), **law)
+
     def coupling(m, near, size):
         value = 2.0 * m.joints[joints[0]] - m.joints[joints[1]]
         path = passing(value + size * near[0][0], near[1][0])
@@ -194,6 +227,8 @@ def kinds(name):
         path = passing([m.joints[joint] + size * x for joint, x in zip(joints, near[0], strict=False)], near[1][:2])
         return PostureTask(path, joints=joints, gain=GAIN, damping_ratio=ZETA)
 
+    rates = np.array([[2.0, -1.0], [0.5, 1.0]])
+    kind("linear", linear, lambda m: rates @ [m.rate(joint) for joint in joints])
     kind("coupling", coupling, lambda m: np.array([2.0 * m.rate(joints[0]) - m.rate(joints[1])]))
     kind("posture of named joints", named, lambda m: np.array([m.rate(joint) for joint in joints]))
     return found

@@ -22,13 +22,15 @@ EYE = np.eye(3)
 
 
 def rotation_matrix(value: ArrayLike, what: str) -> Array:
-    """`value` as a rotation matrix, its columns made orthonormal to round-off.
+    """`value` as a rotation matrix, its columns made orthonormal to round-off; or an object with ``as_matrix()``.
 
     Raises
     ------
     InvalidInput
         If it is no finite 3 x 3 matrix, its columns are not orthonormal to 1e-6, or it is a reflection.
     """
+    if hasattr(value, "as_matrix"):
+        value = value.as_matrix()
     R = value if type(value) is np.ndarray and value.dtype == np.float64 else finite(value, what)
     if R.shape != (3, 3):
         raise InvalidInput(f"{what} has shape {R.shape}; a rotation is a matrix of shape (3, 3)")
@@ -135,14 +137,23 @@ class RigidTransform(Protocol):
     def rotation(self) -> ArrayLike: ...
 
 
+def is_transform(value: Any) -> bool:
+    """Whether a value is meant as a transform, and not as a point or a rotation."""
+    if hasattr(value, "as_matrix"):
+        value = value.as_matrix()
+    return isinstance(value, RigidTransform) or np.shape(value if isinstance(value, np.ndarray) else 0) == (4, 4)
+
+
 def transform(value: Any, what: str) -> tuple[Array, Array]:
-    """Position [m] and rotation matrix of a transform: a 4 x 4 matrix, or an SE3 of Pinocchio.
+    """Position [m] and rotation matrix of a transform: a 4 x 4 matrix, an SE3 of Pinocchio, or what `as_matrix()` has.
 
     Raises
     ------
     InvalidInput
         If it is neither, its last row is not 0 0 0 1, or its rotation is none.
     """
+    if hasattr(value, "as_matrix"):
+        value = value.as_matrix()
     if isinstance(value, RigidTransform):
         position, rotation = finite(value.translation, f"{what}, translation"), value.rotation
     else:

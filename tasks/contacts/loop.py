@@ -8,7 +8,7 @@ and without the motion equation, a loop is its motion alone:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,6 +18,7 @@ from hqp.checks import of_type, truth
 
 from ..base.checks import Array, finite, positive_scalar
 from ..base.live import number, structure
+from ..base.rotations import rotation_matrix
 from ..robots.robot import Robot, check_frame
 from ..rows.expansion import Companions, Setting
 from ..rows.loop_task import LoopTask
@@ -42,7 +43,9 @@ class Loop(Part):
     at, at_b : array, shape (3,)
         The point of each that is held, in its own coordinates [m].
     turns : bool
-        Whether one may turn about the other, as on a ball; else the angle between them stays what it is at first.
+        Whether one may turn about the other, as on a ball; else the angle between them stays.
+    rotation : array, shape (3, 3), optional
+        The axes of a in those of b, where they do not turn; default: as they are at first.
     gain, damping_ratio, weight
         By which an error is taken back; see :class:`tasks.Task`.
     name : str, optional
@@ -66,6 +69,7 @@ class Loop(Part):
         at: ArrayLike = (0.0, 0.0, 0.0),
         at_b: ArrayLike = (0.0, 0.0, 0.0),
         turns: bool = True,
+        rotation: ArrayLike | None = None,
         gain: float = GAIN,
         damping_ratio: float = 1.0,
         weight: ArrayLike = 1.0,
@@ -76,6 +80,9 @@ class Loop(Part):
         if a == b:
             raise InvalidInput(f"{self.label()}: both frames are {a!r}; a loop holds two together")
         self.at, self.at_b, self.turns = at, at_b, truth(turns, "turns")
+        if self.turns and rotation is not None:
+            raise InvalidInput(f"{self.label()}: a rotation is given, and it turns; give turns=False")
+        self.rotation = rotation
         self.gain, self.damping_ratio, self.weight = gain, damping_ratio, weight
 
     @number
@@ -89,6 +96,11 @@ class Loop(Part):
         return self._point(value, "at_b")
 
     @number
+    def rotation(self, value: ArrayLike | None) -> Array | None:
+        """The axes of the first frame in those of the second, shape (3, 3); None: as they were at first."""
+        return None if value is None else rotation_matrix(np.asarray(value), f"{self.label()}: rotation")
+
+    @number
     def gain(self, value: float) -> float:
         """K [1/s]."""
         return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
@@ -97,6 +109,32 @@ class Loop(Part):
     def damping_ratio(self, value: float) -> float:
         """The zeta of acceleration order."""
         return positive_scalar(value, f"{self.label()}: damping ratio")
+
+    @classmethod
+    def of(cls, robot: Robot, **options: Any) -> tuple[Loop, ...]:
+        """The closed chains that the file of a robot has: the connected points and welds of an MJCF.
+
+        ``Stack(*Loop.of(robot)) >> task``, or joined on one level by ``+``.
+
+        Parameters
+        ----------
+        robot : Robot
+        **options
+            Of each loop.
+        """
+        closures = getattr(robot, "closures", ())
+        return tuple(
+            cls(
+                own.a,
+                own.b,
+                at=own.at,
+                at_b=own.at_b,
+                turns=own.rotation is None,
+                rotation=own.rotation,
+                **({"name": own.name} | options),
+            )
+            for own in closures
+        )
 
     def _point(self, value: ArrayLike, what: str) -> Array:
         point = finite(value, f"{self.label()}: {what}")
@@ -133,6 +171,9 @@ class LoopMotion(LoopTask):
     def __init__(self, loop: Loop) -> None:
         self.loop, self.name, self.rows = loop, loop.name, 3 if loop.turns else 6
 
+    cap: Array | None = structure(None)
+    deceleration: float | None = structure(None)
+
     if not TYPE_CHECKING:  # numbers of the loop
 
         @property
@@ -162,6 +203,8 @@ class LoopMotion(LoopTask):
 
         shared, loop = site.shared, self.loop
         kept: Array = shared.kept(loop, lambda: np.zeros(10))
+        if loop.rotation is not None:
+            kept[0], kept[1:] = 1.0, loop.rotation.ravel()
         blocks = site.frame(loop.a), site.frame(loop.b)
         where = shared.unknowns.of(loop) if loop in shared.unknowns else slice(shared.n, shared.n)
         G = shared.wrenches[where.start - shared.n : where.stop - shared.n]

@@ -37,6 +37,9 @@ class ContactMotion(LoopTask):
     def __init__(self, contact: Contact) -> None:
         self.contact, self.name, self.rows = contact, contact.name, contact.shape.motions
 
+    cap: Array | None = structure(None)
+    deceleration: float | None = structure(None)
+
     if not TYPE_CHECKING:  # numbers of the contact
 
         @property

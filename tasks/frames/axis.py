@@ -83,7 +83,7 @@ class AxisTask(PointingTask):
         a, in the frame; by default its z axis.
     frame, relative_to : str, optional
         See :class:`~tasks.frames.frame_task.FrameTask`.
-    gain, damping_ratio, weight, name
+    gain, damping_ratio, weight, cap, deceleration, name
         See :class:`tasks.Task`.
 
     Raises
@@ -102,11 +102,22 @@ class AxisTask(PointingTask):
         gain: ArrayLike,
         damping_ratio: float = 1.0,
         weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None = None,
     ) -> None:
         self._call(name)
         self.target, self.axis = direction, axis
-        super().__init__(frame, relative_to, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+        super().__init__(
+            frame,
+            relative_to,
+            gain=gain,
+            damping_ratio=damping_ratio,
+            weight=weight,
+            cap=cap,
+            deceleration=deceleration,
+            name=name,
+        )
 
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:

@@ -34,7 +34,7 @@ class CenterOfMassTask(PositionTask):
         A frame of the robot, such as a foot, that stands for the world.
     mask : str or sequence of bool, optional
         The coordinates to be controlled.
-    gain, damping_ratio, weight, name
+    gain, damping_ratio, weight, cap, deceleration, name
         See :class:`tasks.Task`.
     """
 
@@ -47,6 +47,8 @@ class CenterOfMassTask(PositionTask):
         gain: ArrayLike,
         damping_ratio: float = 1.0,
         weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None = None,
     ) -> None:
         super().__init__(
@@ -56,6 +58,8 @@ class CenterOfMassTask(PositionTask):
             gain=gain,
             damping_ratio=damping_ratio,
             weight=weight,
+            cap=cap,
+            deceleration=deceleration,
             name="center of mass" if name is None else name,
         )
 

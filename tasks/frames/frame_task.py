@@ -46,7 +46,7 @@ class FrameTask(Task):
         The name of a frame of the robot (default: its tip).
     relative_to : str, optional
         A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
-    gain, damping_ratio, weight, name
+    gain, damping_ratio, weight, cap, deceleration, name
         See :class:`tasks.Task`.
 
     Attributes
@@ -77,12 +77,16 @@ class FrameTask(Task):
         gain: ArrayLike,
         damping_ratio: float,
         weight: ArrayLike,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None,
     ) -> None:
         self._call(name)
         self.frame = None if frame is None else of_type(frame, str, f"{self.label()}: frame")
         self.relative_to = None if relative_to is None else of_type(relative_to, str, f"{self.label()}: relative_to")
-        super().__init__(gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+        super().__init__(
+            gain=gain, damping_ratio=damping_ratio, weight=weight, cap=cap, deceleration=deceleration, name=name
+        )
 
     def seen(self, state: RobotState) -> Frame:
         """The frame, in the coordinates of the world or of `relative_to`."""

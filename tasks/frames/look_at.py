@@ -32,7 +32,7 @@ class LookAtTask(PointingTask):
         c [m], in the world or in `relative_to`.
     axis : array, shape (3,)
         In the frame; by default its z axis.
-    frame, relative_to, gain, damping_ratio, weight, name
+    frame, relative_to, gain, damping_ratio, weight, cap, deceleration, name
         See :class:`~tasks.frames.frame_task.FrameTask`.
 
     Raises
@@ -51,11 +51,22 @@ class LookAtTask(PointingTask):
         gain: ArrayLike,
         damping_ratio: float = 1.0,
         weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None = None,
     ) -> None:
         self._call(name)
         self.target, self.axis = point, axis
-        super().__init__(frame, relative_to, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+        super().__init__(
+            frame,
+            relative_to,
+            gain=gain,
+            damping_ratio=damping_ratio,
+            weight=weight,
+            cap=cap,
+            deceleration=deceleration,
+            name=name,
+        )
 
     @property
     def point(self) -> Trajectory:

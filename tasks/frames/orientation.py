@@ -24,12 +24,12 @@ class OrientationTask(PlaceTask):
     ----------
     target : array, shape (3, 3), or RotationTrajectory; or float, or Trajectory of one number
         The rotation, its columns the axes that the frame is to have; or the angle about z [rad], counter-clockwise,
-        which leaves the other axes free.
+        which leaves the other axes free. Of a transform, and of a PoseSetpoint, it is the rotation.
     frame, relative_to, reference
         See :class:`~tasks.frames.place.PlaceTask`.
     mask : str or sequence of bool, optional
         The axes about which to turn, as in ``"xy"``; see :class:`tasks.AxisTask` for a tool that may spin.
-    gain, damping_ratio, weight, name
+    gain, damping_ratio, weight, cap, deceleration, name
         See :class:`tasks.Task`.
 
     Raises
@@ -49,6 +49,8 @@ class OrientationTask(PlaceTask):
         gain: ArrayLike,
         damping_ratio: float = 1.0,
         weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None = None,
     ) -> None:
         self._call(name)
@@ -63,6 +65,8 @@ class OrientationTask(PlaceTask):
             gain=gain,
             damping_ratio=damping_ratio,
             weight=weight,
+            cap=cap,
+            deceleration=deceleration,
             name=name,
         )
         self.target = target

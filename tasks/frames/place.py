@@ -53,7 +53,7 @@ class PlaceTask(FrameTask, LoopTask):
     reference : {"world", "local", "local_world_aligned"}
         The axes of the world (or of `relative_to`), or those of the frame itself, which turn with it.
         "local_world_aligned" is Pinocchio's name for the former; see :class:`tasks.PoseTask` for the difference.
-    frame, relative_to, gain, damping_ratio, weight, name
+    frame, relative_to, gain, damping_ratio, weight, cap, deceleration, name
         See :class:`~tasks.frames.frame_task.FrameTask`.
 
     Attributes
@@ -80,12 +80,23 @@ class PlaceTask(FrameTask, LoopTask):
         gain: ArrayLike,
         damping_ratio: float,
         weight: ArrayLike,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None,
     ) -> None:
         self._call(name)
         self.reference: Reference = as_reference(reference, self.label())
         self.mask, self.rows = mask, len(mask)
-        super().__init__(frame, relative_to, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+        super().__init__(
+            frame,
+            relative_to,
+            gain=gain,
+            damping_ratio=damping_ratio,
+            weight=weight,
+            cap=cap,
+            deceleration=deceleration,
+            name=name,
+        )
 
     def plan(self, site: Site) -> Plan:
         """One loop; the target is written every tick where it moves."""

@@ -32,7 +32,7 @@ class PlaneTask(FrameTask, LoopTask):
         n, in the world or in `relative_to`, of any length but 0: it points to where distances are positive.
     distance : float or Trajectory
         From the plane through the origin with this normal [m].
-    frame, relative_to, gain, damping_ratio, weight, name
+    frame, relative_to, gain, damping_ratio, weight, cap, deceleration, name
         See :class:`~tasks.frames.frame_task.FrameTask`.
 
     Raises
@@ -53,11 +53,22 @@ class PlaneTask(FrameTask, LoopTask):
         gain: ArrayLike,
         damping_ratio: float = 1.0,
         weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None = None,
     ) -> None:
         self._call(name)
         self.normal, self.target = normal, distance
-        super().__init__(frame, relative_to, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+        super().__init__(
+            frame,
+            relative_to,
+            gain=gain,
+            damping_ratio=damping_ratio,
+            weight=weight,
+            cap=cap,
+            deceleration=deceleration,
+            name=name,
+        )
 
     @number
     def normal(self, value: ArrayLike) -> Array:

@@ -46,7 +46,7 @@ class PoseTask(PlaceTask):
     reference : {"local_world_aligned", "local", "world"}
         Pinocchio's names. Along the axes of the world, the linear rows those of the origin of the frame; along the axes
         of the frame; or the spatial velocity, its linear rows those of the point that is passing the world's origin.
-    gain, damping_ratio, weight, name
+    gain, damping_ratio, weight, cap, deceleration, name
         See :class:`tasks.Task`; a gain or a weight may be one number a row, in [m] before [rad].
     """
 
@@ -62,6 +62,8 @@ class PoseTask(PlaceTask):
         gain: ArrayLike,
         damping_ratio: float = 1.0,
         weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None = None,
     ) -> None:
         self._call(name)
@@ -79,6 +81,8 @@ class PoseTask(PlaceTask):
             gain=gain,
             damping_ratio=damping_ratio,
             weight=weight,
+            cap=cap,
+            deceleration=deceleration,
             name=name,
         )
         self.position, self.rotation = where, how

@@ -8,6 +8,7 @@ from hqp import InvalidInput
 
 from ..base.live import number
 from ..targets.trajectories import Spread, Trajectory, as_trajectory
+from ..targets.turns import place_of
 from .place import Mask, PlaceTask, Reference, as_reference, chosen
 
 AXES = ("x", "y", "z")
@@ -19,12 +20,13 @@ class PositionTask(PlaceTask):
     Parameters
     ----------
     target : array, shape (3,), or of one number a coordinate of the mask, or Trajectory
-        [m]. Two numbers are x and y: all there is of a planar arm, and a line to stay on for a spatial robot.
+        [m]. Two numbers are x and y: all there is of a planar arm, and a line to stay on for a spatial robot. Of a
+        transform, (4, 4) or ``pinocchio.SE3``, and of a PoseSetpoint it is the position.
     frame, relative_to, reference
         See :class:`~tasks.frames.place.PlaceTask`.
     mask : str or sequence of bool, optional
         The coordinates to be controlled, as in ``"z"`` or ``(False, False, True)``.
-    gain, damping_ratio, weight, name
+    gain, damping_ratio, weight, cap, deceleration, name
         See :class:`tasks.Task`.
 
     Raises
@@ -44,6 +46,8 @@ class PositionTask(PlaceTask):
         gain: ArrayLike,
         damping_ratio: float = 1.0,
         weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None = None,
     ) -> None:
         self._call(name)
@@ -56,6 +60,8 @@ class PositionTask(PlaceTask):
             gain=gain,
             damping_ratio=damping_ratio,
             weight=weight,
+            cap=cap,
+            deceleration=deceleration,
             name=name,
         )
         self._two = mask is None and not local
@@ -64,7 +70,8 @@ class PositionTask(PlaceTask):
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
         """Where the frame is to be [m]: three coordinates, or those of the mask; or a trajectory."""
-        trajectory, what = as_trajectory(value, None, self.label()), self.label()
+        what = self.label()
+        trajectory = as_trajectory(place_of(value, what), None, what)
         size, local = len(trajectory(0.0)[0]), self.reference == "local"
         sizes = {3} if local else {len(self.mask), 3} | ({2} if self._two else set())
         if size not in sizes or (size != 3 and size != len(self.mask)):
@@ -89,4 +96,4 @@ class PositionTask(PlaceTask):
 
 def _size(target: ArrayLike | Trajectory, what: str) -> int:
     """How many coordinates a target has."""
-    return len(as_trajectory(target, None, what)(0.0)[0])
+    return len(as_trajectory(place_of(target, what), None, what)(0.0)[0])

@@ -60,7 +60,7 @@ class JointCouplingTask(LoopTask, TargetTask):
     target : float or Trajectory
         What ``sum(factor * position)`` is to be: in rad where all of these joints turn, in m where all slide; of both
         kinds, in the unit that the factors give it.
-    gain, damping_ratio, weight, name
+    gain, damping_ratio, weight, cap, deceleration, name
         See :class:`tasks.Task`.
 
     Raises
@@ -79,11 +79,15 @@ class JointCouplingTask(LoopTask, TargetTask):
         gain: ArrayLike,
         damping_ratio: float = 1.0,
         weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None = None,
     ) -> None:
         self._call(name)
         self.factors = factors
-        super().__init__(target, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+        super().__init__(
+            target, gain=gain, damping_ratio=damping_ratio, weight=weight, cap=cap, deceleration=deceleration, name=name
+        )
 
     @number
     def factors(self, value: Mapping[str | int, float]) -> Factors:

@@ -38,7 +38,7 @@ class PostureTask(LoopTask, TargetTask):
         A floating base is left alone.
     joints : names or numbers, optional
         The joints to be brought there (default: all). Each must have one position.
-    gain, damping_ratio, weight, name
+    gain, damping_ratio, weight, cap, deceleration, name
         See :class:`tasks.Task`.
 
     Raises
@@ -58,17 +58,18 @@ class PostureTask(LoopTask, TargetTask):
         gain: ArrayLike,
         damping_ratio: float = 1.0,
         weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None = None,
     ) -> None:
         self._call(name)
-        self.joints = None if joints is None else tuple(listed(joints, f"{self.label()}: joints", "joints"))
-        for joint in self.joints or ():
-            if not isinstance(joint, str | Integral) or isinstance(joint, bool):
-                raise InvalidInput(f"{self.label()}: joint {brief(joint)} must be a name or a number")
+        self.joints = named_joints(joints, f"{self.label()}: joints")
         if self.joints is not None:
             self.rows = len(self.joints)
         self.target = target
-        Task.__init__(self, gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+        Task.__init__(
+            self, gain=gain, damping_ratio=damping_ratio, weight=weight, cap=cap, deceleration=deceleration, name=name
+        )
 
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
@@ -122,20 +123,13 @@ class PostureTask(LoopTask, TargetTask):
         """What its loop is told of every row, shape (5, rows); see :mod:`tasks.joints.kernels.joints`."""
         from .kernels import joints as loops
 
-        size = len(self.target(0.0)[0])
-        told, rows = np.empty((loops.JOINT_FIELDS, len(own)), dtype=np.int64), np.arange(len(own))
+        size, rows, told = len(self.target(0.0)[0]), np.arange(len(own)), joint_kinds(shared, own)
         positions = self.joints is not None and size == len(own)
-        places, circles = shared.places[own], shared.circles[own]
-        told[loops.COLUMN] = own
         told[loops.RATE] = -1 if stands_still(self.target) else rows if size == len(own) else own
         if positions:
+            places = shared.places[own]
             check_positioned(shared.robot, own[places < 0], f"{self.label()}: joint")
             told[loops.KIND], told[loops.PLACE], told[loops.GOAL] = loops.LINE, places, rows
-            return told
-        told[loops.KIND] = np.where(circles >= 0, loops.CIRCLE, np.where(places >= 0, loops.LINE, loops.MANIFOLD))
-        told[loops.PLACE] = told[loops.GOAL] = np.where(circles >= 0, circles, places)
-        if not shared.numbered:
-            told[loops.KIND] = loops.MANIFOLD
         return told
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:
@@ -161,6 +155,37 @@ class PostureTask(LoopTask, TargetTask):
 
     def _shown(self) -> list[str]:
         return [*super()._shown(), *([] if self.joints is None else [f"joints={list(self.joints)}"])]
+
+
+def joint_kinds(shared: Workspace, own: NDArray[np.intp]) -> NDArray[np.int64]:
+    """What loops are told of joints whose goals are configurations, shape (5, joints); see the loops of joints."""
+    from .kernels import joints as loops
+
+    told = np.full((loops.JOINT_FIELDS, len(own)), -1, dtype=np.int64)
+    places, circles = shared.places[own], shared.circles[own]
+    told[loops.COLUMN] = own
+    told[loops.KIND] = np.where(circles >= 0, loops.CIRCLE, np.where(places >= 0, loops.LINE, loops.MANIFOLD))
+    told[loops.PLACE] = told[loops.GOAL] = np.where(circles >= 0, circles, places)
+    if not shared.numbered:
+        told[loops.KIND] = loops.MANIFOLD
+    return told
+
+
+def named_joints(joints: Iterable[str | int] | None, what: str) -> tuple[str | int, ...] | None:
+    """Names and numbers of joints, as they are kept.
+
+    Raises
+    ------
+    InvalidInput
+        If one is neither.
+    """
+    if joints is None:
+        return None
+    kept = tuple(listed(joints, what, "joints"))
+    for joint in kept:
+        if not isinstance(joint, str | Integral) or isinstance(joint, bool):
+            raise InvalidInput(f"{what.removesuffix('s')} {brief(joint)} must be a name or a number")
+    return kept
 
 
 @lru_cache(maxsize=256)

@@ -108,7 +108,7 @@ def load_robot(
     )
     robot.start_from(neutral)
     _take_home(robot, entry)
-    robot.recipe, robot.left_out = recipe, described.left_out
+    robot.recipe, robot.left_out, robot.closures = recipe, described.left_out, described.closures
     robot.source = file.resolve() if isinstance(file, Path) else None
     return robot
 
@@ -123,6 +123,9 @@ def _take_home(robot: PinocchioRobot, entry: Entry) -> None:
 
 
 def _tell_left_out(described: Description, what: str) -> None:
+    if described.closures:
+        names = ", ".join(closure.name for closure in described.closures)
+        tell(f"{what}: closed chains are closed by a stack alone, by Loop.of(robot): {names}")
     if described.left_out:
         tell(f"{what}: left out of the robot: {', '.join(described.left_out)}")
 

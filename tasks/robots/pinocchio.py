@@ -29,6 +29,7 @@ except ImportError as error:  # pragma: no cover
     raise MissingPackage("spatial robots need Pinocchio: pip install 'hqp[robots]'") from error
 
 from .axes import NONE
+from .configurations import Configurations
 from .files.xml import root_of
 from .keeping import Kept, Recipe
 from .kinematics import Kinematics
@@ -49,7 +50,7 @@ Limit = ArrayLike | Mapping[str, float]
 Range = tuple[ArrayLike, ArrayLike] | Mapping[str, tuple[float, float]]
 
 
-class PinocchioRobot(PinocchioModel):
+class PinocchioRobot(Configurations, PinocchioModel):
     """A robot with a Pinocchio model. One robot serves one thread; copies share the model.
 
     Parameters
@@ -58,7 +59,6 @@ class PinocchioRobot(PinocchioModel):
     tip : str, optional
         The frame that tasks mean which name none.
     name : str, optional
-        Default: the model's own.
     position_limit : pair of float or array, shape (nv,), or dict of name to pair, optional
         Lowest and highest joint positions [rad], [m] (default: the model's). Numbers count for all joints that have a
         position, arrays are infinite for the others; a dict changes the joints that it names. A joint whose ends are
@@ -90,6 +90,8 @@ class PinocchioRobot(PinocchioModel):
         The workspace that its states share, and whose it is at the moment.
     left_out : tuple of str
         What its file has that is no part of it.
+    closures : tuple of Closure
+        Frames that its file holds together, for :meth:`tasks.Loop.of`.
     recipe : Recipe or None
         How the ties of its model were made, for copies; see :mod:`tasks.robots.keeping`.
     source : pathlib.Path or None
@@ -304,8 +306,8 @@ class PinocchioRobot(PinocchioModel):
 
     # The state.
 
-    def at(self, q: ArrayLike, v: ArrayLike) -> PinocchioState:
-        """Everything that tasks ask for at (q, v), each quantity computed when first asked for.
+    def at(self, q: ArrayLike, v: ArrayLike | None = None) -> PinocchioState:
+        """Everything that tasks ask for at (q, v), each quantity computed when asked for; v left out is at rest.
 
         Raises
         ------
@@ -313,7 +315,7 @@ class PinocchioRobot(PinocchioModel):
             If q or v has not the numbers of this robot, or a circle or quaternion of q has not norm 1 to 1e-6. NaN
             passes: the solver reports it.
         """
-        state = self.state(q, v)
+        state = self.state(q, np.zeros(self.nv) if v is None else v)
         if self._units:
             state.q, fault = self.on_manifold(state.q)
             if fault is not None:

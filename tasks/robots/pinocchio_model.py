@@ -20,6 +20,7 @@ from ..base.live import Live, structure
 from . import pinocchio_dynamics as dynamics
 from .axes import NONE, axes, base_of, sequence, unit_parts
 from .chain import APART
+from .closure import Closure
 from .frame_names import frame_numbers
 from .kinematics import Kinematics
 from .state import RobotState
@@ -76,11 +77,12 @@ class PinocchioModel(Live):
         self._places = places[self._columns]
         self._frames: dict[str | None, int] = {}
         self._support: dict[int, list[tuple[int, int]]] = {}
+        self.closures: tuple[Closure, ...] = ()
         self.guard = Guard(f"the workspace of {self!r}")
         self.tip = None if tip is None else self.check_frame(of_type(tip, str, "tip"))
 
-    def at(self, q: ArrayLike, v: ArrayLike) -> RobotState:
-        """The state at (q, v)."""
+    def at(self, q: ArrayLike, v: ArrayLike | None = None) -> RobotState:
+        """The state at (q, v), or at rest."""
         raise NotImplementedError
 
     # Configurations.

@@ -10,12 +10,13 @@ import pinocchio as pin
 
 from ..base.checks import Array
 from .frame import FixedFrame, without_round_off
+from .transforms import Transforms
 
 if TYPE_CHECKING:
     from .pinocchio_model import PinocchioModel
 
 
-class PinocchioState:
+class PinocchioState(Transforms):
     """A robot at one instant; see :class:`tasks.robots.robot.RobotState`."""
 
     def __init__(self, robot: PinocchioModel, q: Array, v: Array) -> None:

@@ -25,10 +25,12 @@ from ..base.live import Live, number, structure
 from . import planar_dynamics as dynamics
 from .block import told_by
 from .chain import APART
+from .configurations import Configurations
 from .frame import FixedFrame
 from .kernels import block as at
 from .manipulability import manipulability
 from .planar_source import PlanarSource, block_of
+from .transforms import Transforms
 
 #: Mass per length of a link that names none [kg/m].
 DENSITY = 1.0
@@ -38,7 +40,7 @@ TIP = "tip"
 PLANE = [0, 1, 5]
 
 
-class PlanarState:
+class PlanarState(Transforms):
     """A planar arm at one instant, each quantity computed when first asked for; see
     :class:`tasks.robots.robot.RobotState`.
 
@@ -95,7 +97,7 @@ class PlanarState:
         return told_by(self._tip if name is None else block_of(self.robot, self.q, self.v, name))
 
 
-class PlanarArm(Live):
+class PlanarArm(Configurations, Live):
     """A chain of links in the plane, each turning about the end of the one before.
 
     Methods of q, v and a take leading axes: a whole record at once, of shape (..., n).
@@ -236,15 +238,15 @@ class PlanarArm(Live):
         """Of all links [J], shape (...)."""
         return dynamics.kinetic_energy(self._H, *self._joints(q=q, v=v))
 
-    def at(self, q: ArrayLike, v: ArrayLike) -> PlanarState:
-        """Everything that tasks ask for at (q, v), each quantity computed once.
+    def at(self, q: ArrayLike, v: ArrayLike | None = None) -> PlanarState:
+        """Everything that tasks ask for at (q, v), each quantity computed once; v left out is a state of rest.
 
         Raises
         ------
         InvalidInput
             If q [rad] or v [rad/s] has not one number a joint. NaN passes: the solver reports it.
         """
-        return PlanarState(self, *self._joints(single=True, q=q, v=v))
+        return PlanarState(self, *self._joints(single=True, q=q, v=np.zeros(self.nv) if v is None else v))
 
     def links_to(self, frame: str | None) -> int:
         """How many links it is from the base to a frame; the tip, if no name is given.

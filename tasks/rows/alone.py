@@ -58,6 +58,7 @@ class _Alone:
         rows = task.size(robot)
         self._shared = Workspace(robot, "acceleration" if drifts else "velocity", None)
         self._site = Site(self._shared, np.zeros((rows, robot.nv)), *np.zeros((2, rows)))
+        self._site.shortens = False
         self._plan = task.plan(self._site)  # of its own loops, also where a subclass says something else
         self._robot, self._numbers = robot, _numbers(task)
 

@@ -96,6 +96,12 @@ class Inequality(Part):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.task.check(robot, order, dt if order == "acceleration" else None)
+        for word in "cap", "deceleration":
+            if getattr(self.task, word) is not None:
+                raise InvalidInput(
+                    f"{self.label()}: {word} of its task must be None: far from its bound an inequality moves freely;"
+                    " lower the gain, or take FrameVelocityLimit"
+                )
         rows = self.size(robot)
         for what, value in ("below", self.below), ("above", self.above):
             per_row(value, rows, f"{self.label()}: {what}")

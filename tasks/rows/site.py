@@ -40,6 +40,12 @@ class Governed(Protocol):
     def damping_ratio(self) -> float: ...
 
     @property
+    def cap(self) -> Array | None: ...
+
+    @property
+    def deceleration(self) -> float | None: ...
+
+    @property
     def plain(self) -> bool: ...
 
     def label(self) -> str: ...
@@ -150,6 +156,8 @@ class Site:
         How far from its target a task may be; 0 where it is to be met.
     bounds : bool
         Whether the task only bounds.
+    shortens : bool
+        Whether errors are shortened as the task says; else they are measured as they are.
     off : list of (array, array, array)
         Of those who follow the law: the error, and how far from it below and above a task may be, shape (rows,) each.
     rate : array, shape (1,)
@@ -164,7 +172,7 @@ class Site:
         self.rows = len(lower)
         self.below: Array = np.zeros(())
         self.above: Array = np.zeros(())
-        self.bounds = False
+        self.bounds, self.shortens = False, True
         self.measured = np.zeros((KINDS, self.rows))
         self.off: list[tuple[Array, Array, Array]] = []
 
@@ -200,6 +208,9 @@ class Site:
         gain = per_row(task.gain, rows, f"{what}: gain")
         numbers = np.empty((of.FIELDS, rows))
         numbers[of.GAIN], numbers[of.C1], numbers[of.C2] = gain, 2.0 * task.damping_ratio * gain, gain**2
+        cap, brakes = task.cap, task.deceleration
+        numbers[of.CAP] = np.inf if cap is None or cap.ndim == 0 else per_row(cap, rows, f"{what}: cap")
+        longest = np.array([np.inf if cap is None or cap.ndim else float(cap), np.inf if brakes is None else brakes])
         numbers[of.BELOW] = per_row(self.below, rows, f"{what}: below")
         numbers[of.ABOVE] = per_row(self.above, rows, f"{what}: above")
         self.off.append((self.measured[of.ERROR], numbers[of.BELOW], numbers[of.ABOVE]))
@@ -216,6 +227,8 @@ class Site:
             shared.braking,
             self.bounds and not task.plain,
             self.drifts,
+            longest,
+            self.shortens and shared.order != "step" and not (cap is None and brakes is None),
         )
 
 

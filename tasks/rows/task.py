@@ -36,7 +36,7 @@ from .tick import PER, Order, Tick
 
 
 class Task(Part):
-    """Base of all tasks. A task of your own needs `rows`, `error` and `jacobian`:
+    r"""Base of all tasks. A task of your own needs `rows`, `error` and `jacobian`:
 
     >>> class HeightTask(Task):
     ...     rows = 1
@@ -56,6 +56,12 @@ class Task(Part):
     weight : float or array, shape (rows,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``; a row of weight 0 asks for
         nothing.
+    cap : float or array, shape (rows,), optional
+        The error counts as no longer than this [m], [rad], so that far targets are neared at a speed of at most K times
+        it: the length of the whole error, or, one number a row, of each of them. Its direction stays.
+    deceleration : float, optional
+        The target is neared no faster than it takes to come to rest there with this deceleration [m/s^2], [rad/s^2],
+        by :math:`v \le \sqrt{2 a d}` for the length d of the error.
     name : str, optional
         Used in messages, tables and records (default: the name of the class).
 
@@ -70,10 +76,18 @@ class Task(Part):
     says: ClassVar[tuple[str, ...]] = ("error", "jacobian", "drift", "feedforward", "rates", "measure", "write")
 
     def __init__(
-        self, *, gain: ArrayLike, damping_ratio: float = 1.0, weight: ArrayLike = 1.0, name: str | None = None
+        self,
+        *,
+        gain: ArrayLike,
+        damping_ratio: float = 1.0,
+        weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
+        name: str | None = None,
     ) -> None:
         self._call(name)
         self.gain, self.weight, self.damping_ratio = gain, weight, damping_ratio
+        self.cap, self.deceleration = cap, deceleration
         self._renew()
 
     @number
@@ -86,11 +100,27 @@ class Task(Part):
         """The zeta of acceleration order."""
         return positive_scalar(value, f"{self.label()}: damping ratio")
 
+    @number
+    def cap(self, value: ArrayLike | None) -> Array | None:
+        """The longest error that counts [m], [rad], shape () or (rows,); None for any."""
+        return None if value is None else positive(value, f"{self.label()}: cap", unit="m or rad")
+
+    @number
+    def deceleration(self, value: float | None) -> float | None:
+        """At which it comes to rest at its target [m/s^2], [rad/s^2]; None where that does not matter."""
+        what = f"{self.label()}: deceleration"
+        return None if value is None else positive_scalar(value, what, unit="m/s^2 or rad/s^2")
+
     def _renew(self) -> None:
         if self.rows is not None:
             whole_number(self.rows, f"{self.label()}: rows", least=1)
             per_row(self.gain, self.rows, f"{self.label()}: gain")
             per_row(self.weight, self.rows, f"{self.label()}: weight")
+            self._check_cap(self.rows)
+
+    def _check_cap(self, rows: int) -> None:
+        if self.cap is not None:
+            per_row(self.cap, rows, f"{self.label()}: cap")
 
     def _call(self, name: str | None) -> None:
         """Take this name, before anything is refused in it."""
@@ -156,6 +186,7 @@ class Task(Part):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         per_row(self.gain, self.size(robot), f"{self.label()}: gain")
+        self._check_cap(self.size(robot))
         self.check_gain(order, dt)
         if self.in_python:
             self._try(robot, order)
@@ -217,6 +248,10 @@ class Task(Part):
             parts.append(f"damping_ratio={self.damping_ratio:g}")
         if np.any(self.weight != 1.0):
             parts.append(f"weight={_short(self.weight)}")
+        if self.cap is not None:
+            parts.append(f"cap={_short(self.cap)}")
+        if self.deceleration is not None:
+            parts.append(f"deceleration={self.deceleration:g}")
         if self.name != type(self).__name__.removesuffix("Task").lower():
             parts.append(f"name={self.name!r}")
         return f"{type(self).__name__}({', '.join(self._shown() + parts)})"
@@ -235,7 +270,7 @@ class TargetTask(Task):
     ----------
     target : array, shape (rows,), or Trajectory
         Desired value in [m] or [rad]; a trajectory brings its own feed-forward.
-    gain, damping_ratio, weight, name
+    gain, damping_ratio, weight, cap, deceleration, name
         See :class:`Task`.
     """
 
@@ -246,9 +281,13 @@ class TargetTask(Task):
         gain: ArrayLike,
         damping_ratio: float = 1.0,
         weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
         name: str | None = None,
     ) -> None:
-        super().__init__(gain=gain, damping_ratio=damping_ratio, weight=weight, name=name)
+        super().__init__(
+            gain=gain, damping_ratio=damping_ratio, weight=weight, cap=cap, deceleration=deceleration, name=name
+        )
         self.target = target
 
     @number

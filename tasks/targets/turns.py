@@ -11,7 +11,7 @@ from hqp import InvalidInput
 from hqp.checks import real_number
 
 from ..base.checks import Array, finite, numbers, positive_scalar
-from ..base.rotations import about, exp, log, rotation_matrix, transform
+from ..base.rotations import about, exp, is_transform, log, rotation_matrix, transform
 from .timing import Timing, as_timing, quintic
 from .trajectories import Fixed, Setpoint, Spread, Trajectory, alike
 
@@ -195,8 +195,17 @@ class Turn:
         return f"Turn of {np.linalg.norm(self._vector):.4g} rad in {self.duration:g} s"
 
 
+def place_of(target: Any, what: str) -> Any:
+    """Of a target that has a rotation too, a transform or a PoseSetpoint, the position; any other target itself."""
+    if isinstance(target, PoseSetpoint):
+        return target.position
+    return transform(target, f"{what}: target")[0] if is_transform(target) else target
+
+
 def as_rotation(target: ArrayLike | RotationTrajectory | Trajectory, what: str) -> RotationTrajectory:
     """`target` as a rotation in time: a matrix stands still, one angle turns about z, functions of time move.
+
+    Of a transform, or a PoseSetpoint, it is the rotation.
 
     Raises
     ------
@@ -205,6 +214,12 @@ def as_rotation(target: ArrayLike | RotationTrajectory | Trajectory, what: str) 
     """
     if isinstance(target, AboutZ):
         return target
+    if isinstance(target, PoseSetpoint):
+        return target.rotation
+    if is_transform(target):
+        return FixedRotation(transform(target, f"{what}: target")[1])
+    if hasattr(target, "as_matrix"):
+        return FixedRotation(rotation_matrix(target.as_matrix(), f"{what}: target"))
     if not callable(target):
         array = finite(target, f"{what}: target")
         if array.size == 1:

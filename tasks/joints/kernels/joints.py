@@ -5,7 +5,8 @@ A *posture* has one row a joint, of the identity, and by its joint's kind
 .. math:: e = q^d - q \quad\text{or, on a circle,}\quad e = \angle \bigl( (c, s), (c^d, s^d) \bigr)
     = \operatorname{atan2}(c s^d - s c^d, \; c c^d + s s^d) .
 
-A *coupling* has one row, f, of the factors of the joints: :math:`e = s^d - f^T q`.
+A *coupling* has one row, f, of the factors of the joints: :math:`e = s^d - f^T q`. *Linear relations* have a matrix of
+them, and ways from a configuration, which are errors of a posture turned round: :math:`e = b - A (q \ominus q_0)`.
 """
 
 from __future__ import annotations
@@ -28,6 +29,9 @@ LINE, CIRCLE, MANIFOLD = range(3)
 #: Of a coupling: q, and how many numbers it has; the target, its velocity and acceleration; and of all joints the
 #: factors, and where they are in q.
 SUM, FACTORS, PLACES = range(3, 6)
+#: Of linear relations: q, and how many numbers it has; the ways of all joints, to work in; b, its velocity and
+#: acceleration; q0; and what the joints are.
+WAYS, WANTED, START, KINDS = range(3, 7)
 
 
 @inner
@@ -80,6 +84,39 @@ def write_coupling(here):
             total += factors[j] * q[places[j]]
     measured[of.ERROR] = target[0] - total
     measured[of.RATE], measured[of.CHANGE] = target[1], target[2]
+    of.moving(told[LAW])
+    of.law(told[LAW])
+    return 0
+
+
+@stamp
+@entry
+def write_linear(here):
+    """Sums of the ways of all joints from a configuration."""
+    told = ints(here, 0, 7)
+    law = ints(told[LAW], 0, of.LENGTH)
+    rows, n = law[of.ROWS], law[of.N]
+    joints, q, start = (
+        ints(told[KINDS], 0, JOINT_FIELDS * n),
+        floats(told[Q], 0, told[NQ]),
+        floats(told[START], 0, told[NQ]),
+    )
+    ways, wanted = floats(told[WAYS], 0, n), floats(told[WANTED], 0, 3 * rows)
+    A, measured = floats(law[of.MATRIX], 0, rows * n), floats(law[of.MEASURED], 0, of.KINDS * rows)
+    for j in range(n):
+        kind, place, goal = joints[j], joints[PLACE * n + j], joints[GOAL * n + j]
+        if kind == LINE:
+            ways[j] = q[place] - start[goal]
+        elif kind == CIRCLE:
+            ways[j] = angle_between(start, goal, q, place)
+        else:
+            ways[j] = 0.0
+    for r in range(rows):
+        total = 0.0
+        for j in range(n):
+            total += A[r * n + j] * ways[j]
+        measured[r] = wanted[r] - total
+        measured[of.RATE * rows + r], measured[of.CHANGE * rows + r] = wanted[rows + r], wanted[2 * rows + r]
     of.moving(told[LAW])
     of.law(told[LAW])
     return 0

@@ -1,13 +1,12 @@
 r"""Equality constraints and tendons of a MuJoCo model that couple joints, read as mimic joints.
 
 A joint equality with a linear polynomial, :math:`q_1 - q_1^0 = a_0 + a_1 (q_2 - q_2^0)`, makes a joint follow another.
-What would close a loop of the robot's own bodies, or bound a sum of joints, cannot be said by joints, and is refused.
+What would bound a sum of joints cannot be said by joints, and is refused; closed chains are read by :mod:`.closures`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from typing import Any
 
 import mujoco
 
@@ -16,18 +15,20 @@ from hqp import InvalidInput
 from .scene import Scene
 from .ties import Tie
 
-EQUALITIES = {mujoco.mjtEq.mjEQ_CONNECT: "connect", mujoco.mjtEq.mjEQ_WELD: "weld", mujoco.mjtEq.mjEQ_TENDON: "tendon"}
+
+def active(mj: mujoco.MjModel) -> list[int]:
+    """The equalities that count."""
+    off = mj.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_EQUALITY
+    return [] if off else [i for i in range(mj.neq) if mj.eq_active0[i]]
 
 
 def couplings(
     mj: mujoco.MjModel,
     scene: Scene,
     joints: Mapping[int, str],
-    placed: Mapping[int, tuple[int, Any]],
-    names: list[str],
     what: str,
-) -> tuple[list[Tie], list[str]]:
-    """The joints of the robot that follow others, and the equalities that are left out, with why.
+) -> list[Tie]:
+    """The joints of the robot that follow others.
 
     Parameters
     ----------
@@ -35,10 +36,6 @@ def couplings(
     scene : Scene
     joints : dict of int to str
         The joints of the robot.
-    placed : dict of int to tuple
-        Its bodies, and the world: which joint of the model carries each.
-    names : list of str
-        Of all bodies.
     what : str
         The file, for messages.
 
@@ -48,18 +45,11 @@ def couplings(
         Names the equality or tendon that joints cannot say.
     """
     ties: list[Tie] = []
-    left_out: list[str] = []
-    off = mj.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_EQUALITY
-    for i in range(mj.neq):
-        if off or not mj.eq_active0[i]:
-            continue
+    for i in active(mj):
         kind, name = mujoco.mjtEq(mj.eq_type[i]), mj.eq(i).name or f"number {i}"
         if kind == mujoco.mjtEq.mjEQ_JOINT:
             tied = (repr(mj.joint(int(j)).name) for j in (mj.eq_obj1id[i], mj.eq_obj2id[i]) if j >= 0)
             ties += _tie(mj, i, joints, f"{what}: joint equality {name!r} of {' and '.join(tied)}")
-        elif kind in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
-            said = _loop(mj, i, scene, placed, names, f"{what}: {EQUALITIES[kind]} equality {name!r}")
-            left_out += [f"{EQUALITIES[kind]} {name!r} ({said})"] if said else []
         elif kind == mujoco.mjtEq.mjEQ_TENDON:
             tendons = [t for t in (int(mj.eq_obj1id[i]), int(mj.eq_obj2id[i])) if t >= 0]
             if any(moves(mj, tendon, scene, joints) for tendon in tendons):
@@ -70,7 +60,7 @@ def couplings(
         if mj.tendon_limited[tendon] and moves(mj, tendon, scene, joints):
             name = mj.tendon(tendon).name or f"number {tendon}"
             raise InvalidInput(f"{what}: tendon {name!r} has a range over joints of the robot; it must have none")
-    return ties, left_out
+    return ties
 
 
 def _tie(mj: mujoco.MjModel, i: int, joints: Mapping[int, str], what: str) -> Iterator[Tie]:
@@ -88,28 +78,6 @@ def _tie(mj: mujoco.MjModel, i: int, joints: Mapping[int, str], what: str) -> It
         yield Tie(joints[follower], None, 0.0, start + a0)
     else:
         yield Tie(joints[follower], joints[leader], a1, start + a0 - a1 * float(mj.qpos0[mj.jnt_qposadr[leader]]))
-
-
-def _loop(
-    mj: mujoco.MjModel, i: int, scene: Scene, placed: Mapping[int, tuple[int, Any]], names: list[str], what: str
-) -> str:
-    """Why a connect or weld may be left out; nothing to be said where it ties what is one body or no robot."""
-    sites = mj.eq_objtype[i] == mujoco.mjtObj.mjOBJ_SITE
-    ends = [int(mj.site_bodyid[own] if sites else own) for own in (mj.eq_obj1id[i], mj.eq_obj2id[i])]
-    own = [end in scene.bodies for end in ends]
-    if not any(own):
-        return ""
-    other = ends[0] if not own[0] else ends[1]
-    stands = mj.body_weldid[other] == 0 and mj.body_mocapid[mj.body_rootid[other]] < 0
-    if all(own) or stands:
-        carriers = [placed[end][0] if end in placed else 0 for end in ends]
-        if carriers[0] == carriers[1]:
-            return ""
-        hint = "; base='fixed' mounts the robot" if stands and not all(own) else ""
-        raise InvalidInput(
-            f"{what} closes a loop from {names[ends[0]]!r} to {names[ends[1]]!r}, which joints cannot say{hint}"
-        )
-    return f"to {names[other]!r}, which is no part of the robot"
 
 
 def moves(mj: mujoco.MjModel, tendon: int, scene: Scene, joints: Collection[int]) -> bool:

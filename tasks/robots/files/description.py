@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import pinocchio as pin
 
 from ...base.checks import Array
+from ..closure import Closure
 from .ties import Tie
 
 #: The joint of a base that the file does not have, by name and kind.
@@ -28,6 +29,8 @@ class Description:
         Joints that follow others.
     fixed : tuple of str
         Joints of the file that do not move, and are none of the model.
+    closures : tuple of Closure
+        Frames that it holds together, beside its joints.
     left_out : tuple of str
         What else the file has, and why it is no part of the robot.
     """
@@ -37,3 +40,4 @@ class Description:
     ties: list[Tie] = field(default_factory=list)
     fixed: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
+    closures: tuple[Closure, ...] = ()

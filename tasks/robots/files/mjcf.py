@@ -29,6 +29,7 @@ from ...base.checks import LARGEST, Array
 from ...base.quiet import caught, reason
 from ..axes import kind
 from ..choices import Base
+from .closures import closed_chains
 from .couplings import couplings, moves
 from .description import BASE_JOINT, BASES, Description
 from .mujoco_numbers import BALL, FREE, HINGE, SLIDE, pose, randomise, single_joint, xyzw, yaw_of
@@ -87,7 +88,9 @@ class _Reader:
         for body in self.scene.bodies:
             self._add_body(body)
         self._add_sites()
-        ties, said = couplings(self.mj, self.scene, self.joint_names(), self.placed, self.names, self.what)
+        ties = couplings(self.mj, self.scene, self.joint_names(), self.what)
+        closures, open_ends = closed_chains(self.mj, self.world, self.scene, self.placed, self.names, self.what)
+        left_out = *self.scene.left_out, *open_ends, *self._unmodelled()
         neutral = np.concatenate([np.zeros(0), *self.start])
         for i in range(self.mj.nkey):
             name = self.mj.key(i).name or f"key{i}"
@@ -95,7 +98,7 @@ class _Reader:
                 raise InvalidInput(f"{self.what}: keyframe {name!r} has numbers that are not finite")
             self.model.referenceConfigurations[name] = self.configuration(self.mj.key_qpos[i], neutral)
         self._verify(neutral)
-        return Description(self.model, neutral, ties, (), (*self.scene.left_out, *said, *self._unmodelled()))
+        return Description(self.model, neutral, ties, (), left_out, tuple(closures))
 
     def joint_names(self) -> dict[int, str]:
         """MuJoCo's number of each joint of the robot -> its name."""

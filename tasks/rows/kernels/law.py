@@ -8,8 +8,9 @@ With the error e, its feed-forwards r', r'' and the drift J' v of a row, and the
     \text{acceleration}\quad & J a = r'' - J' v + c_1 (r' - J v) + c_2 e \\
     \text{step}\quad & J\,dq = e
 
-and for an inequality the same of e + below and e + above. Where the joints brake by no more than a limit, an inequality
-is kept in time: see :mod:`tasks.rows.inequality`.
+and for an inequality the same of e + below and e + above. Of an equality, e is shortened first, to
+:func:`share_of` its length: to a cap, and to what comes to rest at the target by a deceleration. Where the joints brake
+by no more than a limit, an inequality is kept in time: see :mod:`tasks.rows.inequality`.
 """
 
 from __future__ import annotations
@@ -21,15 +22,15 @@ from hqp.kernels.memory import floats, ints
 
 #: Of the table of a law: the order; how many rows, unknowns; the rows that it owns (MATRIX is 0 where they are plain),
 #: its numbers, what is measured, the velocities; rate and tick; whether it only bounds, and whether drift and speed are
-#: measured.
-ORDER, ROWS, N, MATRIX, LOWER, UPPER, NUMBERS, MEASURED, V, TICK, BOUNDS, DRIFTS = range(12)
-LENGTH = 12
+#: measured; the longest error that counts, and the deceleration; and whether one of them is there.
+ORDER, ROWS, N, MATRIX, LOWER, UPPER, NUMBERS, MEASURED, V, TICK, BOUNDS, DRIFTS, LONGEST, SHORTENS = range(14)
+LENGTH = 14
 #: The orders, and their names.
 VELOCITY, ACCELERATION, STEP = range(3)
 ORDERS = ("velocity", "acceleration", "step")
-#: Numbers of every row: K [1/s], c1 [1/s], c2 [1/s^2]; how far below and above the target.
-GAIN, C1, C2, BELOW, ABOVE = range(5)
-FIELDS = 5
+#: Numbers of every row: K [1/s], c1 [1/s], c2 [1/s^2]; how far below and above the target; the largest error.
+GAIN, C1, C2, BELOW, ABOVE, CAP = range(6)
+FIELDS = 6
 #: What is measured of every row.
 ERROR, RATE, CHANGE, DRIFT, NOW = range(5)
 KINDS = 5
@@ -42,6 +43,10 @@ def law(table):
     rows, order = told[ROWS], told[ORDER]
     number, measured = floats(told[NUMBERS], 0, FIELDS * rows), floats(told[MEASURED], 0, KINDS * rows)
     lower, upper, tick = floats(told[LOWER], 0, rows), floats(told[UPPER], 0, rows), floats(told[TICK], 0, 2)
+    if told[SHORTENS] != 0:
+        share = share_of(order, rows, number, measured, floats(told[LONGEST], 0, 2))
+        for r in range(rows):
+            measured[r] *= share
     in_time = told[BOUNDS] != 0 and tick[0] < math.inf and order != STEP
     for r in range(rows):
         e, rate, change = measured[r], measured[rows + r], measured[2 * rows + r]
@@ -58,6 +63,32 @@ def law(table):
             c2 = number[C2 * rows + r]
             h = number[C1 * rows + r] * (rate - now) + c2 * e - drift + change
             lower[r], upper[r] = h + c2 * below, h + c2 * above
+
+
+@inner
+def share_of(order, rows, number, measured, longest):
+    r"""The share of an error e that counts: its length is at most a cap, and each row at most its own.
+
+    With the speed u = K e (at acceleration order :math:`c_2 / c_1 e`), of length :math:`\kappa d`, d that of e,
+    and a deceleration a, it comes to rest: :math:`\|u\| \le \sqrt{2 a (d - a / 2 \kappa^2)}` from :math:`d = a /
+    \kappa^2` on, where the exponential end of the way takes over with the same speed and the same deceleration.
+    """
+    share, square, speed = 1.0, 0.0, 0.0
+    for r in range(rows):
+        e, most = abs(measured[r]), number[CAP * rows + r]
+        rate = number[r] if order != ACCELERATION else number[C2 * rows + r] / number[C1 * rows + r]
+        square += e * e
+        speed += rate * rate * e * e
+        if e > most:
+            share = min(share, most / e)
+    length = math.sqrt(square)
+    if length > longest[0]:
+        share = min(share, longest[0] / length)
+    if longest[1] < math.inf and speed > 0.0:
+        end = longest[1] * square / speed
+        if length > end:
+            share = min(share, math.sqrt(2.0 * longest[1] * (length - 0.5 * end) / speed))
+    return share
 
 
 @inner

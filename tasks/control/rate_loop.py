@@ -1,0 +1,130 @@
+"""A loop at a constant rate: tick k begins k/rate after the first, however long the ones before took.
+
+Deadlines are counted from the first tick, and not from the one before, so that delays do not add up. Where a tick is
+not done when the next is due, the next begins at once; ticks that are over altogether by then are left out, and `dt` of
+the next says so.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from math import ceil, floor, inf
+from typing import NamedTuple
+
+from ..base.checks import positive_scalar
+from ..base.telling import LOG
+
+#: Round-off of a count of ticks.
+ROUND_OFF = 1e-9
+
+
+class Beat(NamedTuple):
+    """One tick of a loop.
+
+    Attributes
+    ----------
+    k : int
+        Its number; greater by more than 1 than the one before where ticks were left out.
+    t : float
+        When it is due, since the first [s].
+    dt : float
+        Since the tick before [s]: 1/rate, or a multiple of it.
+    """
+
+    k: int
+    t: float
+    dt: float
+
+
+class RateLoop:
+    """A loop at a constant rate, which counts what comes too late; made by :func:`loop`.
+
+    Attributes
+    ----------
+    rate : float
+        [Hz].
+    duration : float
+        [s]; infinite where it goes on until it is left.
+    ticks : int
+        How many have begun.
+    overruns : int
+        How many were not done when the next was due.
+    worst : float
+        How late the latest of them was done [s].
+    left_out : int
+        How many were never begun, as the one before took that long.
+    """
+
+    def __init__(
+        self,
+        rate: float,
+        duration: float = inf,
+        clock: Callable[[], float] = time.perf_counter,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self.rate = positive_scalar(rate, "rate of a loop", unit="Hz")
+        self.duration = duration if duration == inf else positive_scalar(duration, "duration of a loop", unit="s")
+        self._clock, self._sleep = clock, sleep
+        self.ticks = self.overruns = self.left_out = 0
+        self.worst = 0.0
+
+    def __iter__(self) -> Iterator[Beat]:
+        """Begin anew."""
+        self.ticks = self.overruns = self.left_out = 0
+        self.worst = 0.0
+        last = inf if self.duration == inf else ceil(self.duration * self.rate - ROUND_OFF)
+        start, k, before = self._clock(), 0, -1
+        try:
+            while k < last:
+                self.ticks += 1
+                yield Beat(k, k / self.rate, (k - before) / self.rate)
+                before, k = k, self._next(k, start)
+        finally:
+            if self.overruns:
+                LOG.warning(str(self))
+
+    def _next(self, k: int, start: float) -> int:
+        """Wait for the next tick that is not over yet: its number."""
+        due = start + (k + 1) / self.rate
+        late = self._clock() - due
+        if late > 0.0:
+            missed = floor(late * self.rate)
+            self.overruns, self.worst = self.overruns + 1, max(self.worst, late)
+            self.left_out += missed
+            return k + 1 + missed
+        self._sleep(-late)
+        return k + 1
+
+    def __str__(self) -> str:
+        told = f"loop at {self.rate:g} Hz: {self.overruns} of {self.ticks} ticks took too long"
+        if not self.overruns:
+            return told
+        skipped = f"; {self.left_out} were left out" if self.left_out else ""
+        return f"{told}, the latest by {1e3 * self.worst:.3g} ms{skipped}"
+
+
+def loop(rate: float, duration: float = inf) -> RateLoop:
+    """A loop at a constant rate, in real time.
+
+    ``for tick in loop(rate=200, duration=5.0): step = controller(q, v, tick.t)``. Ticks that take too long are counted
+    (`overruns`, `worst`, `left_out`), and told by the logger "hqp" when the loop ends.
+
+    Parameters
+    ----------
+    rate : float
+        [Hz].
+    duration : float
+        [s]; default: until the loop is left.
+
+    Returns
+    -------
+    RateLoop
+        It gives a :class:`Beat` a tick: its number `k`, its time `t` [s], and `dt` [s].
+
+    Raises
+    ------
+    InvalidInput
+        If the rate or the duration is not positive.
+    """
+    return RateLoop(rate, duration)

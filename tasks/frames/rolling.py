@@ -1,0 +1,233 @@
+"""Tasks: wheels that roll on a plane without slip, in all directions or in one."""
+
+from __future__ import annotations
+
+from math import cos, sin
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from ..base.checks import Array, finite, finite_scalar, positive_scalar
+from ..base.live import number
+from ..base.rotations import perpendicular
+from ..robots.robot import Robot
+from ..rows.loop_task import LoopTask
+from .axis import unit
+from .frame_task import FrameTask
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
+
+
+class WheelTask(FrameTask, LoopTask):
+    """Base of the wheels on a plane.
+
+    Parameters
+    ----------
+    radius : float
+        [m].
+    frame : str, optional
+        The hub, which turns with the wheel.
+    relative_to : str, optional
+        The floor, where it is no part of the world.
+    normal : array, shape (3,)
+        Of the plane, towards the wheel.
+    floor : float
+        How far the plane is from the origin, along the normal [m].
+    gain, damping_ratio, weight, cap, deceleration, name
+        See :class:`tasks.Task`.
+    """
+
+    spatial = True
+
+    def __init__(
+        self,
+        radius: float,
+        *,
+        frame: str | None = None,
+        relative_to: str | None = None,
+        normal: ArrayLike = (0.0, 0.0, 1.0),
+        floor: float = 0.0,
+        gain: ArrayLike,
+        damping_ratio: float = 1.0,
+        weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
+        name: str | None = None,
+    ) -> None:
+        self._call(name)
+        self.radius, self.normal, self.floor = radius, normal, floor
+        super().__init__(
+            frame,
+            relative_to,
+            gain=gain,
+            damping_ratio=damping_ratio,
+            weight=weight,
+            cap=cap,
+            deceleration=deceleration,
+            name=name,
+        )
+
+    @number
+    def radius(self, value: float) -> float:
+        """Of the wheel [m]."""
+        return positive_scalar(value, f"{self.label()}: radius", unit="m")
+
+    @number
+    def normal(self, value: ArrayLike) -> Array:
+        """Of the plane: a unit vector, of whatever length it is given."""
+        return unit(finite(value, f"{self.label()}: normal"), f"{self.label()}: normal")
+
+    @number
+    def floor(self, value: float) -> float:
+        """How far the plane is from the origin, along the normal [m]."""
+        return finite_scalar(value, f"{self.label()}: floor")
+
+    def _wheel(self) -> Array:
+        """What its loop is told; see :mod:`tasks.frames.kernels.rolling`."""
+        from .kernels import rolling as loops
+
+        wheel = np.zeros(loops.WHEEL_SIZE)
+        wheel[loops.NORMAL : loops.NORMAL + 3] = self.normal
+        wheel[loops.FIRST : loops.FIRST + 6] = perpendicular(self.normal).ravel()
+        wheel[loops.RADIUS], wheel[loops.FLOOR] = self.radius, self.floor
+        return wheel
+
+    def plan(self, site: Site) -> Plan:
+        from ..base.loops import Call
+        from ..rows.plan import Plan
+        from .kernels.rolling import write_rolling
+
+        told = site.law(self), self.block(site), self._wheel(), site.rows - 1, site.shared.work
+        return Plan((Call(write_rolling, *told),))
+
+    def check_frames(self, robot: Robot) -> None:
+        if self.at_rest(robot).frame(self.frame).rotation.ndim == 1:
+            raise InvalidInput(f"{self.label()}: {robot!r} moves in the plane; wheels take robots in space")
+        super().check_frames(robot)
+
+    def _shown(self) -> list[str]:
+        return [f"{self.radius:g}", *super()._shown()]
+
+
+class RollingTask(WheelTask):
+    """Let a wheel, or a ball, roll on a plane without slip, at the height of its radius.
+
+    What touches the plane stands still there: two rows for the slip, along the plane, and one for the height, which is
+    brought to the radius by the law. The wheel stands upright, or is a ball: the point that touches is straight below
+    the hub. ``RollingTask(0.1, frame="left_wheel", gain=10.0)``, for each wheel of a robot with a floating or planar
+    base, lets its base move as the wheels do.
+
+    Parameters
+    ----------
+    radius : float
+        [m].
+    frame : str, optional
+        The hub, which turns with the wheel.
+    relative_to : str, optional
+        The floor, where it is no part of the world.
+    normal : array, shape (3,)
+        Of the plane, towards the wheel.
+    floor : float
+        How far the plane is from the origin, along the normal [m].
+    gain, damping_ratio, weight, cap, deceleration, name
+        See :class:`tasks.Task`. The gain is of the height, and at acceleration order what slips is stopped by it.
+
+    Raises
+    ------
+    InvalidInput
+        If the radius is not positive, or the normal has no direction; with a robot, if it moves in the plane.
+    """
+
+    rows = 3
+
+    def row_names(self, robot: Robot) -> list[tuple[str, str]]:
+        return [("slip 1", "m"), ("slip 2", "m"), ("height", "m")]
+
+
+class OmniwheelTask(WheelTask):
+    """Let a wheel with rollers on its rim roll on a plane: it slips freely as its rollers turn, and no other way.
+
+    One row for the slip and one for the height. Rollers of an omniwheel turn about the direction in which the wheel
+    drives, and let it go aside; those of a mecanum wheel stand at 45 degrees to it, ``rollers=np.pi / 4`` or
+    ``-np.pi / 4``.
+
+    Parameters
+    ----------
+    radius : float
+        [m].
+    axle : array, shape (3,)
+        The axis of the wheel, in the frame of the hub.
+    rollers : float
+        From the direction in which the wheel drives, axle x normal, to the axes of its rollers, about the normal [rad].
+    frame, relative_to, normal, floor
+        See :class:`RollingTask`.
+    gain, damping_ratio, weight, cap, deceleration, name
+        See :class:`tasks.Task`.
+
+    Raises
+    ------
+    InvalidInput
+        If the radius is not positive, or a vector has no direction; with a robot, if it moves in the plane. Where the
+        axle is upright the tick is INVALID.
+    """
+
+    rows = 2
+
+    def __init__(
+        self,
+        radius: float,
+        *,
+        axle: ArrayLike = (0.0, 1.0, 0.0),
+        rollers: float = 0.0,
+        frame: str | None = None,
+        relative_to: str | None = None,
+        normal: ArrayLike = (0.0, 0.0, 1.0),
+        floor: float = 0.0,
+        gain: ArrayLike,
+        damping_ratio: float = 1.0,
+        weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
+        name: str | None = None,
+    ) -> None:
+        self._call(name)
+        self.axle, self.rollers = axle, rollers
+        super().__init__(
+            radius,
+            frame=frame,
+            relative_to=relative_to,
+            normal=normal,
+            floor=floor,
+            gain=gain,
+            damping_ratio=damping_ratio,
+            weight=weight,
+            cap=cap,
+            deceleration=deceleration,
+            name=name,
+        )
+
+    @number
+    def axle(self, value: ArrayLike) -> Array:
+        """The axis of the wheel in the frame of the hub: a unit vector, of whatever length it is given."""
+        return unit(finite(value, f"{self.label()}: axle"), f"{self.label()}: axle")
+
+    @number
+    def rollers(self, value: float) -> float:
+        """From the direction in which the wheel drives to the axes of its rollers [rad]."""
+        return finite_scalar(value, f"{self.label()}: rollers")
+
+    def _wheel(self) -> Array:
+        from .kernels import rolling as loops
+
+        wheel = super()._wheel()
+        wheel[loops.AXLE : loops.AXLE + 3], wheel[loops.TURNS] = self.axle, 1.0
+        wheel[loops.COSINE], wheel[loops.SINE] = cos(self.rollers), sin(self.rollers)
+        return wheel
+
+    def row_names(self, robot: Robot) -> list[tuple[str, str]]:
+        return [("slip", "m"), ("height", "m")]

@@ -1,0 +1,33 @@
+r"""The loop of joints with a wanted speed: of named joints, one row of the identity each.
+
+.. math:: \text{velocity}\quad v = v^d \qquad \text{acceleration}\quad a = \dot v^d + K (v^d - v)
+
+With K = 1/dt the speed is there at the end of the tick.
+"""
+
+from __future__ import annotations
+
+from hqp.kernels.compile import entry, stamp
+from hqp.kernels.memory import floats, ints
+
+from ...rows.kernels import law as of
+
+#: The order, the rows, the joints and which of them each row has; their velocities; the wanted ones and their rates
+#: (2 x rows); K of every row [1/s]; and the bounds.
+ORDER, ROWS, N, COLUMNS, V, TARGET, GAIN, LOWER, UPPER = range(9)
+
+
+@stamp
+@entry
+def write_speeds(here):
+    """Joints that are to move at their speeds."""
+    told = ints(here, 0, UPPER + 1)
+    rows = told[ROWS]
+    columns, v, target = ints(told[COLUMNS], 0, rows), floats(told[V], 0, told[N]), floats(told[TARGET], 0, 2 * rows)
+    gain, lower, upper = floats(told[GAIN], 0, rows), floats(told[LOWER], 0, rows), floats(told[UPPER], 0, rows)
+    for r in range(rows):
+        h = target[r]
+        if told[ORDER] == of.ACCELERATION:
+            h = target[rows + r] + gain[r] * (target[r] - v[columns[r]])
+        lower[r] = upper[r] = h
+    return 0

@@ -1,0 +1,148 @@
+r"""Task: linear relations between joint positions, :math:`A (q \ominus q_0) = b`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from ..base.checks import Array, finite
+from ..base.live import number
+from ..robots.robot import Robot, joint_names, joint_units, neutral
+from ..rows.loop_task import LoopTask
+from ..rows.part import Order
+from ..rows.site import Workspace, kept_up
+from ..rows.task import TargetTask
+from ..targets.trajectories import Trajectory, as_trajectory
+from .coupling import MIXED
+from .posture import joint_kinds
+
+if TYPE_CHECKING:
+    from ..rows.plan import Plan
+    from ..rows.site import Site
+
+
+class LinearHolonomicTask(LoopTask, TargetTask):
+    r"""Bring :math:`A (q \ominus q_0)` to b: each row a sum of the ways of all joints from a configuration.
+
+    ``LinearHolonomicTask(np.eye(nv)[[0, 3]], [0.1, -0.2], q0, gain=5.0)`` moves two joints by 0.1 and -0.2 from where
+    they are at q0. :class:`JointCouplingTask` is one such row, its joints by name and its q0 zero.
+
+    Parameters
+    ----------
+    A : array, shape (rows, nv)
+        Zero for joints that have no single position, such as those of a floating base.
+    b : float, array, shape (rows,), or Trajectory
+        In the unit that A gives it (default: 0).
+    q0 : array, shape (nq,), optional
+        Default: the neutral configuration. The way of a joint on a circle is the shorter one.
+    gain, damping_ratio, weight, cap, deceleration, name
+        See :class:`tasks.Task`.
+
+    Raises
+    ------
+    InvalidInput
+        If A is no matrix of finite numbers, or a row of it is zero; with a robot, if A, b or q0 does not fit it, or A
+        counts a joint without a single position.
+    """
+
+    def __init__(
+        self,
+        A: ArrayLike,
+        b: ArrayLike | Trajectory = 0.0,
+        q0: ArrayLike | None = None,
+        *,
+        gain: ArrayLike,
+        damping_ratio: float = 1.0,
+        weight: ArrayLike = 1.0,
+        cap: ArrayLike | None = None,
+        deceleration: float | None = None,
+        name: str | None = None,
+    ) -> None:
+        self._call(name)
+        self.A = A
+        self.rows, self.q0 = len(self.A), q0
+        if not callable(b) and np.ndim(b) == 0:
+            b = np.full(self.rows, finite(b, f"{self.label()}: b"))
+        super().__init__(
+            b, gain=gain, damping_ratio=damping_ratio, weight=weight, cap=cap, deceleration=deceleration, name=name
+        )
+
+    @number
+    def A(self, value: ArrayLike) -> Array:
+        """The factor of every joint in every row, shape (rows, nv)."""
+        matrix = finite(value, f"{self.label()}: A")
+        if matrix.ndim != 2 or not matrix.size:
+            raise InvalidInput(f"{self.label()}: A has shape {matrix.shape}; it must be (rows, nv)")
+        if not matrix.any(axis=1).all():
+            raise InvalidInput(f"{self.label()}: A[{int(np.argmin(matrix.any(axis=1)))}] is zero; it asks for nothing")
+        before = vars(self).get("A", matrix)
+        if matrix.shape != before.shape:
+            raise InvalidInput(
+                f"{self.label()}: A has shape {matrix.shape}; its rows are part of its structure, and stay"
+                f" {before.shape}; {self._instead}"
+            )
+        return matrix
+
+    @number
+    def q0(self, value: ArrayLike | None) -> Array | None:
+        """The configuration that ways are counted from, shape (nq,); None for the neutral one."""
+        return None if value is None else finite(value, f"{self.label()}: q0")
+
+    @number
+    def target(self, value: ArrayLike | Trajectory) -> Trajectory:
+        """b, shape (rows,), or a trajectory of it."""
+        return as_trajectory(value, self.rows, self.label())
+
+    @property
+    def b(self) -> Trajectory:
+        """The same."""
+        return self.target
+
+    @b.setter
+    def b(self, value: ArrayLike | Trajectory) -> None:
+        self.target = value
+
+    def plan(self, site: Site) -> Plan:
+        """One loop; the rows are there from the start."""
+        from ..base.loops import Call
+        from ..rows.plan import Plan
+        from .kernels import joints as loops
+
+        shared, target = site.shared, np.zeros((3, site.rows))
+        moves = kept_up(self.target, *target)
+        assert site.A is not None
+        site.A[:] = self.A
+        start, q = self._start(shared.robot), shared.positions
+        told = site.law(self), q, len(q), np.zeros(shared.n), target, start, joint_kinds(shared, np.arange(shared.n))
+        return Plan((Call(loops.write_linear, *told),), moves)
+
+    def _start(self, robot: Robot) -> Array:
+        return neutral(robot) if self.q0 is None else self.q0
+
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
+        from .kernels import joints as loops
+
+        if self.A.shape[1] != robot.nv:
+            raise InvalidInput(
+                f"{self.label()}: A has shape {self.A.shape}; it must be (rows, {robot.nv}) on {robot!r}"
+            )
+        if self._start(robot).shape != (robot.nq,):
+            raise InvalidInput(f"{self.label()}: q0 has shape {self._start(robot).shape}; it must be ({robot.nq},)")
+        own = np.flatnonzero(self.A.any(axis=0))
+        kinds = joint_kinds(Workspace(robot, order, dt), own)[loops.KIND]
+        if (kinds == loops.MANIFOLD).any():
+            joint = joint_names(robot)[own[int(np.argmax(kinds == loops.MANIFOLD))]]
+            raise InvalidInput(f"{self.label()}: A counts joint {joint!r}, which has no single position; it must be 0")
+        super().check(robot, order, dt)
+
+    def row_names(self, robot: Robot) -> list[tuple[str, str]]:
+        units = joint_units(robot)
+        own = [{units[i] for i in np.flatnonzero(row)} for row in self.A]
+        return [(f"row {i}", unit.pop() if len(unit) == 1 else MIXED) for i, unit in enumerate(own)]
+
+    def _shown(self) -> list[str]:
+        return [str(self.A.tolist()), *super()._shown()]

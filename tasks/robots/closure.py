@@ -1,0 +1,30 @@
+"""What a file says of a closed chain: two frames of a robot that are held together."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ..base.checks import Array
+
+
+class Closure(NamedTuple):
+    """Two frames that a file holds together; :meth:`tasks.Loop.of` makes parts of a stack of them.
+
+    Attributes
+    ----------
+    name : str
+        Of the element of the file.
+    a, b : str
+        The frames; "universe" is the world.
+    at, at_b : array, shape (3,)
+        The point of each that is held, in its own coordinates [m].
+    rotation : array, shape (3, 3), or None
+        The axes of a in those of b; None where one may turn about the other.
+    """
+
+    name: str
+    a: str
+    b: str
+    at: Array
+    at_b: Array
+    rotation: Array | None

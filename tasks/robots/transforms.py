@@ -1,0 +1,59 @@
+"""Where one frame of a robot is, for an observer on another."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from ..base.checks import Array
+from ..base.rotations import about
+from .frame import Frame
+
+
+class Framed(Protocol):
+    """What has frames: a state."""
+
+    def frame(self, name: str | None = None) -> Frame: ...
+
+
+class Transforms:
+    """A base of states: what they say about the places of frames."""
+
+    def transform(self: Framed, frame: str | None = None, relative_to: str | None = None) -> Array:
+        """Where a frame is: the matrix that brings its coordinates into those of the world, or of another frame.
+
+        ``robot.at(q).transform("gripper", "base_link")``; a target of :class:`tasks.PoseTask` as it is.
+
+        Parameters
+        ----------
+        frame : str, optional
+            Default: the tip.
+        relative_to : str, optional
+            The frame whose coordinates are meant (default: the world).
+
+        Returns
+        -------
+        array, shape (4, 4)
+            Lengths in [m]; a planar arm turns about z.
+
+        Raises
+        ------
+        InvalidInput
+            If there is no such frame; tells the nearest names.
+        """
+        own = _matrix(self.frame(frame))
+        if relative_to is None:
+            return own
+        root = _matrix(self.frame(relative_to))
+        seen = np.eye(4)
+        seen[:3, :3] = root[:3, :3].T @ own[:3, :3]
+        seen[:3, 3] = root[:3, :3].T @ (own[:3, 3] - root[:3, 3])
+        return seen
+
+
+def _matrix(frame: Frame) -> Array:
+    matrix = np.eye(4)
+    matrix[:3, :3] = about(2, float(frame.rotation[0])) if frame.rotation.ndim == 1 else frame.rotation
+    matrix[:3, 3] = frame.position
+    return matrix
