@@ -46,10 +46,12 @@ from .limits.position import JointPositionLimit
 from .limits.torque import JointTorqueLimit
 from .limits.velocity import JointVelocityLimit
 from .obstacles.avoidance import AvoidanceTask
+from .obstacles.collision import CollisionLimit
 from .obstacles.distance import DistanceLimit
 from .obstacles.links import LinkCapsule, planar_links
 from .obstacles.self_collision import SelfCollisionLimit
 from .obstacles.shapes import Capsule, Sphere
+from .obstacles.solids import Box, Polyhedron
 from .robots.frame import Frame
 from .robots.library import available_robots
 from .robots.loading import load_robot
@@ -90,6 +92,7 @@ __all__ = [
     "AtMost",
     "AvoidanceTask",
     "AxisTask",
+    "Box",
     "BoxLimit",
     "Capsule",
     "CapturePointTask",
@@ -98,6 +101,7 @@ __all__ = [
     "Chain",
     "Change",
     "Circle",
+    "CollisionLimit",
     "Command",
     "Contact",
     "Controller",
@@ -145,6 +149,7 @@ __all__ = [
     "PlaneTask",
     "Plant",
     "Polygon",
+    "Polyhedron",
     "Polynomial",
     "PoseSetpoint",
     "PoseTask",

@@ -20,9 +20,11 @@ from tasks import (
     AtMost,
     AvoidanceTask,
     AxisTask,
+    Box,
     BoxLimit,
     Capsule,
     CenterOfMassTask,
+    CollisionLimit,
     Damping,
     DistanceLimit,
     DynamicManipulabilityTask,
@@ -53,6 +55,7 @@ from tasks import (
     PlanarArm,
     PlaneLimit,
     PlaneTask,
+    Polyhedron,
     PoseTask,
     PositionTask,
     PostureTask,
@@ -490,6 +493,13 @@ def reconstructed(s: Setting) -> Iterator[Case]:
     yield Case(spec, live, (*KEPT, "task", "above"), orders=("velocity",))
 
 
+def _moved(p: Any) -> np.ndarray:
+    """The transform by a vector."""
+    T = np.eye(4)
+    T[:3, 3] = p
+    return T
+
+
 def distances(s: Setting) -> Iterator[Case]:
     carried = Spec(LinkCapsule, frame=s.frame, end=[-0.2, 0.0] if s.flat else "panda_link6", radius=0.05)
     hand = Spec(LinkCapsule, frame="tip" if s.flat else "panda_hand", end=[-0.1, 0.0], radius=0.04)
@@ -514,7 +524,24 @@ def distances(s: Setting) -> Iterator[Case]:
     if not s.flat:
         pairs = [("panda_hand", "panda_link2"), ("panda_link5", "panda_link1"), ("panda_hand", "panda_link0")]
         live = {"margin": 0.05, "gain": 3.0, "weight": Made(HALF)}
-        yield Case(Spec(SelfCollisionLimit, pairs=pairs, margin=0.02, gain=2.0), live, (*KEPT, "pairs", "asked"))
+        yield Case(
+            Spec(SelfCollisionLimit, pairs=pairs, margin=0.02, gain=2.0), live, (*KEPT, "pairs", "asked", "without")
+        )
+        corners = np.vstack([np.zeros(3), 0.2 * np.eye(3)]) + tip + np.array([0.1, 0.1, 0.0])
+        solids = [Spec(Box, size=[0.1, 0.2, 0.3], at=_moved(tip + 0.2)), Spec(Polyhedron, points=corners)]
+        live = {
+            "margin": 0.05,
+            "gain": 3.0,
+            "weight": Made(HALF),
+            "obstacles.0.size": [0.2, 0.2, 0.2],
+            "obstacles.0.at": _moved(tip + 0.25),
+            "obstacles.1.points": corners + 0.02,
+            "obstacles.1.at": _moved(np.array([0.0, 0.0, 0.05])),
+        }
+        named = ("obstacles.0.name", "obstacles.1.name", "obstacles", "bodies")
+        bodies = ["panda_hand", "panda_link5"]
+        spec = Spec(CollisionLimit, obstacles=solids, bodies=bodies, margin=0.02, gain=2.0, rows=2)
+        yield Case(spec, live, (*KEPT, *named))
 
 
 GROUPS: dict[str, Callable[[Setting], Iterator[Case]]] = {

@@ -203,12 +203,17 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
             name="own",
         ),
         "AxisTask": made(tasks.AxisTask, [0.0, 0.0, 1.0], axis=[0.0, 0.0, 1.0], **framed),
+        "Box": made(tasks.Box, [0.1, 0.2, 0.3], np.eye(4), name="own"),
         "BoxLimit": made(tasks.BoxLimit, [-1.0] * 3, [1.0] * 3, **seen),
         "Capsule": made(tasks.Capsule, [1.0, 0.0], [2.0, 0.0], 0.1),
         "CenterOfMassTask": made(tasks.CenterOfMassTask, v, relative_to="link0", mask="xyz", **gain),
         "Chain": made(Chain, new(lambda: [Line([0.0, 0.0], [1.0, 0.0], 1.0)])),
         "Change": made(Change, 0.02, s, 0.01, law=tasks.cubic),
         "Circle": made(Circle, [0.0, 0.0], 1.0, 2.0, start=0.0, turn=3.0, timing=tasks.cubic),
+        "CollisionLimit": made(
+            tasks.CollisionLimit, new(lambda: [tasks.Box([0.1, 0.2, 0.3])]), bodies=None, margin=0.01, gain=1.0, rows=2,
+            name="own",
+        ),
         "Controller": made(Controller, a, s, order="velocity", dt=0.01, backend="native", settings=None, torque=False),
         "Damped": made(tasks.Damped, p, 0.1),
         "Damping": made(tasks.Damping, 0.1, name="own"),
@@ -256,6 +261,7 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "PlaneLimit": made(tasks.PlaneLimit, [0.0, 1.0, 0.0], 1.0, **seen),
         "PlaneTask": made(tasks.PlaneTask, [0.0, 1.0, 0.0], 1.0, **framed),
         "Polygon": made(tasks.Polygon, [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], 1.0, timing=tasks.cubic, closed=True),
+        "Polyhedron": made(tasks.Polyhedron, np.vstack([np.zeros(3), np.eye(3)]), np.eye(4), name="own"),
         "Polynomial": made(Polynomial, [v, v, v], [q, v, v], 1.0, via={0.5: [[0.1] * 3]}),
         "PoseSetpoint": made(PoseSetpoint, np.eye(4)),
         "PoseTask": made(tasks.PoseTask, v, np.eye(3), mask="x y z rx", reference="local", **framed),
@@ -265,7 +271,7 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "RollingTask": made(tasks.RollingTask, 0.1, normal=[0.0, 0.0, 1.0], floor=0.0, **framed),
         "RotationSetpoint": made(tasks.RotationSetpoint, np.eye(3)),
         "SelfCollisionLimit": made(
-            tasks.SelfCollisionLimit, pairs=[("link0", "link3")], margin=0.01, gain=1.0, rows=2, name="own"
+            tasks.SelfCollisionLimit, pairs=[("link0", "link3")], without=(), margin=0.01, gain=1.0, rows=2, name="own"
         ),
         "Setpoint": made(Setpoint, v),
         "Sphere": made(Sphere, [1.0, 0.0], 0.1),

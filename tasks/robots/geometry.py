@@ -1,10 +1,10 @@
-"""The shapes of a robot, read from its URDF: those that collide, and those that are seen."""
+"""The shapes of a robot, read from its file or given: those that collide, and those that are seen."""
 
 from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 from xml.etree.ElementTree import Element
 
 import coal
@@ -12,13 +12,52 @@ import numpy as np
 import pinocchio as pin
 
 from hqp import InvalidInput
+from hqp.checks import of_type
 
 from ..base.quiet import caught, reason
+from .convexity import check_volume
 from .files.urdf import rename, rename_shared
-from .files.xml import parsed, written
+from .files.xml import parsed, root_of, written
 
-#: A mesh whose least extent is this share of its largest has no volume.
-FLAT = 1e-9
+
+def read_geometry(robot: Any, kind: Literal["collision", "visual"]) -> pin.GeometryModel:
+    """The shapes of the file that a robot was loaded from: of a URDF, and of an MJCF those that collide.
+
+    Raises
+    ------
+    InvalidInput
+        If there is no such file, or a shape cannot be read.
+    """
+    if kind == "collision" and robot.scene is not None:
+        from .files.mjcf_shapes import mjcf_geometry
+
+        return mjcf_geometry(robot.model, robot.scene, f"the collision shapes of {robot!r}")
+    if robot.source is None or root_of(robot.source, repr(robot)) != "robot":
+        beside = ", or give it some by robot.with_geometry" if kind == "collision" else ""
+        raise InvalidInput(f"{robot!r} has no URDF file to read shapes from; use load_robot, or set its source{beside}")
+    return (collision_geometry if kind == "collision" else visual_geometry)(robot.model, robot.source)
+
+
+def checked_geometry(model: pin.Model, geometry: Any, what: str) -> pin.GeometryModel:
+    """A copy of shapes that are given, meshes as their convex hulls, each on a frame of the model.
+
+    Raises
+    ------
+    InvalidInput
+        If it is no GeometryModel, there are no shapes, one is on no joint of the model, or a mesh has no volume.
+    """
+    own = pin.GeometryModel(of_type(geometry, pin.GeometryModel, f"{what}: geometry"))
+    if not own.ngeoms:
+        raise InvalidInput(f"{what}: geometry has no shapes")
+    for shape in own.geometryObjects:
+        if not 0 <= shape.parentJoint < model.njoints:
+            number = shape.parentJoint
+            raise InvalidInput(f"{what}: shape {shape.name!r} is on joint {number}; it must be one of the model")
+        if not (shape.parentFrame < model.nframes and model.frames[shape.parentFrame].parentJoint == shape.parentJoint):
+            kinds = pin.FrameType.JOINT if shape.parentJoint else pin.FrameType.FIXED_JOINT
+            shape.parentFrame = model.getFrameId(model.names[shape.parentJoint], kinds)
+        shape.geometry = convex(shape.geometry, f"{what}: {shape.name!r}")
+    return own
 
 
 def collision_geometry(model: pin.Model, source: Path) -> pin.GeometryModel:
@@ -112,10 +151,7 @@ def convex(shape: coal.CollisionGeometry, what: str) -> coal.CollisionGeometry:
     """
     if not isinstance(shape, coal.BVHModelBase):
         return shape
-    points = np.array(shape.vertices()).reshape(-1, 3)
-    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) if len(points) > 3 else np.zeros(1)
-    if not spread.min() > FLAT * spread.max():
-        raise InvalidInput(f"{what} is a mesh without volume; it must not be flat")
+    check_volume(np.array(shape.vertices()).reshape(-1, 3), what)
     shape.buildConvexHull(True, "Qt")
     return shape.convex
 

@@ -109,6 +109,7 @@ def load_robot(
     robot.start_from(neutral)
     _take_home(robot, entry)
     robot.recipe, robot.left_out, robot.closures = recipe, described.left_out, described.closures
+    robot.scene = described.scene
     robot.source = file.resolve() if isinstance(file, Path) else None
     return robot
 

@@ -30,7 +30,6 @@ except ImportError as error:  # pragma: no cover
 
 from .axes import NONE
 from .configurations import Configurations
-from .files.xml import root_of
 from .keeping import Kept, Recipe
 from .kinematics import Kinematics
 from .pinocchio_model import PinocchioModel
@@ -38,6 +37,7 @@ from .pinocchio_source import PinocchioSource
 from .pinocchio_state import PinocchioState
 from .ranges import SAME, both_ways, largest, no_faster, no_position, within
 from .ranges import position_limit as limits_of
+from .shapes import Shaped
 
 #: The unit of a limit for a joint that turns, and for one that slides.
 SPEED = {"rad": "rad/s", "m": "m/s"}
@@ -50,7 +50,7 @@ Limit = ArrayLike | Mapping[str, float]
 Range = tuple[ArrayLike, ArrayLike] | Mapping[str, tuple[float, float]]
 
 
-class PinocchioRobot(Configurations, PinocchioModel):
+class PinocchioRobot(Configurations, Shaped, PinocchioModel):
     """A robot with a Pinocchio model. One robot serves one thread; copies share the model.
 
     Parameters
@@ -96,6 +96,8 @@ class PinocchioRobot(Configurations, PinocchioModel):
         How the ties of its model were made, for copies; see :mod:`tasks.robots.keeping`.
     source : pathlib.Path or None
         The file that it was loaded from, for its shapes; see :meth:`geometry`.
+    scene : mujoco.MjModel or None
+        What MuJoCo compiled of it.
 
     Raises
     ------
@@ -127,8 +129,7 @@ class PinocchioRobot(Configurations, PinocchioModel):
         self.recipe: Recipe | None = None
         self.start_from(pin.neutral(model))
         self.source: Path | None = None
-        self._geometry: pin.GeometryModel | None = None
-        self._visuals: pin.GeometryModel | None = None
+        self.scene: Any = None
 
     @number
     def position_limit(self, value: Range | None) -> Array | None:
@@ -172,39 +173,6 @@ class PinocchioRobot(Configurations, PinocchioModel):
         """Take this configuration as neutral, and as home unless the model names one."""
         self._begun, self._neutral = neutral, self._inside(neutral)
         self.home = self._named("home") if "home" in self.configurations else self._neutral
-
-    def geometry(self) -> pin.GeometryModel:
-        """The collision shapes of its file, read when first asked for; meshes become their convex hulls.
-
-        Raises
-        ------
-        InvalidInput
-            If there is no URDF file, or a mesh of it cannot be read.
-        """
-        if self._geometry is None:
-            from .geometry import collision_geometry
-
-            self._geometry = collision_geometry(self.model, self._urdf())
-        return self._geometry
-
-    def visuals(self) -> pin.GeometryModel:
-        """What its file says it looks like, read when first asked for.
-
-        Raises
-        ------
-        InvalidInput
-            If there is no URDF file, or a mesh of it cannot be read.
-        """
-        if self._visuals is None:
-            from .geometry import visual_geometry
-
-            self._visuals = visual_geometry(self.model, self._urdf())
-        return self._visuals
-
-    def _urdf(self) -> Path:
-        if self.source is None or root_of(self.source, repr(self)) != "robot":
-            raise InvalidInput(f"{self!r} has no URDF file to read shapes from; use load_robot, or set its source")
-        return self.source
 
     # The configuration.
 
@@ -342,7 +310,7 @@ class PinocchioRobot(Configurations, PinocchioModel):
 
     def __getstate__(self) -> dict[str, Any]:
         own = dict(self.__dict__, model=Kept(self.model, self.recipe), kinematics=None, guard=None)
-        return dict(own, _geometry=None, _visuals=None)
+        return dict(own, _geometry=self._geometry if self._geometry_is_given else None, _visuals=None)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         own = vars(self)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import pinocchio as pin
 
@@ -31,6 +32,8 @@ class Description:
         Joints of the file that do not move, and are none of the model.
     closures : tuple of Closure
         Frames that it holds together, beside its joints.
+    scene : mujoco.MjModel or None
+        What MuJoCo compiled.
     left_out : tuple of str
         What else the file has, and why it is no part of the robot.
     """
@@ -41,3 +44,4 @@ class Description:
     fixed: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
     closures: tuple[Closure, ...] = ()
+    scene: Any = None

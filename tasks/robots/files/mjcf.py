@@ -98,7 +98,7 @@ class _Reader:
                 raise InvalidInput(f"{self.what}: keyframe {name!r} has numbers that are not finite")
             self.model.referenceConfigurations[name] = self.configuration(self.mj.key_qpos[i], neutral)
         self._verify(neutral)
-        return Description(self.model, neutral, ties, (), left_out, tuple(closures))
+        return Description(self.model, neutral, ties, (), left_out, tuple(closures), self.mj)
 
     def joint_names(self) -> dict[int, str]:
         """MuJoCo's number of each joint of the robot -> its name."""

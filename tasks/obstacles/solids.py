@@ -1,0 +1,135 @@
+"""Convex solids that stand in the world: boxes, and polyhedra as the hulls of their corners."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+from hqp.checks import of_type
+
+from ..base.checks import Array, finite, positive
+from ..base.live import Live, number, structure
+from ..base.rotations import transform
+
+#: At the origin, along the axes of the world.
+ORIGIN = np.eye(4)
+
+
+class Solid(Live):
+    """Base of the solids; see :class:`tasks.CollisionLimit`.
+
+    Parameters
+    ----------
+    at : array, shape (4, 4), or pinocchio.SE3
+        Where it is in the world.
+    name : str
+        For labels.
+    """
+
+    name: str = structure()
+
+    def __init__(self, at: Any, name: str) -> None:
+        self.name, self.at = of_type(name, str, f"name of a {type(self).__name__}"), at
+
+    @number
+    def at(self, value: Any) -> Array:
+        """Where it is in the world, shape (4, 4); set it to move it from one tick to the next."""
+        place = np.eye(4)
+        place[:3, 3], place[:3, :3] = transform(value, f"{self.label()}: at")
+        return place
+
+    def numbers(self) -> tuple[Any, ...]:
+        """What it is made of."""
+        raise NotImplementedError
+
+    def shape(self) -> Any:
+        """The same for Coal."""
+        raise NotImplementedError
+
+
+class Box(Solid):
+    """A box.
+
+    Parameters
+    ----------
+    size : array, shape (3,)
+        Its edges along its own axes [m].
+    at : array, shape (4, 4), or pinocchio.SE3
+        Where its centre is in the world, and how it stands.
+    name : str
+
+    Raises
+    ------
+    InvalidInput
+        If an edge is not positive, or `at` is no transform.
+    """
+
+    def __init__(self, size: ArrayLike, at: Any = ORIGIN, *, name: str = "box") -> None:
+        super().__init__(at, name)
+        self.size = size
+
+    @number
+    def size(self, value: ArrayLike) -> Array:
+        """Its edges [m], shape (3,)."""
+        size = positive(value, f"{self.label()}: size", unit="m")
+        if size.shape != (3,):
+            raise InvalidInput(f"{self.label()}: size has shape {size.shape}; it must be (3,)")
+        return size
+
+    def numbers(self) -> tuple[Any, ...]:
+        return self.size, self.at
+
+    def shape(self) -> Any:
+        from ..robots.convexity import shape_of
+
+        return shape_of("Box", *self.size.tolist())
+
+    def __repr__(self) -> str:
+        return f"Box({self.size.tolist()})"
+
+
+class Polyhedron(Solid):
+    """The convex hull of points, such as the corners of a polyhedron or the vertices of a mesh.
+
+    Parameters
+    ----------
+    points : array, shape (k, 3)
+        At least four, not in a plane [m].
+    at : array, shape (4, 4), or pinocchio.SE3
+        Where its own coordinates are in the world.
+    name : str
+
+    Raises
+    ------
+    InvalidInput
+        If the points lie in a plane or are not finite, or `at` is no transform.
+    """
+
+    def __init__(self, points: ArrayLike, at: Any = ORIGIN, *, name: str = "polyhedron") -> None:
+        super().__init__(at, name)
+        self.points = points
+
+    @number
+    def points(self, value: ArrayLike) -> Array:
+        """Whose hull it is [m], shape (k, 3)."""
+        points = finite(value, f"{self.label()}: points")
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise InvalidInput(f"{self.label()}: points has shape {points.shape}; it must be (k, 3)")
+        spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) if len(points) > 3 else np.zeros(1)
+        if not spread.min() > 1e-9 * spread.max():
+            raise InvalidInput(f"{self.label()}: points lie in a plane; they must enclose a volume")
+        return points
+
+    def numbers(self) -> tuple[Any, ...]:
+        return self.points, self.at
+
+    def shape(self) -> Any:
+        from ..robots.convexity import hull
+
+        return hull(self.points, f"{self.label()}: points")
+
+    def __repr__(self) -> str:
+        return f"Polyhedron({len(self.points)} points)"
