@@ -14,7 +14,11 @@ from tasks import Controller, JointLimits, OrientationTask, PositionTask, Postur
 ARMS = {  # where it starts, the frame that follows, the middle of the swing [m]
     "ur3": ({"shoulder_pan_joint": 1.0, "shoulder_lift_joint": -1.0, "elbow_joint": 1.0}, "tool0", 0.3),
     "ur5": ({"shoulder_pan_joint": 1.0, "shoulder_lift_joint": -1.0, "elbow_joint": 1.0}, "tool0", 0.5),
-    "kinova": ({"j2s6s200_joint_2": 2.0, "j2s6s200_joint_3": 1.0, "j2s6s200_joint_5": 1.0}, "j2s6s200_end_effector", 0.5),
+    "kinova": (
+        {"j2s6s200_joint_2": 2.0, "j2s6s200_joint_3": 1.0, "j2s6s200_joint_5": 1.0},
+        "j2s6s200_end_effector",
+        0.5,
+    ),
 }
 
 for name in sys.argv[1:] or ARMS:
