@@ -11,14 +11,12 @@ from _common import Swing, off
 
 from tasks import Controller, JointLimits, OrientationTask, PositionTask, PostureTask, load_robot, simulate
 
+BENT = {"shoulder_pan_joint": 1.0, "shoulder_lift_joint": -1.0, "elbow_joint": 1.0}
+KINOVA = {"j2s6s200_joint_2": 2.0, "j2s6s200_joint_3": 1.0, "j2s6s200_joint_5": 1.0}
 ARMS = {  # where it starts, the frame that follows, the middle of the swing [m]
-    "ur3": ({"shoulder_pan_joint": 1.0, "shoulder_lift_joint": -1.0, "elbow_joint": 1.0}, "tool0", 0.3),
-    "ur5": ({"shoulder_pan_joint": 1.0, "shoulder_lift_joint": -1.0, "elbow_joint": 1.0}, "tool0", 0.5),
-    "kinova": (
-        {"j2s6s200_joint_2": 2.0, "j2s6s200_joint_3": 1.0, "j2s6s200_joint_5": 1.0},
-        "j2s6s200_end_effector",
-        0.5,
-    ),
+    "ur3": (BENT, "tool0", 0.3),
+    "ur5": (BENT, "tool0", 0.5),
+    "kinova": (KINOVA, "j2s6s200_end_effector", 0.5),
 }
 
 for name in sys.argv[1:] or ARMS:

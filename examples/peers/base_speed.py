@@ -9,8 +9,8 @@ from tasks import Controller, FrameVelocityLimit, PoseTask, load_robot, simulate
 
 robot = load_robot("go2", tip="base")
 slow = FrameVelocityLimit([0.3, 0.3, 0.2, 0.8, 0.8, 0.8], mask="x y z rx ry rz", reference="local", name="base speed")
-away = PoseTask(robot.at(robot.home).frame().position + [2.0, 0.0, 0.0], np.eye(3), gain=10.0, name="base")
+far = robot.at(robot.home).frame().position + np.array([2.0, 0.0, 0.0])
+away = PoseTask(far, np.eye(3), gain=10.0, name="base")
 record = simulate(Controller(robot, slow >> away, dt=0.1), robot.home, duration=8.0)
-print(
-    f"fastest {np.abs(record.v[:, :6]).max(axis=0).round(6)}, at the end {np.linalg.norm(record.errors['base'][-1]):.1e} m off"
-)
+fastest = np.abs(record.v[:, :6]).max(axis=0)
+print(f"fastest {fastest.round(6)}, at the end {np.linalg.norm(record.errors['base'][-1]):.1e} m off")

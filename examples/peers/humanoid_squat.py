@@ -22,12 +22,11 @@ from tasks import (
 robot = load_robot("g1")
 start = robot.at(robot.home)
 mass = start.center_of_mass.position
-left, right = (
-    PoseTask.hold(start, frame=f"{side}_ankle_roll_link", gain=100.0, name=side) for side in ("left", "right")
-)
+left = PoseTask.hold(start, frame="left_ankle_roll_link", gain=100.0, name="left")
+right = PoseTask.hold(start, frame="right_ankle_roll_link", gain=100.0, name="right")
 squat = CenterOfMassTask(Swing(mass - [0.0, 0.0, 0.08], [0.0, 0.0, 0.05], np.pi, np.pi / 2), gain=10.0)
 hands = [
-    PositionTask(start.frame(f).position + [-0.1, 0.0, -0.1], frame=f, gain=3.0, name=f)
+    PositionTask(start.frame(f).position - np.array([0.1, 0.0, 0.1]), frame=f, gain=3.0, name=f)
     for f in ("left_wrist_yaw_link", "right_wrist_yaw_link")
 ]
 lower = OrientationTask(np.eye(3), frame="pelvis", gain=5.0) >> hands[0] + hands[1] >> PostureTask(robot.home, gain=1.0)

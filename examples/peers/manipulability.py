@@ -1,7 +1,7 @@
 """Arms bend to where their hands move well: a planar arm of two links, and a Panda with and without the criterion.
 
-Pink: ``planar_2dof_manipulability.py``, ``arm_panda_manipulability_comparison.py``. There the criterion has a rate and a
-damping and competes with the hand; here it is a level below the hand, and moves it by nothing.
+Pink: ``planar_2dof_manipulability.py``, ``arm_panda_manipulability_comparison.py``. There the criterion has a rate and
+a damping and competes with the hand; here it is a level below the hand, and moves it by nothing.
 """
 
 import numpy as np
@@ -32,16 +32,12 @@ here = panda.at(panda.home).frame()
 hand = PoseTask(Swing([0.4, 0.0, 0.4], [0.0, 0.3, 0.2], 1.0), here.rotation, gain=5.0, name="hand")
 
 
-def least(record: Record) -> float:
+def mean(record: Record) -> float:
     frames = (panda.at(q).frame() for q in record.q[300::10])
-    return min(manipulability(np.vstack([frame.linear, frame.angular])) for frame in frames)
+    return float(np.mean([manipulability(np.vstack([frame.linear, frame.angular])) for frame in frames]))
 
 
-for name, last in (
-    ("posture", PostureTask(panda.home, gain=1.0)),
-    ("manipulability", ManipulabilityTask(hand, gain=5.0)),
-):
+lowest = {"posture": PostureTask(panda.home, gain=1.0), "manipulability": ManipulabilityTask(hand, gain=5.0)}
+for name, last in lowest.items():
     record = simulate(Controller(panda, JointLimits() >> hand >> last, dt=0.01), panda.home, duration=7.0)
-    print(
-        f"Panda, {name} below: least manipulability {least(record):.4f}, hand {off(record, 'hand', since=3.0):.3f} mm off"
-    )
+    print(f"Panda, {name} below: {mean(record):.4f} in the mean, hand {off(record, 'hand', since=3.0):.3f} mm off")

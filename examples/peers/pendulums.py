@@ -1,7 +1,7 @@
 """Pendulums from URDF text: one that is stuck at the end of its range, and a double one that follows a target.
 
-Pink: ``one_dof_configuration_limit.py``, ``double_pendulum.py``, ``load_custom_urdf.py``. What a loop of ticks cannot see,
-the way around by the other side, ``solve_ik`` finds.
+Pink: ``one_dof_configuration_limit.py``, ``double_pendulum.py``, ``load_custom_urdf.py``. What a loop of ticks cannot
+see, the way around by the other side, ``solve_ik`` finds.
 """
 
 import numpy as np
@@ -14,11 +14,14 @@ from tasks import Controller, JointLimits, PinocchioRobot, PositionTask, Posture
 def pendulum(*lengths: float, low: float = 0.0) -> PinocchioRobot:
     """Links one above the other, which turn about x from `low` to a whole turn [rad]."""
     text, parent, height = '<link name="base"/>', "base", 0.0
-    for i, length in enumerate((*lengths, None)):
-        kind = "revolute" if length else "fixed"
-        text += f'<link name="link{i}"/><joint name="joint{i}" type="{kind}"><parent link="{parent}"/><child link="link{i}"/>'
-        text += f'<origin xyz="0 0 {height}"/><axis xyz="1 0 0"/><limit lower="{low}" upper="6.28" velocity="1" effort="0"/></joint>'
-        parent, height = f"link{i}", length or 0.0
+    for i, length in enumerate((*lengths, 0.0)):
+        kind, link = "revolute" if length else "fixed", f"link{i}"
+        text += (
+            f'<link name="{link}"/><joint name="joint{i}" type="{kind}"><parent link="{parent}"/><child link="{link}"/>'
+        )
+        text += f'<origin xyz="0 0 {height}"/><axis xyz="1 0 0"/>'
+        text += f'<limit lower="{low}" upper="6.28" velocity="1" effort="0"/></joint>'
+        parent, height = link, length
     return PinocchioRobot(pin.buildModelFromXML(f'<robot name="pendulum">{text}</robot>'), tip=parent)
 
 

@@ -1,8 +1,8 @@
 """A configuration of a UR10 for the pose of a random other one.
 
-Pink: ``inverse_kinematics_ur10.py``, ``inverse_kinematics_piper_viz.py``: a loop of ticks until the error is small, which
-need not end. ``solve_ik`` takes Newton steps, keeps to the ranges, begins anew where it is stuck, and says why where
-there is no solution.
+Pink: ``inverse_kinematics_ur10.py``, ``inverse_kinematics_piper_viz.py``: a loop of ticks until the error is small,
+which need not end. ``solve_ik`` takes Newton steps, keeps to the ranges, begins anew where it is stuck, and says why
+where there is no solution.
 """
 
 import numpy as np

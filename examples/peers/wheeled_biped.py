@@ -18,9 +18,8 @@ for side, y in ("left", 0.15), ("right", -0.15):
         text += f'<child link="{side}_{part}"/><origin xyz="0 {y} {z}"/>{TURN}</joint>'
         parent, y = f"{side}_{part}", 0.0
 robot = PinocchioRobot(pin.buildModelFromXML(f'<robot name="biped">{text}</robot>', pin.JointModelFreeFlyer()))
-q = robot.configuration(
-    {f"{side} {part}": angle for side in ("left", "right") for part, angle in (("hip", 0.4), ("knee", -0.8))}
-)
+bend = {"hip": 0.4, "knee": -0.8}
+q = robot.configuration({f"{side} {part}": angle for side in ("left", "right") for part, angle in bend.items()})
 q[2] = RADIUS - robot.at(q).frame("left_wheel").position[2]
 start = robot.at(q)
 
@@ -28,26 +27,26 @@ roll = [RollingTask(RADIUS, frame=f"{side}_wheel", gain=20.0, name=f"{side} roll
 x, height = start.frame("left_wheel").position[0], q[2]
 
 
+AHEAD = np.array([0.1, 0.0, 0.0])  # [m/s]
+
+
 class Along:
-    """Another trajectory, carried forward at 0.1 m/s."""
+    """Another trajectory, carried forward."""
 
     def __init__(self, swing: Swing) -> None:
         self.swing = swing
 
     def __call__(self, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         p, v, a = self.swing(t)
-        return p + [0.1 * t, 0.0, 0.0], v + [0.1, 0.0, 0.0], a
+        return p + t * AHEAD, v + AHEAD, a
 
 
-body = PoseTask(
-    Along(Swing([0.0, 0.0, height - 0.03], [0.0, 0.0, 0.02], 2.0)), np.eye(3), frame="body", gain=5.0, name="body"
-)
-steps = [
-    PositionTask(
-        Along(Swing([x, 0.0, 0.0], [far, 0.0, 0.0], 1.0)), mask="x", frame=f"{side}_wheel", gain=5.0, name=side
-    )
-    for side, far in (("left", 0.05), ("right", -0.05))
-]
+squat = Along(Swing([0.0, 0.0, height - 0.03], [0.0, 0.0, 0.02], 2.0))
+body = PoseTask(squat, np.eye(3), frame="body", gain=5.0, name="body")
+steps = []
+for side, far in ("left", 0.05), ("right", -0.05):
+    swing = Along(Swing([x, 0.0, 0.0], [far, 0.0, 0.0], 1.0))
+    steps.append(PositionTask(swing, mask="x", frame=f"{side}_wheel", gain=5.0, name=side))
 stack = JointLimits() >> roll[0] + roll[1] >> body >> steps[0] + steps[1] >> PostureTask(q, gain=1.0)
 record = simulate(Controller(robot, stack, dt=5e-3), q, duration=8.0)
 print(f"wheels slip and leave the floor by at most {off(record, 'left rolls', 'right rolls'):.1e} mm", end=", ")
