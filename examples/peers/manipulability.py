@@ -37,7 +37,7 @@ def mean(record: Record) -> float:
     return float(np.mean([manipulability(np.vstack([frame.linear, frame.angular])) for frame in frames]))
 
 
-lowest = {"posture": PostureTask(panda.home, gain=1.0), "manipulability": ManipulabilityTask(hand, gain=5.0)}
+lowest = {"posture": PostureTask(panda.home, gain=1.0), "manipulability": ManipulabilityTask(hand, gain=100.0)}
 for name, last in lowest.items():
     record = simulate(Controller(panda, JointLimits() >> hand >> last, dt=0.01), panda.home, duration=7.0)
     print(f"Panda, {name} below: {mean(record):.4f} in the mean, hand {off(record, 'hand', since=3.0):.3f} mm off")

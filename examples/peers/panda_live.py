@@ -29,6 +29,6 @@ for target, gain in ([0.5, 0.3, 0.4], 3.0), ([0.5, -0.3, 0.4], 6.0), ([0.3, 0.0,
     for _ in range(30):
         session.advance(0.1)
     away = np.linalg.norm(robot.at(session.q).frame().position - target)
-    print(f"target {target}, gain {gain:g} 1/s: {away * 1e3:.3f} mm off after 3 s")
+    print(f"target {target}, gain {gain:g} 1/s: {away * 1e3:.1f} mm off")
 session.move_level(2, -1)
 print("order now:", ", ".join(session.priorities.names))
