@@ -1,4 +1,4 @@
-"""Strict task priorities: declare levels in order, get the x that honours that order exactly, with proof.
+"""Lexicographic sequences of QPs: declare levels in order of priority, get the x that is optimal for all, with proof.
 
 >>> from hqp import Hierarchy, Level, solve
 >>> hierarchy = Hierarchy([

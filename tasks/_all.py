@@ -61,8 +61,7 @@ from .robots.robot import Robot, RobotState
 from .robots.skeleton import skeleton
 from .rows.damped import Damped
 from .rows.inequality import AtLeast, AtMost, Within
-from .rows.part import Command, Order, Part, Tick
-from .rows.stack import Stack
+from .rows.part import Command, Order, Part, Stack, Tick
 from .rows.task import TargetTask, Task
 from .simulation.physics import MujocoPlant
 from .simulation.record import Record

@@ -433,7 +433,7 @@ def cartesian(s: Setting) -> Iterator[Case]:
     live = {**sides, "normal": [0.6, 0.9, 0.0], "distance": 0.3}
     yield Case(Spec(PlaneLimit, normal=[0.0, 1.0, 0.0], distance=0.1, gain=2.0), live, (*KEPT, "plain", "task"))
     live = {"limit": 0.05, "weight": Made(HALF)}
-    yield Case(Spec(FrameVelocityLimit, limit=0.3, mask="x rz", frame=s.frame), live, (*KEPT, "place"))
+    yield Case(Spec(FrameVelocityLimit, limit=0.3, mask="x rz", frame=s.frame), live, (*KEPT, "pose_task"))
 
 
 def joint_limits(s: Setting) -> Iterator[Case]:

@@ -103,7 +103,7 @@ def test_a_bare_robot_has_no_ability_and_is_driven():
 
 def test_robots_of_this_package_declare_what_they_can():
     flat = {able.PositionLimited, able.VelocityLimited, able.AccelerationLimited, able.TorqueLimited}
-    common = flat | {able.WithFrames, able.Inertial, able.Dynamics, able.InverseDynamics}
+    common = flat | {able.WithFrames, able.Inertial, able.MotionEquation, able.InverseDynamics}
     assert ask.abilities(ARM) == common | {able.Manipulable, able.Drawn}
     more = {able.Neutral, able.Manifold, able.Homed, able.Floating, able.Named, able.WithAliases, able.Tipped}
     robot = load_robot("ur5")

@@ -225,7 +225,7 @@ def test_a_switch_changes_no_structure_and_jumps_nowhere() -> None:
     swing = PoseTask((foot.position, foot.rotation), frame=FEET[1], gain=20.0)
     controller = controller_of(scene, scene.limits >> CenterOfMassTask(com, gain=6.0) + swing >> scene.rest())
     q, v, taus = scene.q, scene.v, []
-    rows, solver, hierarchy = controller._rows, controller._solver, controller.hierarchy
+    rows, solver, hierarchy = controller._rows, controller._now.solver, controller.hierarchy
     for k in range(1100):
         if k == 700:
             controller.release("right", 0.2)
@@ -240,7 +240,7 @@ def test_a_switch_changes_no_structure_and_jumps_nowhere() -> None:
             check_mechanics(scene, q, v, step)
         taus.append(step.tau)
         q, v = advanced(scene.robot, q, v, step.a)
-    assert (rows, solver, hierarchy) == (controller._rows, controller._solver, controller.hierarchy)
+    assert (rows, solver, hierarchy) == (controller._rows, controller._now.solver, controller.hierarchy)
     jumps = np.abs(np.diff(taus, axis=0)).max(axis=1)
     assert jumps[695:895].max() < 0.05
     assert jumps[895:].max() < 0.5  # those of a ramp up to the weight, of 0.2 s
@@ -514,7 +514,7 @@ def test_an_ordinary_stack_has_one_block() -> None:
     robot = load_robot("panda")
     controller = Controller(robot, JointLimits() >> PostureTask(robot.home, gain=1.0), dt=0.01, damping=None)
     assert controller._rows.unknowns.n == controller.hierarchy.n == robot.nv
-    assert controller._rows.stack is controller.stack
+    assert controller._rows.levels.parts == controller.stack.levels
     assert controller(robot.home, np.zeros(robot.nv)).forces is None
 
 

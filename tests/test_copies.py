@@ -386,7 +386,7 @@ def test_a_second_thread_inside_is_told():
         solver._guard: lambda: solver.solve(h),
         batch._guard: lambda: batch.solve(Batch(h, 2)),
         damped_solver._guard: lambda: damped_solver.solve(h),
-        controller._guard: lambda: controller(controller.robot.home, np.zeros(7)),
+        controller._states.guard: lambda: controller(controller.robot.home, np.zeros(7)),
     }
     for guard, call in calls.items():
         call()

@@ -34,15 +34,14 @@ from tasks.base.loops import Call
 from tasks.base.rotations import exp
 from tasks.criteria.kernels import gradient, joints, measures
 from tasks.criteria.kernels.joints import write_kinetic_energy
-from tasks.frames.kernels import place as frames
-from tasks.frames.kernels.place import LOCAL, SPATIAL, WORLD
+from tasks.frames.kernels import placement as frames
+from tasks.frames.kernels.placement import LOCAL, SPATIAL, WORLD
 from tasks.robots.block import fill, relative
 from tasks.robots.chain import APART, chain_order, closed_form
 from tasks.robots.kernels import block
 from tasks.robots.robot import integrate
 from tasks.rows.kernels import law
 from tasks.rows.part import Tick
-from tasks.rows.rows import Rows
 
 pin = pytest.importorskip("pinocchio")
 from tasks.robots.pinocchio import PinocchioRobot  # noqa: E402
@@ -286,7 +285,7 @@ IN_SPACE = [
 
 def check_rows(robot, part, order, atol):
     """What loops write is what the part writes in Python."""
-    rows, rng = Rows(Stack(part), robot, order, None), np.random.default_rng(4)
+    rows, rng = Stack(part).build(robot, order), np.random.default_rng(4)
     [(_, plan)] = rows.plans
     assert plan.python is None
     level = rows.hierarchy.levels[0]
@@ -333,10 +332,10 @@ class Doubled(PositionTask):
 def test_what_has_no_closed_form_is_taken_by_differences():
     for task in CenterOfMassTask(np.zeros(3), gain=1.0), Doubled(np.zeros(3), gain=1.0):
         for part in ManipulabilityTask(task, gain=1.0), VelocityRatioTask(task, np.ones(3), gain=1.0):
-            [(_, plan)] = Rows(Stack(part), panda(), "velocity", None).plans
+            [(_, plan)] = Stack(part).build(panda(), "velocity").plans
             assert plan.python is not None
             assert "differences" in plan.why
-    [(_, plan)] = Rows(Stack(DynamicManipulabilityTask(reach(arm()), gain=1.0)), arm(), "velocity", None).plans
+    [(_, plan)] = Stack(DynamicManipulabilityTask(reach(arm()), gain=1.0)).build(arm(), "velocity").plans
     assert "differences" in plan.why
 
 
@@ -345,7 +344,7 @@ def test_a_criterion_of_ones_own_is_written_in_python():
         def value(self, robot, q, t=0.0):
             return float(robot.at(q, np.zeros(robot.nv)).frame().position[0])
 
-    rows, q = Rows(Stack(Stretched(gain=2.0)), arm(), "velocity", None), np.array([0.3, -0.5, 0.7])
+    rows, q = Stack(Stretched(gain=2.0)).build(arm(), "velocity"), np.array([0.3, -0.5, 0.7])
     [(_, plan)] = rows.plans
     assert "Stretched has its own value()" in plan.why
     rows.fill(arm().at(q, np.zeros(3)), 0.0)
@@ -364,8 +363,8 @@ def test_no_root_of_a_mass_matrix_is_nan():
 @pytest.mark.parametrize("order", ["velocity", "acceleration"])
 def test_the_motion_that_a_task_would_make_alone(order, damping):
     robot, task, rng = panda(), PoseTask(np.ones(3), np.eye(3), gain=2.0), np.random.default_rng(9)
-    rows = Rows(Stack(JointMotion(task, damping=damping)), robot, order, None)
-    itself = Rows(Stack(task), robot, order, None)
+    rows = Stack(JointMotion(task, damping=damping)).build(robot, order)
+    itself = Stack(task).build(robot, order)
     assert rows.compiled
     for _ in range(5):
         state = robot.at(robot.random(rng), rng.standard_normal(robot.nv))

@@ -141,7 +141,7 @@ def test_a_stack_without_curvature_is_solved_plainly() -> None:
     robot = PlanarArm([0.5, 0.5, 0.5], velocity_limit=2.0)
     posture = PostureTask([5.0] * 3, gain=30.0)
     default, strict = (Controller(robot, JointLimits() >> posture, dt=DT, damping=d) for d in ("curvature", None))
-    assert type(default._solver) is type(strict._solver)
+    assert type(default._now.solver) is type(strict._now.solver)
     assert (default(np.zeros(3)).v == strict(np.zeros(3)).v).all()
 
 

@@ -136,7 +136,7 @@ def test_spatial_robots_have_their_rows_written_as_always(name):
 
 def test_without_a_damped_level_nothing_changes():
     controller = Controller(ARM, tip() >> posture(), damping=None)
-    assert type(controller._solver) is hqp.Solver
+    assert type(controller._now.solver) is hqp.Solver
     step = controller(STRETCHED, STILL)
     assert type(step.solution) is hqp.Solution
     assert step.relaxed == ()

@@ -26,7 +26,7 @@ from tasks import (
     solve_ik,
 )
 from tasks.obstacles.shapes import Obstacle
-from tasks.rows.stack import Stack
+from tasks.rows.part import Stack
 
 DT, FAST = 0.01, 1.5
 ORDERS = ["velocity", "acceleration"]

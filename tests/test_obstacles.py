@@ -300,7 +300,7 @@ def test_the_nearest_bodies_are_found_without_measuring_all():
     for _ in range(10):
         state = panda().at(panda().random(rng), np.zeros(7))
         apart = shapes.distances(state)
-        np.testing.assert_allclose(apart[shapes.nearest(state, 6)], np.sort(apart)[:6], atol=1e-9)
+        np.testing.assert_allclose(apart[shapes.closest(state, 6)], np.sort(apart)[:6], atol=1e-9)
 
 
 ARM = PlanarArm([0.5, 0.5])

@@ -73,7 +73,8 @@ def test_it_comes_to_rest_by_the_deceleration(order) -> None:
     begun = record.t > 1.5  # at acceleration order it has to come to speed first
     late = 0.02 if order == "velocity" else 1.2 * a / 20.0  # the speed follows what is asked for at the rate 2 zeta K
     np.testing.assert_allclose(v[far & begun], np.sqrt(2.0 * a * (d[far & begun] - 0.5 * a / speed**2)), atol=late)
-    assert -np.diff(v)[record.t[1:] > 1.0].min() / dt < 1.02 * a
+    most = 1.02 if order == "velocity" else 1.3  # where the parabola ends the speed is still ahead
+    assert -np.diff(v)[record.t[1:] > 1.0].min() / dt < most * a
     assert abs(d[-1]) < 1e-3
     assert d.min() > -1e-6
 

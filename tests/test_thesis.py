@@ -12,8 +12,8 @@ import hqp
 from hqp import InvalidInput
 from tasks.thesis import laws
 from tasks.thesis.claims import BOTH, FOLLOWS, MOSTLY, NOT_THROUGHOUT, OVERCOMES, SINGULAR
-from tasks.thesis.finding import Finding
-from tasks.thesis.findings import measure, reversals
+from tasks.thesis.measuring import measure, reversals
+from tasks.thesis.run_result import RunResult
 from tasks.thesis.runs import Job, jobs_of, run
 from tasks.thesis.scenarios import SCENARIOS, Course, scenario
 
@@ -314,8 +314,8 @@ def test_a_fourth_joint_avoids_the_singularity():
 def found(**numbers):
     """A run that meets both tasks, but for what is said."""
     numbers = {"tip_error_mm": 0.1, "phi_share": 0.9, "diverged_min": np.nan, "note": ""} | numbers
-    rest = dict.fromkeys(set(Finding.__dataclass_fields__) - set(numbers), np.nan)
-    return Finding(**(rest | numbers))
+    rest = dict.fromkeys(set(RunResult.__dataclass_fields__) - set(numbers), np.nan)
+    return RunResult(**(rest | numbers))
 
 
 @pytest.mark.parametrize(

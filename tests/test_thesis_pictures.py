@@ -17,7 +17,7 @@ from tasks import cli
 from tasks.thesis import figures, ideas, plain, report, runs, scenarios, sheet, store, style
 from tasks.thesis.arms import ellipses
 from tasks.thesis.drawings import DRAWINGS
-from tasks.thesis.findings import measure
+from tasks.thesis.measuring import measure
 from tasks.thesis.runs import Job, run
 from tasks.thesis.scenarios import scenario
 

@@ -20,7 +20,7 @@ import hqp
 from hqp import InvalidInput
 from tasks.simulation.record import Stop
 from tasks.thesis import animation, drawings, figures, ideas, pictures, report, runs, scenarios, store, studies, tables
-from tasks.thesis.findings import digits, measure, to_csv
+from tasks.thesis.measuring import digits, measure, to_csv
 from tasks.thesis.runs import Job, jobs_of, run
 from tasks.thesis.scenarios import scenario
 

@@ -127,11 +127,11 @@ def test_going_back_finds_rows_and_solver_as_they_were() -> None:
     stack = LIMIT >> HAND >> REST
     other = stack.swapped(HAND, REST)
     controller = Controller(ARM, stack, dt=DT, damping=None)
-    rows, solver = controller._rows, controller._solver
+    rows, solver = controller._rows, controller._now.solver
     controller.change(other, duration=0.1)
     assert controller._rows is not rows
     controller.change(stack, duration=0.1)
-    assert (controller._rows, controller._solver) == (rows, solver)
+    assert (controller._rows, controller._now.solver) == (rows, solver)
 
 
 def test_stacks_with_parts_inserted_removed_and_swapped() -> None:

@@ -49,7 +49,7 @@ FLAGS = {
 }
 
 
-class Rows(NamedTuple):
+class DaqpProblem(NamedTuple):
     """A hierarchy as DAQP takes it; the first rows, those without an A, are bounds on x[0], x[1], and so on."""
 
     A: Array
@@ -59,7 +59,7 @@ class Rows(NamedTuple):
     break_points: NDArray[np.intc]
 
     @classmethod
-    def of(cls, hierarchy: Hierarchy) -> Rows:
+    def of(cls, hierarchy: Hierarchy) -> DaqpProblem:
         """Out of a hierarchy; free rows, zero rows and empty levels say nothing and are left out."""
         says = (hierarchy.row_norms() > 0) & ~(np.isinf(hierarchy.lower) & np.isinf(hierarchy.upper))
         ends = {int(says[:pointer].sum()) for pointer in hierarchy.pointers}
@@ -88,7 +88,7 @@ class DAQP:
         }
 
     def solve(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
-        rows = Rows.of(hierarchy)
+        rows = DaqpProblem.of(hierarchy)
         if not len(rows.upper):
             return Answer(x_ref.copy())
         flag, calls = 0, 0

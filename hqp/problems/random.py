@@ -61,7 +61,7 @@ CASES: dict[str, Callable[[np.random.Generator, int, tuple[int, ...]], list[Arra
 
 @dataclass(frozen=True)
 class Case:
-    """One family of the validation: a shape and a rank case."""
+    """One case of the validation: the shape of a stack, and the ranks of its levels."""
 
     n: int
     rows: tuple[int, ...]

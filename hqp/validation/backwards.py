@@ -30,7 +30,7 @@ MET = (Side.EQUALITY, Side.UPPER, Side.LOWER, Side.INACTIVE)
 PRESSING = 4
 
 
-class Rows(NamedTuple):
+class KnownRows(NamedTuple):
     """The rows of a level: weights d, slacks w and sides at x."""
 
     A: Array
@@ -53,7 +53,7 @@ def backwards(n: int, rows: Sequence[int], seed: int) -> KnownAnswer:
     """The hierarchy of a seed: so many rows a level that are met, and, but in the first, two which are not."""
     rng = np.random.default_rng(seed)
     x = rng.integers(-3, 4, n).astype(float)
-    parts: list[Rows] = []
+    parts: list[KnownRows] = []
     levels, chosen, pull = [], {}, np.zeros(n)
     for k, m in enumerate(rows):
         part = _met(rng, m, n)
@@ -80,14 +80,14 @@ def backwards(n: int, rows: Sequence[int], seed: int) -> KnownAnswer:
     )
 
 
-def _joined(parts: Sequence[Rows]) -> Rows:
-    return Rows(*(np.concatenate(pieces) for pieces in zip(*parts, strict=True)))
+def _joined(parts: Sequence[KnownRows]) -> KnownRows:
+    return KnownRows(*(np.concatenate(pieces) for pieces in zip(*parts, strict=True)))
 
 
-def _met(rng: np.random.Generator, m: int, n: int) -> Rows:
+def _met(rng: np.random.Generator, m: int, n: int) -> KnownRows:
     """Rows without slack, of every side in turn."""
     sides = np.array([MET[i % len(MET)] for i in range(m)])
-    return Rows(rng.integers(-2, 3, (m, n)).astype(float), _powers(rng, m), np.zeros(m), sides)
+    return KnownRows(rng.integers(-2, 3, (m, n)).astype(float), _powers(rng, m), np.zeros(m), sides)
 
 
 def _powers(rng: np.random.Generator, m: int) -> Array:
@@ -95,13 +95,13 @@ def _powers(rng: np.random.Generator, m: int) -> Array:
     return np.array([0.5, 1.0, 2.0])[rng.integers(0, 3, m)]
 
 
-def _violated(rng: np.random.Generator, force: Array) -> Rows:
+def _violated(rng: np.random.Generator, force: Array) -> KnownRows:
     """Two rows, an inequality and an equality, which together pull with `force`: ``sum_i a_i d_i^2 w_i``."""
     first = rng.integers(-2, 3, len(force)).astype(float)
     weights, slack = _powers(rng, 2), rng.choice([-1.0, -0.5, 0.5, 1.0], 2)
     pull = weights**2 * slack
     second = (force - pull[0] * first) / pull[1]
-    return Rows(
+    return KnownRows(
         np.array([first, second]),
         weights,
         slack,
@@ -109,7 +109,7 @@ def _violated(rng: np.random.Generator, force: Array) -> Rows:
     )
 
 
-def _multipliers(rng: np.random.Generator, rows: Rows, able: NDArray[np.bool_]) -> Array:
+def _multipliers(rng: np.random.Generator, rows: KnownRows, able: NDArray[np.bool_]) -> Array:
     """1 or 2 on some of the able rows, positive at an upper bound; of either sign on equalities and violated rows."""
     multipliers = np.zeros(len(rows.sides))
     candidates = np.flatnonzero(able & (rows.sides != Side.INACTIVE))

@@ -9,7 +9,7 @@ import numpy as np
 from hqp import InvalidInput
 from hqp.errors import brief
 
-from ..base.checks import Array, nearest
+from ..base.checks import Array, suggestion
 from ..robots.robot import Robot, on_pinocchio
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ class MujocoJoints:
             kind = _kind(joint.shortname(), joint.nq, joint.nv)
             other = theirs.get(name, free[0] if kind == "free" and len(free) == 1 else None)
             if other is None:
-                raise InvalidInput(f"{what}: joint {name!r} is not in mink's model{nearest(name, theirs)}")
+                raise InvalidInput(f"{what}: joint {name!r} is not in mink's model{suggestion(name, theirs)}")
             if KINDS[int(model.jnt_type[other])] != ("line" if kind == "circle" else kind):
                 raise InvalidInput(f"{what}: joint {name!r} moves otherwise in mink's model")
             self._joints.append(

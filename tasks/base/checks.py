@@ -176,8 +176,8 @@ def position_range(
     return np.array([low, high])
 
 
-def nearest(name: str, names: Iterable[str]) -> str:
-    """What to add to the refusal of a name: those that are like it, or all, if they are few."""
+def suggestion(name: str, names: Iterable[str]) -> str:
+    """Alternatives to an unknown name, to end its refusal: similar names, or all of them if they are few."""
     known = list(names)
     close = get_close_matches(name, known, n=3, cutoff=0.5)
     close = close or [other for other in known if name.lower() in other.lower()][:3]

@@ -35,7 +35,7 @@ import numpy as np
 
 from hqp import InvalidInput
 
-from .checks import nearest
+from .checks import suggestion
 
 Given = TypeVar("Given")
 Kept = TypeVar("Kept")
@@ -81,7 +81,7 @@ def structure(default: Any = NONE_GIVEN) -> Any:
 
 
 class _Structure:
-    """What stays; see :func:`structure`."""
+    """An attribute that is given once; see :func:`structure`."""
 
     def __init__(self, default: Any) -> None:
         self._default = default
@@ -99,7 +99,7 @@ class _Structure:
 
 
 class Watcher(Protocol):
-    """Whoever works with live objects, such as a controller."""
+    """An object that is told when a live object changes, such as a controller."""
 
     def admit(self, part: Live, name: str) -> None:
         """Take up the attribute of a part that was changed, or refuse it.
@@ -130,7 +130,7 @@ def _sealing(begin: Callable[..., None]) -> Callable[..., None]:
 
 
 class Live:
-    """Base of what may be changed while it is at work; see :mod:`tasks.base.live`.
+    """Base class of objects whose attributes may be changed while a controller uses them; see :mod:`tasks.base.live`.
 
     Copies, by :mod:`copy` or pickle, are watched by nobody.
     """
@@ -239,7 +239,7 @@ class Live:
         if hasattr(type(self), name):
             raise InvalidInput(f"{self.label()}: {name} is given by its class, and stays; {self._instead}")
         known = sorted(other for other in vars(self).keys() | _data(type(self)) if not other.startswith("_"))
-        raise InvalidInput(f"{self.label()}: there is no attribute {name!r}{nearest(name, known)}")
+        raise InvalidInput(f"{self.label()}: there is no attribute {name!r}{suggestion(name, known)}")
 
     def __getstate__(self) -> dict[str, Any]:
         return dict(vars(self))
@@ -288,7 +288,7 @@ def _kept(value: Any) -> Any:
 
 
 def _data(cls: type) -> set[str]:
-    """What a class has but methods."""
+    """The names of all data attributes of a class."""
     own = {name: value for base in reversed(cls.__mro__) for name, value in vars(base).items()}
     return {name for name, value in own.items() if not (callable(value) or isinstance(value, classmethod))}
 

@@ -45,7 +45,7 @@ class Table:
 
 
 class Call:
-    """One loop, and what it is told of.
+    """A compiled loop with its arguments.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def ready(kernel: Any) -> Callable[[int], object]:
 
 
 def run_all(calls: Iterable[Call]) -> None:
-    """One after the other."""
+    """Run these calls, one after the other."""
     for call in calls:
         call.run()
 

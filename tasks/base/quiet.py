@@ -13,7 +13,7 @@ STDERR = 2
 
 @contextmanager
 def caught() -> Iterator[list[str]]:
-    """Keep what is printed to standard error meanwhile, by any library: the lines are there at the end."""
+    """Capture what any library prints to standard error inside the block; the lines are there when it ends."""
     lines: list[str] = []
     try:
         kept = os.dup(STDERR)

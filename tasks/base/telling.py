@@ -1,4 +1,4 @@
-"""Messages logged once: worth a word, and no error."""
+"""Warnings that are logged once per process."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ _TOLD: set[str] = set()
 
 
 def tell(message: str) -> None:
-    """Say it, unless it was said before in this process."""
+    """Log a warning, unless this process has logged the same one before."""
     if message not in _TOLD:
         _TOLD.add(message)
         LOG.warning(message)

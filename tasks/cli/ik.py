@@ -80,7 +80,7 @@ def ik(
         typer.Option("--plot", help="Draw the robot there into this PNG.", parser=command.path, metavar="FILE"),
     ] = None,
 ) -> None:
-    """Bring a frame to a place, the joints inside their ranges: position before orientation before posture.
+    """Bring a frame to a pose, the joints inside their ranges: position before orientation before posture.
 
     Exit code 1 if it cannot be brought there; the nearest is printed, and what stops it.
     """

@@ -14,35 +14,17 @@ the stack; without, and at velocity order, a contact is its motion alone.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-import numpy as np
-from numpy.typing import ArrayLike
-
 from hqp import InvalidInput
-from hqp.checks import of_type, truth, whole_number
 
-from ..base.checks import Array, finite, not_negative, positive_scalar, scalar
-from ..base.live import number, structure
 from ..rows.expansion import Companions, Setting
 from ..rows.part import Part
-from ..rows.unknowns import Block
 from .forces import ForceBounds
 from .friction import Friction
+from .model import ContactModel
 from .motion import ContactMotion
-from .shape import Shape, shape_of
-from .slot import Slot
-from .surface import Surface
-
-if TYPE_CHECKING:
-    from ..rows.site import Workspace
-
-#: Rate at which a contact that has moved goes back to its place [1/s], unless told otherwise.
-GAIN = 20.0
-AXES = ("t1", "t2", "normal")
 
 
-class Contact(Part):
+class Contact(ContactModel):
     """A frame that touches the world, at points, along a line or on a rectangle.
 
     Parameters
@@ -88,104 +70,6 @@ class Contact(Part):
         If a number or the points are wrong; with a robot, if there is no such frame.
     """
 
-    frame: str = structure()
-    shape: Shape = structure()
-    surface: Surface | None = structure()
-    unilateral: bool = structure()
-    faces: int = structure()
-    wrench: bool = structure()
-    may_slip: bool = structure()
-
-    def __init__(
-        self,
-        frame: str,
-        *,
-        points: ArrayLike | None = None,
-        plane: ArrayLike | None = None,
-        line: float | None = None,
-        centre: ArrayLike = (0.0, 0.0, 0.0),
-        friction: float | None = None,
-        normal: ArrayLike = (0.0, 0.0, 1.0),
-        surface: Surface | None = None,
-        name: str | None = None,
-        unilateral: bool = True,
-        faces: int = 4,
-        wrench: bool = False,
-        torsion: float | None = None,
-        least: float = 0.0,
-        largest: float = np.inf,
-        gain: float = GAIN,
-        damping_ratio: float = 1.0,
-        weight: ArrayLike = 1.0,
-        may_slip: bool = False,
-    ) -> None:
-        self.frame = of_type(frame, str, "frame of a Contact")
-        self.name = frame if name is None else of_type(name, str, "name of a Contact")
-        self.shape = shape_of(points, plane, line, centre, self.label())
-        self._lengths = None if plane is None else finite(plane, "plane")
-        self.unilateral, self.may_slip = truth(unilateral, "unilateral"), truth(may_slip, "may_slip")
-        self.faces = whole_number(faces, f"{self.label()}: faces", least=3)
-        self.surface = None if surface is None else of_type(surface, Surface, f"{self.label()}: surface")
-        self.wrench = truth(wrench, "wrench")
-        if self.wrench and plane is None:
-            raise InvalidInput(f"{self.label()}: wrench = True takes a plane=(length along x, length along y) in m")
-        self.friction, self.normal, self.torsion = friction, normal, torsion
-        self.least, self.largest = least, largest
-        self.gain, self.damping_ratio, self.weight = gain, damping_ratio, weight
-        self._renew()
-
-    @number
-    def friction(self, value: float | None) -> float | None:
-        """mu."""
-        return None if value is None else positive_scalar(value, f"{self.label()}: friction")
-
-    @number
-    def torsion(self, value: float | None) -> float | None:
-        """The largest moment about the normal by the normal force [m]."""
-        return None if value is None else positive_scalar(value, f"{self.label()}: torsion", unit="m")
-
-    @number
-    def normal(self, value: ArrayLike) -> Array:
-        """The direction in which the surface pushes, shape (3,), of length 1."""
-        n = finite(value, f"{self.label()}: normal")
-        if n.shape != (3,) or not n.any():
-            raise InvalidInput(f"{self.label()}: normal = {n.tolist()} must be a direction, shape (3,)")
-        return np.asarray(n / np.linalg.norm(n))
-
-    @number
-    def least(self, value: float) -> float:
-        """Least sum of the normal forces [N]."""
-        return scalar(not_negative(value, f"{self.label()}: least", unit="N"), "least")
-
-    @number
-    def largest(self, value: float) -> float:
-        """Largest sum of the normal forces [N]; infinite if there is none."""
-        return value if value == np.inf else positive_scalar(value, f"{self.label()}: largest", unit="N")
-
-    @number
-    def gain(self, value: float) -> float:
-        """K [1/s]."""
-        return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
-
-    @number
-    def damping_ratio(self, value: float) -> float:
-        """The zeta of acceleration order."""
-        return positive_scalar(value, f"{self.label()}: damping ratio")
-
-    def _renew(self) -> None:
-        if self.least > self.largest:
-            raise InvalidInput(f"{self.label()}: least = {self.least:g} N must not exceed largest = {self.largest:g} N")
-
-    @property
-    def unknowns(self) -> int:
-        """How many unknown forces it has."""
-        return 6 if self.wrench else 3 * len(self.shape.points)
-
-    @property
-    def lengths(self) -> Array | None:
-        """Of its rectangle [m], if it has one."""
-        return self._lengths
-
     def companions(self, setting: Setting) -> Companions:
         motion = (ContactMotion(self),)
         here, below = ((), motion) if self.may_slip else (motion, ())
@@ -197,51 +81,3 @@ class Contact(Part):
                 raise InvalidInput(f"{self.label()}: needs its friction, as in Contact({self.frame!r}, friction=0.6)")
             limits = (Friction(self),)
         return Companions(here, top=(ForceBounds(self),), limits=limits, below=below, block=self.block())
-
-    def block(self) -> Block:
-        """Its unknown forces."""
-        if self.wrench:
-            names = tuple(f"{kind} {axis}" for kind in ("force", "moment") for axis in AXES)
-            return Block(self, self.name, names, ("N",) * 3 + ("N m",) * 3)
-        names = tuple(f"{where}{axis}" for where in self.places() for axis in AXES)
-        return Block(self, self.name, names, ("N",) * len(names))
-
-    def places(self) -> list[str]:
-        """What explanations call its points, with a blank after each; nothing where there is but one."""
-        count = 1 if self.wrench else len(self.shape.points)
-        return [""] if count == 1 else [f"point {i} " for i in range(count)]
-
-    def slot(self, shared: Workspace) -> Slot:
-        """What it keeps from tick to tick where it is at work."""
-        slot: Slot = shared.kept(self, lambda: Slot(1 if self.wrench else len(self.shape.points)))
-        return slot
-
-    # What its forces come to.
-
-    def forces(self, f: Array, axes: Array) -> Array:
-        """In world axes: at every point, shape (k, 3) [N]; of a wrench (6,), [N] and [N m] about the centre."""
-        world = np.asarray(f.reshape(-1, 3) @ axes[:9].reshape(3, 3))
-        return world.ravel() if self.wrench else world
-
-    def normal_forces(self, f: Array) -> Array:
-        """At every point [N]; of a wrench, one."""
-        return f[2:3] if self.wrench else f[2::3]
-
-    def cop(self, f: Array, axes: Array) -> Array:
-        """Centre of pressure in the coordinates of the frame, shape (3,) [m]; NaN where nothing presses."""
-        n = self.normal_forces(f)
-        total = float(n.sum())
-        if not total > 0.0:
-            return np.full(3, np.nan)
-        if not self.wrench:
-            return np.asarray(n @ self.shape.points / total)
-        arm = np.array([-f[4], f[3], 0.0]) / total  # along t1 and t2
-        return np.asarray(self.shape.centre + arm @ axes[:9].reshape(3, 3) @ axes[9:].reshape(3, 3))
-
-    def __repr__(self) -> str:
-        parts = [repr(self.frame)]
-        if self.friction is not None:
-            parts.append(f"friction={self.friction:g}")
-        if self.name != self.frame:
-            parts.append(f"name={self.name!r}")
-        return f"Contact({', '.join(parts)})"

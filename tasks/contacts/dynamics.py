@@ -87,7 +87,8 @@ class Dynamics(Part):
     def companions(self, setting: Setting) -> Companions:
         if setting.order == "step":  # which knows no forces
             return Companions(())
-        alone = not any(type(part).companions is not Part.companions and part is not self for part in setting.parts)
+        others = (part for part in setting.parts if isinstance(part, Part) and part is not self)
+        alone = all(type(part).companions is Part.companions for part in others)
         if base(setting.robot) and alone:
             tell(f"{self.label()}: {setting.robot!r} has a floating base and no contact in its stack; it falls")
         return super().companions(setting)

@@ -17,8 +17,9 @@ from ..rows.expansion import Companions, Setting
 from ..rows.part import Order, Part
 from ..rows.site import kept_up
 from ..targets.trajectories import Trajectory, as_trajectory
-from .contact import AXES, Contact
+from .contact import Contact
 from .forces import OfForces
+from .model import AXES
 
 if TYPE_CHECKING:
     from ..rows.plan import Plan

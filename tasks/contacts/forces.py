@@ -18,13 +18,13 @@ if TYPE_CHECKING:
     from ..rows.plan import Plan
     from ..rows.site import Site
     from ..rows.unknowns import Unknowns
-    from .contact import Contact
+    from .model import ContactModel
 
 
 class OfForces(Part):
     """Base of the parts whose rows are of the forces of one contact."""
 
-    contact: Contact = structure()
+    contact: ContactModel = structure()
     wide = True
 
     def columns(self, unknowns: Unknowns, robot: Robot) -> NDArray[np.intp]:
@@ -43,7 +43,7 @@ class ForceBounds(OfForces):
     is_limit: ClassVar[bool] = True
     plain = True
 
-    def __init__(self, contact: Contact) -> None:
+    def __init__(self, contact: ContactModel) -> None:
         self.contact, self.name, self.rows = contact, f"{contact.name}: forces", contact.unknowns
         self.weight = numbers(1.0, "weight")
 

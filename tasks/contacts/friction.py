@@ -28,7 +28,7 @@ from .forces import OfForces
 if TYPE_CHECKING:
     from ..rows.plan import Plan
     from ..rows.site import Site
-    from .contact import Contact
+    from .model import ContactModel
 
 
 class Friction(OfForces):
@@ -41,7 +41,7 @@ class Friction(OfForces):
 
     is_limit: ClassVar[bool] = True
 
-    def __init__(self, contact: Contact) -> None:
+    def __init__(self, contact: ContactModel) -> None:
         self.contact, self.name = contact, f"{contact.name}: friction"
         self.weight = numbers(1.0, "weight")
         self.rows = len(self.matrix(1.0))

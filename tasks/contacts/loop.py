@@ -24,7 +24,7 @@ from ..rows.expansion import Companions, Setting
 from ..rows.loop_task import LoopTask
 from ..rows.part import Order, Part
 from ..rows.unknowns import Block
-from .contact import GAIN
+from .model import GAIN
 
 if TYPE_CHECKING:
     from ..rows.plan import Plan

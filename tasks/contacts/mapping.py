@@ -11,10 +11,10 @@ from ..rows.site import Move
 
 if TYPE_CHECKING:
     from ..rows.site import Workspace
-    from .contact import Contact
+    from .model import ContactModel
 
 
-def keep_map(contact: Contact, shared: Workspace) -> tuple[Move, ...]:
+def keep_map(contact: ContactModel, shared: Workspace) -> tuple[Move, ...]:
     """Have G and the axes of a contact written every tick of this workspace; what brings its surface up to date.
 
     Parameters
@@ -42,7 +42,7 @@ def keep_map(contact: Contact, shared: Workspace) -> tuple[Move, ...]:
     return () if contact.surface is None else contact.surface.kept_up(slot.surface)
 
 
-def wrench_map(contact: Contact, shared: Workspace) -> Array:
+def wrench_map(contact: ContactModel, shared: Workspace) -> Array:
     """G of a contact, shape (unknowns, n); nothing where it has no forces."""
     if contact not in shared.unknowns:
         return np.zeros((0, shared.n))

@@ -17,7 +17,7 @@ from ..rows.part import Order
 if TYPE_CHECKING:
     from ..rows.plan import Plan
     from ..rows.site import Site
-    from .contact import Contact
+    from .model import ContactModel
 
 #: The motions by the axes of the surface: along them, and about them.
 LINEAR, ANGULAR = ("t1", "t2", "normal"), ("about t1", "about t2", "about the normal")
@@ -32,9 +32,9 @@ class ContactMotion(LoopTask):
         Whose numbers count.
     """
 
-    contact: Contact = structure()
+    contact: ContactModel = structure()
 
-    def __init__(self, contact: Contact) -> None:
+    def __init__(self, contact: ContactModel) -> None:
         self.contact, self.name, self.rows = contact, contact.name, contact.shape.motions
 
     cap: Array | None = structure(None)

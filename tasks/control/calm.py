@@ -1,4 +1,4 @@
-"""The stack as a linearisation, so that it is damped where that misleads: see :mod:`hqp.solver.curved`."""
+"""Default damping of a controller: levels damped where their linearisation misleads (:mod:`hqp.solver.curved`)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hqp.solver.curved import CurvedSolver
 from hqp.solver.linearisation import Contraction, Errors, Linearisation
 
 from ..base.checks import Array
-from ..rows.rows import Rows
+from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.task import Task
 
 #: What explanations say where a task has a direction in which joints hardly move it.
@@ -18,13 +18,13 @@ STRAIGHT = "the arm is straight in this direction"
 FASTEST = 1e12
 
 
-def curved_levels(rows: Rows) -> tuple[int, ...]:
+def curved_levels(rows: HierarchyWriter) -> tuple[int, ...]:
     """Of every level, whether it may be damped by default (1), is below a task but left strict (2), or neither (0).
 
     Of limits above all tasks nothing gives way, and a level with an inequality is left strict. So is all of a stack
     where no task tells how its value bends, or where forces of contacts are unknown, too.
     """
-    rules, work = rows.stack.damping, rows.work
+    rules, work = rows.levels.damping, rows.work
     levels = len(rules)
     first = min((k for k, _, part, _, _ in work if not part.is_limit), default=levels)
     bends = any(plan.curvature is not None for _, _, _, plan, _ in work)
@@ -34,7 +34,7 @@ def curved_levels(rows: Rows) -> tuple[int, ...]:
     return tuple(0 if k < first else 2 if rule is False or k in bounded else 1 for k, rule in enumerate(rules))
 
 
-def linearised(rows: Rows, dt: float | None, curved: tuple[int, ...], last: Array) -> Linearisation:
+def linearised(rows: HierarchyWriter, dt: float | None, curved: tuple[int, ...], last: Array) -> Linearisation:
     """What the rows of a stack are the linearisation of, as they are planned now; `last` is x of the tick before."""
     from ..base.loops import Table, address, compiled
 
@@ -59,11 +59,11 @@ def linearised(rows: Rows, dt: float | None, curved: tuple[int, ...], last: Arra
 
 
 class CalmSolver:
-    """Solves the rows of a stack, damped where they mislead.
+    """Solves a stack, its levels damped where their linearisation misleads.
 
     Parameters
     ----------
-    rows : Rows
+    rows : HierarchyWriter
     dt : float or None
         Tick [s]; where it is not known, nothing leans on the last x.
     curved : tuple of int
@@ -73,7 +73,7 @@ class CalmSolver:
     """
 
     def __init__(
-        self, rows: Rows, dt: float | None, curved: tuple[int, ...], backend: str, settings: Settings | None
+        self, rows: HierarchyWriter, dt: float | None, curved: tuple[int, ...], backend: str, settings: Settings | None
     ) -> None:
         self.backend = backend
         self._rows, self._dt, self._curved, self._last = rows, dt, curved, np.full(rows.hierarchy.n, np.nan)

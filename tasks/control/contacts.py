@@ -1,4 +1,4 @@
-"""What a controller tells of contacts: forces, centres of pressure, joint torques; and how it releases them."""
+"""Contacts of a controller at work: their forces and centres of pressure, joint torques, release and make."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import numpy as np
 
 from hqp import InvalidInput
 
-from ..base.checks import Array, finite_scalar, nearest
+from ..base.checks import Array, finite_scalar, suggestion
 from ..contacts.contact import Contact
 from ..contacts.loop import Loop
 from ..robots.robot import base
-from ..rows.rows import Rows
+from ..rows.hierarchy_writer import HierarchyWriter
 
 if TYPE_CHECKING:
-    from ..rows.stack import Stack
+    from ..rows.part import Stack
 
 #: What a contact may come to bear while it is being made: the weight of the robot, by this gravity [m/s^2]; where the
 #: base is fixed, which says nothing of it, so much [N].
@@ -32,7 +32,7 @@ class Forces(Mapping[str, Array]):
     of a contact with one wrench, shape (6,), [N] and [N m] about its centre. :meth:`cop` is where they press.
     """
 
-    def __init__(self, rows: Rows, x: Array) -> None:
+    def __init__(self, rows: HierarchyWriter, x: Array) -> None:
         unknowns, shared = rows.unknowns, rows.shared
         self._of: dict[str, tuple[Contact | Loop, Array, Array]] = {}
         for block in unknowns.blocks:
@@ -43,7 +43,7 @@ class Forces(Mapping[str, Array]):
 
     def __getitem__(self, name: str) -> Array:
         if name not in self._of:
-            raise KeyError(f"{name!r} is no contact{nearest(str(name), self._of)}")
+            raise KeyError(f"{name!r} is no contact{suggestion(str(name), self._of)}")
         owner, f, axes = self._of[name]
         return owner.forces(f, axes) if isinstance(owner, Contact) else owner.forces(f)
 
@@ -60,7 +60,7 @@ class Forces(Mapping[str, Array]):
     def _find(self, name: str) -> tuple[Contact, Array, Array]:
         found = self._of.get(name)
         if found is None or not isinstance(found[0], Contact):
-            raise KeyError(f"{name!r} is no contact{nearest(str(name), self.contacts)}")
+            raise KeyError(f"{name!r} is no contact{suggestion(str(name), self.contacts)}")
         return found[0], found[1], found[2]
 
     @property
@@ -117,7 +117,9 @@ def check_torques(stack: Stack) -> None:
             )
 
 
-def check_change(old: Stack, old_rows: Rows, new: Stack, new_rows: Rows, order: str, at_once: bool) -> None:
+def check_change(
+    old: Stack, old_rows: HierarchyWriter, new: Stack, new_rows: HierarchyWriter, order: str, at_once: bool
+) -> None:
     """Refuse to go over to a stack of other unknowns: what lies between forces of different contacts means nothing.
 
     Raises
@@ -135,7 +137,7 @@ def check_change(old: Stack, old_rows: Rows, new: Stack, new_rows: Rows, order: 
         )
 
 
-def joint_torques(rows: Rows, x: Array) -> Array:
+def joint_torques(rows: HierarchyWriter, x: Array) -> Array:
     """``M a + b - G^T f`` of all joints that have a motor, from the arrays of this tick, shape (nv - base,) [N m]."""
     shared, nv = rows.shared, rows.unknowns.nv
     M, b, first = shared.blocks.mass_matrix(), shared.blocks.bias(), base(shared.robot)
@@ -145,8 +147,8 @@ def joint_torques(rows: Rows, x: Array) -> Array:
     return np.asarray(tau)
 
 
-def weight_of(rows: Rows) -> float:
-    """As much as one of its contacts may come to bear [N]."""
+def weight_of(rows: HierarchyWriter) -> float:
+    """The largest sum of normal forces that a contact may come to bear while it is made [N]."""
     return GRAVITY * float(rows.shared.blocks.mass_matrix()[0, 0]) if base(rows.shared.robot) else FIXED
 
 
@@ -163,10 +165,12 @@ def find_contact(stack: Stack, contact: Contact | str) -> Contact:
         if part is contact or part.name == contact:
             return part
     what = repr(contact) if not isinstance(contact, str) else f"{contact!r}"
-    raise InvalidInput(f"{what} is no contact of the stack{nearest(str(contact), [part.name for part in own])}")
+    raise InvalidInput(f"{what} is no contact of the stack{suggestion(str(contact), [part.name for part in own])}")
 
 
-def release(stack: Stack, rows: Rows, forces: Forces | None, contact: Contact | str, duration: float) -> None:
+def release(
+    stack: Stack, rows: HierarchyWriter, forces: Forces | None, contact: Contact | str, duration: float
+) -> None:
     """See :meth:`tasks.Controller.release`."""
     found, time = find_contact(stack, contact), _duration(duration, "release")
     slot = found.slot(rows.shared)
@@ -176,7 +180,7 @@ def release(stack: Stack, rows: Rows, forces: Forces | None, contact: Contact | 
     slot.release(np.maximum(now, 0.0), time)
 
 
-def make(stack: Stack, rows: Rows, contact: Contact | str, duration: float) -> None:
+def make(stack: Stack, rows: HierarchyWriter, contact: Contact | str, duration: float) -> None:
     """See :meth:`tasks.Controller.make`."""
     found, time = find_contact(stack, contact), _duration(duration, "make")
     slot = found.slot(rows.shared)
@@ -185,13 +189,13 @@ def make(stack: Stack, rows: Rows, contact: Contact | str, duration: float) -> N
     slot.make(weight_of(rows) if found in rows.unknowns else np.inf, time)
 
 
-def off(stack: Stack, rows: Rows) -> list[Contact]:
+def off(stack: Stack, rows: HierarchyWriter) -> list[Contact]:
     """The contacts that are off, or being released."""
     return [part for part in stack if isinstance(part, Contact) and not part.slot(rows.shared).bears]
 
 
-def let_go(contacts: list[Contact], rows: Rows) -> None:
-    """Have them be off."""
+def let_go(contacts: list[Contact], rows: HierarchyWriter) -> None:
+    """Switch these contacts off."""
     for contact in contacts:
         contact.slot(rows.shared).let_go()
 

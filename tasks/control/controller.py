@@ -2,94 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
-from math import isfinite
-from typing import TYPE_CHECKING, Any, Generic, Literal, get_args, overload
+from collections.abc import Mapping
+from contextlib import nullcontext
+from typing import TYPE_CHECKING, Any, Generic, Literal, Unpack, get_args, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 import hqp
-from hqp import InvalidInput, Settings, Solution, Solver, Status
+from hqp import InvalidInput, Settings, Status
 from hqp.checks import one_of, truth
-from hqp.errors import brief
-from hqp.guard import Guard
 
 from ..base.checks import Array, finite_scalar, numbers, positive_scalar, scalar
 from ..base.live import Live, structure
-from ..base.telling import tell
-from ..robots.robot import (
-    Robot,
-    RobotState,
-    as_robot,
-    check_fixed_base,
-    check_joints,
-    check_states,
-    inverse_dynamics,
-    limit_of,
-    workspace,
-)
+from ..robots.robot import Robot, as_robot, check_joints
 from ..rows.description import Description
-from ..rows.part import Command, Order, Part
-from ..rows.rows import Rows
-from ..rows.stack import Stack
+from ..rows.hierarchy_writer import HierarchyWriter
+from ..rows.part import Command, Order, Part, Stack
 from ..targets.timing import Timing, cubic
 from . import contacts as of
+from .prepared import DefaultDamping, Options, Preparation, PreparedStacks, default_damping, tell_of_speed
+from .states import StateReader
 from .step import A, Step, T, V
+from .torques import torques_of
 from .transition import Limits, Transition
 
 if TYPE_CHECKING:
     from ..contacts.contact import Contact
-    from ..rows.site import Memory
-    from .calm import CalmSolver
-
-#: How levels are damped that have no rule of their own.
-DefaultDamping = Literal["curvature"]
-#: Stacks that a controller keeps ready to go back to.
-MOST_PREPARED = 8
 
 
-def _by_the_rows(q: Array, v: Array, a: Array) -> Array:
-    """Stands for what tells torques where the stack has the motion equation: its own arrays do."""
-    raise NotImplementedError
-
-
-class _Left:
-    """What a controller leaves behind in a change: its stack, with rows and solver, and what it was coming from.
-
-    Called, it gives x, and whether it claims it.
-    """
-
-    def __init__(self, stack: Stack, rows: Rows, solver: Solver | CalmSolver, before: Transition | None) -> None:
-        self.stack, self._rows, self._solver, self.before = stack, rows, solver, before
-
-    def __call__(self, state: RobotState, t: float, last: Array | None = None) -> tuple[Array, bool]:
-        self._rows.fill(state, t)
-        solution = _answer(self._solver, self._rows, last)
-        if self.before is None or not solution.ok:
-            return solution.x, solution.ok
-        return self.before.blend(state, t, solution.x, last)[0], True
-
-
-def _answer(solver: Solver | CalmSolver, rows: Rows, last: Array | None) -> Solution:
-    """What a solver says to the rows as they are; `last` is the x of the tick before, None where nobody knows."""
-    if isinstance(solver, Solver):
-        return solver.solve(rows.hierarchy, aims=rows.aims)
-    return solver.solve(rows.hierarchy, last)
-
-
-def _damping(value: object) -> DefaultDamping | None:
-    """How levels are damped by default, if it is a way to do so."""
-    if value is None or (isinstance(value, str) and value == "curvature"):
-        return value  # type: ignore[return-value]  # which is this very word
-    raise InvalidInput(
-        f"damping = {brief(value)}; it must be 'curvature' or None. One level takes a rule by Damped(level, 0.1)"
-    )
+#: Where nothing warns.
+QUIET = nullcontext()
 
 
 class Controller(Live, Generic[V, A, T]):
-    """Turns a stack of tasks into motion, tick by tick, warm from the last.
+    """Computes the command of every tick from a stack of tasks, each solve warm-started from the last.
 
     A copy, by ``copy.deepcopy`` or pickle, is a controller of its own, with a robot and tasks of its own: one for each
     environment or thread. It is made from what defines it, and begins cold.
@@ -138,11 +85,8 @@ class Controller(Live, Generic[V, A, T]):
         stack: Stack | Part,
         *,
         order: Literal["velocity"] = ...,
-        dt: float | None = ...,
-        backend: str = ...,
-        settings: Settings | None = ...,
         torque: Literal[False] = ...,
-        damping: DefaultDamping | None = ...,
+        **options: Unpack[Options],
     ) -> None: ...
     @overload
     def __init__(
@@ -151,11 +95,8 @@ class Controller(Live, Generic[V, A, T]):
         stack: Stack | Part,
         *,
         order: Literal["acceleration"],
-        dt: float | None = ...,
-        backend: str = ...,
-        settings: Settings | None = ...,
         torque: Literal[False] = ...,
-        damping: DefaultDamping | None = ...,
+        **options: Unpack[Options],
     ) -> None: ...
     @overload
     def __init__(
@@ -164,11 +105,8 @@ class Controller(Live, Generic[V, A, T]):
         stack: Stack | Part,
         *,
         order: Literal["acceleration"],
-        dt: float | None = ...,
-        backend: str = ...,
-        settings: Settings | None = ...,
         torque: Literal[True],
-        damping: DefaultDamping | None = ...,
+        **options: Unpack[Options],
     ) -> None: ...
     @overload
     def __init__(
@@ -177,11 +115,8 @@ class Controller(Live, Generic[V, A, T]):
         stack: Stack | Part,
         *,
         order: Literal["torque"],
-        dt: float | None = ...,
-        backend: str = ...,
-        settings: Settings | None = ...,
         torque: bool = ...,
-        damping: DefaultDamping | None = ...,
+        **options: Unpack[Options],
     ) -> None: ...
     @overload
     def __init__(
@@ -190,11 +125,8 @@ class Controller(Live, Generic[V, A, T]):
         stack: Stack | Part,
         *,
         order: Command = ...,
-        dt: float | None = ...,
-        backend: str = ...,
-        settings: Settings | None = ...,
         torque: bool = ...,
-        damping: DefaultDamping | None = ...,
+        **options: Unpack[Options],
     ) -> None: ...
     def __init__(
         self,
@@ -210,55 +142,32 @@ class Controller(Live, Generic[V, A, T]):
     ) -> None:
         one_of(order, get_args(Command), "order")
         self.robot = as_robot(robot)
-        self._stack = stack if isinstance(stack, Stack) else Stack(stack)
+        wanted = stack if isinstance(stack, Stack) else Stack(stack)
         self.order = order
         self.dt = None if dt is None else positive_scalar(dt, "dt", unit="s")
-        self._torque = self._inverse_dynamics() if truth(torque, "torque") or order == "torque" else None
-        self._memory: Memory = {}
+        asked = truth(torque, "torque") or order == "torque"
+        self._torques = torques_of(self.robot, wanted, order) if asked else None
+        motion: Order = "velocity" if order == "velocity" else "acceleration"
+        how = Preparation(self.robot, motion, self.dt, backend, settings, default_damping(damping))
+        self._prepared = PreparedStacks(how)
         self._forces: of.Forces | None = None
-        self._backend, self._settings, self._damping = backend, settings, _damping(damping)
-        self._prepared: dict[int, tuple[Stack, Rows, Solver | CalmSolver]] = {}
         self._transition: Transition | None = None
         self._limits: Limits | None = None
-        # Where configurations lie on a manifold, the controller looks at them itself: a call never raises for a state.
-        # A robot whose states share a workspace has a guard of its own, for all controllers that it has.
-        shared = workspace(robot)
-        self._on_manifold = None if shared is None else shared.on_manifold
-        self._state: Callable[[Array, Array], RobotState] = self.robot.at if shared is None else shared.state
-        self._guard = Guard("the controller") if shared is None else shared.guard
-        check_states(robot)
+        self._states = StateReader(self.robot)
         self._rest = np.zeros(self.robot.nv)
-        self._rows, self._solver = self._prepare(self.stack)
-        self._tell_of_speed()
-
-    def _tell_of_speed(self) -> None:
-        """Tell once where nothing limits the speed: near a singularity it grows without end, and all tasks are met."""
-        held = self._rows.envelope.has_velocity or any(self.stack.damping)
-        if limit_of(self.robot, "velocity") is None and not held:
-            tell(
-                f"nothing limits the speed of {self.robot!r}: near a singularity joints turn as fast as tasks ask;"
-                " add JointVelocityLimit(2.0), in rad/s, to the top of the stack, or give the robot a velocity_limit"
-            )
+        self._now = self._prepared[wanted]
+        tell_of_speed(self.robot, self._now)
 
     def __getstate__(self) -> dict[str, Any]:
         """What defines it, and the changes under way, the oldest first: rows and solvers are made anew, and cold."""
-        changes, change = list[tuple[Stack, float, Timing, float | None]](), self._transition
-        while change is not None:
-            left = change.old
-            assert isinstance(left, _Left)
-            changes.insert(0, (left.stack, change.duration, change.law, change.begin))
-            change = left.before
-        settings, torque = self._settings, self._torque is not None and self.order != "torque"
-        own: dict[str, Any] = {
-            "order": self.order,
-            "dt": self.dt,
-            "backend": self._backend,
-            "settings": settings,
-            "torque": torque,
-            "damping": self._damping,
+        asked = {"order": self.order, "torque": self._torques is not None and self.order != "torque", "dt": self.dt}
+        return {
+            "robot": self.robot,
+            "stack": self.stack,
+            "options": asked | self._prepared.how.options,
+            "changes": [] if self._transition is None else self._transition.history(),
+            "off": of.off(self.stack, self._rows),
         }
-        off = of.off(self.stack, self._rows)
-        return {"robot": self.robot, "stack": self.stack, "options": own, "changes": changes, "off": off}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         changes = state["changes"]
@@ -270,28 +179,19 @@ class Controller(Live, Generic[V, A, T]):
             self._transition.begin = begin
         of.let_go(state["off"], self._rows)
 
-    def _inverse_dynamics(self) -> Callable[[Array, Array, Array], Array]:
-        asked = "order = 'torque'" if self.order == "torque" else "torque = True"
-        if self.order == "velocity":
-            raise InvalidInput(f"torque = True, but order = {self.order!r} gives no accelerations; it must be False")
-        of.check_torques(self.stack)
-        if of.has_dynamics(self.stack):
-            return _by_the_rows
-        check_fixed_base(self.robot, asked)
-        method = inverse_dynamics(self.robot)
-        if method is None:
-            raise InvalidInput(f"{asked}, but {self.robot!r} has no inverse_dynamics(q, v, a)")
-        return method
-
     @property
     def stack(self) -> Stack:
-        """What is wanted at present; :meth:`change` goes over to another one."""
-        return self._stack
+        """The stack that is solved at present; :meth:`change` goes over to another one."""
+        return self._now.stack
+
+    @property
+    def _rows(self) -> HierarchyWriter:
+        return self._now.rows
 
     @property
     def backend(self) -> str:
         """Name of the backend."""
-        return self._solver.backend
+        return self._now.solver.backend
 
     @property
     def hierarchy(self) -> hqp.Hierarchy:
@@ -304,7 +204,7 @@ class Controller(Live, Generic[V, A, T]):
         return self._rows.aims or {}
 
     def __call__(self, q: ArrayLike, v: ArrayLike | None = None, t: float = 0.0) -> Step[V, A, T]:
-        """The motion for this tick.
+        """The command for this tick.
 
         Parameters
         ----------
@@ -327,29 +227,19 @@ class Controller(Live, Generic[V, A, T]):
         """
         if v is None and self.order != "velocity":
             raise InvalidInput(f"v = None, but order = {self.order!r} needs the joint velocities, shape (nv,)")
-        position, velocity = numbers(q, "q"), self._rest if v is None else numbers(v, "v")
-        time = t if type(t) is float else scalar(t, "t")
-        check_joints(self.robot, position, velocity)
-        return self.unchecked(position, None if v is None else velocity, time)
+        position, velocity = numbers(q, "q"), None if v is None else numbers(v, "v")
+        check_joints(self.robot, position, self._rest if velocity is None else velocity)
+        return self.unchecked(position, velocity, t if type(t) is float else scalar(t, "t"))
 
     def unchecked(self, q: Array, v: Array | None, t: float) -> Step[V, A, T]:
-        """The motion for this tick, for a loop which knows that q and v are float arrays of the right shape."""
-        if self._rows.compiled:  # which never warns
-            return self._step(q, v, t)
-        with np.errstate(all="ignore"):
+        """The command for this tick, for a loop which knows that q and v are float arrays of the right shape."""
+        with self._states.guard, QUIET if self._rows.compiled else np.errstate(all="ignore"):
             return self._step(q, v, t)
 
     def _step(self, q: Array, v: Array | None, t: float) -> Step[V, A, T]:
-        with self._guard:
-            return self._guarded(q, v, t)
-
-    def _guarded(self, q: Array, v: Array | None, t: float) -> Step[V, A, T]:
-        fault = None
-        if self._on_manifold is not None:
-            q, fault = self._on_manifold(q)
-        state = self._state(q, self._rest if v is None else v)
+        state, fault = self._states.read(q, self._rest if v is None else v)
         last = v if self.order == "velocity" else None
-        solution = self._solve(state, t, last, fault)
+        solution = self._now.solve(state, t, last, fault)
         x, share = solution.x, 1.0
         if self._transition is not None and solution.ok:
             x, share = self._transition.blend(state, t, x, last)
@@ -360,22 +250,12 @@ class Controller(Live, Generic[V, A, T]):
         step: Any = Step  # what it has, the overloads of __init__ tell
         if self.order == "velocity":
             return step("velocity", state, solution, x, share=share)  # type: ignore[no-any-return]
-        tau = None if self._torque is None else self._torques(state, x, solution.status is not Status.INVALID)
+        valid = solution.status is not Status.INVALID
+        tau = None if self._torques is None else self._torques(self._rows, state, x, valid)
         if self._rows.unknowns.blocks:
             self._forces = of.Forces(self._rows, x)
             x = x[: self._rows.unknowns.nv]
         return step(self.order, state, solution, None, x, tau, share, self._forces)  # type: ignore[no-any-return]
-
-    def _torques(self, state: RobotState, x: Array, valid: bool) -> Array:
-        """What x takes; zero where there are no numbers: what goes to a motor is finite, whatever a sensor says."""
-        assert self._torque is not None
-        if self._torque is _by_the_rows:
-            tau = of.joint_torques(self._rows, x)
-        elif valid:
-            tau = self._torque(state.q, state.v, x)
-        else:
-            return np.zeros_like(x)
-        return tau if valid and np.isfinite(tau).all() else np.zeros_like(tau)
 
     def release(self, contact: Contact | str, duration: float = 0.0) -> None:
         """Let a contact go: the largest normal forces fall from what they are to 0; then its motion is let go.
@@ -435,36 +315,12 @@ class Controller(Live, Generic[V, A, T]):
             goes on as it was.
         """
         wanted = stack if isinstance(stack, Stack) else Stack(stack)
-        prepared = self._prepare(wanted)
+        new, old = self._prepared[wanted], self._now
         at_once = finite_scalar(duration, "duration of a change") == 0.0
-        of.check_change(self.stack, self._rows, wanted, prepared[0], self.order, at_once)
-        left = _Left(self.stack, self._rows, self._solver, self._transition)
-        self._transition = None if at_once else Transition(left, duration, law)
-        self._stack, (self._rows, self._solver) = wanted, prepared
-        self._limits = None if at_once else Limits.of(self._rows.stack, self.hierarchy, self._backend)
-
-    def _new_solver(self, stack: Stack, rows: Rows) -> Solver | CalmSolver:
-        damps = self._damping is not None and not stack.damps
-        if damps and hqp.backend_info(self._backend).inequalities:
-            from .calm import CalmSolver, curved_levels
-
-            curved = curved_levels(rows)
-            if any(curved):
-                return CalmSolver(rows, self.dt, curved, self._backend, self._settings)
-        rules: dict[int | str, hqp.DampingRule | float] = {k: rule for k, rule in enumerate(stack.damping) if rule}
-        return Solver(self._backend, self._settings, rules)
-
-    def _prepare(self, stack: Stack) -> tuple[Rows, Solver | CalmSolver]:
-        """The rows of a stack, and their solver, as they were left."""
-        found = self._prepared.pop(id(stack), None)
-        if found is None:
-            order: Order = "velocity" if self.order == "velocity" else "acceleration"
-            rows = stack.build(self.robot, order, self.dt, self._memory)
-            found = stack, rows, self._new_solver(rows.stack, rows)
-        self._prepared[id(stack)] = found  # what was asked for last comes last
-        while len(self._prepared) > MOST_PREPARED:
-            del self._prepared[next(iter(self._prepared))]
-        return found[1:]
+        of.check_change(old.stack, old.rows, wanted, new.rows, self.order, at_once)
+        self._transition = None if at_once else Transition(old, self._transition, duration, law)
+        self._now = new
+        self._limits = None if at_once else Limits.of(new.rows.levels, self.hierarchy, self.backend)
 
     def bounds(self, part: Part) -> tuple[Array, Array]:
         """Lower and upper bounds of a part's rows at the last tick (views: the next call refills them).
@@ -480,26 +336,15 @@ class Controller(Live, Generic[V, A, T]):
         return found
 
     def describe(self) -> Description:
-        """Who writes the rows of each part every tick: a compiled loop, by its name, or Python, and why.
+        """Who writes the rows of each part of the present stack every tick: a compiled loop, by its name, or Python.
 
-        Returns
-        -------
-        Description
-            To be printed as a table, or iterated over: part by part, from the highest level down, with `level`, `part`,
-            `rows`, `loops`, `python` and `why`. Of the present stack; one that a change still comes from is not told.
+        ``print`` it as a table, or iterate over the parts, the highest level first: each has `level`, `part`, `rows`,
+        `loops`, `python` and, where Python writes, `why`.
         """
         return self._rows.describe()
 
-    def _solve(self, state: RobotState, time: float, last: Array | None, fault: str | None) -> Solution:
-        if fault is None and isfinite(time):
-            self._rows.fill(state, time)
-            return _answer(self._solver, self._rows, last)
-        self.hierarchy.lower.fill(np.nan)  # no task is asked, and no bound left that could be met
-        solution, message = self._solver.solve(self.hierarchy), fault or f"t = {time} s must be finite"
-        return replace(solution, message=message)
-
     def __repr__(self) -> str:
         tick = "" if self.dt is None else f", dt={self.dt:g}"
-        tick += "" if self._damping else ", damping=None"
-        tick += ", torque=True" if self._torque is not None and self.order == "acceleration" else ""
+        tick += "" if self._prepared.how.damping else ", damping=None"
+        tick += ", torque=True" if self._torques is not None and self.order == "acceleration" else ""
         return f"Controller({self.robot!r}, {self.stack!r}, order={self.order!r}{tick}, backend={self.backend!r})"

@@ -1,4 +1,4 @@
-"""What a controller says for one tick: motion, torques and forces, and how well every level is met."""
+"""The output of a controller for one tick: motion, torques, contact forces, and how well every level is met."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ else:
 
 
 class Step(NamedTuple, Generic[V, A, T]):
-    """What the controller says for one tick.
+    """The output of a controller for one tick: the command, and the solution that it is taken from.
 
     Attributes
     ----------

@@ -15,19 +15,16 @@ that is nearest to x among those which are optimal for these limits.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from copy import deepcopy
 
 from hqp import Hierarchy, Solver
 
 from ..base.checks import Array, positive_scalar
 from ..robots.robot import RobotState
-from ..rows.stack import Stack
+from ..rows.levels import Levels
+from ..rows.part import Stack
 from ..targets.timing import Timing, as_timing
-
-#: What a stack asks for at a state and a time: x, and whether its solver claims it.
-#: The third argument is the x of the tick before, None where nobody knows.
-Answer = Callable[[RobotState, float, Array | None], tuple[Array, bool]]
+from .prepared import PreparedStack
 
 
 class Limits:
@@ -47,9 +44,9 @@ class Limits:
         self._solver = Solver(backend)
 
     @classmethod
-    def of(cls, stack: Stack, hierarchy: Hierarchy, backend: str) -> Limits | None:
+    def of(cls, levels: Levels, hierarchy: Hierarchy, backend: str) -> Limits | None:
         """Those of a stack, if it begins with some."""
-        kinds = [all(part.is_limit for part in level) for level in stack.levels]
+        kinds = [all(part.is_limit for part in level) for level in levels.parts]
         count = (*kinds, False).index(False)
         return cls(hierarchy, count, backend) if count else None
 
@@ -64,12 +61,14 @@ class Limits:
 
 
 class Transition:
-    """A transition under way.
+    """A transition from one stack to another, under way.
 
     Parameters
     ----------
-    old : callable
-        What is left behind, with its state and solver; it may be a change under way itself.
+    old : PreparedStack
+        What is left behind.
+    before : Transition or None
+        The transition to `old`, where that was still under way.
     duration : float
         How long it takes [s], from the first tick on.
     law : callable
@@ -81,8 +80,8 @@ class Transition:
         If the duration is not positive, or the law is none.
     """
 
-    def __init__(self, old: Answer, duration: float, law: Timing) -> None:
-        self.old = old
+    def __init__(self, old: PreparedStack, before: Transition | None, duration: float, law: Timing) -> None:
+        self.old, self.before = old, before
         self.duration = positive_scalar(duration, "duration of a change", unit="s")
         self.law = as_timing(law, "law of a change")
         self.begin: float | None = None
@@ -93,6 +92,11 @@ class Transition:
             self.begin = t
         return self.law((t - self.begin) / self.duration)[0]
 
+    def history(self) -> list[tuple[Stack, float, Timing, float | None]]:
+        """The changes under way, the oldest first: stack left behind, duration [s], law, and when it began [s]."""
+        earlier = [] if self.before is None else self.before.history()
+        return [*earlier, (self.old.stack, self.duration, self.law, self.begin)]
+
     def blend(self, state: RobotState, t: float, new: Array, last: Array | None) -> tuple[Array, float]:
         """The command between the answers of both stacks, and the share of the new one.
 
@@ -101,5 +105,8 @@ class Transition:
         s = self.share(t)
         if s >= 1.0:
             return new, 1.0
-        old, ok = self.old(state, t, last)
-        return ((1.0 - s) * old + s * new, s) if ok else (new, 1.0)
+        solution = self.old.solve(state, t, last)
+        if not solution.ok:
+            return new, 1.0
+        old = solution.x if self.before is None else self.before.blend(state, t, solution.x, last)[0]
+        return (1.0 - s) * old + s * new, s

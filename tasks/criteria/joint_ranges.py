@@ -86,7 +86,7 @@ class JointCentringTask(GradientTask):
         from .kernels.joints import write_centring
 
         shared, own = site.shared, self.variables(site.shared.robot)
-        places, ends = shared.places[own].astype(np.int64), self._ends(shared.robot)
+        places, ends = shared.position_indices[own].astype(np.int64), self._ends(shared.robot)
         slope = np.zeros(shared.n)
         told = len(shared.positions), shared.positions, places, ends, slope
         return Plan((Call(write_centring, *self.law(site), *told),))

@@ -23,7 +23,7 @@ ROOT = "/robot"
 
 
 #: Position [m], shape (3,), and unit quaternion (w, x, y, z): how viser is told a place.
-Place = tuple[Array, tuple[float, float, float, float]]
+Pose = tuple[Array, tuple[float, float, float, float]]
 
 
 class Figure(Protocol):
@@ -36,8 +36,8 @@ class Figure(Protocol):
         """Show it at a configuration, shape (nq,)."""
         ...
 
-    def place(self, frame: str) -> Place:
-        """Where one of its frames is shown."""
+    def pose(self, frame: str) -> Pose:
+        """The pose at which one of its frames is shown."""
         ...
 
 
@@ -85,11 +85,11 @@ class MeshFigure:
         pin.forwardKinematics(self._model, self._data, q)
         with self._server.atomic():  # all joints of one instant
             for joint, frame in self._frames.items():
-                frame.position, frame.wxyz = _place(self._data.oMi[joint])
+                frame.position, frame.wxyz = _pose(self._data.oMi[joint])
 
-    def place(self, frame: str) -> Place:
+    def pose(self, frame: str) -> Pose:
         own = self._model.frames[self._robot.frame_index(frame)]
-        return _place(self._data.oMi[own.parentJoint] * own.placement)
+        return _pose(self._data.oMi[own.parentJoint] * own.placement)
 
 
 class LineFigure:
@@ -110,11 +110,11 @@ class LineFigure:
     def move(self, q: Array) -> None:
         self._lines.points = skeleton(self._robot, q).astype(np.float32)
 
-    def place(self, frame: str) -> Place:
+    def pose(self, frame: str) -> Pose:
         raise InvalidInput(f"{self._robot!r} is drawn as lines, which have no frame {frame!r}")
 
 
-def _place(T: Any) -> Place:
+def _pose(T: Any) -> Pose:
     """Of an SE3."""
     import pinocchio as pin
 

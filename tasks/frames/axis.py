@@ -43,7 +43,7 @@ class PointingTask(FrameTask, LoopTask):
 
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
-        """Where to: three coordinates, or a trajectory of them."""
+        """The direction or the point to point at: three coordinates, or a trajectory of them."""
         return as_trajectory(value, 3, self.label())
 
     @property
@@ -142,7 +142,7 @@ class AxisTask(PointingTask):
         return self._pointing(site, write_axis, at_point=False)
 
     def reading(self) -> Reading:
-        from .kernels.place import LOCAL
+        from .kernels.placement import LOCAL
 
         return Reading(LOCAL, np.hstack([np.zeros((2, 3)), self._across]))
 

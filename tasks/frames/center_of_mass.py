@@ -13,7 +13,7 @@ from ..base.checks import Array
 from ..robots.frame import Frame
 from ..robots.robot import Robot, RobotState, center_of_mass
 from ..targets.trajectories import Trajectory
-from .place import Mask
+from .placement import Mask
 from .position import PositionTask
 
 if TYPE_CHECKING:

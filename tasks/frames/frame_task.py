@@ -28,7 +28,7 @@ class Reading(NamedTuple):
     Attributes
     ----------
     axes : int
-        Along which its velocity is taken: WORLD, LOCAL or SPATIAL of :mod:`tasks.frames.kernels.place`.
+        Along which its velocity is taken: WORLD, LOCAL or SPATIAL of :mod:`tasks.frames.kernels.placement`.
     rows : array, shape (rows, 6)
         What each row takes of its linear and angular velocity along these axes.
     """
@@ -101,7 +101,7 @@ class FrameTask(Task):
         return site.frame(self.frame, self.relative_to)
 
     def bends(self, site: Site) -> Table | None:
-        """How the frame bends, see :mod:`tasks.rows.curvature`; None where nobody tells."""
+        """The curvature of the frame's motion, see :mod:`tasks.rows.curvature`; None where it is not known."""
         from ..rows.curvature import frame_bends
 
         return frame_bends(site.shared, self.frame, self.relative_to)

@@ -16,7 +16,7 @@ from ..robots.robot import Robot
 from ..rows.inequality import Inequality
 from ..rows.part import PER, Order, Part
 from ..targets.trajectories import Trajectory
-from .place import Mask, Reference
+from .placement import Mask, Reference
 from .plane import PlaneTask
 from .pose import PoseTask
 from .position import PositionTask
@@ -56,7 +56,7 @@ class FrameVelocityLimit(Part):
 
     is_limit: ClassVar[bool] = True
     rows: int = structure()
-    place: PoseTask = structure()
+    pose_task: PoseTask = structure()
 
     def __init__(
         self,
@@ -68,7 +68,7 @@ class FrameVelocityLimit(Part):
         reference: Reference = "local_world_aligned",
         name: str = "speed",
     ) -> None:
-        self.place = PoseTask(
+        self.pose_task = PoseTask(
             np.zeros(3),
             np.eye(3),
             frame=frame,
@@ -78,7 +78,7 @@ class FrameVelocityLimit(Part):
             gain=1.0,
             name=name,
         )
-        self.name, self.rows, self.weight = name, self.place.rows, numbers(1.0, "weight")
+        self.name, self.rows, self.weight = name, self.pose_task.rows, numbers(1.0, "weight")
         self.limit = limit
 
     @number
@@ -88,14 +88,14 @@ class FrameVelocityLimit(Part):
         return per_row(positive(value, what), self.rows, what, "coordinate")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
-        return [Label(f"{self.name} limit", row, unit + PER[order]) for row, unit in self.place.row_names(robot)]
+        return [Label(f"{self.name} limit", row, unit + PER[order]) for row, unit in self.pose_task.row_names(robot)]
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        self.place.check_frames(robot)
-        if self.place.seen(self.place.at_rest(robot)).rotation.ndim == 1:
-            if not set(self.place.mask) <= {0, 1, 5}:
+        self.pose_task.check_frames(robot)
+        if self.pose_task.seen(self.pose_task.at_rest(robot)).rotation.ndim == 1:
+            if not set(self.pose_task.mask) <= {0, 1, 5}:
                 raise InvalidInput(f"{self.label()}: a planar arm has x, y and rz only; give it a mask of these")
-            if self.place.reference == "local":
+            if self.pose_task.reference == "local":
                 raise InvalidInput(f"{self.label()}: a planar arm knows the axes of the world only")
         if order == "acceleration" and dt is None:
             raise InvalidInput(f"{self.label()}: at acceleration order it needs the tick; give the controller dt in s")
@@ -111,11 +111,11 @@ class FrameVelocityLimit(Part):
         assert site.A is not None
         call = Call(
             loops.write_speed_limit,
-            site.law(self.place),
-            self.place.block(site),
+            site.law(self.pose_task),
+            self.pose_task.block(site),
             site.shared.work,
-            self.place.axes,
-            np.array(self.place.mask, dtype=np.int64),
+            self.pose_task.axes,
+            np.array(self.pose_task.mask, dtype=np.int64),
             self.limit,
         )
         return Plan((call,))
@@ -157,8 +157,8 @@ class BoxLimit(Inequality):
         low, high = numbers(lower, f"box {name!r}: lower"), numbers(upper, f"box {name!r}: upper")
         if low.shape not in {(2,), (3,)}:
             raise InvalidInput(f"box {name!r}: lower has shape {low.shape}; it must be {OF_A_CORNER}")
-        place = PositionTask(np.zeros(len(low)), frame=frame, relative_to=relative_to, gain=gain, name=name)
-        super().__init__(place, low, high)
+        task = PositionTask(np.zeros(len(low)), frame=frame, relative_to=relative_to, gain=gain, name=name)
+        super().__init__(task, low, high)
 
     @property
     def lower(self) -> Array:

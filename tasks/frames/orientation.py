@@ -11,11 +11,11 @@ from hqp import InvalidInput
 from ..base.live import number
 from ..targets.trajectories import Trajectory
 from ..targets.turns import AboutZ, RotationTrajectory, as_rotation
-from .place import Mask, PlaceTask, Reference, chosen
+from .placement import Mask, PlacementTask, Reference, chosen
 from .position import AXES
 
 
-class OrientationTask(PlaceTask):
+class OrientationTask(PlacementTask):
     """Turn a frame to a rotation, the shortest way; or by one angle about z: the second task of the thesis, Eq. 4.3.
 
     The angle of a planar arm is the plain sum of its joint angles, unwrapped: a target 2 pi away is a full turn away.
@@ -26,7 +26,7 @@ class OrientationTask(PlaceTask):
         The rotation, its columns the axes that the frame is to have; or the angle about z [rad], counter-clockwise,
         which leaves the other axes free. Of a transform, and of a PoseSetpoint, it is the rotation.
     frame, relative_to, reference
-        See :class:`~tasks.frames.place.PlaceTask`.
+        See :class:`~tasks.frames.placement.PlacementTask`.
     mask : str or sequence of bool, optional
         The axes about which to turn, as in ``"xy"``; see :class:`tasks.AxisTask` for a tool that may spin.
     gain, damping_ratio, weight, cap, deceleration, name

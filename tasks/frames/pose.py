@@ -14,7 +14,7 @@ from ..robots.block import relative
 from ..robots.robot import RobotState
 from ..targets.trajectories import Trajectory, as_trajectory
 from ..targets.turns import PoseSetpoint, RotationTrajectory, as_rotation
-from .place import Mask, PlaceTask, Reference, chosen
+from .placement import Mask, PlacementTask, Reference, chosen
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
 
@@ -28,7 +28,7 @@ def _parts(target: Any, what: str) -> tuple[Any, Any]:
     return transform(target, what)
 
 
-class PoseTask(PlaceTask):
+class PoseTask(PlacementTask):
     """Bring a frame to a point and turn it to a rotation: position and orientation weighed against each other.
 
     Where they conflict neither has priority; ``PositionTask(...) >> OrientationTask(...)`` gives it to the first.
@@ -40,7 +40,7 @@ class PoseTask(PlaceTask):
     rotation : array, shape (3, 3), or RotationTrajectory, optional
         Its columns are the axes that the frame is to have; none beside a transform.
     frame, relative_to
-        See :class:`~tasks.frames.place.PlaceTask`.
+        See :class:`~tasks.frames.placement.PlacementTask`.
     mask : str or sequence of bool, optional
         The coordinates to be controlled, as in ``"x y rz"``.
     reference : {"local_world_aligned", "local", "world"}

@@ -9,12 +9,12 @@ from hqp import InvalidInput
 from ..base.live import number
 from ..targets.trajectories import Spread, Trajectory, as_trajectory
 from ..targets.turns import place_of
-from .place import Mask, PlaceTask, Reference, as_reference, chosen
+from .placement import Mask, PlacementTask, Reference, as_reference, chosen
 
 AXES = ("x", "y", "z")
 
 
-class PositionTask(PlaceTask):
+class PositionTask(PlacementTask):
     """Bring a frame to a point: the first task of the thesis, r1 of Eq. 4.2.
 
     Parameters
@@ -23,7 +23,7 @@ class PositionTask(PlaceTask):
         [m]. Two numbers are x and y: all there is of a planar arm, and a line to stay on for a spatial robot. Of a
         transform, (4, 4) or ``pinocchio.SE3``, and of a PoseSetpoint it is the position.
     frame, relative_to, reference
-        See :class:`~tasks.frames.place.PlaceTask`.
+        See :class:`~tasks.frames.placement.PlacementTask`.
     mask : str or sequence of bool, optional
         The coordinates to be controlled, as in ``"z"`` or ``(False, False, True)``.
     gain, damping_ratio, weight, cap, deceleration, name

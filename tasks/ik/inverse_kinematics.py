@@ -31,8 +31,7 @@ from hqp.checks import truth, whole_number
 
 from ..base.checks import Array, positive
 from ..robots.robot import Robot, as_robot, check_states, home
-from ..rows.part import Part
-from ..rows.stack import Stack
+from ..rows.part import Part, Stack
 from .linearised import Linearised, Visit
 from .newton import TRUST_REGION
 

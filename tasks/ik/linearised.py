@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import reduce
-from operator import add
 from typing import Any
 
 import numpy as np
@@ -19,10 +17,11 @@ from ..base.checks import Array, finite, numbers
 from ..joints.posture import PostureTask
 from ..robots.answers import integration
 from ..robots.robot import Robot, base, joint_positions
-from ..rows.expansion import expand
+from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.inequality import Inequality
-from ..rows.part import Part
-from ..rows.stack import Stack
+from ..rows.levels import Levels
+from ..rows.part import Part, Stack
+from ..rows.row_writer import RowWriter
 from ..rows.task import Task
 from .newton import Room, levels_of_steps, ranges
 
@@ -34,7 +33,7 @@ HALF_TURN = np.pi
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Visit:
-    """A configuration with its errors.
+    """A configuration of the search, with its errors.
 
     Attributes
     ----------
@@ -88,11 +87,12 @@ class Linearised:
         self, robot: Robot, stack: Stack, goal: Part | Iterable[Part] | None, tolerance: Array, backend: str
     ) -> None:
         self.robot, self.solves = robot, 0
-        stack = expand(stack, robot, "step").stack
-        levels = levels_of_steps(stack)
+        solved, unknowns = stack.expanded(robot, "step")
+        levels = levels_of_steps(stack, solved)
         wanted = _wanted([part for level in levels for part in level if isinstance(part, JUDGED)], goal)
-        self.room = Room(*ranges(robot, stack))
-        self._rows = Stack(self.room, *(reduce(add, level) for level in levels)).build(robot, "step")
+        self.room = Room(*ranges(robot, solved))
+        step = Levels(((self.room,), *map(tuple, levels)), (None,) * (1 + len(levels)))
+        self._rows = HierarchyWriter(step, unknowns, robot, "step")
         self.hierarchy, self._solver = self._rows.hierarchy, hqp.Solver(backend)
         self._still = numbers(np.zeros(robot.nv), "v")
         self.integrate = integration(robot)
@@ -101,7 +101,7 @@ class Linearised:
         self._from = np.maximum(low, np.minimum(high - 2.0 * HALF_TURN, -HALF_TURN))
         self._to = np.minimum(high, np.maximum(low + 2.0 * HALF_TURN, HALF_TURN))
 
-    def _measure(self, levels: list[list[Part]], wanted: list[Part], tolerance: Array) -> None:
+    def _measure(self, levels: list[list[RowWriter]], wanted: list[RowWriter], tolerance: Array) -> None:
         """Which rows make up the error of a task in one unit, that of the goal and of a level, and what is small."""
         from ..base.loops import Call
         from .kernels.steps import judge
@@ -197,7 +197,7 @@ def _shown(part: object) -> str:
     return repr(part) if isinstance(part, Part) else brief(part)
 
 
-def _wanted(own: list[Part], goal: Part | Iterable[Part] | None) -> list[Part]:
+def _wanted(own: list[RowWriter], goal: Part | Iterable[Part] | None) -> list[RowWriter]:
     """The tasks that must be met.
 
     Raises
@@ -218,5 +218,5 @@ def _wanted(own: list[Part], goal: Part | Iterable[Part] | None) -> list[Part]:
     return wanted
 
 
-def _task(part: Part) -> Part:
+def _task(part: RowWriter) -> RowWriter:
     return part.task if isinstance(part, Inequality) else part

@@ -22,8 +22,9 @@ from ..limits.joint_limits import JointLimits
 from ..limits.limit import JointLimit
 from ..limits.position import JointPositionLimit
 from ..robots.robot import Robot, joint_names, joint_units, limit_of
-from ..rows.part import Order, Part
-from ..rows.stack import Stack
+from ..rows.levels import Levels
+from ..rows.part import Order, Part, Stack
+from ..rows.row_writer import RowWriter
 
 if TYPE_CHECKING:
     from ..rows.plan import Plan
@@ -38,7 +39,7 @@ DROPPED = (JointLimit, JointLimits, FrameVelocityLimit)
 
 
 class Room(Part):
-    """Bounds of one step: the joint ranges and the trust region.
+    """Bounds of one Newton step: the joint ranges and the trust region.
 
     Parameters
     ----------
@@ -65,7 +66,7 @@ class Room(Part):
         from .kernels.steps import open_room
 
         shared = site.shared
-        places = shared.places.astype(np.int64)
+        places = shared.position_indices.astype(np.int64)
         self._call = Call(
             open_room, shared.n, shared.positions, places, self.low, self.high, self._reach, site.lower, site.upper
         )
@@ -92,21 +93,21 @@ class Which:
         return TRUST_REGION if abs(bound) >= self.room.radius * (1.0 - SAME) else "position limit"
 
 
-def levels_of_steps(stack: Stack) -> list[list[Part]]:
-    """The levels of a stack without the limits of joints and speeds.
+def levels_of_steps(stack: Stack, levels: Levels) -> list[list[RowWriter]]:
+    """The levels that are solved of a stack, without the limits of joints and speeds.
 
     Raises
     ------
     InvalidInput
         If nothing but limits is in it.
     """
-    kept = [[part for part in level if not isinstance(part, DROPPED)] for level in stack.levels]
+    kept = [[part for part in level if not isinstance(part, DROPPED)] for level in levels.parts]
     if not any(kept):
         raise InvalidInput(f"the stack {stack!r} has limits only; inverse kinematics needs a task")
     return [level for level in kept if level]
 
 
-def ranges(robot: Robot, stack: Stack) -> Array:
+def ranges(robot: Robot, levels: Levels) -> Array:
     """Lowest and highest position of every joint, shape (2, nv): the robot's own and those of the stack together.
 
     Raises
@@ -116,7 +117,7 @@ def ranges(robot: Robot, stack: Stack) -> Array:
     """
     own = limit_of(robot, "position")
     low, high = np.array([[-np.inf], [np.inf]]).repeat(robot.nv, axis=1) if own is None else np.array(own)
-    for part in stack:
+    for part in levels.all_parts:
         for limit in part.limits if isinstance(part, JointLimits) else (part,):
             if isinstance(limit, JointPositionLimit):
                 least, most = limit.range(robot)

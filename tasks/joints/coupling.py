@@ -118,7 +118,9 @@ class JointCouplingTask(LoopTask, TargetTask):
         shared, target = site.shared, np.zeros((3, 1))
         moves = kept_up(self.target, *target)
         row, q = self._row(shared.robot), shared.positions
-        return Plan((Call(loops.write_coupling, site.law(self), q, len(q), target, row, shared.places),), moves)
+        return Plan(
+            (Call(loops.write_coupling, site.law(self), q, len(q), target, row, shared.position_indices),), moves
+        )
 
     def _row(self, robot: Robot) -> Array:
         """The factor of every joint of a robot, shape (nv,)."""

@@ -127,7 +127,7 @@ class PostureTask(LoopTask, TargetTask):
         positions = self.joints is not None and size == len(own)
         told[loops.RATE] = -1 if stands_still(self.target) else rows if size == len(own) else own
         if positions:
-            places = shared.places[own]
+            places = shared.position_indices[own]
             check_positioned(shared.robot, own[places < 0], f"{self.label()}: joint")
             told[loops.KIND], told[loops.PLACE], told[loops.GOAL] = loops.LINE, places, rows
         return told
@@ -162,7 +162,7 @@ def joint_kinds(shared: Workspace, own: NDArray[np.intp]) -> NDArray[np.int64]:
     from .kernels import joints as loops
 
     told = np.full((loops.JOINT_FIELDS, len(own)), -1, dtype=np.int64)
-    places, circles = shared.places[own], shared.circles[own]
+    places, circles = shared.position_indices[own], shared.circles[own]
     told[loops.COLUMN] = own
     told[loops.KIND] = np.where(circles >= 0, loops.CIRCLE, np.where(places >= 0, loops.LINE, loops.MANIFOLD))
     told[loops.PLACE] = told[loops.GOAL] = np.where(circles >= 0, circles, places)

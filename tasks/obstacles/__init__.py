@@ -1,1 +1,1 @@
-"""Distances: of links to obstacles, and of a robot to itself."""
+"""Collision avoidance: distances of links to obstacles, and of the bodies of a robot to each other."""

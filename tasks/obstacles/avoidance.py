@@ -34,8 +34,8 @@ from ..rows.alone import write_alone
 from ..rows.part import PER, Order, Part, Tick
 from .distance import told
 from .links import LinkCapsule
+from .pair_arrays import PairArrays
 from .pairs import Pairs
-from .scene import Scene
 from .shapes import Obstacle
 
 if TYPE_CHECKING:
@@ -118,9 +118,9 @@ class AvoidanceTask(Part):
         from ..rows.plan import Plan
         from .kernels import rows as loops
 
-        scene = Scene(self.pairs, site.shared.robot, site.frame, rates=True)
+        arrays = PairArrays(self.pairs, site.shared.robot, site.frame, rates=True)
         numbers = [self.influence, self.speed, self.gain]
-        return Plan((Call(loops.write_avoidance, *told(site, numbers), scene.table),), scene.moves)
+        return Plan((Call(loops.write_avoidance, *told(site, numbers), arrays.table),), arrays.moves)
 
     def __repr__(self) -> str:
         return f"AvoidanceTask({len(self.pairs)} pairs, influence={self.influence:g}, speed={self.speed:g})"

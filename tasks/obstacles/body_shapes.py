@@ -10,7 +10,7 @@ import numpy as np
 
 from hqp import InvalidInput
 
-from ..base.checks import Array, nearest
+from ..base.checks import Array, suggestion
 from ..robots.robot import RobotState, on_pinocchio
 
 #: The frame of what stands in the world.
@@ -82,7 +82,7 @@ class Shapes:
         self._pin.computeDistances(self.geometry, self._data)
         return np.array([result.min_distance for result in self._data.distanceResults])
 
-    def nearest(self, state: RobotState, count: int) -> list[int]:
+    def closest(self, state: RobotState, count: int) -> list[int]:
         """So many pairs, none of the others nearer.
 
         A ball about each shape tells the least that a pair can be apart; those farther than the last one wanted are
@@ -139,4 +139,4 @@ def known(names: Iterable[str], bodies: Iterable[str], what: str) -> None:
     bodies = dict.fromkeys(bodies)
     for name in names:
         if name not in bodies:
-            raise InvalidInput(f"{what}: {name!r} is no body with a shape{nearest(str(name), bodies)}")
+            raise InvalidInput(f"{what}: {name!r} is no body with a shape{suggestion(str(name), bodies)}")

@@ -46,8 +46,8 @@ from ..robots.robot import Robot, RobotState, base
 from ..rows.alone import write_alone
 from ..rows.part import PER, Order, Part, Tick
 from .links import LinkCapsule
+from .pair_arrays import PairArrays
 from .pairs import Pairs
-from .scene import Scene
 from .shapes import Obstacle
 
 if TYPE_CHECKING:
@@ -164,17 +164,17 @@ class DistanceLimit(Part):
 
         robot, n = site.shared.robot, site.shared.n
         site.bounds = True
-        scene = Scene(self.pairs, robot, site.frame, dt=site.shared.dt)
+        arrays = PairArrays(self.pairs, robot, site.frame, dt=site.shared.dt)
         call = Call(
             loops.write_limit,
             *told(site, [self.margin, self.gain]),
-            scene.table,
+            arrays.table,
             *fastest(site),
             base(robot),
             np.zeros(3 * n),
             np.zeros(len(self.pairs), dtype=np.int64),
         )
-        return Plan((call,), scene.moves)
+        return Plan((call,), arrays.moves)
 
     def __repr__(self) -> str:
         return f"DistanceLimit({len(self.pairs)} pairs, margin={self.margin:g}, gain={self.gain:g})"

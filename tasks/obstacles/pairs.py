@@ -80,14 +80,14 @@ class Pairs(Live):
         from ..base.loops import Call
         from ..robots.block import fill
         from ..robots.kernels.block import size
-        from .kernels.nearest import measure_pairs
-        from .scene import Scene
+        from .kernels.distances import measure_pairs
+        from .pair_arrays import PairArrays
 
         def block(frame: str) -> Array:
             own = np.zeros(size(robot.nv))
             fill(own, state.frame(frame), state.v, drifts=False)
             return own
 
-        scene = Scene(self, robot, block, t)
-        Call(measure_pairs, scene.table).run()
-        return scene.found
+        arrays = PairArrays(self, robot, block, t)
+        Call(measure_pairs, arrays.table).run()
+        return arrays.found

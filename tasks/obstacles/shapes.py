@@ -17,7 +17,7 @@ from ..targets.trajectories import Fixed, Trajectory, as_trajectory
 
 
 class Obstacle(Live):
-    """A shape in the world.
+    """Base of obstacles: a shape in the world, fixed or moving.
 
     One of your own tells its `core`, and its velocity and acceleration where it moves; it is asked at every tick,
     unless it says by `moves` that it stands still.

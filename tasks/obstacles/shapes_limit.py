@@ -126,7 +126,7 @@ class ShapesLimit(Part):
         sides = [tuple(blocks[name].ctypes.data for name in pair) for pair in shapes.pairs]
 
         def measure(tick: Tick) -> None:
-            for row, k in enumerate(sorted(shapes.nearest(tick.state, rows))):
+            for row, k in enumerate(sorted(shapes.closest(tick.state, rows))):
                 bodies[row] = sides[k]
                 shapes.contact(k, contacts[row])
 

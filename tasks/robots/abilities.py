@@ -127,7 +127,7 @@ class WithAliases(WithFrames, Protocol):
 
 @runtime_checkable
 class Tipped(Protocol):
-    """Tells which frame tasks mean that name none; None if they must name one."""
+    """Names its tip, the frame of tasks that name no frame; None if they must name one."""
 
     @property
     def tip(self) -> str | None: ...
@@ -181,7 +181,7 @@ class Inertial(Protocol):
 
 
 @runtime_checkable
-class Dynamics(Inertial, Protocol):
+class MotionEquation(Inertial, Protocol):
     """Knows its equation of motion: limits and criteria of torque ask for it."""
 
     def bias(self, q: Array, v: Array, /) -> Array:
@@ -230,7 +230,7 @@ class Drawn(Protocol):
 
 @runtime_checkable
 class SharedWorkspace(Protocol):
-    """Its states share one workspace, and its configurations are looked at before use.
+    """Its states share one workspace, and its configurations are checked before use.
 
     A controller never raises for a configuration: it asks `on_manifold`, and then for the state. A `guard` that is no
     :class:`hqp.guard.Guard` is something else, and so are the other two then.
@@ -266,7 +266,7 @@ class WithJoints(Protocol):
 
 @runtime_checkable
 class Owned(Protocol):
-    """A state that tells whose it is: postures and couplings then know the names of the joints, and the manifold."""
+    """A state that names its robot: postures and couplings then know the names of the joints, and the manifold."""
 
     @property
     def robot(self) -> Robot: ...
@@ -296,7 +296,7 @@ class Sourced(Protocol):
         """Where the numbers of its frames come from; q and v hold the state of the tick."""
         ...
 
-    def places(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
+    def position_indices(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
         """Where in q the positions of these velocities are, shape (k,); -1 for one that has none of its own."""
         ...
 

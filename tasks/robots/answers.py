@@ -39,7 +39,7 @@ ABILITIES = (
     able.AccelerationLimited,
     able.TorqueLimited,
     able.Inertial,
-    able.Dynamics,
+    able.MotionEquation,
     able.InverseDynamics,
     able.Manipulable,
     able.Drawn,
@@ -212,7 +212,7 @@ def mass_matrix(robot: Robot) -> Callable[[Array], Array] | None:
 
 def bias(robot: Robot) -> Callable[[Array, Array], Array] | None:
     """b of q and v, or None if the robot does not know its equation of motion."""
-    return robot.bias if able.has(robot, able.Dynamics) else None
+    return robot.bias if able.has(robot, able.MotionEquation) else None
 
 
 def inverse_dynamics(robot: Robot) -> Callable[[Array, Array, Array], Array] | None:

@@ -36,8 +36,8 @@ class Axis(NamedTuple):
         The name of the joint itself.
     unit : {"rad", "m"}
         Of its position.
-    place : int
-        Which number of q is its position, so that ``q[place]`` changes at this velocity; -1 if none is.
+    q_index : int
+        Which number of q is its position, so that ``q[q_index]`` changes at this velocity; -1 if none is.
     circle : int
         Which number of q is the cosine of its angle, the sine being the next; -1 if none is.
     """
@@ -45,7 +45,7 @@ class Axis(NamedTuple):
     name: str
     joint: str
     unit: str
-    place: int
+    q_index: int
     circle: int
 
 
@@ -101,7 +101,7 @@ def base_of(model: pin.Model) -> tuple[int, int]:
 
 
 def _axes(joint: Any) -> Iterator[tuple[str, int, int]]:
-    """Unit, place and circle of every velocity of a joint."""
+    """Unit, index in q and circle of every velocity of a joint."""
     what = kind(joint)
     if what == "Mimic":
         return

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from hqp import InvalidInput, MissingPackage
 
-from ..base.checks import nearest
+from ..base.checks import suggestion
 from .choices import Base
 
 
@@ -120,7 +120,7 @@ def named(name: str) -> tuple[Entry, Path]:
         return ROBOTS[name], data_folder() / ROBOTS[name].file
     others = _others()
     if name not in others:
-        hint = nearest(name, available_robots()) if name else ""
+        hint = suggestion(name, available_robots()) if name else ""
         hint = hint if "did you mean" in hint else ""
         raise InvalidInput(
             f"unknown robot {name!r}{hint}; give a URDF or MJCF file, or one of {', '.join(available_robots())}"

@@ -109,8 +109,7 @@ def load_robot(
     robot.start_from(neutral)
     _take_home(robot, entry)
     robot.recipe, robot.left_out, robot.closures = recipe, described.left_out, described.closures
-    robot.scene = described.scene
-    robot.source = file.resolve() if isinstance(file, Path) else None
+    robot.scene, robot.source = described.scene, file.resolve() if isinstance(file, Path) else None
     return robot
 
 
@@ -150,8 +149,8 @@ def _limited(described: Description, named: Mapping[str, Any], what: str) -> Des
     model = pin.Model(described.model)
     ranges = position_limit(model, named.get("position"), what, zero_is_none=False)
     for i, axis in enumerate(axes(model)):
-        if axis.place != NONE and ranges is not None:
-            model.lowerPositionLimit[axis.place], model.upperPositionLimit[axis.place] = ranges[:, i]
+        if axis.q_index != NONE and ranges is not None:
+            model.lowerPositionLimit[axis.q_index], model.upperPositionLimit[axis.q_index] = ranges[:, i]
     for key, upper, lower, units in (
         ("velocity", model.upperVelocityLimit, model.lowerVelocityLimit, SPEED),
         ("torque", model.upperEffortLimit, model.lowerEffortLimit, TORQUE),

@@ -18,10 +18,10 @@ from hqp import InvalidInput, MissingPackage
 from hqp.checks import of_type
 from hqp.guard import Guard
 
-from ..base.checks import Array, finite, finite_scalar, nearest, own_numbers
+from ..base.checks import Array, finite, finite_scalar, own_numbers, suggestion
 from ..base.live import number
+from .follower_limits import FollowerLimits
 from .refusals import joint_index
-from .room import Room
 
 try:
     import pinocchio as pin
@@ -69,7 +69,7 @@ class PinocchioRobot(Configurations, Shaped, PinocchioModel):
         Largest joint acceleration [rad/s^2], [m/s^2]; a model has none.
     torque_limit : float, array, shape (nv,), or dict of name to float, optional
         Largest joint torque [N m], force [N] (default: the model's).
-    rooms : dict of str to Room, optional
+    rooms : dict of str to FollowerLimits, optional
         What those that follow a joint leave to it; its limits are no wider.
 
     Attributes
@@ -118,10 +118,10 @@ class PinocchioRobot(Configurations, Shaped, PinocchioModel):
         velocity_limit: Limit | None = None,
         acceleration_limit: Limit | None = None,
         torque_limit: Limit | None = None,
-        rooms: Mapping[str, Room] | None = None,
+        rooms: Mapping[str, FollowerLimits] | None = None,
     ) -> None:
         super().__init__(model, tip, name)
-        self._rooms: Mapping[str, Room] = rooms or {}
+        self._rooms: Mapping[str, FollowerLimits] = rooms or {}
         self._loaded = rooms is not None
         self.position_limit, self.velocity_limit = position_limit, velocity_limit
         self.acceleration_limit, self.torque_limit = acceleration_limit, torque_limit
@@ -181,7 +181,7 @@ class PinocchioRobot(Configurations, Shaped, PinocchioModel):
         q = np.array(q)
         if self.position_limit is not None:
             low, high = self.position_limit[:, self._columns]
-            q[self._places] = np.clip(q[self._places], low, high)
+            q[self._q_indices] = np.clip(q[self._q_indices], low, high)
         q.flags.writeable = False
         return q
 
@@ -205,19 +205,21 @@ class PinocchioRobot(Configurations, Shaped, PinocchioModel):
         """
         if isinstance(joints, str):
             if joints not in self.configurations:
-                raise InvalidInput(f"{joints!r} is no configuration of {self!r}{nearest(joints, self.configurations)}")
+                raise InvalidInput(
+                    f"{joints!r} is no configuration of {self!r}{suggestion(joints, self.configurations)}"
+                )
             return np.array(self._named(joints))
         q = np.array(self.neutral)
         for name, position in of_type(joints, Mapping, "joints").items():
             column = joint_index(self.joint_names, name, "joint")
             axis, value = self._axes[column], finite_scalar(position, f"position of {name!r}")
-            if axis.place != NONE:
+            if axis.q_index != NONE:
                 low, high = (-np.inf, np.inf) if self.position_limit is None else self.position_limit[:, column]
                 if not low - SAME <= value <= high + SAME:
                     raise InvalidInput(
                         f"position of {name!r} = {value:g} {axis.unit} is outside its range, {low:g} .. {high:g}"
                     )
-                q[axis.place] = value
+                q[axis.q_index] = value
             elif axis.circle != NONE:
                 q[axis.circle : axis.circle + 2] = np.cos(value), np.sin(value)
             else:
@@ -228,7 +230,7 @@ class PinocchioRobot(Configurations, Shaped, PinocchioModel):
         """The same as :meth:`configuration`, with positions outside the limits moved into them."""
         q = np.array(self.neutral)
         for name, position in joints.items():
-            q[self._axes[self.joint_names.index(name)].place] = position
+            q[self._axes[self.joint_names.index(name)].q_index] = position
         return np.array(self._inside(q))
 
     def describe(self, q: Array) -> list[tuple[str, float, float, float]]:
@@ -243,9 +245,9 @@ class PinocchioRobot(Configurations, Shaped, PinocchioModel):
         if self.position_limit is not None:
             low, high = self.position_limit
         for column, axis in enumerate(self._axes):
-            if axis.place != NONE or axis.circle != NONE:
+            if axis.q_index != NONE or axis.circle != NONE:
                 cosine, sine = q[axis.circle : axis.circle + 2] if axis.circle != NONE else (1.0, 0.0)
-                position = q[axis.place] if axis.place != NONE else np.arctan2(sine, cosine)
+                position = q[axis.q_index] if axis.q_index != NONE else np.arctan2(sine, cosine)
                 told.append((axis.name, float(position), float(low[column]), float(high[column])))
         return told
 
@@ -264,7 +266,7 @@ class PinocchioRobot(Configurations, Shaped, PinocchioModel):
                     np.minimum(most, np.maximum(least + turn, np.pi)),
                 ]
             )
-        low[self._places], high[self._places] = ends
+        low[self._q_indices], high[self._q_indices] = ends
         pin.seed(int(rng.integers(2**31)))
         return np.asarray(pin.randomConfiguration(self.model, low, high))
 

@@ -15,7 +15,7 @@ from hqp import InvalidInput
 from hqp.checks import of_type
 from hqp.guard import Guard
 
-from ..base.checks import Array, nearest
+from ..base.checks import Array, suggestion
 from ..base.live import Live, structure
 from . import pinocchio_dynamics as dynamics
 from .axes import NONE, axes, base_of, sequence, unit_parts
@@ -72,9 +72,9 @@ class PinocchioModel(Live):
         self._units = unit_parts(model)
         self._frame_numbers = frame_numbers(model)
         self.frame_names = tuple(dict.fromkeys(frame.name for frame in model.frames))
-        places = np.array([axis.place for axis in self._axes], dtype=np.intp)
+        places = np.array([axis.q_index for axis in self._axes], dtype=np.intp)
         self._columns = np.flatnonzero(places != NONE)
-        self._places = places[self._columns]
+        self._q_indices = places[self._columns]
         self._frames: dict[str | None, int] = {}
         self._support: dict[int, list[tuple[int, int]]] = {}
         self.closures: tuple[Closure, ...] = ()
@@ -127,13 +127,13 @@ class PinocchioModel(Live):
         if self.nq == self.nv:
             return q
         positions = np.zeros(self.nv)
-        positions[self._columns] = q[self._places]
+        positions[self._columns] = q[self._q_indices]
         return positions
 
-    def places(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
+    def position_indices(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
         """Where in q the positions of these velocities are, shape (k,); -1 for one that has none of its own."""
         places = np.full(self.nv, -1, dtype=np.int64)
-        places[self._columns] = self._places
+        places[self._columns] = self._q_indices
         return places[columns]
 
     def circles(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
@@ -200,7 +200,7 @@ class PinocchioModel(Live):
             Tells the nearest names.
         """
         if not self.has_frame(name):
-            raise InvalidInput(f"{name!r} is no frame of {self!r}{nearest(str(name), self.frame_names)}")
+            raise InvalidInput(f"{name!r} is no frame of {self!r}{suggestion(str(name), self.frame_names)}")
         return name
 
     def frame_index(self, name: str | None) -> int:

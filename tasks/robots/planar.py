@@ -267,7 +267,7 @@ class PlanarArm(Configurations, Live):
         """Its frames for loops; q and v hold the state of the tick."""
         return PlanarSource(self, q, v)
 
-    def places(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
+    def position_indices(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
         """Where in q the positions of these velocities are."""
         return np.asarray(columns, dtype=np.int64)
 

@@ -13,8 +13,8 @@ from hqp import InvalidInput
 from ..base.checks import LARGEST, Array, not_negative, per_joint, position_range, positive, scalar
 from ..base.telling import tell
 from .axes import NONE, Axis, axes, kind
+from .follower_limits import FollowerLimits
 from .refusals import joint_index
-from .room import Room
 
 #: What a model is told of a joint that is held by a speed of 0: by 0 it says that it knows nothing.
 HELD = 1e-300
@@ -25,7 +25,7 @@ SAME = 1e-9
 def unknown_ranges(model: pin.Model, what: str) -> list[Axis]:
     """The joints whose range is from 0 to 0, by which files say that they know none; told once."""
     low, high = model.lowerPositionLimit, model.upperPositionLimit
-    found = [axis for axis in axes(model) if axis.place != NONE and low[axis.place] == high[axis.place] == 0.0]
+    found = [axis for axis in axes(model) if axis.q_index != NONE and low[axis.q_index] == high[axis.q_index] == 0.0]
     if found:
         names = ", ".join(axis.name for axis in found)
         tell(f"{what}: joints whose range is from 0 to 0 are taken to have none: {names}")
@@ -36,7 +36,7 @@ def open_ranges(model: pin.Model, what: str) -> None:
     """Make ranges that are unknown, or larger than any robot, infinite in the model."""
     low, high = model.lowerPositionLimit, model.upperPositionLimit
     for axis in unknown_ranges(model, what):
-        low[axis.place], high[axis.place] = -np.inf, np.inf
+        low[axis.q_index], high[axis.q_index] = -np.inf, np.inf
     low[low < -LARGEST], high[high > LARGEST] = -np.inf, np.inf
 
 
@@ -91,7 +91,7 @@ def position_limit(model: pin.Model, given: Any, what: str, *, zero_is_none: boo
         If a joint is unknown, has no position of its own, or its lowest is above its highest.
     """
     own = axes(model)
-    has = np.array([axis.place != NONE for axis in own])
+    has = np.array([axis.q_index != NONE for axis in own])
     if given is None or isinstance(given, Mapping):
         limits = _of_model(model, own, what, zero_is_none)
         for i, pair in _named(own, given or {}, f"{what}: position limit of"):
@@ -115,10 +115,10 @@ def no_position(axis: Axis) -> str:
 def _of_model(model: pin.Model, own: Sequence[Axis], what: str, zero_is_none: bool) -> Array:
     _tell_of_bases(model, what)
     limits = np.array([[-np.inf], [np.inf]]).repeat(len(own), axis=1)
-    unknown = {axis.place for axis in unknown_ranges(model, what)} if zero_is_none else set()
+    unknown = {axis.q_index for axis in unknown_ranges(model, what)} if zero_is_none else set()
     for i, axis in enumerate(own):
-        if axis.place != NONE and axis.place not in unknown:
-            low, high = model.lowerPositionLimit[axis.place], model.upperPositionLimit[axis.place]
+        if axis.q_index != NONE and axis.q_index not in unknown:
+            low, high = model.lowerPositionLimit[axis.q_index], model.upperPositionLimit[axis.q_index]
             limits[:, i] = low if low > -LARGEST else -np.inf, high if high < LARGEST else np.inf
     return limits
 
@@ -180,7 +180,7 @@ def _named(own: Sequence[Axis], given: Mapping[str, Any], what: str) -> Iterator
 
 
 def within(
-    limits: Array | None, names: Sequence[str], rooms: Mapping[str, Room], what: str, *, told: bool
+    limits: Array | None, names: Sequence[str], rooms: Mapping[str, FollowerLimits], what: str, *, told: bool
 ) -> Array | None:
     """Lowest and highest position of every joint, and no more than its followers allow.
 
@@ -188,7 +188,7 @@ def within(
     ----------
     limits : array, shape (2, nv), or None
     names : sequence of str
-    rooms : dict of str to Room
+    rooms : dict of str to FollowerLimits
     what : str
     told : bool
         Whether the limits are given by hand, and less is worth a word.
@@ -217,7 +217,7 @@ def within(
     return limits
 
 
-def no_faster(limits: Array | None, names: Sequence[str], rooms: Mapping[str, Room]) -> Array | None:
+def no_faster(limits: Array | None, names: Sequence[str], rooms: Mapping[str, FollowerLimits]) -> Array | None:
     """Largest speeds, and no more than the followers of each joint allow; a joint that is held has 0."""
     if limits is not None:
         limits[limits <= HELD] = 0.0

@@ -9,7 +9,7 @@ import numpy as np
 from hqp import InvalidInput
 from hqp.checks import whole_number
 
-from ..base.checks import Array, nearest
+from ..base.checks import Array, suggestion
 from .abilities import Robot
 from .answers import base, bias, frame_names, has_frame, joint_names, mass_matrix, neutral, positioned
 
@@ -24,7 +24,7 @@ def joint_index(names: Sequence[str], joint: str | int, what: str) -> int:
     """
     if isinstance(joint, str):
         if joint not in names:
-            raise InvalidInput(f"{what} {joint!r} is no joint of the robot{nearest(joint, names)}")
+            raise InvalidInput(f"{what} {joint!r} is no joint of the robot{suggestion(joint, names)}")
         return list(names).index(joint)
     index = whole_number(joint, what)
     if index >= len(names):
@@ -58,7 +58,7 @@ def check_frame(robot: Robot, name: str, what: str) -> None:
         Tells the nearest names.
     """
     if not has_frame(robot, name):
-        raise InvalidInput(f"{what} {name!r} is no frame of {robot!r}{nearest(str(name), frame_names(robot))}")
+        raise InvalidInput(f"{what} {name!r} is no frame of {robot!r}{suggestion(str(name), frame_names(robot))}")
 
 
 def check_fixed_base(robot: Robot, what: str) -> None:

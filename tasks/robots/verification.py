@@ -136,8 +136,8 @@ def _single(joint: Any, q: np.ndarray) -> Iterator[tuple[Any, np.ndarray]]:
 
 def _verify_limits(model: pin.Model, what: str) -> None:
     for i, axis in enumerate(axes(model)):
-        if axis.place >= 0:
-            low, high = float(model.lowerPositionLimit[axis.place]), float(model.upperPositionLimit[axis.place])
+        if axis.q_index >= 0:
+            low, high = float(model.lowerPositionLimit[axis.q_index]), float(model.upperPositionLimit[axis.q_index])
             if not low <= high:
                 raise InvalidInput(
                     f"{what}: the range of joint {axis.name!r} is from {low:g} to {high:g} {axis.unit};"

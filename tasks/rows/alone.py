@@ -52,7 +52,7 @@ def measured_alone(task: Task, state: RobotState, t: float = 0.0, *, drifts: boo
 
 
 class _Alone:
-    """The loops of one task, in a workspace of their own."""
+    """The loops of one task, with a workspace of their own."""
 
     def __init__(self, task: Task, robot: Robot, drifts: bool) -> None:
         rows = task.size(robot)
@@ -108,7 +108,7 @@ def _at_work(task: Task, robot: Robot, drifts: bool) -> _Alone:
 
 
 class Unknown:
-    """A stand-in for the robot of a state that does not name its robot: its sizes alone."""
+    """A stand-in for the robot where a state does not name it: its sizes alone."""
 
     def __init__(self, nq: int, nv: int) -> None:
         self.nq, self.nv = nq, nv

@@ -1,4 +1,4 @@
-r"""How the value of a task bends: what its rows leave out, which are straight.
+r"""The curvature of a task: the second derivatives of its value, which the linear rows leave out.
 
 The rows say how the value moves, :math:`J \, dq`. After a step dq of all joints it is farther by
 :math:`\tfrac12 dq^T H_i dq` in each row i. With a weight w for every row the sum :math:`S(w) = \sum_i w_i H_i` is what
@@ -55,14 +55,14 @@ def bending(site: Site, kernel: Any, seen: Table | None, size: int, *told: Entry
 
 
 def frame_bends(shared: Workspace, name: str | None, relative_to: str | None = None) -> Table | None:
-    """How a frame bends, for loops; None for a robot that does not tell which joint carries which."""
+    """The curvature of the motion of a frame, for loops; None if the robot does not tell which joint carries which."""
     places = chain_order(shared.robot, name)
     block = shared.blocks.frame(name)
     return _seen(shared, _of_block(shared, block, places), shared.blocks.frame(name, relative_to), relative_to)
 
 
 def center_bends(shared: Workspace, relative_to: str | None = None) -> Table | None:
-    """That of the centre of mass."""
+    """The curvature of the motion of the centre of mass."""
     axes, robot = shared.blocks.axes(), shared.robot
     tree = robot.tree_order() if isinstance(robot, Branched) else None
     if axes is None or tree is None:

@@ -17,8 +17,7 @@ from __future__ import annotations
 from hqp import DampingRule, InvalidInput
 from hqp.damping import as_rule
 
-from .part import Part
-from .stack import Stack
+from .part import Part, Stack
 
 
 class Damped(Stack):

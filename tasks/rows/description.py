@@ -43,7 +43,7 @@ class WrittenPart:
 
     @classmethod
     def of(cls, level: int, part: str, rows: tuple[Label, ...], plan: Plan, shared: tuple[str, ...]) -> WrittenPart:
-        """That of a plan, and of loops which write the rows of several parts."""
+        """From the plan of a part, and the loops that write the rows of several parts."""
         loops = tuple(call.kernel.__name__ for call in plan.calls)
         return cls(level, part, rows, loops + shared, plan.python is not None, plan.why)
 

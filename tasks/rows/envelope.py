@@ -38,14 +38,14 @@ if TYPE_CHECKING:
 
 
 class Bounded(Protocol):
-    """Where the rows of a part are; see :class:`tasks.rows.site.Site`."""
+    """The rows of a part, as far as joint limits need them; see :class:`tasks.rows.site.Site`."""
 
     lower: Array
     upper: Array
 
 
 class Shared(Protocol):
-    """What a stack shares on one robot; see :class:`tasks.rows.site.Workspace`."""
+    """The quantities of a tick that joint limits need; see :class:`tasks.rows.site.Workspace`."""
 
     robot: Robot
     n: int
@@ -57,7 +57,7 @@ class Shared(Protocol):
     def order(self) -> str: ...
 
     @property
-    def places(self) -> NDArray[np.signedinteger]: ...
+    def position_indices(self) -> NDArray[np.signedinteger]: ...
 
 
 class Claim(NamedTuple):
@@ -194,7 +194,7 @@ class Envelope:
             loop.V: shared.v,
             loop.POSITIONS: shared.positions,
             loop.NQ: len(shared.positions),
-            loop.PLACES: np.ascontiguousarray(shared.places, dtype=np.int64),
+            loop.PLACES: np.ascontiguousarray(shared.position_indices, dtype=np.int64),
             loop.TICK: shared.braking,
             loop.VELOCITY: self.velocity,
             loop.ACCELERATION: self.acceleration,

@@ -1,4 +1,4 @@
-"""From the stack that was declared to the one that is solved: a part may stand for several, on levels of their own.
+"""Expansion of the declared stack into the levels that are solved: a part may stand for several, on several levels.
 
 A contact, for one, is a bound on its forces, which stands above all else, a motion that it forbids, which stands where
 the contact does, and friction, which stands with the limits. Most parts stand for themselves.
@@ -6,22 +6,19 @@ the contact does, and friction, which stands with the limits. Most parts stand f
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
 
 from ..robots.robot import Robot
-from .unknowns import Block, Unknowns
-
-if TYPE_CHECKING:
-    from .part import Order, Part
-    from .stack import Ruled, Stack
-
-    Levels = list[tuple[Part, ...]]
+from .levels import Levels, Rule
+from .row_writer import RowWriter
+from .tick import Order
+from .unknowns import Block
 
 
 @dataclass(frozen=True)
 class Setting:
-    """Where a part is to be at work.
+    """The robot, order and stack that a part is used in.
 
     Attributes
     ----------
@@ -33,7 +30,7 @@ class Setting:
 
     robot: Robot
     order: Order
-    parts: tuple[Part, ...]
+    parts: tuple[RowWriter, ...]
 
     @property
     def has_dynamics(self) -> bool:
@@ -43,7 +40,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class Companions:
-    """The parts that one part stands for.
+    """The parts that one declared part is replaced by, and the levels where they belong.
 
     Attributes
     ----------
@@ -59,62 +56,44 @@ class Companions:
         The unknowns that it brings.
     """
 
-    here: tuple[Part, ...]
-    top: tuple[Part, ...] = ()
-    limits: tuple[Part, ...] = ()
-    below: tuple[Part, ...] = ()
+    here: tuple[RowWriter, ...]
+    top: tuple[RowWriter, ...] = ()
+    limits: tuple[RowWriter, ...] = ()
+    below: tuple[RowWriter, ...] = ()
     block: Block | None = None
 
 
-class Expanded(NamedTuple):
-    """A stack as it is solved, and what it is solved for."""
-
-    stack: Stack
-    unknowns: Unknowns
-
-
 @dataclass
-class _Levels:
-    """Levels under construction, by the number of the level that was declared."""
+class _Draft:
+    """Levels under construction, by the number of the declared level."""
 
-    here: list[list[Part]]
-    top: list[Part] = field(default_factory=list)
-    limits: dict[int, list[Part]] = field(default_factory=dict)
-    below: dict[int, list[Part]] = field(default_factory=dict)
+    here: list[list[RowWriter]]
+    top: list[RowWriter] = field(default_factory=list)
+    limits: dict[int, list[RowWriter]] = field(default_factory=dict)
+    below: dict[int, list[RowWriter]] = field(default_factory=dict)
 
 
-def expand(stack: Stack, robot: Robot, order: Order) -> Expanded:
-    """Have every part stand for what it stands for on this robot, at this order.
+def expand(declared: Levels, companions: Sequence[Sequence[Companions]]) -> Levels:
+    """The levels that are solved: every part replaced by what it stands for, each on the level where that belongs.
 
-    Raises
-    ------
-    InvalidInput
-        If a part cannot be in this stack.
+    Parameters
+    ----------
+    declared : Levels
+    companions : sequence of sequences of Companions
+        Of every part, level by level.
     """
-    setting = Setting(robot, order, tuple(stack))
-    found = [[part.companions(setting) for part in level] for level in stack.levels]
-    blocks = [each.block for level in found for each in level if each.block is not None]
-    unknowns = Unknowns(robot.nv, blocks)
-    alone = [each.here for level in found for each in level] == [(part,) for part in stack]
-    if alone and not any(each.top for level in found for each in level):
-        return Expanded(stack, unknowns)
-    return Expanded(_placed(stack, found), unknowns)
-
-
-def _placed(stack: Stack, found: list[list[Companions]]) -> Stack:
-    from .stack import of_levels
-
-    levels = _Levels([[part for each in level for part in each.here] for level in found])
-    for k, level in enumerate(found):
-        limits = next((i for i in range(k, len(found)) if any(part.limited for part in stack.levels[i])), None)
+    draft = _Draft([[part for each in level for part in each.here] for level in companions])
+    for k, level in enumerate(companions):
+        limits = next((i for i in range(k, len(companions)) if any(p.limited for p in declared.parts[i])), None)
         for each in level:
-            levels.top += each.top
+            draft.top += each.top
             if each.limits and limits is None:
-                levels.limits.setdefault(k, []).extend(each.limits)
+                draft.limits.setdefault(k, []).extend(each.limits)
             elif limits is not None:
-                levels.here[limits] += each.limits
-            levels.below.setdefault(k if limits is None else limits, []).extend(each.below)
-    ruled: list[Ruled] = [(tuple(levels.top), None)]
-    for k, (parts, rule) in enumerate(zip(levels.here, stack.damping, strict=True)):
-        ruled += [(tuple(parts), rule), (tuple(levels.limits.get(k, ())), None), (tuple(levels.below.get(k, ())), None)]
-    return of_levels(ruled)
+                draft.here[limits] += each.limits
+            draft.below.setdefault(k if limits is None else limits, []).extend(each.below)
+    found: list[tuple[list[RowWriter], Rule]] = [(draft.top, None)]
+    for k, (parts, rule) in enumerate(zip(draft.here, declared.damping, strict=True)):
+        found += [(parts, rule), (draft.limits.get(k, []), None), (draft.below.get(k, []), None)]
+    kept = [(tuple(parts), rule) for parts, rule in found if parts]
+    return Levels(tuple(parts for parts, _ in kept), tuple(rule for _, rule in kept))

@@ -39,7 +39,7 @@ from .tick import Order, Tick
 
 
 class Inequality(Part):
-    """Base of the three: the actual value of a task between its target + `below` and its target + `above`."""
+    """Base of AtLeast, AtMost and Within: a task whose value stays from target + `below` to target + `above`."""
 
     task: Task = structure()
     is_limit: ClassVar[bool] = True

@@ -1,32 +1,39 @@
-"""The base class of tasks and limits: what can be a member of a stack."""
+"""Parts, which are tasks and limits, and stacks of parts in order of priority.
+
+``a >> b`` puts b below a, and ``a + b`` both on one level: an operation of parts that gives stacks, and of stacks.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar, Literal
+from collections.abc import Iterable, Iterator
+from typing import get_args
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from hqp import InvalidInput
+from hqp.checks import one_of
+from hqp.errors import brief
 
-from hqp import Label
-from hqp.checks import whole_number
-
-from ..base.checks import Array, not_negative, per_row
-from ..base.live import Live, number, structure
-from ..robots.robot import Robot, joint_names
-from .plan import Plan
-from .site import Site
+from ..base.checks import positive_scalar
+from ..base.live import Live, structure
+from ..robots.robot import Robot, as_robot
+from .expansion import Companions, Setting, expand
+from .hierarchy_writer import HierarchyWriter
+from .levels import Levels
+from .levels import Rule as Rule
+from .row_writer import RowWriter
+from .site import Memory
 from .tick import PER as PER
 from .tick import Command as Command
 from .tick import Order as Order
 from .tick import Tick as Tick
+from .unknowns import Unknowns
 
-if TYPE_CHECKING:
-    from .expansion import Companions, Setting
-    from .stack import Stack
-    from .unknowns import Unknowns
+#: One level, and how it is damped.
+Ruled = tuple[tuple["Part", ...], Rule]
+
+ALLOWED = "a stack takes tasks, limits and stacks: a >> b puts b below a, a + b puts both on one level"
 
 
-class Part(Live):
+class Part(RowWriter):
     """A task or a limit: it owns some rows of one level and writes them anew every tick.
 
     Parts are ordered by ``a >> b`` (b below a) and joined on one level by ``a + b``; Python's
@@ -38,127 +45,230 @@ class Part(Live):
         Number of rows; None for one row a joint velocity.
     plain : bool
         Whether the rows are those of the identity: bounds on x itself, kept without a matrix.
-    wide : bool
-        Whether its rows are of all unknowns, and not of the motion of the joints alone.
-    is_dynamics : bool
-        Whether it is the motion equation, by which contacts have forces.
-    is_limit : bool
-        Whether the rows only bound, and ask for nothing.
-    damps : bool
-        Whether they damp the tasks beside them.
-    limited : {"motion", "torque"} or None
-        What they bound in every joint: x, or the torques that it takes. Records tell when a joint is at a bound.
     name : str
     weight : array, shape () or (rows,)
         Weight of the rows inside their level.
     """
 
-    rows: int | None = structure()
-    plain: bool = structure(False)
-    wide: ClassVar[bool] = False
-    is_dynamics: ClassVar[bool] = False
-    is_limit: ClassVar[bool] = False
-    damps: ClassVar[bool] = False
-    limited: ClassVar[Literal["motion", "torque"] | None] = None
-    #: The methods that say what the rows are: a subclass that overrides one of them is asked in Python.
-    says: ClassVar[tuple[str, ...]] = ("write",)
-    name: str = structure()
-    _instead: ClassVar[str] = "make a new one, and go over to it with controller.change(stack, duration=...)"
-
-    @number
-    def weight(self, value: ArrayLike) -> Array:
-        """Weight of the rows inside their level, shape () or (rows,); a row of weight 0 asks for nothing."""
-        return not_negative(value, f"{self.label()}: weight")
-
-    def size(self, robot: Robot) -> int:
-        """Number of rows on this robot."""
-        return robot.nv if self.rows is None else whole_number(self.rows, f"{self.label()}: rows", least=1)
-
-    def weights(self, robot: Robot) -> Array:
-        """Weight of every row on this robot."""
-        return per_row(self.weight, self.size(robot), f"{self.label()}: weight")
-
-    def variables(self, robot: Robot) -> NDArray[np.intp]:
-        """The joint velocities that plain rows bound, shape (rows,)."""
-        return np.arange(robot.nv)
-
-    def columns(self, unknowns: Unknowns, robot: Robot) -> NDArray[np.intp]:
-        """The unknowns that plain rows bound, shape (rows,)."""
-        return self.variables(robot)
-
     def companions(self, setting: Setting) -> Companions:
-        """The parts that it stands for where it is at work; itself, unless it says more.
+        """The parts that it is replaced by when the stack is solved; by default itself.
 
         Raises
         ------
         InvalidInput
             If it cannot be in this stack.
         """
-        from .expansion import Companions
-
         return Companions((self,))
-
-    def labels(self, robot: Robot, order: Order) -> list[Label]:
-        """What explanations call the rows."""
-        names = joint_names(robot)
-        rows = (
-            [names[i] for i in self.variables(robot)] if self.plain else [f"row {i}" for i in range(self.size(robot))]
-        )
-        return [Label(self.name, row) for row in rows]
-
-    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        """Refuse, once and before the first tick, what cannot work with this robot.
-
-        Raises
-        ------
-        InvalidInput
-        """
-
-    def check_beside(self, tick: Tick) -> None:
-        """Refuse, or tell of, what cannot work with the joint limits of the stack; once, at a state of rest.
-
-        Raises
-        ------
-        InvalidInput
-        """
-
-    def decay_rate(self) -> float:
-        """The ``zeta K`` [1/s] of its law, half the rate at which that slows a speed; 0 if it asks for no motion.
-
-        At acceleration order what is damped beside it, or with it, is damped towards ``-2 zeta K v``.
-        """
-        return 0.0
-
-    def claim(self, site: Site) -> None:
-        """Tell the envelope, where it is at work, how it limits the joints; before any part is planned."""
-
-    def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
-        """Write this tick's rows in place: A (rows, nv), None where the level is plain, and the bounds (rows,).
-
-        Where the part is `wide`, A is (rows, n), of all unknowns.
-        """
-        raise NotImplementedError
-
-    def plan(self, site: Site) -> Plan:
-        """How its rows are written where it is at work: loops, and what they are told; by default in Python."""
-        return self.python_plan(site)
-
-    def python_plan(self, site: Site) -> Plan:
-        """The same by what :attr:`says` names, called in Python every tick."""
-
-        def write(tick: Tick) -> None:
-            self.write(tick, site.A, site.lower, site.upper)
-
-        return Plan(python=write, why=f"{type(self).__name__} is written in Python")
 
     def __rshift__(self, lower: Part | Stack) -> Stack:
         """``self >> lower``: `lower` may only use what this part leaves free."""
-        from .stack import Stack
-
         return Stack(self) >> lower
 
     def __add__(self, other: Part | Stack) -> Stack:
         """``self + other``: both on the same level."""
-        from .stack import Stack
-
         return Stack(self) + other
+
+
+class Stack(Live):
+    """Levels of tasks and limits, the highest first.
+
+    ``limits >> position + orientation >> posture`` declares three levels; ``+`` binds tighter than
+    ``>>``. ``Stack(a, b, c)`` is ``a >> b >> c``. A stack is a declaration: it holds no numbers of
+    any robot or tick and may serve several controllers.
+
+    Parameters
+    ----------
+    *parts : task, limit or Stack
+        The highest priority first.
+
+    Attributes
+    ----------
+    levels : tuple of tuples of Part
+    damping : tuple of DampingRule, False or None
+        How each level is damped: by a rule of its own, never, or as the controller does by default.
+
+    Raises
+    ------
+    InvalidInput
+        If there is nothing in it, something is neither a task nor a limit, or one of them comes twice.
+    """
+
+    levels: tuple[tuple[Part, ...], ...] = structure()
+    damping: tuple[Rule, ...] = structure()
+    _instead = "make a new one, and go over to it with controller.change(stack, duration=...)"
+
+    def __init__(self, *parts: Part | Stack) -> None:
+        if not parts:
+            raise InvalidInput(f"an empty stack asks for nothing; {ALLOWED}")
+        self.levels = tuple(level for part in parts for level in _levels_of(part))
+        self.damping = tuple(rule for part in parts for rule in (part.damping if isinstance(part, Stack) else (None,)))
+        seen: set[int] = set()
+        for part in self:
+            if id(part) in seen:
+                raise InvalidInput(f"{part.label()} is in the stack twice; make a second one if both are meant")
+            seen.add(id(part))
+
+    def __rshift__(self, lower: Part | Stack) -> Stack:
+        return Stack(self, lower)
+
+    def __add__(self, other: Part | Stack) -> Stack:
+        mine, theirs = self.levels, _levels_of(other)
+        if len(mine) != 1 or len(theirs) != 1:
+            raise InvalidInput(
+                f"+ joins parts of one level, but got {self!r} + {other!r};"
+                " say which level is meant with brackets: a >> (b + c)"
+            )
+        rules = self.damping + (other.damping if isinstance(other, Stack) else ())
+        if any(rule is not None for rule in rules):
+            raise InvalidInput(
+                f"a level is damped as a whole, but got {self!r} + {other!r}; put the brackets around all of it:"
+                " Damped(a + b, rule)"
+            )
+        return of_levels([(mine[0] + theirs[0], None)])
+
+    @property
+    def damps(self) -> bool:
+        """Whether it has damping of its own: a level with a rule, or rows of damping beside a task."""
+        return self._declared.damps
+
+    def swapped(self, first: Part, second: Part) -> Stack:
+        """The same parts, these two in each other's place, with the damping of a level that each has for itself.
+
+        Raises
+        ------
+        InvalidInput
+            If one of them is not in the stack.
+        """
+        levels, here, there = list(self._ruled()), self._level(first), self._level(second)
+        if len(self.levels[here]) == len(self.levels[there]) == 1:
+            levels[here], levels[there] = levels[there], levels[here]
+            return of_levels(levels)
+        other = {id(first): second, id(second): first}
+        return of_levels((tuple(other.get(id(part), part) for part in level), rule) for level, rule in levels)
+
+    def without(self, *parts: Part) -> Stack:
+        """The stack without these parts, and without the levels that they leave empty.
+
+        Raises
+        ------
+        InvalidInput
+            If one of them is not in the stack, or nothing is left.
+        """
+        gone = {id(part) for part in parts if self._level(part) >= 0}
+        return of_levels((tuple(part for part in level if id(part) not in gone), rule) for level, rule in self._ruled())
+
+    def inserted(self, part: Part | Stack, *, below: Part | None = None) -> Stack:
+        """The stack with a new level, or levels, right below that of another part; without it, at the top.
+
+        Raises
+        ------
+        InvalidInput
+            If `below` is not in the stack, or `part` is in it already.
+        """
+        place, levels = 0 if below is None else self._level(below) + 1, list(self._ruled())
+        new = part._ruled() if isinstance(part, Stack) else [(level, None) for level in _levels_of(part)]
+        return of_levels([*levels[:place], *new, *levels[place:]])
+
+    def _level(self, part: Part) -> int:
+        """The number of the level of a part."""
+        for k, level in enumerate(self.levels):
+            if any(own is part for own in level):
+                return k
+        shown = repr(part) if isinstance(part, Part) else brief(part)
+        raise InvalidInput(f"{shown} is not in the stack {self!r}")
+
+    @property
+    def _declared(self) -> Levels:
+        return Levels(self.levels, self.damping)
+
+    def _ruled(self) -> Iterable[Ruled]:
+        """Every level with its damping."""
+        return zip(self.levels, self.damping, strict=True)
+
+    def __iter__(self) -> Iterator[Part]:
+        """All parts, from the highest level down."""
+        return (part for level in self.levels for part in level)
+
+    def __contains__(self, part: object) -> bool:
+        """Whether this very part is in it."""
+        return any(own is part for own in self)
+
+    def __len__(self) -> int:
+        """Number of levels."""
+        return len(self.levels)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Stack) and (self.levels, self.damping) == (other.levels, other.damping)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return " >> ".join(map(_shown, self.levels, self.damping))
+
+    def build(
+        self, robot: Robot, order: Order, dt: float | None = None, memory: Memory | None = None
+    ) -> HierarchyWriter:
+        """The hierarchy of this stack for one robot, ready to be filled.
+
+        Parameters
+        ----------
+        robot : Robot
+        order : {"velocity", "acceleration", "step"}
+            Whether x is the joint velocities [rad/s], accelerations [rad/s^2], or a step of the joints [rad].
+        dt : float, optional
+            Tick [s]; needed by limits of the other order.
+        memory : dict, optional
+            What parts keep from tick to tick, shared by all stacks of one controller.
+
+        Returns
+        -------
+        HierarchyWriter
+            Its ``.hierarchy`` holds the numbers, its ``.fill(state, t)`` writes them.
+
+        Raises
+        ------
+        InvalidInput
+            If a part does not fit the robot, or the rest of the stack; names the part. If the robot is none, the order
+            none of them, or dt not positive.
+        """
+        robot = as_robot(robot)
+        one_of(order, get_args(Order), "order")
+        tick = None if dt is None else positive_scalar(dt, "dt", unit="s")
+        return HierarchyWriter(*self.expanded(robot, order), robot, order, tick, memory)
+
+    def expanded(self, robot: Robot, order: Order) -> tuple[Levels, Unknowns]:
+        """The levels that are solved, with all that the parts stand for on this robot, at this order; and for what.
+
+        Raises
+        ------
+        InvalidInput
+            If a part cannot be in this stack, or none of them asks for anything.
+        """
+        setting = Setting(robot, order, tuple(self))
+        companions = [[part.companions(setting) for part in level] for level in self.levels]
+        blocks = [each.block for level in companions for each in level if each.block is not None]
+        levels = expand(self._declared, companions)
+        if not levels.parts:
+            raise InvalidInput(f"an empty stack asks for nothing; {ALLOWED}")
+        return levels, Unknowns(robot.nv, blocks)
+
+
+def of_levels(levels: Iterable[Ruled]) -> Stack:
+    """A stack of these levels, the empty ones left out."""
+    kept = [(level, rule) for level, rule in levels if level]
+    stack = object.__new__(Stack)
+    stack.levels, stack.damping = tuple(level for level, _ in kept), tuple(rule for _, rule in kept)
+    return Stack(stack) if kept else Stack()
+
+
+def _shown(level: tuple[Part, ...], rule: Rule) -> str:
+    parts = " + ".join(map(repr, level))
+    return parts if rule is None else f"Damped({parts}, {rule or None!r})"
+
+
+def _levels_of(part: Part | Stack) -> tuple[tuple[Part, ...], ...]:
+    if isinstance(part, Stack):
+        return part.levels
+    if isinstance(part, Part):
+        return ((part,),)
+    raise InvalidInput(f"{brief(part)} is a {type(part).__name__}; {ALLOWED}")

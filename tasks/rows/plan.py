@@ -68,7 +68,7 @@ class Plan:
 
 
 class Planned(Protocol):
-    """A part as far as its plan goes; see :class:`tasks.rows.part.Part`."""
+    """The methods of a part that its plan is made by; see :class:`tasks.rows.row_writer.RowWriter`."""
 
     @property
     def says(self) -> tuple[str, ...]: ...

@@ -31,7 +31,7 @@ KINDS = 5
 
 
 class Governed(Protocol):
-    """The parameters of the law of a task; see :class:`tasks.rows.task.Task`."""
+    """A task as its law sees it: gain, damping ratio, name; see :class:`tasks.rows.task.Task`."""
 
     @property
     def gain(self) -> Array: ...
@@ -62,8 +62,8 @@ class Workspace:
         [s].
     q, v : array, shapes (nq,) and (nv,)
         Of this tick.
-    positions, places : array, array of int, shape (nv,)
-        Where the position of each joint is: ``positions[places[j]]``; -1 where it has none of its own.
+    positions, position_indices : array, array of int, shape (nv,)
+        Where the position of each joint is: ``positions[position_indices[j]]``; -1 where it has none of its own.
     circles : array of int, shape (nv,)
         Where in q the cosine of each joint on a circle is, the sine being the next; -1 for all others.
     numbered : bool
@@ -104,12 +104,12 @@ class Workspace:
         self.braking = np.array([np.inf, np.nan if dt is None else dt])
         joints = np.arange(robot.nv)
         self._joints: Callable[[RobotState], Array] | None = None
-        self.positions, self.places, self.circles = self.q, joints, np.full(robot.nv, -1)
+        self.positions, self.position_indices, self.circles = self.q, joints, np.full(robot.nv, -1)
         source: Source = StateSource(robot)
         self.numbered = is_flat(robot)
         if able.has(robot, able.Sourced):
             source, self.numbered = robot.frame_source(self.q, self.v), True
-            self.places, self.circles = robot.places(joints), robot.circles(joints)
+            self.position_indices, self.circles = robot.position_indices(joints), robot.circles(joints)
         elif robot.nq != robot.nv:
             self.positions, self._joints = np.zeros(robot.nv), joint_reader(at_rest(robot))
         self.blocks = Blocks(source, self.n)
@@ -120,7 +120,7 @@ class Workspace:
 
     @property
     def calls(self) -> list[Call]:
-        """What writes all that is shared, when it has come to a state."""
+        """The loops that compute the shared quantities at the state of the tick, in this order."""
         return [*self.blocks.calls, *chain.from_iterable(self.given.values()), *self.envelope.calls]
 
     def kept(self, part: object, make: Callable[[], Any]) -> Any:
@@ -130,13 +130,13 @@ class Workspace:
         return self._memory[id(part)][1]
 
     def update(self, state: RobotState) -> None:
-        """Be at this state."""
+        """Compute all shared quantities at this state."""
         self.come_to(state)
         for call in self.calls:
             call.run()
 
     def come_to(self, state: RobotState) -> None:
-        """The same, but for what :attr:`calls` write."""
+        """Take up the state; :attr:`calls` compute the rest."""
         self.q[:], self.v[:] = state.q, state.v
         if self._joints is not None:
             self.positions[:] = self._joints(state)
@@ -200,7 +200,7 @@ class Site:
         return self.shared.blocks.center_of_mass(relative_to)
 
     def law(self, task: Governed) -> Table:
-        """What the law of a task is told of; see :mod:`tasks.rows.kernels.law`."""
+        """The arguments of the law of a task; see :mod:`tasks.rows.kernels.law`."""
         from ..base.loops import Table
         from .kernels import law as of
 

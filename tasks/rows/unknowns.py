@@ -1,4 +1,4 @@
-"""The unknowns of a hierarchy: x is a row of named blocks, the motion of the joints and then what parts bring along.
+"""The unknowns x of a hierarchy: named blocks, first the joint motion, then the contact forces.
 
 Most stacks have one block, the joint velocities or accelerations. A contact brings one more, its forces:
 
@@ -14,7 +14,7 @@ from itertools import accumulate
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """Unknowns of one part.
+    """The unknowns that one part adds to x, such as the forces of a contact.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Block:
 
 
 class Unknowns:
-    """x, block by block.
+    """The layout of x, block by block.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A whole motion in a few lines: which level was short, from when to when, and what held it back."""
+"""The explanation of a whole motion: which level had a residual, from when to when, and what held it back."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class Stretch:
 
 @dataclass(frozen=True)
 class Account:
-    """What was found of a motion; ``print`` it.
+    """The explanation of a whole motion; ``print`` it.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Logs a closed loop while it runs, and makes the record of it."""
+"""Logs a closed loop tick by tick, and makes the record of it."""
 
 from __future__ import annotations
 

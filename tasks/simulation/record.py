@@ -48,7 +48,7 @@ class Stop:
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """What happened, read-only arrays: N ticks and the N + 1 states around them.
+    """A simulated motion, in read-only arrays: N ticks and the N + 1 states around them.
 
     Attributes
     ----------

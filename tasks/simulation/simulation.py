@@ -33,7 +33,7 @@ from ..base.checks import Array, finite, finite_scalar, function, positive_scala
 from ..control.controller import Controller
 from ..control.step import Step
 from ..robots.robot import Robot, check_joints, integration, joint_names, joint_units
-from ..rows.stack import Stack
+from ..rows.part import Stack
 from ..targets.timing import Timing, cubic
 from .log import Log
 from .motion import follow
@@ -45,7 +45,7 @@ SPEED_CAP = 100.0
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """A stack to go over to, see :meth:`tasks.Controller.change`.
+    """A change to another stack at a time of the simulation; see :meth:`tasks.Controller.change`.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ MOST_TICKS = 10_000_000
 
 @runtime_checkable
 class Plant(Protocol):
-    """What moves in place of the model."""
+    """A plant: what the commands move, in place of the model of the controller."""
 
     def advance(self, q: Array, v: Array, tau: Array, dt: float) -> tuple[Array, Array]:
         """Positions and velocities dt [s] after (q, v), while the torques tau [N m] hold."""

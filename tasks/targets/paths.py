@@ -7,7 +7,7 @@ A curve says where, :math:`r(s)` with s from 0 to 1, a timing law says when, :ma
     x = r(s), \qquad \dot x = r' \dot s, \qquad \ddot x = r'' \dot s^2 + r' \ddot s,
     \qquad \dot s = \frac{s'(u)}{T}, \quad \ddot s = \frac{s''(u)}{T^2}
 
-Every path starts at t = 0, rests at its first place before, and at its last place from its duration on.
+Every path starts at t = 0, and rests at its first point before and at its last point from its duration on.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Path:
         self.timing = as_timing(timing, f"{what}: timing")
 
     def curve(self, s: float) -> tuple[Array, Array, Array | float]:
-        """The place r at the share s of the way, and its derivatives r' and r'' by s, each (rows,)."""
+        """The position r at the share s of the way, and its derivatives r' and r'' by s, each (rows,)."""
         raise NotImplementedError(f"{type(self).__name__} must define curve(s)")
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:

@@ -62,7 +62,7 @@ class Setpoint:
         self._moves = False
 
     def move(self, value: ArrayLike, velocity: ArrayLike | None = None, acceleration: ArrayLike | None = None) -> None:
-        """Set where it is, and how it moves if that is known (default: it stands).
+        """Set the target and, if known, its velocity and acceleration (default: 0).
 
         NaN is taken, as a device may send it: the next tick is then INVALID, and moves nothing.
 

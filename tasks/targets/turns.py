@@ -250,7 +250,7 @@ KNOWN = (FixedRotation, RotationSetpoint, Turn, Watched)
 
 
 def stands_still(target: object) -> bool:
-    """Whether a target is numbers, and no function of time."""
+    """Whether a target is constant: numbers, not a function of time."""
     if isinstance(target, Spread):
         return stands_still(target.trajectory)
     if isinstance(target, AboutZ):

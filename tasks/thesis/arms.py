@@ -10,7 +10,7 @@ import numpy as np
 from ..base.checks import Array
 from ..robots.manipulability import velocity_ellipse
 from ..simulation.record import Record
-from .findings import HELD as WITHIN
+from .measuring import HELD as WITHIN
 from .scenarios import Scenario
 from .style import ACTUAL, ARM, DESIRED, ELLIPSE, HELD, LAST, tones
 

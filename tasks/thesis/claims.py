@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from .finding import Finding
+from .run_result import RunResult
 
 #: Largest tip error [mm] of a path that counts as followed.
 FOLLOWED = 1.0
@@ -23,17 +23,17 @@ class Claim:
     says : str
         In short.
     holds : callable
-        Finding -> bool: whether a run bears it out.
+        RunResult -> bool: whether a run bears it out.
     of_tip : bool
         Whether it is a claim on the tip alone, decided by its error; otherwise by the share of phi, too.
     """
 
     says: str
-    holds: Callable[[Finding], bool] = field(repr=False)
+    holds: Callable[[RunResult], bool] = field(repr=False)
     of_tip: bool = False
 
 
-def _follows(found: Finding) -> bool:
+def _follows(found: RunResult) -> bool:
     return not found.stopped and found.tip_error_mm < FOLLOWED
 
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from ..simulation.record import Record
 from .arms import draw_arm, draw_ellipses, legend, proportion, show, view
-from .finding import Finding
-from .findings import TIP_FROM, digits, measure
+from .measuring import TIP_FROM, digits, measure
 from .panels import draw_joints, draw_limits, draw_phi, draw_time, name_joints, name_limits, speed_range, torque_range
+from .run_result import RunResult
 from .runs import Job
 from .scenarios import MINUTE, Scenario
 from .sheet import COLUMN, Head, Row, same_range, sheet
@@ -119,7 +119,7 @@ def ended(record: Record) -> str:
     return f"{verb} at {record.stopped.t / MINUTE:.3f} min"
 
 
-def summary(found: Finding) -> str:
+def summary(found: RunResult) -> str:
     """How well both tasks are met, in a line."""
     parts = [] if np.isnan(found.phi_share) else [f"φ within 1° for {found.phi_share:.0%}"]
     if not np.isnan(found.tip_error_mm):

@@ -16,8 +16,8 @@ from ..robots.planar import PlanarArm
 from ..simulation.record import Record
 from .arms import desired_path, draw_arm, legend, proportion, show, view
 from .figures import ended, summary
-from .findings import digits, measure
 from .laws import DAMPED, LIMITS, STRICT, SWAPPED, THESIS, Law
+from .measuring import digits, measure
 from .panels import draw_joints, draw_phi, draw_time, name_joints, speed_range
 from .runs import Job, tip_error
 from .scenarios import MINUTE, scenario

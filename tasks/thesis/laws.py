@@ -52,7 +52,7 @@ from ..joints.damping import Damping
 from ..joints.joint_motion import JointMotion
 from ..limits.acceleration import JointAccelerationLimit
 from ..limits.velocity import JointVelocityLimit
-from ..rows.stack import Stack
+from ..rows.part import Stack
 from .scenarios import Scenario
 
 #: The rate at which joints that coast are braked [1/s]: over the minute of a run as good as none.

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base.checks import Array
 from ..simulation.record import Record
-from .findings import HELD as WITHIN
+from .measuring import HELD as WITHIN
 from .runs import phi_error
 from .scenarios import MINUTE, Scenario
 from .style import ACTUAL, AT_LIMIT, DESIRED, HELD, JOINTS, MUTED

@@ -13,10 +13,10 @@ from hqp.commands.terminal import console
 from hqp.files.whole import writable
 
 from ..simulation.record import Record
-from .finding import Finding
-from .findings import measure, to_csv
 from .laws import NAMES
+from .measuring import measure, to_csv
 from .pictures import Picture, make, pictures, refusals, subjects
+from .run_result import RunResult
 from .runs import Job, run
 from .scenarios import ASSUMPTIONS
 from .store import Drawn, Store
@@ -37,7 +37,7 @@ def report(
     form: str = "png",
     animated: bool = False,
     processes: int = -1,
-) -> list[Finding]:
+) -> list[RunResult]:
     """Reproduce figures of the thesis into a folder, and print the table of claims against findings.
 
     Parameters
@@ -61,7 +61,7 @@ def report(
 
     Returns
     -------
-    list of Finding
+    list of RunResult
         One a run of every figure, in the order of the text.
 
     Raises
@@ -126,7 +126,7 @@ def _simulate_all(missing: Sequence[Job], store: Store, parallel: Any, progress:
 
 def _draw_all(
     shown: Sequence[Picture], store: Store, drawn: Drawn, parallel: Any, progress: Progress
-) -> tuple[list[list[Finding]], int]:
+) -> tuple[list[list[RunResult]], int]:
     """The files that are not up to date; what the runs of each show, and how many were drawn, whole or in part."""
     from joblib import delayed
 
@@ -142,7 +142,7 @@ def _draw_all(
         )
         for picture, files in zip(shown, due, strict=True)
     )
-    found: list[list[Finding]] = []
+    found: list[list[RunResult]] = []
     for files, key, of_picture in zip(due, keys, rows, strict=True):
         for file in files:
             drawn.add(file, key)
@@ -151,9 +151,9 @@ def _draw_all(
     return found, sum(map(bool, due))
 
 
-def _told(shown: Sequence[Picture], found: Sequence[list[Finding]]) -> tuple[list[Finding], list[Section]]:
+def _told(shown: Sequence[Picture], found: Sequence[list[RunResult]]) -> tuple[list[RunResult], list[Section]]:
     """What figures show, a row a run, and what studies show, a table each."""
-    findings: list[Finding] = []
+    findings: list[RunResult] = []
     studies: list[Section] = []
     for picture, rows in zip(shown, found, strict=True):
         if isinstance(picture.subject, Study):
@@ -168,7 +168,7 @@ def _simulate(job: Job, path: Path) -> None:
     run(job).save(path)
 
 
-def _show(picture: Picture, runs: Mapping[Job, Path], due: Sequence[Path]) -> list[Finding]:
+def _show(picture: Picture, runs: Mapping[Job, Path], due: Sequence[Path]) -> list[RunResult]:
     """In a process of its own: what is due of one picture, and what its runs show in numbers."""
     if not due and not picture.measured:
         return []

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import hqp
 
-from .finding import Finding
 from .laws import COASTING, DAMPED, LIMITS, RESTING, STRICT, THESIS, TIP, TIP_HELD, TIP_LIMITS, Law
+from .run_result import RunResult
 from .runs import Job
 from .scenarios import INCLINED, MINUTE, Course, Scenario, scenario
 from .tables import Section, angle, every_run, verdict
@@ -39,7 +39,7 @@ class Study:
 
     name: str
     runs: Callable[[], Sequence[Run]]
-    tabulate: Callable[[Mapping[Run, Finding]], Section]
+    tabulate: Callable[[Mapping[Run, RunResult]], Section]
     against_ticks: bool = False
 
     @property
@@ -54,7 +54,7 @@ class Study:
             return []
         return [Job(item, law, backend) for item, law in self.runs()]
 
-    def section(self, jobs: Sequence[Job], found: Sequence[Finding]) -> Section:
+    def section(self, jobs: Sequence[Job], found: Sequence[RunResult]) -> Section:
         """The table of these jobs and of what they show."""
         return self.tabulate({(job.scenario, job.law): one for job, one in zip(jobs, found, strict=True)})
 
@@ -78,7 +78,7 @@ def _lines() -> Iterable[tuple[str, Law, str]]:
             yield figure, law, ""
 
 
-def lines(found: Mapping[Run, Finding]) -> Section:
+def lines(found: Mapping[Run, RunResult]) -> Section:
     """A row a claim, law and tick; a column an end of the line: what would be found of it there."""
     rows = []
     for figure, law, tick in _lines():
@@ -108,7 +108,7 @@ SHOWN = (
 )  # fmt: skip
 
 
-def stacks(found: Mapping[Run, Finding]) -> Section:
+def stacks(found: Mapping[Run, RunResult]) -> Section:
     """A row a run."""
     legend = (
         "Coasting: damping of the accelerations alone, by which speeds stay. Least motion: as a last level, below the"

@@ -69,7 +69,7 @@ def caption(figure: Figure, text: str) -> None:
 
 
 def write(axis: Axes, place: ArrayLike, text: str, color: str = "black", **look: Any) -> None:
-    """A word of a figure of a paper, centred at a place."""
+    """Write a word into a figure, centred at a point."""
     x, y = np.asarray(place, dtype=float)
     centred: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": SIZE, "zorder": 8.0}
     axis.text(x, y, text, color=color, **centred | look)

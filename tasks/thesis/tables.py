@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .claims import Claim
-from .finding import AT_REST, Finding
-from .findings import CONVERGED, digits
 from .laws import DAMPED, LIMITS, STRICT, THESIS, TIP, TIP_LIMITS, Law
+from .measuring import CONVERGED, digits
+from .run_result import AT_REST, RunResult
 from .scenarios import SCENARIOS, Scenario
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ class Section:
         return "\n".join([*lines, *([f"\n{self.legend}"] if self.legend else []), ""])
 
 
-def against_claims(findings: Sequence[Finding]) -> list[list[str]]:
+def against_claims(findings: Sequence[RunResult]) -> list[list[str]]:
     """A row a claim: figure, phi, what the text says, and a cell a law: its number and whether the claim holds."""
     rows = []
     for figure in dict.fromkeys(found.figure for found in findings):
@@ -125,7 +125,7 @@ def against_claims(findings: Sequence[Finding]) -> list[list[str]]:
     return rows
 
 
-def unconverged(findings: Sequence[Finding]) -> list[list[str]]:
+def unconverged(findings: Sequence[RunResult]) -> list[list[str]]:
     """A row a motion of which a run hangs on the tick: figure, and a cell a law, empty where it does not."""
     motions: dict[Scenario, str] = {}
     for found in findings:
@@ -144,13 +144,13 @@ def angle(item: Scenario) -> str:
     return "" if item.phi is None else f"{np.degrees(item.phi):.0f}°"
 
 
-def _shown(laws: Sequence[Law], figure: str, findings: Sequence[Finding]) -> Finding | None:
+def _shown(laws: Sequence[Law], figure: str, findings: Sequence[RunResult]) -> RunResult | None:
     """The run that speaks for a law: the backend's, which comes after the formula's."""
     titles = {law.title for law in laws}
     return next((found for found in reversed(findings) if found.figure == figure and found.law in titles), None)
 
 
-def verdict(item: Scenario, claim: Claim, found: Finding | None) -> str:
+def verdict(item: Scenario, claim: Claim, found: RunResult | None) -> str:
     """The number which decides, whether the claim holds, and, if joints still turn at the end, how fast."""
     if found is None:
         return ""
@@ -164,7 +164,7 @@ def verdict(item: Scenario, claim: Claim, found: Finding | None) -> str:
     return f"{number} {mark} {TURNS}{digits(found.end_speed)}" if found.turning else f"{number} {mark}"
 
 
-def to_markdown(findings: Sequence[Finding], studies: Sequence[Section] = (), remarks: Sequence[str] = ()) -> str:
+def to_markdown(findings: Sequence[RunResult], studies: Sequence[Section] = (), remarks: Sequence[str] = ()) -> str:
     """All tables to read: claims against findings, studies, what has not converged, every run; and remarks."""
     sections = [
         Section("Claims against findings", ("figure", "φ", "the text", *COLUMNS), against_claims(findings), LEGEND),
@@ -178,14 +178,14 @@ def to_markdown(findings: Sequence[Finding], studies: Sequence[Section] = (), re
     return "\n".join(texts)
 
 
-def every_run(title: str, findings: Sequence[Finding], names: Sequence[str] = (), legend: str = "") -> Section:
+def every_run(title: str, findings: Sequence[RunResult], names: Sequence[str] = (), legend: str = "") -> Section:
     """A row a run: these numbers of it, or all."""
     names = names or [name for name in HEADINGS if name != "note" or any(found.note for found in findings)]
     rows = [[_text(found, name) for name in names] for found in findings]
     return Section(title, tuple(HEADINGS[name] for name in names), rows, legend, sum(name in TEXT for name in names))
 
 
-def to_terminal(findings: Sequence[Finding]) -> Table:
+def to_terminal(findings: Sequence[RunResult]) -> Table:
     """Claims against findings, a line a figure where the terminal is wide enough."""
     from rich import box
     from rich.table import Table
@@ -199,7 +199,7 @@ def to_terminal(findings: Sequence[Finding]) -> Table:
     return table
 
 
-def _text(found: Finding, name: str) -> str:
+def _text(found: RunResult, name: str) -> str:
     value = getattr(found, name)
     if name in TEXT:
         return str(value)

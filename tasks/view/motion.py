@@ -16,8 +16,7 @@ from ..base.checks import Array, finite
 from ..control.controller import Controller
 from ..control.step import Step
 from ..robots.robot import check_joints, home, integration
-from ..rows.part import Part
-from ..rows.stack import Stack
+from ..rows.part import Part, Stack
 from ..simulation.account import ROUND_OFF, met
 from ..simulation.log import Log
 from ..simulation.motion import follow

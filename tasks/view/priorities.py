@@ -8,8 +8,7 @@ from operator import add
 from hqp import InvalidInput
 
 from ..rows.damped import Damped
-from ..rows.part import Part
-from ..rows.stack import Rule, Stack
+from ..rows.part import Part, Rule, Stack
 
 
 class Priorities:

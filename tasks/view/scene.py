@@ -1,4 +1,4 @@
-"""What stands on the stage: the robot, and the targets of its tasks, to be dragged."""
+"""The picture in the browser: the robot, and the targets of its tasks as gizmos to be dragged."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from ..drawing.figure import Place, figure
+from ..drawing.figure import Pose, figure
 from ..drawing.stage import look
 from .session import Session
 from .targets import Target
@@ -64,7 +64,7 @@ class Scene:
     def _gizmo(self, target: Target, number: int, size: float) -> Any:
         parent = self._parents.get(target.relative_to or "")
         name = f"/targets/{number}" if parent is None else f"{parent.name}/target{number}"
-        position, wxyz = place_of(target)
+        position, wxyz = pose_of(target)
         if not target.fixed:
             gizmo: Any = self._server.scene.add_frame(
                 name, axes_length=AXES * size, axes_radius=0.03 * AXES * size, position=position, wxyz=wxyz
@@ -102,13 +102,13 @@ class Scene:
         """Show a target where it is, as after it was typed."""
         number = self._session.targets.index(target)
         gizmo, self._seen[number] = self.gizmos[number], (target.p, target.R)
-        gizmo.position, gizmo.wxyz = place_of(target)
+        gizmo.position, gizmo.wxyz = pose_of(target)
 
     def show(self) -> None:
         """The robot where it is, and the targets that moved where they are."""
         self.figure.move(self._session.q)
         for name, parent in self._parents.items():
-            parent.position, parent.wxyz = self.figure.place(name)
+            parent.position, parent.wxyz = self.figure.pose(name)
         for target, (p, R) in zip(self._session.targets, list(self._seen), strict=True):
             target.follow(self._session.motion.t)
             if not (np.array_equal(target.p, p) and np.array_equal(target.R, R)):  # moved, but not by a hand here
@@ -118,7 +118,7 @@ class Scene:
             overlay.show(self._session)
 
 
-def place_of(target: Target) -> Place:
+def pose_of(target: Target) -> Pose:
     """Where its gizmo is."""
     from viser.transforms import SO3
 

@@ -24,8 +24,7 @@ from ..frames.position import PositionTask
 from ..joints.posture import PostureTask
 from ..limits.joint_limits import JointLimits
 from ..robots.robot import RobotState
-from ..rows.part import Part
-from ..rows.stack import Stack
+from ..rows.part import Part, Stack
 
 if TYPE_CHECKING:
     from ..robots.pinocchio import PinocchioRobot

@@ -13,7 +13,7 @@ from ..frames.axis import AxisTask
 from ..frames.center_of_mass import CenterOfMassTask
 from ..frames.frame_task import FrameTask
 from ..frames.look_at import LookAtTask
-from ..frames.place import PlaceTask
+from ..frames.placement import PlacementTask
 from ..frames.position import PositionTask
 from ..robots.robot import RobotState
 from ..rows.inequality import Inequality
@@ -31,9 +31,9 @@ class Target:
     name : str
     relative_to : str or None
         The frame whose coordinates it is in; None for the world.
-    point : PlaceTask, LookAtTask or None
+    point : PlacementTask, LookAtTask or None
         The task that follows its position.
-    turn : PlaceTask, AxisTask or None
+    turn : PlacementTask, AxisTask or None
         The task that follows its rotation.
     p : array, shape (3,)
         Where it is [m]; coordinates that no task wants are those of the robot when it began.
@@ -43,15 +43,15 @@ class Target:
 
     name: str
     relative_to: str | None
-    point: PlaceTask | LookAtTask | None
-    turn: PlaceTask | AxisTask | None
+    point: PlacementTask | LookAtTask | None
+    turn: PlacementTask | AxisTask | None
     p: Array
     R: Array
 
     @property
     def free(self) -> tuple[bool, bool, bool]:
         """Along which axes dragging it means something."""
-        if isinstance(self.point, PlaceTask):
+        if isinstance(self.point, PlacementTask):
             return 0 in self.point.mask, 1 in self.point.mask, 2 in self.point.mask
         return (True, True, True)
 
@@ -84,11 +84,11 @@ class Target:
 
     def follow(self, t: float) -> None:
         """Where the tasks want it at time t [s]: another program may have moved it."""
-        if isinstance(self.point, PlaceTask):
+        if isinstance(self.point, PlacementTask):
             self.p = np.where(self.free, self.point.position(t)[0], self.p)
         elif self.point is not None:
             self.p = np.asarray(self.point.target(t)[0])
-        if isinstance(self.turn, PlaceTask):
+        if isinstance(self.turn, PlacementTask):
             self.R = np.asarray(self.turn.rotation(t)[0])
         elif self.turn is not None:
             self.R = _pointing(np.asarray(self.turn.target(t)[0]))
@@ -99,8 +99,8 @@ def targets_of(parts: Iterable[Part], state: RobotState) -> list[Target]:
     found: list[Target] = []
     for part in parts:
         task = part.task if isinstance(part, Inequality) else part
-        if isinstance(task, PlaceTask):
-            _add_place(found, task, state)
+        if isinstance(task, PlacementTask):
+            _add_placement(found, task, state)
         elif isinstance(task, LookAtTask):
             here = task.seen(state)
             found.append(Target(task.name, task.relative_to, task, None, np.array(here.position), np.eye(3)))
@@ -112,12 +112,12 @@ def targets_of(parts: Iterable[Part], state: RobotState) -> list[Target]:
     return found
 
 
-def _add_place(found: list[Target], task: PlaceTask, state: RobotState) -> None:
+def _add_placement(found: list[Target], task: PlacementTask, state: RobotState) -> None:
     point = task if task.position is not None else None
     turn = task if task.rotation is not None else None
     for target in found:  # the other half of the same frame
         own = target.point or target.turn
-        if isinstance(own, PlaceTask) and _place(own) == _place(task):
+        if isinstance(own, PlacementTask) and _frames(own) == _frames(task):
             if point is not None and turn is None and target.point is None:
                 target.point, target.name = point, f"{target.name} + {task.name}"
                 return
@@ -129,27 +129,27 @@ def _add_place(found: list[Target], task: PlaceTask, state: RobotState) -> None:
     found.append(Target(task.name, task.relative_to, point, turn, np.array(here.position), R))
 
 
-def _place(task: FrameTask) -> tuple[bool, str | None, str | None]:
+def _frames(task: FrameTask) -> tuple[bool, str | None, str | None]:
     return isinstance(task, CenterOfMassTask), task.frame, task.relative_to
 
 
-def _goal(task: PlaceTask | LookAtTask) -> object:
+def _goal(task: PlacementTask | LookAtTask) -> object:
     return task.target if isinstance(task, LookAtTask) else task.position
 
 
-def _set_point(task: PlaceTask | LookAtTask, p: Array) -> None:
+def _set_point(task: PlacementTask | LookAtTask, p: Array) -> None:
     goal = _goal(task)
     if isinstance(task, PositionTask) and len(task.target(0.0)[0]) != 3:
         goal, p = task.target, p[list(task.mask)]
     if isinstance(goal, Setpoint):
         goal.move(p)
-    elif isinstance(task, PlaceTask):
+    elif isinstance(task, PlacementTask):
         task.position = p
     else:
         task.target = p
 
 
-def _set_turn(task: PlaceTask | AxisTask, R: Array) -> Array:
+def _set_turn(task: PlacementTask | AxisTask, R: Array) -> Array:
     """The rotation that it has then."""
     if isinstance(task, AxisTask):
         if isinstance(task.target, Setpoint):

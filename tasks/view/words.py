@@ -1,4 +1,4 @@
-"""What the page says, as HTML: the verdict, what each level lacks and why, and where the joints are."""
+"""Texts of the page as HTML: the certificate's verdict, the residual of each level and why, and the joint positions."""
 
 from __future__ import annotations
 

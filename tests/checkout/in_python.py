@@ -7,17 +7,17 @@ from contextlib import contextmanager
 from typing import Any
 from unittest import mock
 
-from tasks.rows.rows import Rows
+from tasks.rows.hierarchy_writer import HierarchyWriter
 
 
 @contextmanager
 def reasons() -> Iterator[set[str]]:
     """Why Python writes parts of the stacks that are made meanwhile: none, where loops write all."""
-    found, begin = set[str](), Rows.__init__
+    found, begin = set[str](), HierarchyWriter.__init__
 
-    def watched(self: Rows, *args: Any) -> None:
+    def watched(self: HierarchyWriter, *args: Any) -> None:
         begin(self, *args)
         found.update(part.why for part in self.describe().in_python)
 
-    with mock.patch.object(Rows, "__init__", watched):
+    with mock.patch.object(HierarchyWriter, "__init__", watched):
         yield found

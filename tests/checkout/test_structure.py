@@ -10,16 +10,6 @@ from structure import structure
 MOST_ROOMS = 20
 
 
-#: The circles that are left: ``a >> b`` of two parts is a stack, and a stack holds parts, and expands and builds
-#: their rows; a contact stands for parts, which are of a contact.
-MUTUAL = {
-    "tasks": [
-        [f"tasks.contacts.{name}" for name in ("contact", "forces", "friction", "mapping", "motion")],
-        ["tasks.rows.expansion", "tasks.rows.part", "tasks.rows.rows", "tasks.rows.stack"],
-    ]
-}
-
-
 @pytest.mark.parametrize("package", ["hqp", "tasks"])
 def test_few_rooms_in_one_direction(package: str) -> None:
     found = structure(package)
@@ -30,7 +20,7 @@ def test_few_rooms_in_one_direction(package: str) -> None:
 @pytest.mark.parametrize("package", ["hqp", "tasks", "benchmarks"])
 def test_no_circles_and_functions_on_one_screen(package: str) -> None:
     found = structure(package)
-    assert found.circles == MUTUAL.get(package, [])
+    assert found.circles == []
     assert found.long_functions == []
 
 

@@ -10,8 +10,8 @@ from thesis_page import PAGE, refreshed, tables
 
 import hqp
 from tasks.thesis import report
-from tasks.thesis.finding import Finding
-from tasks.thesis.findings import measure
+from tasks.thesis.measuring import measure
+from tasks.thesis.run_result import RunResult
 from tasks.thesis.runs import jobs_of, run
 from tasks.thesis.scenarios import SCENARIOS, scenario
 from tasks.thesis.studies import STUDIES
@@ -121,10 +121,10 @@ def test_all_tables_of_the_page_are_what_is_found(page: str, tmp_path: Path) -> 
     assert [row[0] for row in rows(page, TICKS)] == [row[0] for row in rows(fresh, TICKS)]
 
 
-def nothing(figure: str, law: str = "") -> Finding:
+def nothing(figure: str, law: str = "") -> RunResult:
     """A run of which no number means anything."""
-    numbers = dict.fromkeys(Finding.__dataclass_fields__, float("nan")) | {"reversals": 0}
-    return Finding(**(numbers | {"figure": figure, "law": law, "backend": "", "note": ""}))  # type: ignore[arg-type]
+    numbers = dict.fromkeys(RunResult.__dataclass_fields__, float("nan")) | {"reversals": 0}
+    return RunResult(**(numbers | {"figure": figure, "law": law, "backend": "", "note": ""}))  # type: ignore[arg-type]
 
 
 def test_the_page_shows_tables_of_claims_md(page: str) -> None:

@@ -128,7 +128,7 @@ def sweep(J, m, n, ways):
 
 @inner
 def alone(J, m, n, h, damping, x, work):
-    r"""The motion of least norm that :math:`J x = h` asks for, by itself, into x[:n].
+    r"""The least-norm least-squares solution of :math:`J x = h`, into x[:n].
 
     :math:`x = \sum_k v_k \, \sigma_k / (\sigma_k^2 + \lambda^2) \, u_k^T h`, which is :math:`J^\# h` without damping,
     singular values up to :data:`RANK_TOLERANCE` of the largest left out, and else
@@ -168,7 +168,7 @@ def alone(J, m, n, h, damping, x, work):
 
 @inner
 def best_way(J, m, n, way, work):
-    """The unit vector along which joints of norm one move J the farthest, its largest coordinate positive.
+    """The first right singular vector of J, its largest coordinate positive.
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ from __future__ import annotations
 from hqp.kernels.compile import inner
 
 from ...base.kernels.algebra import fill
-from ...frames.kernels.place import LOCAL, SPATIAL, along
+from ...frames.kernels.placement import LOCAL, SPATIAL, along
 from ...robots.kernels.block import JACOBIAN
 
 

@@ -56,7 +56,7 @@ def centring(count, columns, places, positions, ends, slope):
 @stamp
 @entry
 def write_centring(here):
-    """The way to the middle of the ranges."""
+    """Rows of joint centring."""
     told = ints(here, 0, SLOPE + 1)
     count = told[COUNT]
     columns, places = ints(told[COLUMNS], 0, count), ints(told[PLACES], 0, count)
@@ -78,7 +78,7 @@ def brake(told, n, lower, upper):
 @stamp
 @entry
 def write_least_motion(here):
-    """Every joint at rest."""
+    """Rows of least joint motion."""
     told = ints(here, 0, HIGH + 1)
     n = told[ALL]
     brake(told, n, floats(told[LOW], 0, n), floats(told[HIGH], 0, n))

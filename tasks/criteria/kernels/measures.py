@@ -9,7 +9,7 @@ from hqp.kernels.memory import floats, ints
 
 from ...base.kernels.algebra import decompose, fill
 from ...base.rank import RANK_TOLERANCE
-from ...frames.kernels.place import LOCAL, WORLD, along
+from ...frames.kernels.placement import LOCAL, WORLD, along
 from ...robots.kernels.block import JACOBIAN
 from .gradient import add_outer, gradient, jacobian
 from .joints import CLIMB, climb

@@ -1,7 +1,7 @@
 r"""How the values of tasks of a frame bend, contracted with a weight for every row; see :mod:`tasks.rows.curvature`.
 
-*Place.* With the weights along the axes of the world, u of the linear rows and w of the angular ones, and with what the
-task leaves free of a vector, Q (of nothing, if it has all three coordinates),
+*Placement.* With the weights along the axes of the world, u of the linear rows and w of the angular ones, and with
+what the task leaves free of a vector, Q (of nothing, if it has all three coordinates),
 
 .. math::
 
@@ -35,13 +35,13 @@ from hqp.kernels.memory import floats, ints
 from ...robots.kernels import block as at
 from ...robots.kernels import curvature as bend
 from ...rows.kernels import law as of
-from . import place as frames
+from . import placement as frames
 from .directions import NEAR, PARALLEL, dot
 
 #: Of every one: the weights of the rows, and the sum (n, n), to which it adds; how the frame is seen, and work space.
 WEIGHTS, SUM, SEEN, WORK = range(4)
-#: Of a place: the table of its law, its axes, whether rotation counts, where its first coordinate is among six, and the
-#: coordinates.
+#: Of a placement task: the table of its law, its axes, whether rotation counts, where its first coordinate is among
+#: six, and the coordinates.
 LAW, AXES, ANGULAR, FIRST, MASK = range(4, 9)
 #: Of a direction: the same table, the target, a and U by rows, and whether the target is a point.
 TARGET, AXIS, POINT = range(5, 8)
@@ -134,8 +134,8 @@ def turn_bends(axes, block, work):
 
 @stamp
 @entry
-def bend_place(here):
-    """A frame brought to a place."""
+def bend_placement(here):
+    """Curvature of a position, orientation or pose task."""
     told = ints(here, 0, 9)
     law = ints(told[LAW], 0, of.LENGTH)
     rows, n, axes, first = law[of.ROWS], law[of.N], told[AXES], told[FIRST]
@@ -205,7 +205,7 @@ def axis_bends(a, e, work):
 @stamp
 @entry
 def bend_direction(here):
-    """An axis of a frame that is to point in a direction, or at a point."""
+    """Curvature of a task that points an axis of a frame in a direction, or at a point."""
     told = ints(here, 0, 8)
     law = ints(told[LAW], 0, of.LENGTH)
     n = law[of.N]
@@ -234,7 +234,7 @@ def bend_direction(here):
 @stamp
 @entry
 def bend_plane(here):
-    """The distance of the origin of a frame from a plane."""
+    """Curvature of the distance of the origin of a frame from a plane."""
     told = ints(here, 0, 5)
     n = ints(ints(told[SEEN], 0, 3)[bend.FRAME], 0, bend.LENGTH)[bend.N]
     work, normal = floats(told[WORK], 0, WORK_SIZE), floats(told[NORMAL], 0, 3)

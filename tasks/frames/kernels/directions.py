@@ -92,7 +92,7 @@ def across(work, x, y, z, out, first):
 @stamp
 @entry
 def write_axis(here):
-    """An axis of a frame that is to point in a direction."""
+    """Error, rates, Jacobian and drift of an axis that is to point in a direction."""
     told = ints(here, 0, 5)
     law = ints(told[LAW], 0, of.LENGTH)
     n = law[of.N]
@@ -129,7 +129,7 @@ def write_axis(here):
 @stamp
 @entry
 def write_sight(here):
-    """An axis of a frame that is to point at a point."""
+    """Error, rates, Jacobian and drift of an axis that is to point at a point."""
     told = ints(here, 0, 5)
     law = ints(told[LAW], 0, of.LENGTH)
     n = law[of.N]
@@ -192,7 +192,7 @@ def sight_drifts(block, target, distance, measured, work):
 @stamp
 @entry
 def write_plane(here):
-    """The distance of the origin of a frame from a plane."""
+    """Error, rates, Jacobian and drift of the distance of the origin of a frame from a plane."""
     told = ints(here, 0, 4)
     law = ints(told[LAW], 0, of.LENGTH)
     n = law[of.N]

@@ -7,7 +7,7 @@ from hqp.kernels.memory import floats, ints
 
 from ...robots.kernels import block as at
 from ...rows.kernels import law as of
-from . import place as frames
+from . import placement as frames
 
 #: Of the speed of a frame: the table of its law, its block, work space of 64 numbers, its axes, coordinates and limits.
 LAW, BLOCK, WORK, AXES, MASK, LIMIT = range(6)

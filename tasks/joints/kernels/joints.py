@@ -44,7 +44,7 @@ def angle_between(q, here, target, there):
 @stamp
 @entry
 def write_posture(here):
-    """Joints that are to be brought to their places."""
+    """Error, rates and Jacobian of a posture."""
     told = ints(here, 0, 7)
     law = ints(told[LAW], 0, of.LENGTH)
     rows, n, size = law[of.ROWS], law[of.N], told[SIZE]
@@ -70,7 +70,7 @@ def write_posture(here):
 @stamp
 @entry
 def write_coupling(here):
-    """A sum of joint positions, each with its factor."""
+    """Error, rates and Jacobian of a linear combination of joint positions."""
     told = ints(here, 0, 6)
     law = ints(told[LAW], 0, of.LENGTH)
     n = law[of.N]

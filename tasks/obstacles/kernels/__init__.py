@@ -1,1 +1,1 @@
-"""Loops of distances: nearest points, reserve within a tick, and rows."""
+"""Loops of distances: closest points, reserve within a tick, and rows."""

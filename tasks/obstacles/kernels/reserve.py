@@ -30,7 +30,7 @@ from hqp.kernels.compile import inner
 from hqp.kernels.memory import floats
 
 from ...robots.kernels import block as at
-from .nearest import CORE, NORMAL, WITNESS
+from .distances import CORE, NORMAL, WITNESS
 
 #: A link that could turn by more than this may be anywhere [rad].
 QUARTER = 0.5 * math.pi

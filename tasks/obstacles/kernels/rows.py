@@ -9,8 +9,8 @@ from hqp.kernels.memory import floats, ints
 
 from ...robots.kernels import block as at
 from ...rows.kernels import law as of
-from . import nearest as near
-from .nearest import dot
+from . import distances as near
+from .distances import dot
 from .reserve import fastest, reserve
 
 #: Of every part: the order; rows, unknowns; A and bounds; its numbers; rate and tick; the velocities.
@@ -123,7 +123,7 @@ def least(told, address, found, shape, row, w):
 @stamp
 @entry
 def write_limit(here):
-    """Links kept away from obstacles: a row a pair, in their own order, so that rows seldom change places."""
+    """Rows of a distance limit: one a pair, in the order of the pairs, so that rows seldom change places."""
     told = ints(here, 0, 15)
     n, rows, step = told[N], told[ROWS], told[ORDER] == of.STEP
     near.measure(told[PAIRS])
@@ -161,7 +161,7 @@ def write_limit(here):
 @stamp
 @entry
 def write_avoidance(here):
-    """The nearest pair driven apart."""
+    """The row of an avoidance task, of the closest pair."""
     told = ints(here, 0, 10)
     n, accelerating = told[N], told[ORDER] == of.ACCELERATION
     near.measure(told[PAIRS])
@@ -198,7 +198,7 @@ def write_avoidance(here):
 @stamp
 @entry
 def write_bodies(here):
-    """Bodies of one robot kept apart, by the contacts that are given."""
+    """Rows of a self-collision limit, from the distances and normals of its pairs."""
     told = ints(here, 0, 11)
     n, rows, order = told[N], told[ROWS], told[ORDER]
     lower, upper, v = floats(told[LOWER], 0, rows), floats(told[UPPER], 0, rows), floats(told[V], 0, n)

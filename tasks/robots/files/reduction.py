@@ -9,7 +9,7 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
-from ...base.checks import Array, finite_scalar, nearest
+from ...base.checks import Array, finite_scalar, suggestion
 from ..axes import NONE, axes
 from ..frame_names import KINDS
 from ..ranges import SAME
@@ -37,24 +37,24 @@ def reduced(
     single = {axis.joint: axis for axis in axes(model) if axis.name == axis.joint}
     for name, position in positions.items():
         if name not in names:
-            raise InvalidInput(f"{what}: {name!r} is no joint{nearest(str(name), names)}")
+            raise InvalidInput(f"{what}: {name!r} is no joint{suggestion(str(name), names)}")
         held.append(int(model.getJointId(name)))
         axis, own = single.get(name), f"{what}: lock of joint {name!r}"
         if position is None:
-            if axis is not None and axis.place != NONE:
-                low, high = model.lowerPositionLimit[axis.place], model.upperPositionLimit[axis.place]
-                q[axis.place] = np.clip(q[axis.place], low, high)
+            if axis is not None and axis.q_index != NONE:
+                low, high = model.lowerPositionLimit[axis.q_index], model.upperPositionLimit[axis.q_index]
+                q[axis.q_index] = np.clip(q[axis.q_index], low, high)
             continue
         if axis is None:
             raise InvalidInput(f"{own}: it has several axes, and can only be held at its neutral place")
         value = finite_scalar(position, own)
-        if axis.place == NONE:
+        if axis.q_index == NONE:
             q[axis.circle : axis.circle + 2] = np.cos(value), np.sin(value)
             continue
-        low, high = model.lowerPositionLimit[axis.place], model.upperPositionLimit[axis.place]
+        low, high = model.lowerPositionLimit[axis.q_index], model.upperPositionLimit[axis.q_index]
         if not low - SAME <= value <= high + SAME:
             raise InvalidInput(f"{own} at {value:g} {axis.unit} is outside its range, {low:g} .. {high:g} {axis.unit}")
-        q[axis.place] = value
+        q[axis.q_index] = value
     if not held:
         return model, q
     if len(held) == model.njoints - 1:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from hqp import InvalidInput
 
-from ...base.checks import nearest
+from ...base.checks import suggestion
 
 if TYPE_CHECKING:
     import mujoco
@@ -129,7 +129,7 @@ def _ancestors(mj: mujoco.MjModel, body: int) -> list[int]:
 
 def _named(mj: mujoco.MjModel, name: str, names: list[str], what: str) -> int:
     if name not in names[1:]:
-        raise InvalidInput(f"{what}: {name!r} is no body{nearest(str(name), names[1:])}")
+        raise InvalidInput(f"{what}: {name!r} is no body{suggestion(str(name), names[1:])}")
     body = names.index(name, 1)
     carried = [names[b] for b in _ancestors(mj, body) if mj.body_jntnum[b]]
     if carried:

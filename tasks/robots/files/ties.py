@@ -18,9 +18,9 @@ from hqp import InvalidInput
 from ...base.checks import Array
 from ...base.telling import tell
 from ..choices import Mimic
+from ..follower_limits import FollowerLimits
 from ..keeping import Recipe
 from ..ranges import SAME, known
-from ..room import Room
 from .reduction import carried, reduced
 
 #: How far a configuration that a file names may be from its ties [rad], [m].
@@ -101,7 +101,7 @@ class Arrangement(NamedTuple):
     ----------
     model : pinocchio.Model
     neutral : array, shape (nq,)
-    rooms : dict of str to Room
+    rooms : dict of str to FollowerLimits
         What the followers of each joint leave to it.
     recipe : Recipe or None
         How its ties were made, if it has some.
@@ -109,7 +109,7 @@ class Arrangement(NamedTuple):
 
     model: pin.Model
     neutral: Array
-    rooms: dict[str, Room]
+    rooms: dict[str, FollowerLimits]
     recipe: Recipe | None
 
 
@@ -138,17 +138,17 @@ def arrange(
     """
     model, neutral, held = pin.Model(model), np.array(neutral), dict(lock)
     groups = _groups(ties, mimic, held, what)
-    rooms: dict[str, Room] = {}
+    rooms: dict[str, FollowerLimits] = {}
     for leader, own in groups.items():
-        place = _place(model, leader)
+        index = _q_index(model, leader)
         driver = _driver(model, leader, own) if mimic == "follow" else _itself(leader)
         rooms[driver.follower] = _room(model, driver, [_itself(leader), *own])
         _narrow(model, leader, own, what)
-        neutral[place] = np.clip(neutral[place], model.lowerPositionLimit[place], model.upperPositionLimit[place])
-        _hold_together(held, leader, own, float(neutral[place]), mimic, what)
+        neutral[index] = np.clip(neutral[index], model.lowerPositionLimit[index], model.upperPositionLimit[index])
+        _hold_together(held, leader, own, float(neutral[index]), mimic, what)
         _tell_of_configurations(model, leader, own, what)
         for tie in own:
-            neutral[_place(model, tie.follower)] = tie.factor * neutral[place] + tie.offset
+            neutral[_q_index(model, tie.follower)] = tie.factor * neutral[index] + tie.offset
     model, neutral = reduced(model, held, neutral, what)
     untied, made = model, list[tuple[str, str, float, float]]()
     for leader, own in groups.items():
@@ -185,7 +185,7 @@ def _groups(ties: list[Tie], mimic: Mimic, held: dict[str, float | None], what: 
     return groups
 
 
-def _place(model: pin.Model, joint: str) -> int:
+def _q_index(model: pin.Model, joint: str) -> int:
     return int(model.joints[model.getJointId(joint)].idx_q)
 
 
@@ -193,31 +193,31 @@ def _column(model: pin.Model, joint: str) -> int:
     return int(model.joints[model.getJointId(joint)].idx_v)
 
 
-def _room(model: pin.Model, driver: Tie, ties: list[Tie]) -> Room:
+def _room(model: pin.Model, driver: Tie, ties: list[Tie]) -> FollowerLimits:
     """What the ranges and speeds of all others that are tied to it leave to a joint."""
     low, high, speed = -np.inf, np.inf, np.inf
     speeds = known(model.upperVelocityLimit)
     for tie in ties:
         if tie.follower != driver.follower:
             factor = tie.factor / driver.factor
-            offset, own = tie.offset - factor * driver.offset, _place(model, tie.follower)
+            offset, own = tie.offset - factor * driver.offset, _q_index(model, tie.follower)
             least, most = model.lowerPositionLimit[own], model.upperPositionLimit[own]
             ends = sorted(((least - offset) / factor, (most - offset) / factor))
             low, high = max(low, ends[0]), min(high, ends[1])
             speed = min(speed, speeds[_column(model, tie.follower)] / abs(factor))
-    return Room(float(low), float(high), float(speed))
+    return FollowerLimits(float(low), float(high), float(speed))
 
 
 def _narrow(model: pin.Model, leader: str, ties: list[Tie], what: str) -> None:
     """Give the leader the range and the speed that its followers leave it."""
-    room, place, column = _room(model, _itself(leader), ties), _place(model, leader), _column(model, leader)
-    low, high = max(model.lowerPositionLimit[place], room.low), min(model.upperPositionLimit[place], room.high)
+    room, index, column = _room(model, _itself(leader), ties), _q_index(model, leader), _column(model, leader)
+    low, high = max(model.lowerPositionLimit[index], room.low), min(model.upperPositionLimit[index], room.high)
     followers = " and ".join(repr(tie.follower) for tie in ties)
     if low > high:
         raise InvalidInput(f"{what}: joint {followers} follows {leader!r}, and the ranges of both leave it no position")
     if high - low <= SAME:
         tell(f"{what}: joint {leader!r} cannot move: its range and that of {followers} leave it {low:g} alone")
-    model.lowerPositionLimit[place], model.upperPositionLimit[place] = low, high
+    model.lowerPositionLimit[index], model.upperPositionLimit[index] = low, high
     _limit_speed(model, column, min(known(model.upperVelocityLimit)[column], room.speed))
 
 
@@ -226,8 +226,8 @@ def _tell_of_configurations(model: pin.Model, leader: str, ties: list[Tie], what
     for entry in model.referenceConfigurations:
         q = np.array(entry.data())
         for tie in ties:
-            own = tie.factor * q[_place(model, leader)] + tie.offset
-            if abs(q[_place(model, tie.follower)] - own) > KEYED:
+            own = tie.factor * q[_q_index(model, leader)] + tie.offset
+            if abs(q[_q_index(model, tie.follower)] - own) > KEYED:
                 tell(f"{what}: configuration {entry.key()!r} has {tie.follower!r} where {leader!r} does not put it")
 
 
@@ -261,9 +261,9 @@ def _followed(
 ) -> tuple[pin.Model, Array]:
     """Tie joints together, and note in `made` what is done: the model, and its neutral configuration."""
     all_of, driver = [_itself(leader), *ties], _driver(model, leader, ties)
-    place, column = _place(model, leader), _column(model, leader)
-    whole = Room(
-        model.lowerPositionLimit[place], model.upperPositionLimit[place], model.upperVelocityLimit[column]
+    index, column = _q_index(model, leader), _column(model, leader)
+    whole = FollowerLimits(
+        model.lowerPositionLimit[index], model.upperPositionLimit[index], model.upperVelocityLimit[column]
     ).seen_through(driver.factor, driver.offset)
     torque = known(model.upperEffortLimit)[column] / abs(driver.factor)  # the motor is the leader's
     resists = np.zeros(3)
@@ -275,8 +275,8 @@ def _followed(
             factor = tie.factor / driver.factor
             made.append((driver.follower, tie.follower, factor, tie.offset - factor * driver.offset))
             model, neutral = _mimicking(model, neutral, *made[-1])
-    place, column = _place(model, driver.follower), _column(model, driver.follower)
-    model.lowerPositionLimit[place], model.upperPositionLimit[place] = whole.low, whole.high
+    index, column = _q_index(model, driver.follower), _column(model, driver.follower)
+    model.lowerPositionLimit[index], model.upperPositionLimit[index] = whole.low, whole.high
     _limit_speed(model, column, whole.speed)
     model.upperEffortLimit[column], model.lowerEffortLimit[column] = torque, -torque
     model.armature[column], model.damping[column], model.friction[column] = resists

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 
-class Room(NamedTuple):
+class FollowerLimits(NamedTuple):
     """What its followers leave to a joint: lowest and highest position [rad], [m], and speed [rad/s], [m/s]."""
 
     low: float
     high: float
     speed: float
 
-    def seen_through(self, factor: float, offset: float) -> Room:
+    def seen_through(self, factor: float, offset: float) -> FollowerLimits:
         """The same for a follower in the place of its leader, where ``follower = factor * leader + offset``."""
         low, high = sorted((factor * self.low + offset, factor * self.high + offset))
-        return Room(low, high, abs(factor) * self.speed)
+        return FollowerLimits(low, high, abs(factor) * self.speed)

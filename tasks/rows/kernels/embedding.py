@@ -1,4 +1,4 @@
-"""The motion of the joints, brought into rows of all unknowns."""
+"""The embedding of rows of the joint motion in rows of all unknowns."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FIELDS = 3
 
 @stamp
 @entry
-def place_joints(here):
+def embed_joints(here):
     """Rows (rows, nv) become the first columns of rows (rows, n)."""
     told = ints(here, 0, 4)
     nv, n = told[JOINTS], told[UNKNOWNS]

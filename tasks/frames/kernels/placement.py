@@ -1,6 +1,6 @@
 r"""Error, rates, Jacobian and drift of position, orientation and pose tasks, from the block of a frame (:mod:`.block`).
 
-*Place.* In the axes of the world, with the frame at p, R and its target at :math:`p^d, R^d`,
+*Placement.* In the axes of the world, with the frame at p, R and its target at :math:`p^d, R^d`,
 
 .. math:: e = (p^d - p, \; \log(R^d R^T)), \qquad J = (J_p, \; J_\omega).
 
@@ -21,7 +21,8 @@ from ...rows.kernels import law as of
 
 #: Of every measure: the table of its law, the block of its frame, its target, and work space of 64 numbers.
 LAW, BLOCK, TARGET, WORK = range(4)
-#: Of a place: the axes, whether position and rotation count, whether one angle about z is meant, and the coordinates.
+#: Of a placement task: the axes, whether position and rotation count, whether one angle about z is meant, and the
+#: coordinates.
 AXES, LINEAR, ANGULAR, ABOUT_Z, MASK = range(4, 9)
 WORLD, LOCAL, SPATIAL = range(3)
 #: Of its target: p, its velocity and acceleration; R by rows, omega and its rate; the angle about z.
@@ -44,8 +45,8 @@ def along(axes, block, given, first, out, begin):
 
 
 @inner
-def to_go(block, target, linear, angular, about_z, work):
-    """What is left to go, in the axes of the world, into work[:6]; work[6:15] is overwritten."""
+def target_error(block, target, linear, angular, about_z, work):
+    """The error of position and orientation in the axes of the world, into work[:6]; work[6:15] is overwritten."""
     for k in range(6):
         work[k] = 0.0
     if linear:
@@ -67,8 +68,8 @@ def to_go(block, target, linear, angular, about_z, work):
 
 
 @inner
-def place_moves(block, target, linear, angular, work):
-    """What the target does by itself, in the axes of the world: velocities into work[6:12], accelerations after."""
+def target_motion(block, target, linear, angular, work):
+    """Velocity (work[6:12]) and acceleration (work[12:18]) of the target, in the axes of the world."""
     for k in range(6, 18):
         work[k] = 0.0
     if linear:
@@ -109,7 +110,7 @@ def jacobian(axes, block, J, n, mask, first, rows, A, work):
 
 @stamp
 @entry
-def write_place(here):
+def write_placement(here):
     """Error, rates, Jacobian and drift of a position, orientation or pose task."""
     told = ints(here, 0, 9)
     law = ints(told[LAW], 0, of.LENGTH)
@@ -120,8 +121,8 @@ def write_place(here):
     mask, first = ints(told[MASK], 0, rows), 0 if linear else 3
     measured = floats(law[of.MEASURED], 0, of.KINDS * rows)
     A = floats(law[of.MATRIX], 0, rows * n)
-    to_go(block, target, linear, angular, told[ABOUT_Z] != 0, work)
-    place_moves(block, target, linear, angular, work)
+    target_error(block, target, linear, angular, told[ABOUT_Z] != 0, work)
+    target_motion(block, target, linear, angular, work)
     count = 4 if law[of.DRIFTS] != 0 else 2
     for k in range(6):
         work[18 + k] = block[at.LINEAR_DRIFT + k]

@@ -39,7 +39,7 @@ def share(x):
 
 
 @inner
-def nearest_points(first, second, work):
+def closest_points(first, second, work):
     """Where two segments are nearest, a point of each, into work[:6]; work[6:15] is overwritten.
 
     A point of the first segment that is nearest to the second is at an end, or both are inside their segments;
@@ -63,7 +63,7 @@ def nearest_points(first, second, work):
 def apart(segment, radius, shape, found, work):
     """How far a link and an obstacle are apart."""
     core = shape[CORE : CORE + 6]
-    nearest_points(segment, core, work)
+    closest_points(segment, core, work)
     for k in range(3):
         found[WITNESS + k], work[6 + k] = work[k], work[k] - work[3 + k]
     D = math.sqrt(dot(work, 6, work, 6))

@@ -10,7 +10,7 @@ AT_REST = 1.0
 
 
 @dataclass(frozen=True)
-class Finding:
+class RunResult:
     """One run in numbers; NaN where a number means nothing.
 
     Attributes

@@ -30,8 +30,8 @@ class Paired(Protocol):
     def bind(self, robot: Robot) -> list[Array]: ...
 
 
-class Scene:
-    """All pairs of one robot.
+class PairArrays:
+    """The pairs of links and obstacles of one robot, in arrays for the loops.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class Scene:
     Attributes
     ----------
     table : Table
-        What :mod:`tasks.obstacles.kernels.nearest` is told.
+        What :mod:`tasks.obstacles.kernels.distances` is told.
     found : array, shape (pairs, 7)
         Of each pair the distance, the normal and the witness.
     moves : tuple of callable
@@ -67,7 +67,7 @@ class Scene:
         rates: bool = False,
     ) -> None:
         from ..base.loops import Table
-        from .kernels import nearest as of
+        from .kernels import distances as of
 
         blocks = Table(*(block(link.frame) for link in pairs.links))
         ends = zip(pairs.bind(robot), pairs.links, strict=True)
@@ -85,7 +85,7 @@ class Scene:
 
 def _follow(obstacle: Obstacle, shape: Array, dt: float | None, rates: bool) -> Move:
     """What writes an obstacle into its array at a time."""
-    from .kernels import nearest as of
+    from .kernels import distances as of
 
     core = shape[of.CORE : of.VELOCITY].reshape(2, 3)
     shift, velocity = shape[of.SHIFT : of.SHAPE], shape[of.VELOCITY : of.ACCELERATION]

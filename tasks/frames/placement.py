@@ -43,7 +43,7 @@ Reference = Literal["world", "local", "local_world_aligned"]
 Mask = str | Sequence[bool]
 
 
-class PlaceTask(FrameTask, LoopTask):
+class PlacementTask(FrameTask, LoopTask):
     """Base of position, orientation and pose tasks.
 
     Parameters
@@ -102,12 +102,12 @@ class PlaceTask(FrameTask, LoopTask):
         """One loop; the target is written every tick where it moves."""
         from ..base.loops import Call
         from ..rows.plan import Plan
-        from .kernels import place as loops
+        from .kernels import placement as loops
 
         target, law = np.zeros(loops.TARGET_SIZE), site.law(self)
         moves = self._keep_up(target)
         call = Call(
-            loops.write_place,
+            loops.write_placement,
             law,
             self.block(site),
             target,
@@ -127,7 +127,7 @@ class PlaceTask(FrameTask, LoopTask):
 
         first, mask = (0 if self.position is not None else 3), np.array(self.mask, dtype=np.int64)
         told = law, self.axes, self.rotation is not None, first, mask
-        return bending(site, bends.bend_place, self.bends(site), bends.WORK_SIZE, *told)
+        return bending(site, bends.bend_placement, self.bends(site), bends.WORK_SIZE, *told)
 
     def reading(self) -> Reading | None:
         first = 0 if self.position is not None else 3
@@ -141,8 +141,8 @@ class PlaceTask(FrameTask, LoopTask):
         return velocity
 
     def _keep_up(self, target: Array) -> tuple[Move, ...]:
-        """Keep the target up to date; see :mod:`tasks.frames.kernels.place`."""
-        from .kernels import place as loops
+        """Keep the target up to date; see :mod:`tasks.frames.kernels.placement`."""
+        from .kernels import placement as loops
 
         position, rotation, moves = self.position, self.rotation, tuple[Move, ...]()
         p = target[loops.P : loops.R].reshape(3, 3)
@@ -160,7 +160,7 @@ class PlaceTask(FrameTask, LoopTask):
     @property
     def axes(self) -> int:
         """Its axes, as loops know them: spatial ones go with the point that is passing the origin of the world."""
-        from .kernels import place as loops
+        from .kernels import placement as loops
 
         if self.reference == "local":
             return loops.LOCAL

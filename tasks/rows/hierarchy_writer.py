@@ -1,4 +1,4 @@
-"""A stack bound to one robot: the hierarchy, and the loops or functions that write its rows every tick."""
+"""The hierarchy of a stack on one robot, and the loops or functions that write its rows every tick."""
 
 from __future__ import annotations
 
@@ -17,26 +17,25 @@ from ..robots.answers import at_rest
 from ..robots.robot import Robot, RobotState
 from .description import Description, WrittenPart
 from .envelope import Envelope
-from .expansion import expand
+from .levels import Levels
 from .own_limits import OwnLimits
-from .part import Part
 from .plan import Plan, plan_of
+from .row_writer import RowWriter
 from .site import Memory, Site, Workspace
 from .tick import Order, Tick
+from .unknowns import Unknowns
 
 if TYPE_CHECKING:
     from ..base.loops import Call
-    from .stack import Stack
-    from .unknowns import Unknowns
 
 
-class Rows:
-    """A stack bound to one robot: fills its hierarchy every tick.
+class HierarchyWriter:
+    """Writes the hierarchy of a stack on one robot, every tick.
 
     Attributes
     ----------
-    stack : Stack
-        As it is solved, with all that its parts stand for.
+    levels : Levels
+        All that is solved.
     unknowns : Unknowns
         What x is made of.
     hierarchy : hqp.Hierarchy
@@ -59,20 +58,26 @@ class Rows:
     planned = 0
 
     def __init__(
-        self, stack: Stack, robot: Robot, order: Order, dt: float | None, memory: Memory | None = None
+        self,
+        levels: Levels,
+        unknowns: Unknowns,
+        robot: Robot,
+        order: Order,
+        dt: float | None = None,
+        memory: Memory | None = None,
     ) -> None:
         self._robot, self._order, self._dt = robot, order, dt
-        self.stack, self.unknowns = expand(stack, robot, order)
+        self.levels, self.unknowns = levels, unknowns
         self._memory: Memory = {} if memory is None else memory
         self._check()
         self._rest = at_rest(robot)
-        levels = [_empty_level(level, robot, order, self.unknowns) for level in self.stack.levels]
-        self.hierarchy = Hierarchy(levels, n=self.unknowns.n)
+        empty = [_empty_level(level, robot, order, unknowns) for level in levels.parts]
+        self.hierarchy = Hierarchy(empty, n=unknowns.n)
         self._own_limits = None if isinstance(robot, Live) else OwnLimits(robot)
-        self._names = [_row_names(part, robot, order) for part in self.stack]
-        self._rates = np.zeros(len(self.stack))
-        self.every_aim = np.zeros((len(self.stack), self.unknowns.n))
-        self._take_note([k for k, rule in enumerate(self.stack.damping) if rule])
+        self._names = [_row_names(part, robot, order) for part in levels.all_parts]
+        self._rates = np.zeros(len(levels.parts))
+        self.every_aim = np.zeros((len(levels.parts), unknowns.n))
+        self._take_note([k for k, rule in enumerate(levels.damping) if rule])
         self._take_up()
         if isinstance(robot, Live):
             watch_alone(robot, self)
@@ -99,24 +104,24 @@ class Rows:
             changed.check(self._robot, self._order, self._dt)
             if _row_names(changed, self._robot, self._order) != self._names[k]:
                 raise InvalidInput(f"{changed.label()}: with another {name} it has other rows; {changed._instead}")
-        if any(type(self._views[k][0]).claim is not Part.claim for k in own):
+        if any(type(self._views[k][0]).claim is not RowWriter.claim for k in own):
             self._take_up()  # which others go by
         else:
             self._plan(own)
 
     def _check(self) -> None:
-        for part in self.stack:
+        for part in self.levels.all_parts:
             part.check(self._robot, self._order, self._dt)
 
     def _take_up(self) -> None:
         """Begin anew with the numbers that all parts and the robot have now."""
         robot, order, dt = self._robot, self._order, self._dt
         self.shared = shared = Workspace(robot, order, dt, self.unknowns, self._memory)
-        self._joints: list[tuple[Part, Array, Array]] = []  # of wide rows: the joints' part
-        self._views: list[tuple[Part, Site]] = []
+        self._joints: list[tuple[RowWriter, Array, Array]] = []  # of wide rows: the joints' part
+        self._views: list[tuple[RowWriter, Site]] = []
         self._weights: list[tuple[Array, NDArray[np.intp]]] = []  # and which rows ask for nothing
         self._owners: dict[int, list[int]] = {}  # of all that is reachable from a part: the parts
-        for level, (view, parts) in enumerate(zip(self.hierarchy.levels, self.stack.levels, strict=True)):
+        for level, (view, parts) in enumerate(zip(self.hierarchy.levels, self.levels.parts, strict=True)):
             row, rate = 0, self._rates[level : level + 1]
             for part in parts:
                 own = slice(row, row + part.size(robot))
@@ -126,11 +131,11 @@ class Rows:
                 self._views.append((part, site))
                 self._weights.append((view.weights[own], np.zeros(0, dtype=np.intp)))
         shared.envelope.close(shared)
-        self._place = self._placing()
-        self.plans: list[tuple[Part, Plan]] = [(part, Plan()) for part, _ in self._views]
+        self._embed = self._embedding()
+        self.plans: list[tuple[RowWriter, Plan]] = [(part, Plan()) for part, _ in self._views]
         self._plan(range(len(self._views)))
 
-    def _matrix(self, part: Part, view: Level, own: slice) -> Array | None:
+    def _matrix(self, part: RowWriter, view: Level, own: slice) -> Array | None:
         """Where a part writes its rows: in the hierarchy, or, where it has more unknowns, beside it."""
         if view.A is None:
             return None
@@ -141,16 +146,16 @@ class Rows:
         self._joints.append((part, joints, rows))
         return joints
 
-    def _placing(self) -> list[Call]:
-        """What brings the motion of the joints into the rows of all unknowns, every tick."""
+    def _embedding(self) -> list[Call]:
+        """The loop that copies rows of the joint motion into rows of all unknowns, every tick."""
         moving = [(joints, rows) for part, joints, rows in self._joints if not part.plain]
         if not moving:
             return []
         from ..base.loops import Call, Table
-        from .kernels.placing import place_joints
+        from .kernels.embedding import embed_joints
 
         told = [entry for joints, rows in moving for entry in (joints, rows, len(rows))]
-        return [Call(place_joints, len(moving), self.unknowns.nv, self.unknowns.n, Table(*told))]
+        return [Call(embed_joints, len(moving), self.unknowns.nv, self.unknowns.n, Table(*told))]
 
     def _plan(self, which: Iterable[int]) -> None:
         """Plan how these parts write their rows."""
@@ -178,7 +183,7 @@ class Rows:
             if part.plain:  # whose rows stay as they are
                 rows[:, : self.unknowns.nv] = joints
         if self._order == "acceleration":
-            self._rates[:] = [max(part.decay_rate() for part in level) for level in self.stack.levels]
+            self._rates[:] = [max(part.decay_rate() for part in level) for level in self.levels.parts]
         pairs = zip(self._views, self._weights, strict=True)
         self._unweighted = [(site.lower, site.upper, without) for (_, site), (_, without) in pairs if without.size]
         self._moves = [move for _, plan in self.plans for move in plan.moves]
@@ -191,7 +196,7 @@ class Rows:
 
         shared = self.shared
         own = [call for _, plan in self.plans for call in plan.calls]
-        own += [*self._place, *self._aiming()]
+        own += [*self._embed, *self._aiming()]
         self.compiled = not self._python
         self._before = chained(shared.calls) if self._python else None  # what Python may ask for
         self._run = chained(own if self._python else [*shared.calls, *own])
@@ -211,9 +216,9 @@ class Rows:
         return self.shared.envelope
 
     @property
-    def work(self) -> list[tuple[int, int, Part, Plan, Site]]:
+    def work(self) -> list[tuple[int, int, RowWriter, Plan, Site]]:
         """Of every part, from the highest level down: level, first row, the part, its plan, and where it works."""
-        levels = [k for k, parts in enumerate(self.stack.levels) for _ in parts]
+        levels = [k for k, parts in enumerate(self.levels.parts) for _ in parts]
         first = np.cumsum([0, *(site.rows for _, site in self._views)])
         plans = (plan for _, plan in self.plans)
         return [
@@ -221,14 +226,14 @@ class Rows:
             for k, row, plan, (part, site) in zip(levels, first, plans, self._views, strict=False)
         ]
 
-    def bounds(self, part: Part) -> tuple[Array, Array] | None:
+    def bounds(self, part: RowWriter) -> tuple[Array, Array] | None:
         """Lower and upper bounds that a part writes (views), or None if it is not in the stack."""
         return next(((site.lower, site.upper) for own, site in self._views if own is part), None)
 
     def describe(self) -> Description:
         """Who writes the rows of each part, and why Python does where it does."""
         robot, order, envelope = self._robot, self._order, self.shared.envelope
-        levels = (k for k, parts in enumerate(self.stack.levels) for _ in parts)
+        levels = (k for k, parts in enumerate(self.levels.parts) for _ in parts)
         return Description(
             tuple(
                 WrittenPart.of(level, part.label(), tuple(part.labels(robot, order)), plan, envelope.loops(site))
@@ -256,7 +261,7 @@ class Rows:
         return self.hierarchy
 
 
-def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order, unknowns: Unknowns) -> Level:
+def _empty_level(parts: tuple[RowWriter, ...], robot: Robot, order: Order, unknowns: Unknowns) -> Level:
     """One level without numbers yet: plain bounds if all its parts are plain, rows otherwise."""
     name = " + ".join(of_type(part.name, str, f"name of a {type(part).__name__}") for part in parts)
     weights = np.ones(sum(part.size(robot) for part in parts))
@@ -273,5 +278,5 @@ def _empty_level(parts: tuple[Part, ...], robot: Robot, order: Order, unknowns: 
     return Level(np.concatenate(A), zeros, zeros, weights=weights, name=name, labels=labels)
 
 
-def _row_names(part: Part, robot: Robot, order: Order) -> list[str]:
+def _row_names(part: RowWriter, robot: Robot, order: Order) -> list[str]:
     return [label.row for label in part.labels(robot, order)]

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..base.checks import Array
 from ..simulation.record import Record
-from .finding import AT_REST, Finding
+from .run_result import AT_REST, RunResult
 from .runs import Job, phi_error, tip_error
 from .scenarios import MINUTE
 
@@ -25,7 +25,7 @@ HELD = 1.0
 CONVERGED = 1.0
 
 
-def measure(job: Job, record: Record, closed_form: Record | None = None, coarser: Record | None = None) -> Finding:
+def measure(job: Job, record: Record, closed_form: Record | None = None, coarser: Record | None = None) -> RunResult:
     """The numbers of one run; beside it those of the same law by its formula, and of the same run at twice the tick."""
     scenario = job.scenario
     elapsed = record.t / scenario.duration
@@ -46,7 +46,7 @@ def measure(job: Job, record: Record, closed_form: Record | None = None, coarser
     assert record.tau is not None  # a planar arm knows its torques and
     assert record.manipulability is not None  # its manipulability
     stopped = record.stopped
-    return Finding(
+    return RunResult(
         figure=scenario.figure,
         law=job.law.title,
         backend=job.backend,
@@ -77,11 +77,11 @@ def digits(value: float) -> str:
     return f"{float(f'{value:.2g}'):g}"
 
 
-def to_csv(findings: Sequence[Finding]) -> str:
+def to_csv(findings: Sequence[RunResult]) -> str:
     """All numbers with full precision, one header line; empty where a number means nothing."""
     out = StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    names = [field.name for field in fields(Finding)]
+    names = [field.name for field in fields(RunResult)]
     writer.writerow(names)
     for found in findings:
         values = [getattr(found, name) for name in names]

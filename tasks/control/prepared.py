@@ -1,0 +1,169 @@
+"""Stacks made ready to be solved for one robot: their rows, and solvers that stay warm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import isfinite
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
+
+import numpy as np
+
+import hqp
+from hqp import InvalidInput, Settings, Solution, Solver
+from hqp.errors import brief
+
+from ..base.checks import Array
+from ..base.telling import tell
+from ..robots.robot import Robot, RobotState, limit_of
+from ..rows.hierarchy_writer import HierarchyWriter
+from ..rows.part import Order, Stack
+
+if TYPE_CHECKING:
+    from ..rows.site import Memory
+    from .calm import CalmSolver
+
+#: How levels are damped that have no rule of their own.
+DefaultDamping = Literal["curvature"]
+#: Stacks that are kept ready to go back to.
+MOST_PREPARED = 8
+
+
+class Options(TypedDict, total=False):
+    """What a controller takes by name, whatever its order; see :class:`tasks.Controller`."""
+
+    dt: float | None
+    backend: str
+    settings: Settings | None
+    damping: DefaultDamping | None
+
+
+def default_damping(value: object) -> DefaultDamping | None:
+    """How levels are damped by default.
+
+    Raises
+    ------
+    InvalidInput
+        If it is no way to do so.
+    """
+    if value is None or (isinstance(value, str) and value == "curvature"):
+        return value  # type: ignore[return-value]  # which is this very word
+    raise InvalidInput(
+        f"damping = {brief(value)}; it must be 'curvature' or None. One level takes a rule by Damped(level, 0.1)"
+    )
+
+
+class PreparedStack:
+    """A stack, its rows on one robot, and their solver.
+
+    Parameters
+    ----------
+    stack : Stack
+    rows : HierarchyWriter
+    solver : hqp.Solver or CalmSolver
+    """
+
+    def __init__(self, stack: Stack, rows: HierarchyWriter, solver: Solver | CalmSolver) -> None:
+        self.stack, self.rows, self.solver = stack, rows, solver
+
+    def solve(self, state: RobotState, t: float, last: Array | None, fault: str | None = None) -> Solution:
+        """The solution at this state and time t [s].
+
+        Parameters
+        ----------
+        state : RobotState
+        t : float
+        last : array, shape (n,), or None
+            The x of the tick before; None where nobody knows.
+        fault : str, optional
+            What is wrong with the state: the status is then INVALID, with this message.
+        """
+        rows = self.rows
+        if fault is None and isfinite(t):
+            rows.fill(state, t)
+            if isinstance(self.solver, Solver):
+                return self.solver.solve(rows.hierarchy, aims=rows.aims)
+            return self.solver.solve(rows.hierarchy, last)
+        rows.hierarchy.lower.fill(np.nan)  # no task is asked, and no bound left that could be met
+        return replace(self.solver.solve(rows.hierarchy), message=fault or f"t = {t} s must be finite")
+
+
+@dataclass(frozen=True)
+class Preparation:
+    """How the stacks of one controller are made ready.
+
+    Attributes
+    ----------
+    robot : Robot
+    order : {"velocity", "acceleration"}
+    dt : float or None
+        [s].
+    backend : str
+    settings : hqp.Settings or None
+    damping : "curvature" or None
+    """
+
+    robot: Robot
+    order: Order
+    dt: float | None
+    backend: str
+    settings: Settings | None
+    damping: DefaultDamping | None
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """These as arguments of a controller."""
+        return {"backend": self.backend, "settings": self.settings, "damping": self.damping}
+
+    def prepare(self, stack: Stack, memory: Memory) -> PreparedStack:
+        """HierarchyWriter of this stack, and a solver that is cold.
+
+        Raises
+        ------
+        InvalidInput
+            If the stack does not fit the robot, or there is no such backend.
+        """
+        rows = stack.build(self.robot, self.order, self.dt, memory)
+        return PreparedStack(stack, rows, self._solver(rows))
+
+    def _solver(self, rows: HierarchyWriter) -> Solver | CalmSolver:
+        levels = rows.levels
+        if self.damping is not None and not levels.damps and hqp.backend_info(self.backend).inequalities:
+            from .calm import CalmSolver, curved_levels
+
+            curved = curved_levels(rows)
+            if any(curved):
+                return CalmSolver(rows, self.dt, curved, self.backend, self.settings)
+        rules: dict[int | str, hqp.DampingRule | float] = {k: rule for k, rule in enumerate(levels.damping) if rule}
+        return Solver(self.backend, self.settings, rules)
+
+
+class PreparedStacks:
+    """The stacks that one controller has had of late, as they were left.
+
+    Parameters
+    ----------
+    how : Preparation
+    """
+
+    def __init__(self, how: Preparation) -> None:
+        self.how = how
+        self._memory: Memory = {}
+        self._found: dict[int, PreparedStack] = {}
+
+    def __getitem__(self, stack: Stack) -> PreparedStack:
+        """This stack made ready, or as it was left."""
+        found = self._found.pop(id(stack), None) or self.how.prepare(stack, self._memory)
+        self._found[id(stack)] = found  # what was asked for last comes last
+        while len(self._found) > MOST_PREPARED:
+            del self._found[next(iter(self._found))]
+        return found
+
+
+def tell_of_speed(robot: Robot, prepared: PreparedStack) -> None:
+    """Tell once where nothing limits the speed: near a singularity it grows without end, and all tasks are met."""
+    held = prepared.rows.envelope.has_velocity or any(prepared.stack.damping)
+    if limit_of(robot, "velocity") is None and not held:
+        tell(
+            f"nothing limits the speed of {robot!r}: near a singularity joints turn as fast as tasks ask;"
+            " add JointVelocityLimit(2.0), in rad/s, to the top of the stack, or give the robot a velocity_limit"
+        )

@@ -1,0 +1,39 @@
+"""From the numbers of a tick to the state of a robot: never an exception, and one thread at a time."""
+
+from __future__ import annotations
+
+from hqp.guard import Guard
+
+from ..base.checks import Array
+from ..robots.robot import Robot, RobotState, check_states, workspace
+
+
+class StateReader:
+    """Gives the states of one robot.
+
+    Where configurations lie on a manifold it looks at them itself, so that a call never raises for a state.
+
+    Parameters
+    ----------
+    robot : Robot
+
+    Attributes
+    ----------
+    guard : hqp.guard.Guard
+        To be held as long as a state is in use: that of the robot, for all controllers that it has, where its states
+        share a workspace.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        check_states(robot)
+        shared = workspace(robot)
+        self._on_manifold = None if shared is None else shared.on_manifold
+        self._state = robot.at if shared is None else shared.state
+        self.guard = Guard("the controller") if shared is None else shared.guard
+
+    def read(self, q: Array, v: Array) -> tuple[RobotState, str | None]:
+        """The state, and what is wrong with q, if it is not on its manifold."""
+        fault = None
+        if self._on_manifold is not None:
+            q, fault = self._on_manifold(q)
+        return self._state(q, v), fault
