@@ -7,7 +7,7 @@ import inspect
 from types import ModuleType
 
 #: What a statement that only draws, or waits for the clock, says.
-DRAWS = {"viz", "viewer", "visualizer", "meshcat_shapes", "rate", "argparse", "args", "wrist_frame", "com_mid"}
+DRAWS = {"viz", "viewer", "visualizer", "meshcat_shapes", "rate", "argparse", "args", "wrist_frame"}
 
 
 def lines(program: str) -> int:

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from command import ROOT
 from peers import lines, public_of_mink, public_of_pink
 
+ROOT = Path(__file__).parents[2]
 PROGRAMS = sorted((ROOT / "examples" / "peers").glob("[a-z]*.py"))
 PAGE = ROOT / "docs" / "coming-from-pink-or-mink.md"
 LIST = ROOT / "docs" / "ported-programs.md"
