@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from hqp import Hierarchy
-from hqp.backends.daqp import Rows
+from hqp.backends.daqp import DaqpProblem
 
 from ..families import Family
 from ..settings import TIGHT, Setting
@@ -44,7 +44,7 @@ class Daqp(Method):
         if self.name == DAQP_COST:
             *above, posture = problem.levels
             problem, f = Hierarchy(above, n=problem.n), -posture.lower
-        solve, rows = import_module("daqp").solve, Rows.of(problem)
+        solve, rows = import_module("daqp").solve, DaqpProblem.of(problem)
         given = (np.eye(problem.n), f, rows.A, rows.upper, rows.lower, rows.sense, rows.break_points)
         tolerances = TOLERANCES if setting is TIGHT else {}
         return lambda: solve(*given, **tolerances)
