@@ -46,9 +46,10 @@ def markdown(rows: Sequence[Row]) -> str:
 
 
 def save(path: Path, rows: Iterable[Row]) -> None:
-    """All rows into one CSV file."""
+    """All rows into one CSV file; what a row does not tell is left empty."""
     rows = list(rows)
+    columns = dict.fromkeys(column for row in rows for column in row)
     with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0]))
+        writer = csv.DictWriter(file, list(columns), restval="")
         writer.writeheader()
         writer.writerows(rows)

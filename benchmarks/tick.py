@@ -17,6 +17,10 @@ from hqp.commands.terminal import console
 from hqp.files.whole import writable
 
 from .registry import select
+from .standing.scenes import SCENES as STANDING
+from .standing.scenes import StandingScene
+from .standing.table import LEGEND
+from .standing.table import measured as standing
 from .tables import Row, save, show, terminal
 from .ticks.driver import Driver
 from .ticks.interleaved import EVERY, SLACK, measure, table
@@ -43,7 +47,7 @@ def tick(
     ] = None,
 ) -> None:
     """Time one tick of a controller, whole and from Python, against other libraries on the same motion."""
-    chosen = select(scene, {s.name: s for s in SCENES}, "scene")
+    chosen = select(scene, {s.name: s for s in (*SCENES, *STANDING)}, "scene")
     if out is not None:
         writable(out.parent, [out.name])
     if placo is not None:
@@ -53,18 +57,21 @@ def tick(
     with Progress(console=Console(stderr=True), transient=True) as progress:
         for s in chosen:
             bar = progress.add_task(s.name, total=rounds + 1)
-            stream, here = _measured(s, ticks, rounds, placo, lambda bar=bar: progress.advance(bar))
+            done = lambda bar=bar: progress.advance(bar)  # noqa: E731
+            if isinstance(s, StandingScene):
+                at_limit, here = standing(s, ticks, rounds, done)
+            else:
+                at_limit, here = _measured(s, ticks, rounds, placo, done)
             rows += here
-            title = f"{s.name}: {s.about}; at a limit: {stream.saturated:.1f} of {stream.joints} joints"
-            show(printer, terminal(title, here))
+            show(printer, terminal(f"{s.name}: {s.about}; at a limit: {at_limit}", here))
             if out is not None:
                 save(out, rows)
     if not scene:
-        from .ticks.damping import ratios
-        from .ticks.redundancy import costs
-
-        show(printer, terminal("what else the joints are used for: a Panda, this library alone", costs(ticks)))
-        show(printer, terminal("damped levels of that Panda, native, one warm solve from Python", ratios(ticks)))
+        _alone(printer, ticks)
+    if any(isinstance(s, StandingScene) for s in chosen):
+        printer.print(LEGEND, markup=False)
+    if not any(isinstance(s, Scene) for s in chosen):
+        return
     printer.print(
         f"us: whole ticks, targets set, {rounds} x {ticks}; to: ratio of medians, to the fastest of that library\n"
         "kinematics, rows, solve: medians of the parts in us, timed alone; off: distance of the answer from the first\n"
@@ -76,14 +83,25 @@ def tick(
             printer.print(f"{peer}: left out, it is not installed: python -m pip install -e '.[peers]'", markup=False)
 
 
+def _alone(printer: Console, ticks: int) -> None:
+    """Tables of this library without any other."""
+    from .ticks.damping import ratios
+    from .ticks.paced import RATE, paced
+    from .ticks.redundancy import costs
+
+    show(printer, terminal("what else the joints are used for: a Panda, this library alone", costs(ticks)))
+    show(printer, terminal("damped levels of that Panda, native, one warm solve from Python", ratios(ticks)))
+    show(printer, terminal(f"asked {RATE:g} times a second, asleep between ticks, this library alone", paced(ticks)))
+
+
 def _measured(
     scene: Scene, ticks: int, rounds: int, placo: str | None, progress: Callable[[], None]
-) -> tuple[Stream, list[Row]]:
-    """The motion of one scene, and the rows of its table."""
+) -> tuple[str, list[Row]]:
+    """How many joints are at a limit in one scene, and the rows of its table."""
     stream = record(scene, ticks)
     drivers = _drivers(stream, placo)
     try:
-        return stream, table(stream, measure(drivers, rounds, progress))
+        return stream.at_limit, table(stream, measure(drivers, rounds, progress))
     finally:
         for driver in drivers:
             driver.close()

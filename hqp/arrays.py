@@ -1,4 +1,4 @@
-"""The arrays that everything here is made of, and how input becomes one."""
+"""Conversion of input to float and integer arrays; a refusal names the argument and what is wrong with it."""
 
 from __future__ import annotations
 

@@ -67,3 +67,7 @@ class Settings:
                 if field.name != "time_limit" or value != math.inf:
                     value = positive_number(value, what, below=1.0 if "tolerance" in field.name else math.inf)
             object.__setattr__(self, field.name, value)
+
+
+#: Those of whoever names none.
+DEFAULT = Settings()

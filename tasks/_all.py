@@ -18,7 +18,7 @@ from .control.rate_loop import loop
 from .control.step import Step
 from .criteria.gradient import GradientTask
 from .criteria.joint_ranges import JointCentringTask
-from .criteria.manipulability import DynamicManipulabilityTask, ManipulabilityTask, VelocityRatioTask
+from .criteria.manipulability import DynamicManipulabilityTask, ManipulabilityTask, MinorAxisTask, VelocityRatioTask
 from .criteria.motion import KineticEnergyTask, MinimumMotionTask
 from .criteria.reconstruction import Reconstructed
 from .criteria.torque import MinimumTorqueTask
@@ -136,6 +136,7 @@ __all__ = [
     "ManipulabilityTask",
     "MinimumMotionTask",
     "MinimumTorqueTask",
+    "MinorAxisTask",
     "MomentumTask",
     "MujocoPlant",
     "OmniwheelTask",

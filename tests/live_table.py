@@ -49,6 +49,7 @@ from tasks import (
     ManipulabilityTask,
     MinimumMotionTask,
     MinimumTorqueTask,
+    MinorAxisTask,
     OmniwheelTask,
     OrientationTask,
     Part,
@@ -471,6 +472,7 @@ def criteria(s: Setting) -> Iterator[Case]:
     task = Spec(PositionTask, target=s.point(0.4, 0.2, 0.5), gain=2.0)
     yield Case(Spec(JointCentringTask, gain=2.0), live, KEPT)
     yield Case(Spec(ManipulabilityTask, task=task, gain=2.0), live, (*KEPT, "task"))
+    yield Case(Spec(MinorAxisTask, task=task, gain=2.0), live, (*KEPT, "task"))
     yield Case(Spec(DynamicManipulabilityTask, task=task, gain=2.0), live, (*KEPT, "task"))
     rows = len(s.point(0.0, 0.0, 0.0))
     towards = {**live, "direction": np.arange(1.0, 1.0 + rows)}

@@ -172,6 +172,18 @@ def test_either_rank_decision_passes_where_nobody_can_tell() -> None:
     assert certify(h, [1.0, 0.0]).ok
 
 
+@pytest.mark.parametrize("share", [1e-11, 5e-10, 3e-9])
+def test_and_passes_for_the_levels_below(share: float) -> None:
+    """The limit holds the reach back, so the level below cannot have x[0] move away from it, whatever the rank."""
+    limit = Level([[1.0, 0.0]], -np.inf, [0.0], name="limit")
+    reach = Level.equality([[1.0, share]], [1.0], name="reach")
+    h = Hierarchy([limit, reach, Level.equality(np.eye(2), [-1000.0, 0.0], name="rest")])
+    assert certify(h, [0.0, 0.0]).ok
+    assert certify(h, [0.0, 1.0 / share]).ok
+    for x in ([-1.0, 0.0], [-1e-6, 0.0]):
+        assert not certify(h, x).ok
+
+
 def test_wrong_input_is_refused() -> None:
     h = reach_behind_a_limit()
     with pytest.raises(InvalidInput, match=r"x has shape \(2,\); it must be \(1,\)"):

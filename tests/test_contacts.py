@@ -604,3 +604,34 @@ def test_a_robot_without_contacts_is_said_to_fall(caplog: pytest.LogCaptureFixtu
     assert "it falls" in caplog.text
     step = controller(scene.q, scene.v)
     assert np.allclose(scene.robot.at(scene.q, scene.v).center_of_mass.linear @ step.a, [0.0, 0.0, -9.81], atol=1e-6)
+
+
+def test_the_bounds_of_a_contact_are_those_of_all_its_rows() -> None:
+    scene = humanoid()
+    controller = controller_of(scene)
+    controller(scene.q, scene.v)
+    h, (lower, upper) = controller.hierarchy, controller.bounds(scene.feet[0])
+    parts = [h.label_of(row).part for row in range(h.m)]
+    own = [i for i, part in enumerate(parts) if part.split(":")[0] == "left" and part != "left: force"]
+    assert len(own) == 12 + 6 + 17  # forces, motion, friction
+    np.testing.assert_array_equal(lower, h.lower[own])
+    np.testing.assert_array_equal(upper, h.upper[own])
+
+
+def test_degrees_of_redundancy_count_forces_too(tmp_path: Path) -> None:
+    scene = humanoid()
+    record = simulate(controller_of(scene), scene.q, duration=2 * DT, certify=1)
+    n = scene.robot.nv + 24
+    assert record.degrees.redundancy.min() >= 0
+    np.testing.assert_array_equal(record.degrees.redundancy, n - np.cumsum(record.ranks, axis=1))
+    record.save(tmp_path / "r.npz")
+    assert type(record).load(tmp_path / "r.npz").unknowns == n
+
+
+def test_forces_at_a_bound_are_told_by_how_many_points() -> None:
+    """A foot that is asked to press no more than it can lift off its points: all push, and are one cause."""
+    scene = humanoid()
+    pull = ForceTask([-50.0], contact=scene.feet[0], weight=1.0)
+    stack = Dynamics() + scene.feet[0] + scene.feet[1] >> pull >> scene.rest()
+    told = str(controller_of(scene, stack)(scene.q, scene.v).solution.explain())
+    assert "left: forces, at 4 of 4 points" in told, told

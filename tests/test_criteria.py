@@ -16,6 +16,7 @@ from tasks import (
     ManipulabilityTask,
     MinimumMotionTask,
     MinimumTorqueTask,
+    MinorAxisTask,
     PlanarArm,
     PositionTask,
     PostureTask,
@@ -56,6 +57,7 @@ def criteria(robot):
     u = np.arange(1.0, 1.0 + task.rows)
     return {
         "manipulability": ManipulabilityTask(task, gain=1.0),
+        "minor axis": MinorAxisTask(task, gain=1.0),
         "dynamic": DynamicManipulabilityTask(task, gain=0.1),
         "ratio": VelocityRatioTask(task, u, gain=1.0),
         "centring": JointCentringTask(gain=1.0),

@@ -19,6 +19,7 @@ from tasks import (
     ManipulabilityTask,
     MinimumMotionTask,
     MinimumTorqueTask,
+    MinorAxisTask,
     OrientationTask,
     PlanarArm,
     PoseTask,
@@ -259,6 +260,7 @@ def reach(robot, **options):
 #: All that loops write, by order; and a moving target, which only the velocity ratio asks for.
 ALWAYS = [
     lambda robot: ManipulabilityTask(reach(robot), gain=2.0),
+    lambda robot: MinorAxisTask(reach(robot), gain=2.0),
     lambda robot: VelocityRatioTask(reach(robot), np.arange(1.0, 1.0 + reach(robot).rows), gain=2.0),
     lambda robot: VelocityRatioTask(PositionTask(Line([0.0, 0.0], [1.0, 0.5], 2.0), gain=1.0), gain=2.0),
     lambda robot: JointCentringTask(gain=3.0),
@@ -318,7 +320,7 @@ def test_loops_write_what_python_writes(make, order):
 
 @pytest.mark.parametrize("which", range(len(IN_SPACE)))
 def test_loops_climb_the_measures_of_all_tasks_of_a_frame(which):
-    for part in ManipulabilityTask, VelocityRatioTask:
+    for part in ManipulabilityTask, MinorAxisTask, VelocityRatioTask:
         check_rows(panda(), part(IN_SPACE[which](), gain=2.0), "velocity", 1e-6)
 
 

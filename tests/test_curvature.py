@@ -284,11 +284,13 @@ def test_a_planar_arm_bends_towards_its_joints(q, target, frame):
 
 #: Whose rows bend, and whose matrix says nothing of it: measured in Python, or of what is no value of a frame.
 UNTOLD = ("Height", "Abscissa", "Ordinate", "Biased", "DistanceLimit", "AvoidanceTask", "SelfCollisionLimit")
+UNTOLD += ("CollisionLimit", "RollingTask", "OmniwheelTask")
 SPEEDS = ("FrameVelocityLimit",)
 #: Rows that are taken from other states, or that do not come from a value.
 OTHER = (
     "ManipulabilityTask",
     "DynamicManipulabilityTask",
+    "MinorAxisTask",
     "VelocityRatioTask",
     "MinimumTorqueTask",
     "JointTorqueLimit",

@@ -343,7 +343,9 @@ def test_where_strictness_was_relaxed_and_by_how_much():
     assert (rest.damping, rest.excess) == (0.0, 0.0)
     assert "2 stages, x = [1.6 1. ]" in repr(solution)
     assert f"Relaxation(level=0, name='reach', damping=1.0, residual_norm={reach.residual_norm!r}" in repr(solution)
-    assert str(solution.certify()).startswith("stage 0: certified")
+    told = str(solution.certify()).splitlines()
+    assert told[0] == "certified, on the rows that were given: strict: level 1; softened as declared: level 0 (reach)"
+    assert told[1].startswith("stage 0: certified")
     assert solution.certify().failed is None
 
 

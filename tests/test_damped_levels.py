@@ -165,7 +165,7 @@ def test_the_damping_is_among_what_holds_the_level_back():
     step = Controller(ARM, limits() >> Damped(tip(), 0.1) >> posture(), dt=5e-3)(STRETCHED, STILL)
     held, short, below = map(str, step.solution.explain().levels)
     assert held.startswith("joint limits met")
-    assert short.startswith("tip short by 1.5 m/s, damping short by")
+    assert short.startswith("tip short by 1.5 m/s: damped, lambda = 0.1")
     assert below.endswith(": tip")
 
 

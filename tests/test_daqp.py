@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hqp import Hierarchy, Level, Settings, Solver, Status, certify, solve
-from hqp.backends.daqp import Rows
+from hqp.backends.daqp import DaqpProblem
 from hqp.problems import random_hierarchy
 
 pytest.importorskip("daqp")
@@ -89,11 +89,11 @@ def test_leading_bounds_need_no_rows() -> None:
             Level.bounds([0.5], [0.5], indices=[1]),
         ]
     )
-    rows = Rows.of(h)
+    rows = DaqpProblem.of(h)
     np.testing.assert_array_equal(rows.A, [[1.0, 1.0], [0.0, 1.0]])
     np.testing.assert_array_equal(rows.upper, [1.0, 1.0, 0.5])
     np.testing.assert_array_equal(rows.lower, [-1.0, 1.0, 0.5])
     np.testing.assert_array_equal(rows.sense, [0, 5, 5])
     np.testing.assert_array_equal(rows.break_points, [1, 2, 3])
     assert rows.sense.dtype == rows.break_points.dtype == np.intc
-    assert len(Rows.of(Hierarchy([], n=3)).upper) == 0
+    assert len(DaqpProblem.of(Hierarchy([], n=3)).upper) == 0

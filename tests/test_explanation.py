@@ -394,3 +394,37 @@ def test_parts_of_one_level_hold_each_other_back() -> None:
     assert str(held) == "left short by 0.25, right short by 1.75: x[0] limit (upper), then each other"
     alone = solve(Hierarchy([limit, Level.equality([[1.0, 0.0]], [2.0])])).explain().levels[1]
     assert (alone.inner, "each other" in str(alone)) == (0.0, False)
+
+
+def test_what_is_missing_is_in_the_units_of_the_rows_and_weights_are_said() -> None:
+    labels = [Label("speed", "x", "m/s"), Label("force", "f", "N"), Label("rest", "y"), Label("rest", "z")]
+    level = Level.equality(np.eye(4), [2.0, 30.0, 2.0, 3.0], weights=[1.0, 0.01, 2.0, 3.0], labels=labels)
+    limits = Level.bounds([-1.0] * 4, [1.0] * 4, name="limits")
+    told = solve(Hierarchy([limits, level])).explain().levels[1]
+    assert str(told).startswith(
+        "speed short by 1 m/s, force short by 29 N (weight 0.01), rest short by 2.24 (weights 2 to 3): "
+    )
+    assert [row["weight"] for row in told.parts[2].data()["rows"]] == [2.0, 3.0]
+
+
+def test_the_name_of_a_level_is_told_where_no_part_has_it() -> None:
+    labels = [Label("left hand", "x", "m"), Label("right hand", "x", "m")]
+    for name, beside in ("reaching", "reaching: "), ("left hand + right hand", ""), ("", ""):
+        h = Hierarchy([Level.equality(np.eye(2), [1.0, 1.0], labels=labels, name=name)])
+        assert str(solve(h).explain()) == f"{beside}left hand and right hand met (rank 2 of 2)"
+
+
+def test_a_damped_level_says_so_and_does_not_contradict_itself() -> None:
+    h = Hierarchy(
+        [Level.equality([[1.0, 0.0], [0.0, 2.0]], [1.0, 1.0], name="reach"), Level.equality([[1.0, 1.0]], [0.0])]
+    )
+    reach, below = solve(h, damping={0: 0.1}).explain().levels
+    assert str(reach) == "reach short by 0.0102: damped, lambda = 0.1"
+    assert not reach.contradicts
+    assert [part.part for part in reach.parts] == ["reach"]
+    assert str(below).endswith(": reach")
+    for least in 1e-5, 1e-7:
+        assert str(solve(h, damping={0: least}).explain().levels[0]) == "reach met (rank 2 of 2)"
+    own = Hierarchy([Level.equality([[1.0], [1.0]], [0.0, 1.0], name="sum")])
+    assert "contradict" in str(solve(own).explain())
+    assert "damped, lambda = 0.5" in str(solve(own, damping={0: 0.5}).explain())

@@ -205,7 +205,7 @@ def test_one_shot_answers_as_a_solver_that_was_just_made() -> None:
 
 
 def test_only_a_few_solvers_are_kept_and_every_thread_has_its_own() -> None:
-    from hqp.solver.solver import KEPT, _kept
+    from hqp.solver.once import KEPT, _kept
 
     for n in range(1, 3 * KEPT):
         hqp.solve(Hierarchy([Level.bounds(np.zeros(n), np.ones(n))]))

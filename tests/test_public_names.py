@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import re
 import subprocess
 import sys
 from importlib import import_module
@@ -49,6 +51,23 @@ def test_a_frame_task_names_the_tasks_of_a_frame() -> None:
     """Whoever knows the class of that name in other libraries is told which one is meant."""
     with pytest.raises(hqp.InvalidInput, match=r"PoseTask.*PositionTask.*OrientationTask"):
         tasks.FrameTask("tool0", position_cost=1.0, orientation_cost=1.0)  # type: ignore[call-arg]
+
+
+PARTS = [
+    name
+    for name in tasks.__all__
+    if inspect.isclass(getattr(tasks, name)) and issubclass(getattr(tasks, name), tasks.Part)
+]
+
+
+@pytest.mark.parametrize("name", sorted({*PARTS} - {"Part"}))
+def test_help_on_a_task_or_limit_tells_every_argument(name: str) -> None:
+    """Without a look at another class."""
+    own = getattr(tasks, name)
+    section = (inspect.getdoc(own) or "").split("Parameters\n----------\n")[1].split("\n\n")[0]
+    told = re.findall(r"\w+", " ".join(re.findall(r"^([\w*, ]+?)(?: :.*)?$", section, re.MULTILINE)))
+    assert {*inspect.signature(own.__init__).parameters} - {"self"} <= {*told}
+    assert "See :class:" not in section
 
 
 def test_the_former_path_of_the_families() -> None:

@@ -38,10 +38,10 @@ def test_it_is_the_span_of_the_singular_value_decomposition(seed: int) -> None:
     rng = np.random.default_rng(seed)
     parts = blocks(rng)
     rows, vector = np.concatenate(parts), rng.standard_normal(parts[0].shape[1])
-    space, count = RowSpace(rows, TOLERANCE), 0
+    space, count = RowSpace(rows.shape[1], TOLERANCE), 0
     for part in parts:
         count += len(part)
-        space.grow(count)
+        space.grow(part)
         basis, _, smallest = row_space(rows[:count], TOLERANCE)
         assert space.basis.shape == basis.shape
         assert space.basis.T @ space.basis == pytest.approx(np.eye(basis.shape[1]), abs=1e-12)
@@ -58,7 +58,7 @@ def test_where_the_pivots_leave_a_doubt_singular_values_decide(little: float) ->
     """Each of the last two rows adds a little to what is there, their difference the square of it."""
     rows = np.zeros((3, FEW + 2))
     rows[:, :3] = unit(np.array([[1.0, 0.0, 0.0], [1.0, little, 0.0], [0.0, 1.0, little]]))
-    space = RowSpace(rows, TOLERANCE)
+    space = RowSpace(rows.shape[1], TOLERANCE)
     for count in (1, 2, 3):
-        space.grow(count)
+        space.grow(rows[count - 1 : count])
         assert space.basis.shape == row_space(rows[:count], TOLERANCE)[0].shape

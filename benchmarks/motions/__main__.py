@@ -13,6 +13,7 @@ from rich.progress import Progress
 from hqp.commands.command import path, run
 from hqp.files.whole import writable
 
+from . import standing
 from .data import FOLDER
 from .playback import FIGURES, SCENES
 from .recording import record_all
@@ -26,13 +27,17 @@ def motions(
         Path, typer.Option("--out", "-o", help="Folder for the data; that of the families by default.", parser=path)
     ] = FOLDER,
 ) -> None:
-    """Record, in closed loop with this library, the ticks of all families of the groups "motion" and "thesis"."""
+    """Record, in closed loop with this library, the ticks of the families of "motion", "thesis" and "contacts"."""
     files = [*dict.fromkeys(scene.robot for scene in SCENES.values()), "thesis"]
+    files += dict.fromkeys(map(standing.file_of, standing.SCENES.values()))
     writable(out, [*(f"{file}.npz" for file in files), "families.csv"])
     with Progress(console=Console(stderr=True), transient=True) as progress:
-        bar = progress.add_task("", total=len(SCENES) + len(FIGURES))
+        bar = progress.add_task("", total=len(SCENES) + len(FIGURES) + len(standing.families()))
         record_all(out, lambda name: progress.update(bar, description=name, advance=1))
-    print(f"recorded {len(SCENES)} motions and {len(FIGURES)} figures of the thesis to {out}")
+    print(
+        f"recorded {len(SCENES)} motions, {len(FIGURES)} figures of the thesis"
+        f" and {len(standing.SCENES)} robots that stand to {out}"
+    )
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ from tasks.thesis.scenarios import Scenario, scenario
 
 from ..ticks.scenes import COM, Scene, What
 from ..ticks.stream import record
+from . import standing
 from .data import DRAWS, Entry, Ticks, write_table, write_ticks
 from .playback import FIGURES, SCENES, Played, of_figure, of_scene
 
@@ -79,6 +80,13 @@ def record_all(folder: Path, progress: Callable[[str], None]) -> None:
         found = files["thesis"][name] = record_figure(figure, law)
         played = of_figure(figure, law, found)
         entries.append(Entry("thesis", name, "", norm(played), _about(played, f"figure {number}, {law.title}")))
+    for name, (standing_scene, kind) in standing.families().items():
+        progress(name)
+        file = standing.file_of(standing_scene)
+        if standing_scene.name not in files[file]:
+            files[file][standing_scene.name] = standing.record_standing(standing_scene)
+        stood = kind(standing_scene, files[file][standing_scene.name])
+        entries.append(Entry("contacts", name, "pinocchio", norm(stood), _standing_about(stood, standing_scene.about)))
     for file, motions in files.items():
         write_ticks(file, motions, folder)
     write_table(entries, folder)
@@ -97,6 +105,13 @@ def _about(played: Played, text: str) -> str:
     limited = _joints(limits, np.isfinite(limits.lower) | np.isfinite(limits.upper))
     held = np.mean([at_limit(problem) for problem in problems])
     return f"{_shape(problems[0])}; {text}; {held:.1f} of {limited} joints at a limit"
+
+
+def _standing_about(played: Played, text: str) -> str:
+    """The same of a robot that stands: how many rows are at a bound, mean of its draws."""
+    problems = [played.sample(draw).now for draw in range(len(played))]
+    pressed = np.mean([standing.pressed(problem) for problem in problems])
+    return f"{_shape(problems[0])}; {text}; {pressed:.1f} inequalities at a bound"
 
 
 def at_limit(problem: Hierarchy) -> int:

@@ -33,12 +33,16 @@ PLANS: dict[str, Plan] = {
             rounds=2,
         ),
         Plan("growth", "time over unknowns, levels and rows", families=("size/*",)),
-        Plan("motion", "what controllers solve: recorded motions and the thesis", families=("motion/*", "thesis/*")),
+        Plan(
+            "motion",
+            "what controllers solve: recorded motions, with contacts too, and the thesis",
+            families=("motion/*", "contacts/*", "thesis/*"),
+        ),
         Plan("adversarial", "what breaks solvers", families=("adversarial/*",), draws=256, few=32, rounds=1),
         Plan(
             "tails",
             "the slowest of a thousand problems of each family, by what can be called at 1 kHz",
-            families=("motion/*", "thesis/*", "random/*", "control/*"),
+            families=("motion/*", "contacts/*", "thesis/*", "random/*", "control/*"),
             methods=("native", "daqp*"),
             draws=1024,
             block=64,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -28,13 +28,22 @@ class Driver(ABC):
         Where the robot is at each tick, in the types of the library.
     raised : Counter
         Ticks without an answer, by the name of the exception.
+    clock : callable
+        What tells nanoseconds.
     """
 
     name: str
     q: list[Any]
+    clock: Callable[[], int]
 
     def __init__(self, name: str, stream: Stream) -> None:
         self.name, self.stream, self.raised = name, stream, Counter[str]()
+        self.clock = time.perf_counter_ns
+
+    @property
+    def unknowns(self) -> int:
+        """How many numbers an answer has."""
+        return self.stream.robot.nv
 
     def stand(self, k: int, q: Array, v: Array) -> None:
         """Let the robot be elsewhere at tick k than the stream has it: where the library itself has led it."""
@@ -54,7 +63,7 @@ class Driver(ABC):
 
     @abstractmethod
     def velocity(self, answer: Any) -> Array:
-        """The joint velocities of an answer of :meth:`tick`, in the order of the stream."""
+        """The joint velocities of an answer of :meth:`tick`, in the order of the stream; of who decides forces, all."""
 
     def proved(self, k: int, v: Array) -> bool | None:
         """Whether joint velocities are certified as the optimum of tick k; None where nothing can be."""
@@ -62,7 +71,7 @@ class Driver(ABC):
 
     def run(self, first: int, last: int) -> tuple[Array, Array]:
         """Nanoseconds of each tick from first to last, shape (ticks,), and joint velocities, NaN where it failed."""
-        clock, times, answers = time.perf_counter_ns, [], []
+        clock, times, answers = self.clock, [], []
         for k in range(first, last):
             start = clock()
             try:
@@ -72,12 +81,12 @@ class Driver(ABC):
                 self.raised[type(error).__name__] += 1
             times.append(clock() - start)
             answers.append(answer)
-        nothing = np.full(self.stream.robot.nv, np.nan)
+        nothing = np.full(self.unknowns, np.nan)
         return np.array(times), np.array([nothing if x is None else self.velocity(x) for x in answers])
 
     def split(self, first: int, last: int) -> Array:
         """Nanoseconds of each stage of each tick, shape (ticks, 3); NaN where it failed."""
-        clock, rows = time.perf_counter_ns, []
+        clock, rows = self.clock, []
         for k in range(first, last):
             laps = [clock()]
             try:

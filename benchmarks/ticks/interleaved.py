@@ -31,7 +31,7 @@ class Measured:
         Whole ticks.
     stages : array, shape (ticks, 3)
         Their parts, timed in a round of their own.
-    v : array, shape (ticks, nv)
+    v : array, shape (ticks, unknowns)
         Its answers; NaN where it has none.
     proved : list of bool
         Certificates of its answers, where there are any.
@@ -54,7 +54,7 @@ def measure(drivers: Sequence[Driver], rounds: int, progress: Callable[[], None]
     ticks = len(drivers[0].stream)
     ns = {d.name: np.zeros((rounds, ticks)) for d in drivers}
     stages = {d.name: np.zeros((ticks, len(STAGES))) for d in drivers}
-    v = {d.name: np.zeros_like(d.stream.v) for d in drivers}
+    v = {d.name: np.zeros((ticks, d.unknowns)) for d in drivers}
     for driver in drivers:  # imports, memory, compilers
         driver.run(0, min(BLOCK, ticks))
         driver.split(0, min(BLOCK, ticks))

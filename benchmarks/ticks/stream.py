@@ -50,6 +50,11 @@ class Stream:
         """How many joints there are, a floating base not counted."""
         return self.robot.nv - self.robot.base
 
+    @property
+    def at_limit(self) -> str:
+        """How many joints are at a limit, in words."""
+        return f"{self.saturated:.1f} of {self.joints} joints"
+
     def __len__(self) -> int:
         return len(self.q)
 

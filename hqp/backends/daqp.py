@@ -102,7 +102,7 @@ class DAQP:
         return Answer(x_ref.copy(), Status.FAILED, message, counts=Counts(qp_solves=calls))
 
     def reset(self) -> None:
-        """Nothing is kept between calls."""
+        """No effect: nothing is kept between calls."""
 
 
 def make(name: str, settings: Settings) -> DAQP:

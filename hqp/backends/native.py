@@ -6,6 +6,7 @@ a structure, and remembers in it which rows were active. What it does is told in
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable
 from functools import lru_cache, partial
@@ -26,6 +27,7 @@ from ..kernels import layout as at
 from ..kernels import solver as kernel
 from ..kernels.active_set import OPTIMAL, STALLED, SUBOPTIMAL
 from ..kernels.compile import INTERPRETED
+from ..kernels.doubt import SHARPEST
 from ..settings import Settings
 from ..solution import Counts, Status
 from .base import Answer
@@ -33,8 +35,8 @@ from .base import Answer
 STATUSES = {
     OPTIMAL: Status.OPTIMAL,
     SUBOPTIMAL: Status.SUBOPTIMAL,
-    STALLED: Status.STALLED,
-    kernel.UNEVEN: Status.STALLED,  # until the certificate says better
+    STALLED: Status.STALLED,  # these two until the certificate says better
+    kernel.UNEVEN: Status.STALLED,
 }
 #: Of the kernel: two addresses, an outcome.
 SIGNATURE = int64(int64, int64)
@@ -127,9 +129,27 @@ class Native:
             memory.head[at.TRUSTED] = 1
             outcome = memory.run(hierarchy.address)
             memory.head[at.TRUSTED] = 0
-        head = memory.head.tolist()
+        answer = self._told(hierarchy, x_ref, outcome)
+        if answer.status is not Status.STALLED or self._settings.time_limit < math.inf:
+            return answer
+        again = self._sharper(hierarchy, x_ref)
+        return again if again.status is Status.OPTIMAL else answer
+
+    def _told(self, hierarchy: Hierarchy, x_ref: Array, outcome: int) -> Answer:
+        """What the last run says, judged."""
+        assert self._memory is not None
+        head = self._memory.head.tolist()
         counts = Counts(sweeps=head[at.SWEEPS], iterations=head[at.ITERATIONS])
-        return judged(hierarchy, memory.x.copy(), x_ref, outcome, head[at.LEVEL], counts)
+        return judged(hierarchy, self._memory.x.copy(), x_ref, outcome, head[at.LEVEL], counts)
+
+    def _sharper(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
+        """Once more from a cold start, taking all rows for independent that may be so: where ranks are in doubt."""
+        memory = self._memory
+        assert memory is not None
+        memory.option[at.TAU], memory.head[at.WARM] = min(SHARPEST, self._settings.rank_tolerance), 0
+        outcome = memory.run(hierarchy.address)
+        memory.option[at.TAU] = self._settings.rank_tolerance
+        return self._told(hierarchy, x_ref, kernel.UNEVEN if outcome == OPTIMAL else outcome)
 
     def began(self, when: int) -> None:
         """The time limit of the next run counts from `when`, by ``time.monotonic_ns``."""
@@ -146,9 +166,9 @@ class Native:
 
 
 def judged(hierarchy: Hierarchy, x: Array, x_ref: Array, outcome: int, level: int, counts: Counts) -> Answer:
-    """What is claimed of x. Where one tolerance does not say enough, the certificate has the word."""
+    """What is claimed of x. What the kernel has not proved, or not beyond doubt, the certificate decides."""
     status = STATUSES[outcome]
-    if outcome == kernel.UNEVEN:
+    if status is Status.STALLED:
         failed = certify(hierarchy, x, x_ref).failed
         if failed is None:
             status = Status.OPTIMAL
@@ -171,6 +191,8 @@ class Memory:
         What the kernel is told, and what it reports; see :mod:`hqp.kernels.layout`.
     x, x_ref : array, shape (n,)
         Views: the next run overwrites them.
+    option : array
+        Tolerances and limits, in the places of :mod:`hqp.kernels.layout`.
     """
 
     def __init__(
@@ -189,8 +211,8 @@ class Memory:
         n, memory = int(self.head[at.N]), self._blocks[1]
         self.x, self.x_ref = memory[begins[at.X] :][:n], memory[begins[at.X_REF] :][:n]
         self.x_ref[:] = 0.0
-        self._option = memory[begins[at.OPTION] :][:4]
-        self._option[:] = (
+        self.option = memory[begins[at.OPTION] :][:4]
+        self.option[:] = (
             settings.rank_tolerance,
             settings.tolerance,
             settings.iterations,

@@ -121,7 +121,7 @@ class Pseudoinverse:
         return Answer(self.formula(tasks, x_ref, self.settings.rank_tolerance))
 
     def reset(self) -> None:
-        """Nothing is kept between calls."""
+        """No effect: nothing is kept between calls."""
 
 
 class JointSpacePseudoinverse(Pseudoinverse):

@@ -48,7 +48,7 @@ class LevelProblem(NamedTuple):
     asked: float
 
     def reaching(self, y: Array) -> LevelProblem:
-        """The same problem with the round-off of rows at y in its tolerances."""
+        """The subproblem with the round-off of rows at y in its tolerances."""
         more = REACH * length(y)
         return self._replace(slack=self.slack + more * self.norms, margin=self.margin + more)
 
@@ -122,7 +122,7 @@ class LevelRows(NamedTuple):
 
     @classmethod
     def of(cls, hierarchy: Hierarchy, x_ref: Array) -> Iterator[LevelRows]:
-        """Of the levels of a hierarchy, the highest first, and then of the implicit last one."""
+        """The rows of the levels of a hierarchy, the highest first, the implicit last level at the end."""
         n, weights = hierarchy.n, hierarchy.weights
         norms = weights * hierarchy.row_norms()
         says = (norms > 0) & ((hierarchy.lower > -np.inf) | (hierarchy.upper < np.inf))

@@ -1,7 +1,11 @@
 """The proof that a point is lexicographically optimal, its multipliers, and what they explain."""
 
+from .causes import Cause
 from .certificate import Certificate, LevelCertificate, certify
-from .explanation import Cause, Explanation, LevelExplanation, PartExplanation, explain
+from .explanation import Explanation, LevelExplanation
+from .hand_over import Handed, left_alone
+from .parts import PartExplanation
+from .reasons import explain
 from .rows import RowStates, allowance, excess, pull, row_states
 from .subspace import row_space, split
 
@@ -9,6 +13,7 @@ __all__ = [
     "Cause",
     "Certificate",
     "Explanation",
+    "Handed",
     "LevelCertificate",
     "LevelExplanation",
     "PartExplanation",
@@ -17,6 +22,7 @@ __all__ = [
     "certify",
     "excess",
     "explain",
+    "left_alone",
     "pull",
     "row_space",
     "row_states",

@@ -31,6 +31,8 @@ STATIONARITY = 1e-10
 BLURRED = 1e-6
 #: A row that can carry no more than this share of what is left does not matter.
 NEGLIGIBLE = 1e-15
+#: A row at a bound whose multiplier is more than this share of the forces in a level holds it back: see :class:`Above`.
+HOLDS = 1e-8
 
 #: Sides as the numbers that arrays of them hold.
 INSIDE, EITHER_WAY = np.int8(Side.INACTIVE), np.int8(Side.EQUALITY)
@@ -81,6 +83,11 @@ class Balance(NamedTuple):
 class Above:
     """The rows of the levels above one level, as one goes down the levels.
 
+    A row at a bound that holds a level back, with a positive multiplier, cannot leave its bound without loss for that
+    level: for all levels below it is as good as an equality, and pushes either way. In exact arithmetic that follows
+    from the conditions of those levels alone, by adding a large multiple of what balances the level that is held back.
+    In floating point the multiple would magnify what round-off, or a rank decision, has left of that balance.
+
     Parameters
     ----------
     units : array, shape (m, n)
@@ -90,19 +97,17 @@ class Above:
     Attributes
     ----------
     free : array of int
-        Rows above that push either way: equalities and violated rows.
+        Rows above that push either way: equalities, violated rows, and those that hold a level back.
     signed : array of int
-        Rows above that push one way, inward: those at a bound.
+        Rows above that push one way, inward: the others at a bound.
     """
 
     def __init__(self, units: Array, rows: RowStates) -> None:
-        self._rows, able = rows, rows.norms > 0
+        self._units, self._rows, able = units, rows, rows.norms > 0
         either = (rows.sides == EITHER_WAY) | rows.violated
-        self._all_free = np.flatnonzero(able & either)
-        self._all_signed = np.flatnonzero(able & ~either & (rows.sides != INSIDE))
-        self._outward = rows.sides[self._all_signed, None] * units[self._all_signed]
-        self._span = RowSpace(units[self._all_free], FREE_RANK)
-        self.free, self.signed = self._all_free[:0], self._all_signed[:0]
+        self._either, self._one_way = able & either, able & ~either & (rows.sides != INSIDE)
+        self._span = RowSpace(units.shape[1], FREE_RANK)
+        self.free = self.signed = np.zeros(0, dtype=np.intp)
 
     def balance(self, forces: Forces, count: int) -> Balance:
         """Balance the forces of a level by the `count` rows that are above it, no fewer than the last time."""
@@ -110,27 +115,37 @@ class Above:
         if not forces.push.any():  # met: nothing to improve
             return Balance(True, 0.0, 0.0, multipliers)
 
-        self.free = self._all_free[: self._all_free.searchsorted(count)]
-        self.signed = self._all_signed[: self._all_signed.searchsorted(count)]
-        self._span.grow(len(self.free))
+        self._take_up(count)
         scale = float(np.abs(forces.push).sum())
         gradient = (forces.push / scale) @ forces.units
         left = self._span.project(gradient)
-        pressing, normals, mu = self.signed[:0], self._outward[:0], np.zeros(0)
+        pressing, normals, mu = self.signed[:0], self._units[:0], np.zeros(0)
         if len(self.signed) and length(left) > BALANCED:
-            normals = self._span.project(self._outward[: len(self.signed)])
+            outward = self._rows.sides[self.signed, None] * self._units[self.signed]
+            normals = self._span.project(outward)
             able = lengths(normals) > FREE_RANK  # the others depend on free ones: what is left of them is round-off
             pressing, normals = self.signed[able], normals[able]
             mu = _nonnegative(normals, -left)
             left = left + mu @ normals
-            gradient = gradient + mu @ self._outward[: len(self.signed)][able]
+            gradient = gradient + mu @ outward[able]
         stationarity = length(left)
         exact = stationarity <= STATIONARITY or self._round_off(left, forces, scale, normals, mu)
 
         norms, sides = self._rows.norms, self._rows.sides
         multipliers[pressing] = scale * mu * sides[pressing] / norms[pressing]
         multipliers[self.free] = -scale * self._span.combine(gradient) / norms[self.free]
+        if exact:
+            holding = pressing[mu > HOLDS]
+            self._either[holding], self._one_way[holding] = True, False
         return Balance(exact, scale, stationarity, multipliers)
+
+    def _take_up(self, count: int) -> None:
+        """Sort the first `count` rows; those that have come to push either way join the span."""
+        either = np.flatnonzero(self._either[:count])
+        more = np.setdiff1d(either, self.free, assume_unique=True)
+        self.free = np.concatenate([self.free, more])
+        self.signed = np.flatnonzero(self._one_way[:count])
+        self._span.grow(self._units[more])
 
     def _round_off(self, left: Array, forces: Forces, scale: float, normals: Array, mu: Array) -> bool:
         """Whether what is left of the forces is what a perfect x leaves."""

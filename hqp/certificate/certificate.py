@@ -82,6 +82,17 @@ class Certificate:
         The distance within which `gap` holds.
     earlier : tuple of Certificate
         Where levels are damped, the proofs of the stages before the last one, of which this is.
+    softened : tuple of int
+        The levels that gave way. All others are strictly optimal below what these have left.
+    handed : tuple of LevelCertificate
+        Of levels that gave way where their rows bend, whether those below have left alone what is not declared soft.
+
+    Notes
+    -----
+    Stages are proved on the numbers of the hierarchy that was given, copied before anybody solved it, never on those
+    that were solved. Beside them stands the declared softening, which ``solution.relaxed`` tells: lambda and aim, or
+    directions and stiffness. That levels had to be softened, and no more than so, no proof tells; nor that the given
+    rows are those of the robot, nor what a controller makes of x: torques, or a blend while it changes its stack.
     """
 
     x: Array
@@ -89,11 +100,13 @@ class Certificate:
     unique: bool
     radius: float
     earlier: tuple[Certificate, ...] = ()
+    softened: tuple[int, ...] = ()
+    handed: tuple[LevelCertificate, ...] = ()
 
     @property
     def stages(self) -> tuple[Certificate, ...]:
         """The proof of every stage by itself, in order."""
-        return (*self.earlier, replace(self, earlier=()))
+        return (*self.earlier, replace(self, earlier=(), softened=(), handed=()))
 
     @property
     def ok(self) -> bool:
@@ -104,28 +117,39 @@ class Certificate:
     def failed(self) -> LevelCertificate | None:
         """The highest level that falls short, in the first stage that has one, or None."""
         judged = (level for stage in (*self.earlier, self) for level in stage.levels)
-        return next((level for level in judged if not level.ok), None)
+        return next((level for level in (*judged, *self.handed) if not level.ok), None)
 
     def __bool__(self) -> bool:
         return self.ok
 
     def __str__(self) -> str:
-        if self.earlier:
-            return "\n".join(f"stage {i}: {stage}" for i, stage in enumerate(self.stages))
-        failed = self.failed
-        if failed is None:
-            head = f"certified: lexicographically optimal at all {len(self.levels)} levels"
-        else:
-            head = (
-                f"NOT optimal: {_title(failed)} falls short, its residual {failed.residual_norm:.6g}"
-                f" could be lower by up to {failed.shortfall:.3g}"
-            )
-        rows = [
+        told = [f"      {'level':<34}  {'residual':>12}  {'stationarity':>12}  {'gap':>10}"]
+        told += [
             f"  {'ok' if level.ok else '!!':2}  {_title(level):<34}  {level.residual_norm:>12.6g}"
             f"  {level.stationarity:>12.3g}  {level.gap:>10.3g}"
             for level in self.levels
         ]
-        return "\n".join([head, f"      {'level':<34}  {'residual':>12}  {'stationarity':>12}  {'gap':>10}", *rows])
+        if self.earlier or self.softened:
+            told = [f"stage {i}: {stage}" for i, stage in enumerate(self.stages)]
+            told += [f"  {'ok' if level.ok else '!!':2}  {_title(level)}" for level in self.handed]
+        return "\n".join([self._head(), *told])
+
+    def _head(self) -> str:
+        """What is proved, or where the proof ends."""
+        failed = self.failed
+        if failed is not None and failed in self.handed:
+            return f"NOT optimal: {_title(failed)}: levels below have moved by {failed.residual_norm:.3g} what it held"
+        if failed is not None:
+            return (
+                f"NOT optimal: {_title(failed)} falls short, its residual {failed.residual_norm:.6g}"
+                f" could be lower by up to {failed.shortfall:.3g}"
+            )
+        if not self.softened:
+            return f"certified: lexicographically optimal at all {len(self.levels)} levels"
+        given = self.levels[:-1] if self.unique else self.levels
+        strict = ", ".join(_title(level) for level in given if level.level not in self.softened)
+        gave = ", ".join(_title(level) for level in given if level.level in self.softened)
+        return f"certified, on the rows that were given: strict: {strict or 'none'}; softened as declared: {gave}"
 
     __repr__ = __str__
 

@@ -50,7 +50,7 @@ def row_space(units: Array, tolerance: float) -> tuple[Array, Array, float]:
 
 
 class RowSpace:
-    """The span of the first rows of a matrix, as one takes up more and more of them.
+    """The span of rows, as one takes up more and more of them.
 
     A block of rows adds the directions that are new in it, from a QR decomposition with column pivoting of what
     projection leaves of them. The pivots tell the rank where it is beyond doubt. Where it is not, or where there are
@@ -64,18 +64,17 @@ class RowSpace:
         Orthonormal.
     """
 
-    def __init__(self, rows: Array, tolerance: float) -> None:
-        self._all, self._tolerance = rows, tolerance
-        self.rows, self.basis = rows[:0], np.zeros((rows.shape[1], 0))
+    def __init__(self, n: int, tolerance: float) -> None:
+        self._tolerance = tolerance
+        self.rows, self.basis = np.zeros((0, n)), np.zeros((n, 0))
         self._gram = np.zeros((0, 0))
         self._factor: Array | None = self._gram
 
-    def grow(self, count: int) -> None:
-        """Take up the rows as far as number `count`."""
-        begin, self.rows = len(self.rows), self._all[:count]
-        if begin == count:
+    def grow(self, units: Array) -> None:
+        """Take up a block of rows."""
+        if not len(units):
             return
-        units = self._all[begin:count]
+        self.rows = np.concatenate([self.rows, units])
         few = units.shape[1] <= FEW
         if few or not (self._extend(units) and self._factorise(units)):
             self.basis, _, _ = row_space(self.rows, self._tolerance)

@@ -1,4 +1,4 @@
-"""How every command ends: wrong input, Ctrl-C and a reader who leaves, each without a traceback."""
+"""Exit of every command: wrong input, Ctrl-C and a closed pipe end it without a traceback."""
 
 from __future__ import annotations
 

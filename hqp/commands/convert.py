@@ -1,4 +1,4 @@
-"""``hqp convert``: a hierarchy from one format of files to the other, and what that one has no place for."""
+"""``hqp convert``: converts a hierarchy between file formats, and tells what the other format cannot hold."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``hqp solve``: what comes out of a hierarchy that somebody put into a file, and whether it is proved."""
+"""``hqp solve``: solves a hierarchy from a file, and certifies the solution."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where tables are printed."""
+"""The rich console that tables are printed on."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def console(width: int = 80) -> Console:
-    """Of stdout: as wide as the terminal or COLUMNS says; `width` where neither does, as in a file or a pipe."""
+    """The console of stdout: as wide as the terminal or COLUMNS says; `width` where neither does."""
     from rich.console import Console
 
     columns = os.environ.get("COLUMNS", "")

@@ -9,7 +9,8 @@ from .rules import (
     SingularValueDamping,
     as_rule,
 )
-from .staged import Staged, by_index, index_of, rules_of, told
+from .staged import Staged, by_index, index_of, rules_of
+from .telling import retold, told
 
 __all__ = [
     "DampingRule",
@@ -22,6 +23,7 @@ __all__ = [
     "as_rule",
     "by_index",
     "index_of",
+    "retold",
     "rules_of",
     "told",
 ]

@@ -140,7 +140,7 @@ def left_singular(J: Array) -> tuple[Array, Array]:
 
 
 def tolerance(settings: Settings) -> float:
-    """By which rows count as satisfied or active: as `levels` of a solution tells it."""
+    """The tolerance by which rows count as satisfied or active, as in `levels` of a solution."""
     return 10 * settings.tolerance
 
 

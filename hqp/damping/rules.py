@@ -1,5 +1,4 @@
-r"""How strongly a level is damped: rules, from the singular values of what is left of its rows, and from what it
-lacks, to a lambda.
+r"""Damping rules: the lambda of a level, from the singular values of its projected rows or from its residual.
 
 A damped level minimises, within what the levels above it leave,
 
@@ -79,7 +78,7 @@ class DampingRule(ABC):
         return 0.0
 
     def growth(self, singular: Array) -> float:
-        r"""By how much lambda grows with what the level lacks: the c of :math:`\lambda^2 + c^2 \|r_a\|^2`."""
+        r"""The growth of lambda with the residual of the level: the c of :math:`\lambda^2 + c^2 \|r_a\|^2`."""
         return 0.0
 
     def largest_gain(self, rows: int, longest: float) -> float:
@@ -234,7 +233,7 @@ class NumericalFiltering(DampingRule):
 
 @dataclass(frozen=True)
 class ErrorDamping(DampingRule):
-    r"""By what the level lacks, :math:`\lambda^2 = \lambda_0^2 + \|r_a\|^2 / (2 b)^2`: it adds no more than b to x.
+    r"""Damping by the residual, :math:`\lambda^2 = \lambda_0^2 + \|r_a\|^2 / (2 b)^2`: it adds no more than b to x.
 
     Levenberg-Marquardt damping in a hierarchy, after Sugihara (2011), whose share of the square of the error is
     :math:`1 / 4 b^2`: next to none where little is asked for, strong where the level is far from what it wants. It

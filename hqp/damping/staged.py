@@ -22,7 +22,7 @@ For two equality levels of full rank, the second damped, this is, with :math:`\h
 
 .. math:: x = J_1^\# r_1 + \hat J_2^T (\hat J_2 \hat J_2^T + \lambda^2 I)^{-1} (r_2 - J_2 J_1^\# r_1).
 
-What the stages are is said here, for all backends: one that solves them by itself has them told from its points.
+What the stages are is said here, for all backends; what an answer tells of them, in :mod:`.telling`.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from ..arrays import Array
 from ..errors import InvalidInput, brief
 from ..hierarchy import LARGEST, Hierarchy
 from ..settings import Settings
-from ..solution import NO_COUNTS, Solution, Stages, Status
+from ..solution import Solution, Stages
 from .level import DampedLevel, has_inequalities, left_singular, project, refuse_inequalities
 from .rules import DampingRule, as_rule
 
@@ -49,7 +49,7 @@ NONE = 1.0 / LARGEST
 
 
 class Known(NamedTuple):
-    """Of a damped level, lambda, and whether the levels above it were solved alone."""
+    """The lambda of a damped level, and whether the levels above it were solved alone."""
 
     damping: float
     alone: bool
@@ -115,7 +115,8 @@ class Staging:
             solutions.append(solution)
             if not solution.ok:
                 break
-        return Stages(tuple(solutions), dampings, aim, self._work.copy(), self._solve)
+        gave = tuple(k for k, damping in dampings.items() if damping >= NONE)
+        return Stages(tuple(solutions), dampings, aim, self._work.copy(), self._solve, softened=gave)
 
     def _stages(self, x_ref: Array, aims: dict[int, Array], dampings: dict[int, float], ask: Ask) -> Iterator[Solution]:
         """Level after level is frozen in the work, and its lambda noted in `dampings`."""
@@ -195,6 +196,11 @@ class Staged:
         Makes what solves one plain hierarchy again and again, given x_ref.
     solve : callable
         See :class:`Staging`.
+
+    Attributes
+    ----------
+    answers : dict
+        Of the last solve: what every stage answered, by what was asked of it, see :class:`Ask`.
     """
 
     def __init__(
@@ -208,6 +214,7 @@ class Staged:
         self._stages: dict[tuple[int, bool], Callable[[Hierarchy, Array], Solution]] = {}
         self._structure: tuple[Any, ...] | None = None
         self._staging: Staging
+        self.answers = dict[tuple[int, bool], Solution]()
 
     def solve(self, hierarchy: Hierarchy, x_ref: Array, aims: Array | None = None) -> Stages:
         """Solve; numbers that mean nothing are those of the only stage, which says so. Aims as of `Staging.run`."""
@@ -215,6 +222,7 @@ class Staged:
             self._structure = None  # what solves the stages stays warm if it says the same
             self._staging = Staging(hierarchy, self._damping, self._settings, self._solve)
             self._structure = hierarchy.structure
+        self.answers = {}
         if hierarchy.find_fault() or not (np.abs(x_ref) <= LARGEST).all():
             told = self._ask(len(hierarchy.levels), False, hierarchy, x_ref)
             return Stages((told,), {}, {}, hierarchy.copy(), self._solve)
@@ -228,37 +236,8 @@ class Staged:
         solve = self._stages.get((k, above))
         if solve is None:
             solve = self._stages[k, above] = self._plain()
-        return solve(hierarchy, x_ref)
-
-
-def told(
-    damping: dict[int | str, DampingRule],
-    solve: Callable[[Hierarchy, Array], Solution],
-    solution: Solution,
-    points: Array,
-    aims: Array | None,
-) -> Stages:
-    """The stages of an answer for which all were solved at once; the last one has the counts of all.
-
-    Parameters
-    ----------
-    points : array, shape (damped, 2 + 2 n)
-        Of every damped level lambda, whether the levels above were solved alone, their x, and its own.
-    aims : array, shape (damped, n), or None
-        See :meth:`Staging.run`.
-    """
-    staging, n = Staging(solution.hierarchy, damping, solution.settings, solve), solution.hierarchy.n
-    of, end = dict(zip(staging.rules, points, strict=True)), len(solution.hierarchy.levels)
-    last = end - 1 if end - 1 in of and of[end - 1][0] >= NONE else end
-
-    def ask(k: int, above: bool, hierarchy: Hierarchy, x_ref: Array) -> Solution:
-        x = solution.x if k not in of else of[k][2 : 2 + n] if above else of[k][2 + n :]
-        counts = solution.counts if k == last and not above else NO_COUNTS
-        kind, given = solution.backend, hierarchy.copy()
-        return Solution(x.copy(), Status.OPTIMAL, kind, given, x_ref, solution.settings, counts=counts, staged=None)
-
-    known = {k: Known(float(point[0]), bool(point[1])) for k, point in of.items()}
-    return staging.run(solution.hierarchy, solution.x_ref, ask, known, aims)
+        solution = self.answers[k, above] = solve(hierarchy, x_ref)
+        return solution
 
 
 def rules_of(damping: object) -> dict[int | str, DampingRule]:

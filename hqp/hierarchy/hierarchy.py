@@ -114,17 +114,17 @@ class Hierarchy:
 
     @cached_property
     def lower(self) -> Array:
-        """Of all rows, in order, shape (m,)."""
+        """Lower bounds of all rows, in order, shape (m,)."""
         return self._columns[0]
 
     @cached_property
     def upper(self) -> Array:
-        """Of all rows, in order, shape (m,)."""
+        """Upper bounds of all rows, in order, shape (m,)."""
         return self._columns[1]
 
     @cached_property
     def weights(self) -> Array:
-        """Of all rows, in order, shape (m,)."""
+        """Weights of all rows, in order, shape (m,)."""
         return self._columns[2]
 
     @property

@@ -29,9 +29,8 @@ from .extent import extent
 from .line_search import line_search
 from .memory import ints, marks, matrix, vector
 from .orthogonal import factor, length, level_least_squares, project
-from .pull import hold, pull, release
+from .pull import DUAL, hold, pull, release
 from .rows import INACTIVE, LOWER, UPPER, copy_row, value_of
-from .verdict import DUAL
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance, remove
 
 OPTIMAL, SUBOPTIMAL, STALLED = 0, 1, 2

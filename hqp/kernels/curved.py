@@ -62,7 +62,7 @@ def solve_stage(here, k, d, size, lean):
     if vector(here, at.LAST)[0] != vector(here, at.LAST)[0]:
         lean = 0.0
     write_stage(here, k, d, size, lean / math.sqrt(vector(here, at.SHARES)[k]))
-    head[at.STAGE] = k
+    head[at.STAGE], vector(here, at.NORMS)[k] = k, size
     directory = marks(here, at.DIRECTORIES)[k]
     outcome = called_on(head[at.SOLVE], directory, marks(here, at.NUMBERS)[k])
     x = vector(directory, plain.X)

@@ -34,7 +34,10 @@ CURVED = 1
 (STATE, ROW, VALUE, STIFFNESS) = range(42, 46)
 # What every level has reached, and how strongly it was damped.
 (POINTS, STRENGTHS, SCALES) = range(46, 49)
-PLACES = 49
+# How a level was softened, as answers tell it: its rows of damping, each with its bound; the norm of its rows, by which
+# soft rows and lean are scaled; and of every row, as what it is handed over: a combination of the weighted ones.
+(DAMPED, NORMS, COMBINED) = range(49, 52)
+PLACES = 52
 
 #: A curved level that is left strict.
 SPARED = 2
@@ -54,5 +57,8 @@ def shapes(n, levels, m, widest):
         STIFFNESS: (m, 1),
         POINTS: (levels, n),
         STRENGTHS: (levels, 1),
+        DAMPED: (levels * n, n + 1),
+        NORMS: (levels, 1),
+        COMBINED: (m, widest),
     }
     return ints, reals

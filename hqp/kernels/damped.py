@@ -23,6 +23,7 @@ from . import layout as at
 from .active_set import OPTIMAL
 from .compile import entry, inner, integer, stamp
 from .damping_rules import DEPENDENT, ERROR, FIXED, by_singular_values, forgiven, lacking, lengths, satisfied, unequal
+from .doubt import SHARPEST
 from .dual import late
 from .memory import given, ints, marks, matrix, vector
 from .orthogonal import level_least_squares
@@ -32,7 +33,6 @@ from .solver import (
     FEW,
     PATIENCE,
     SHARPER,
-    SHARPEST,
     SUSPECT,
     UNEVEN,
     WARM,

@@ -9,12 +9,14 @@ from __future__ import annotations
 from . import layout as at
 from .compile import inner, integer
 from .extent import extent
-from .freeze import CLEAR
 from .memory import ints, marks, matrix, vector
 from .orthogonal import factor
 from .pull import tolerances
 from .rows import EQUALITY, LOWER, UPPER, copy_row
 from .working_set import FROZEN, HARD, WORKING, append
+
+#: Rows of the working set whose multiplier is beyond this share of the forces are frozen.
+CLEAR = 1e-8
 
 
 @inner

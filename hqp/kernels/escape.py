@@ -6,8 +6,8 @@ from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length, project
+from .pull import DUAL
 from .rows import LOWER, UPPER, value_of
-from .verdict import DUAL
 from .working_set import HARD, WORKING, append, balance, remove
 
 

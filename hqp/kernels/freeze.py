@@ -9,10 +9,8 @@ from .members import list_part
 from .memory import ints, marks, matrix, vector
 from .orthogonal import pivots
 from .rows import EQUALITY, INACTIVE, target
+from .signs import clear_of_basis
 from .working_set import FROZEN, HARD
-
-#: Rows above whose multiplier is beyond this share of the forces keep their bound for good: implicit equalities.
-CLEAR = 1e-8
 
 
 @inner
@@ -36,10 +34,11 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
         kind[i], softness[i] = HARD, 0.0
         if side[i] == INACTIVE:
             w[i] = 0.0
-    if pull > 0.0:
+    if pull > 0.0:  # rows above whose multiplier is clear keep their bound for good: implicit equalities
+        clear = clear_of_basis(here, frozen, frozen + rank, pull)
         for q in range(frozen, frozen + rank):
             i = pivot[q]
-            if multiplier[q] * side[i] * norm[i] > CLEAR * pull:
+            if multiplier[q] * side[i] * norm[i] > clear:
                 kind[i] = FROZEN
             else:
                 all_frozen = False

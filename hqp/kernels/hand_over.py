@@ -70,6 +70,14 @@ def hold(here, row, d):
 
 
 @inner
+def combine_nothing(here, k, i):
+    """Below its level k, row i is a combination of no rows yet."""
+    ptr, own = marks(here, plain.PTR), matrix(here, at.COMBINED)[i]
+    for p in range(ptr[k + 1] - ptr[k]):
+        own[p] = 0.0
+
+
+@inner
 def freeze(here, k, count, d, x, size):
     """What of level k is held, or soft, below it, where x is its answer: how many directions are left."""
     n, ids, state = ints(here, 0, plain.HEAD)[plain.N], marks(here, at.IDS), marks(here, at.STATE)
@@ -83,9 +91,11 @@ def freeze(here, k, count, d, x, size):
     for r in range(count):
         mixed = mixed or lower[ids[r]] != upper[ids[r]]
     if not mixed:
-        return soften(here, count, d, x, size)
+        return soften(here, k, count, d, x, size)
     for r in range(count):
         i, value = ids[r], 0.0
+        combine_nothing(here, k, i)
+        matrix(here, at.COMBINED)[i][i - marks(here, plain.PTR)[k]] = 1.0
         for j in range(n):
             rows[i][j] = J[r][j]
             value += J[r][j] * x[j]
@@ -163,21 +173,23 @@ def compliance(here, count, d, size):
 
 
 @inner
-def soften(here, count, d, x, size):
+def soften(here, k, count, d, x, size):
     """The same of a level of equalities: combined by how softly it gives way, each held or soft."""
     n, ids, state = ints(here, 0, plain.HEAD)[plain.N], marks(here, at.IDS), marks(here, at.STATE)
     reached, rows, stiffness = vector(here, at.VALUE), matrix(here, at.ROW), vector(here, at.STIFFNESS)
     J, left, Q, soft = matrix(here, at.J), vector(here, at.MU), matrix(here, at.Q), vector(here, at.VALUES)
-    rank = compliance(here, count, d, size)
+    rank, first = compliance(here, count, d, size), marks(here, plain.PTR)[k]
     for r in range(count):
         i = ids[r]
         state[i] = at.LOST
+        combine_nothing(here, k, i)
         if r >= rank:
             continue
-        row, value = rows[i], 0.0
+        row, own, value = rows[i], matrix(here, at.COMBINED)[i], 0.0
         for j in range(n):
             row[j] = 0.0
         for p in range(count):
+            own[ids[p] - first] = Q[r][p]
             for j in range(n):
                 row[j] += Q[r][p] * J[p][j]
         for j in range(n):

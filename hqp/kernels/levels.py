@@ -15,6 +15,7 @@ import math
 
 from . import layout as at
 from .compile import inner, integer, step
+from .doubt import note_doubt
 from .dual import FINE, admit, late, settle
 from .extent import extent, far
 from .freeze import freeze
@@ -63,6 +64,8 @@ def levels(here, last, warm):
         if faults > 0 and k < last:
             break
         keep(here, k, last)
+        note_doubt(here, rank, hard)
+        note_doubt(here, hard + own_rank, hard + own)
         if k < last:
             frozen = freeze(here, k, frozen, hard, rank, own, own_rank, pull)
             advance(here)
@@ -84,6 +87,7 @@ def begin(here, last):
         Variables that those bounds fix.
     """
     head = ints(here, 0, at.HEAD)
+    head[at.DOUBT] = 0
     n, boxed = head[at.N], head[at.BOXED] != 0 and last > 0
     ptr, col, depth = marks(here, at.PTR), marks(here, at.COL), marks(here, at.DEPTH)
     kind, side, pivot = marks(here, at.KIND), marks(here, at.SIDE), marks(here, at.PIVOT)

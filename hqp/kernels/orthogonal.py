@@ -18,6 +18,9 @@ from .compile import inner, integer
 
 #: Below this share of its length, what a projection left is projected again.
 CANCELLED = 0.1
+#: What projection leaves of a row below this share of its length is round-off, which a large slack would magnify. What
+#: is more takes part in the least squares of its level, also where it is too little for a direction of its own.
+NONE = 1e-14
 
 
 @inner
@@ -97,7 +100,7 @@ def separate(ids, count, slots, sizes, R, norm, V, L, first, c, f, tau):
         if c > first:
             project(row, f, V, first, c, coefficients)
         sizes[r] = length(row, f)
-        if not sizes[r] > tau * norm[ids[r]]:  # nothing left but round-off, which a large slack would magnify
+        if not sizes[r] > min(NONE, tau) * norm[ids[r]]:
             sizes[r] = 0.0
             for t in range(f):
                 row[t] = 0.0

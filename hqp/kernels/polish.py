@@ -16,9 +16,9 @@ from .compile import inner, integer
 from .extent import extent
 from .members import list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
-from .orthogonal import level_least_squares, pivots, separate
+from .orthogonal import NONE, level_least_squares, pivots, separate
 from .rows import EQUALITY, INACTIVE, target, value_of
-from .verdict import DUAL
+from .signs import clear_of_basis
 from .working_set import FROZEN, balance
 
 
@@ -37,7 +37,7 @@ def list_members(here, first, end, frozen, begin, room):
             continue
         prepare(i, frozen, here)
         list_part(i, count, count - begin, here)
-        if not lengths[count] > tau * norm[i]:  # nothing but round-off
+        if not lengths[count] > min(NONE, tau) * norm[i]:
             lengths[count] = 0.0
             row = R[count]
             for j in range(n):
@@ -127,7 +127,7 @@ def judge(here, k, last, frozen, hard, rank, own):
         met = met and abs(w[i]) <= tol * (abs(goal) + norm[i] * size)
         pull += norm[i] * abs(w[i])
     faults, worst = integer(0), integer(-1)
-    least = wrong = -DUAL * pull - (blur if k == last else 0.0)
+    least = wrong = 0.0
     if met:
         pull = 0.0
     else:
@@ -144,6 +144,7 @@ def judge(here, k, last, frozen, hard, rank, own):
                 for j in range(n):
                     g[j] += much * row[j]
         balance(frozen, frozen + rank, n, here)
+        least = wrong = -clear_of_basis(here, frozen, frozen + rank, pull) - (blur if k == last else 0.0)
         for q in range(frozen, frozen + rank):
             i = pivot[q]
             says = multiplier[q] * side[i] * norm[i]

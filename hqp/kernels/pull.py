@@ -14,10 +14,11 @@ from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .rows import INACTIVE, LOWER, UPPER, value_of
-from .verdict import DUAL
 
 #: In a level that is not met, what a row misses carries a multiplier if it is more than this share of its tolerance.
 CARRIES = 1e-4
+#: Multipliers below this share of the forces in their level are zero, as far as the safe method goes.
+DUAL = 1e-9
 
 
 @inner

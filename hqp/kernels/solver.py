@@ -14,8 +14,8 @@ import math
 from . import layout as at
 from .active_set import OPTIMAL, STALLED, SUBOPTIMAL, active_set
 from .compile import entry, inner, integer, stamp, step
+from .doubt import SHARPEST
 from .dual import NEVER, late
-from .extent import far
 from .guess import guess
 from .levels import levels
 from .line_search import best_step
@@ -25,8 +25,9 @@ from .rows import EQUALITY, INACTIVE, LOWER, UPPER, value_of
 from .sweep import sweep
 from .working_set import FROZEN
 
-#: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; found as far as one
-#: tolerance goes, for rows of very different lengths, or for an x next to zero that comes from an x_0 far away.
+#: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; and found as far as
+#: one tolerance goes, for rows of very different lengths, or as one rank has it that could be another. What is STALLED
+#: or UNEVEN the certificate has to judge.
 SUSPECT, UNEVEN = 3, 4
 
 #: Where a solve starts: from the sides that are known, by one sweep; level by level, from those at the end of each
@@ -46,7 +47,7 @@ PATIENCE = 1
 #: So many contradictions are repaired even where levels above others are not met.
 FEW = 2
 #: Where a row that counts as dependent shows that it is not, less of it has to be left, down to round-off.
-SHARPER, SHARPEST = 0.1, 2e-12
+SHARPER = 0.1
 
 
 @inner
@@ -288,7 +289,7 @@ def solve_one(here):
     start = integer(SIDES if warm or guess(here, last) else COLD)
     status, level = work_out(here, last, start, warm)
     head[at.LEVEL], head[at.WARM] = min(level, last), 1
-    if (status == OPTIMAL and not is_even(here)) or (status == STALLED and far(here)):
+    if status == OPTIMAL and (head[at.DOUBT] != 0 or not is_even(here)):
         return UNEVEN
     return status
 

@@ -68,7 +68,12 @@ def write_damping(here, k, d, address, place, row, lower, upper, weights, lean):
         matrix(here, at.P),
     )
     M, K, half = matrix(here, at.M), matrix(here, at.U), matrix(here, at.HALF)
-    aim, last, towards = matrix(here, at.AIMS)[k], vector(here, at.LAST), vector(here, at.MU)
+    aim, last, towards, damped = (
+        matrix(here, at.AIMS)[k],
+        vector(here, at.LAST),
+        vector(here, at.MU),
+        matrix(here, at.DAMPED),
+    )
     for p in range(d):
         for q in range(d):
             half[p][q] = 0.0
@@ -99,7 +104,7 @@ def write_damping(here, k, d, address, place, row, lower, upper, weights, lean):
         M[p][p] += more
     some = some and cholesky(M, K, d)
     for p in range(n):
-        own, value = floats(address, row * n, n), 0.0
+        own, written, value = damped[k * n + p], floats(address, row * n, n), 0.0
         for j in range(n):
             own[j] = 0.0
         if some and p < d:
@@ -111,6 +116,9 @@ def write_damping(here, k, d, address, place, row, lower, upper, weights, lean):
                 towards[p] -= K[p][q] * towards[q]
             towards[p] /= K[p][p]
             value = towards[p]
+        own[n] = value
+        for j in range(n):
+            written[j] = own[j]
         weights[place], lower[place], upper[place] = 1.0, value, value
         place, row = place + 1, row + 1
 

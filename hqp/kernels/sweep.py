@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
+from .doubt import note_doubt
 from .extent import far
 from .memory import ints, marks, matrix, vector
 from .orthogonal import factor, level_least_squares
@@ -30,6 +31,7 @@ def sweep(here, last, tau):
         Whether a row that counts as dependent, by the share `tau` of its length, shows that it is not: the little
         of it that was left out moves it by more than its tolerance.
     """
+    ints(here, 0, at.HEAD)[at.DOUBT] = 0
     solve_equalities(here, last, tau)
     faults, undecided, blurred = judge_rows(here, last, STRICT, 0.0)
     if undecided > 0:
@@ -125,6 +127,7 @@ def note_level(here, c, count, rank):
         dependent[ids[r]] = 0
     for r in range(rank, count):
         dependent[ids[r]] = 1
+    note_doubt(here, rank, count)
 
 
 @inner

@@ -16,11 +16,10 @@ from .compile import inner
 from .extent import extent
 from .memory import ints, marks, matrix, vector
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target
+from .signs import CLEAR, clear_sign
 
 #: No level: none of them is damped.
 STRICT = -1
-#: Multipliers below this share of the forces in their level are zero.
-DUAL = 1e-9
 
 
 @inner
@@ -100,7 +99,7 @@ def judge_rows(here, last, damped, damping):
             if side[i] == EQUALITY:
                 continue
             says = w[i] * side[i] * norm[i]
-            if abs(says) <= DUAL * pull:
+            if abs(says) <= CLEAR * pull:
                 decided[i] = 0
                 undecided += 1
             elif says < 0.0:
@@ -152,18 +151,18 @@ def judge_multipliers(here, last, undecided, damped, damping):
             for j in range(n):
                 G[j] = x[j] - x0[j]
                 forces += abs(G[j])
-        clear = DUAL * forces
-        if k == last:
-            clear += option[at.TOL] * option[at.BLUR]
+        total, weakest = 0.0, 1.0
+        blur = option[at.TOL] * option[at.BLUR] if k == last else 0.0
         for q in range(c - 1, -1, -1):
             i = pivot[q]
-            multiplier = -g[q] / L[i][q]
+            multiplier, weakest = -g[q] / L[i][q], min(weakest, L[i][q] / norm[i])
             if multiplier == 0.0:
                 continue
             push(i, multiplier, q, col, row_of, B, norm, L, g, G, n)
+            total += abs(multiplier) * norm[i]
             if decided[i] == 0:
                 says = multiplier * side[i] * norm[i]
-                if abs(says) > clear:
+                if abs(says) > clear_sign(forces, total, weakest) + blur:
                     decided[i] = 1
                     undecided -= 1
                     if says < 0.0:
@@ -173,7 +172,7 @@ def judge_multipliers(here, last, undecided, damped, damping):
             for i in range(ptr[0], ptr[1]):
                 if decided[i] == 0:
                     says = -G[col[i]] * side[i]
-                    if abs(says) > clear:
+                    if abs(says) > clear_sign(forces, total, weakest) + blur:
                         decided[i] = 1
                         undecided -= 1
                         if says < 0.0:

@@ -1,4 +1,4 @@
-r"""One flat QP, and what is asked of whoever solves it.
+r"""One flat QP, its result, and the protocol of its solvers.
 
 .. math::
 

@@ -50,5 +50,5 @@ class Relaxation:
 
     @property
     def excess(self) -> float:
-        """By how much the damping makes the residual norm larger."""
+        """The increase of the residual norm that the damping costs."""
         return self.residual_norm - self.strict_norm

@@ -2,6 +2,7 @@
 
 from .batch import Batch, BatchSolution
 from .batch_solver import BatchSolver, solve_batch
-from .solver import DEFAULT_BACKEND, Solver, solve
+from .once import solve
+from .solver import DEFAULT_BACKEND, Solver
 
 __all__ = ["DEFAULT_BACKEND", "Batch", "BatchSolution", "BatchSolver", "Solver", "solve", "solve_batch"]

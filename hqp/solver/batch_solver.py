@@ -126,10 +126,10 @@ class BatchSolver:
         for b in np.flatnonzero(said[:, 0] != OPTIMAL).tolist():
             outcome, level, *counts = said[b].tolist()
             own = reference if reference.ndim == 1 else reference[b]
-            alone: Answer | Solution
+            alone: Answer | Solution | None = None
             if outcome in STATUSES:
                 alone = judged(batch[b], x[b], own, outcome, level, Counts(*counts))
-            else:  # a number is out of range, or only looked as if
+            if alone is None or alone.status is Status.STALLED:  # in doubt, or out of range
                 alone = Solver("native", self.settings).solve(batch[b], own)
                 x[b], said[b, 2:], self._sides[b] = alone.x, alone.counts[:2], 0
             statuses[b] = alone.status

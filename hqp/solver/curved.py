@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..backends.native import ONE_SWEEP, SIGNATURE, Memory, door, make_ready
@@ -26,9 +28,10 @@ from ..kernels.call import KNOWN, address_of
 from ..kernels.compile import INTERPRETED
 from ..settings import Settings
 from ..solution import Counts, Solution, Stages, Status
+from .curved_stages import Stage, handed, softened
 from .curved_work import Work, directory_of, stage_of
 from .linearisation import Linearisation
-from .solver import DEFAULT_BACKEND, Solver
+from .solver import DEFAULT_BACKEND, Solver, solve_once
 
 WHAT = "curved levels"
 new = object.__new__
@@ -108,16 +111,17 @@ class CurvedSolver:
 
     def solve(self, hierarchy: Hierarchy) -> Solution:
         """Solve it, as its linearisation is now."""
+        given = hierarchy.numbers.copy()  # what a proof is of, whatever becomes of the numbers from here on
         with self._guard:
             if self._native and self._run(hierarchy.address) == OPTIMAL:
-                return self._solved(hierarchy)
+                return self._solved(hierarchy, given)
             try:
-                return self._solve(hierarchy)
+                return self._solve(hierarchy, given)
             finally:
                 if self._raised:  # in Python, below a loop, through which no exception finds its way
                     raise self._raised.pop()
 
-    def _solved(self, hierarchy: Hierarchy) -> Solution:
+    def _solved(self, hierarchy: Hierarchy, given: Array) -> Solution:
         """What the native solver has just found."""
         opened, sweeps, iterations = self._head.item(at.OPENED), 0, 0
         if opened < self._levels:
@@ -125,7 +129,7 @@ class CurvedSolver:
                 sweeps += memory.head.item(plain.SWEEPS)
                 iterations += memory.head.item(plain.ITERATIONS)
             x = self._memories[self._levels - 1].x.copy()
-            return self._solution(hierarchy, x, Counts(sweeps, iterations), opened)
+            return self._solution(hierarchy, given, x, Counts(sweeps, iterations), opened)
         told = self._strict.head.item
         sweeps, iterations = told(plain.SWEEPS), told(plain.ITERATIONS)
         solution = new(Solution)
@@ -134,10 +138,10 @@ class CurvedSolver:
         fields["counts"] = (
             ONE_SWEEP[iterations] if sweeps == 1 and iterations < len(ONE_SWEEP) else Counts(sweeps, iterations)
         )
-        fields["_noted"] = hierarchy, hierarchy.numbers.copy(), self._zero, self._always
+        fields["_noted"] = hierarchy, given, self._zero, self._always
         return solution
 
-    def _solve(self, hierarchy: Hierarchy) -> Solution:
+    def _solve(self, hierarchy: Hierarchy, given: Array) -> Solution:
         """By the backend, stage after stage, asked in Python."""
         if hierarchy.find_fault():
             return self._plain.solve(hierarchy)
@@ -147,59 +151,55 @@ class CurvedSolver:
         self._ask_for_stages(self._native)
         opened = self._head.item(at.OPENED)
         if opened == self._levels:
-            return self._failed[self._levels]
+            solution = self._failed[self._levels]
+            solution.__dict__["_noted"] = hierarchy, given, self._zero, self._always
+            return solution
         self._failed.pop(self._levels, None)
         last = self._failed[max(self._failed)]
         counts = Counts(*map(sum, zip(*(stage.counts for stage in self._failed.values()), strict=True)))
-        solution = self._solution(hierarchy, last.x, counts, opened)
+        solution = self._solution(hierarchy, given, last.x, counts, opened)
         if outcome != OPTIMAL:
             told = {"status": last.status, "message": last.message, "level": last.level}
             solution.__dict__.update(told)
         return solution
 
-    def _solution(self, hierarchy: Hierarchy, x: Array, counts: Counts, opened: int) -> Solution:
+    def _solution(self, hierarchy: Hierarchy, given: Array, x: Array, counts: Counts, opened: int) -> Solution:
         """The answer with what its stages are told from, where there were some."""
         solution = new(Solution)
         fields = solution.__dict__
         fields["x"], fields["status"], fields["counts"] = x, Status.OPTIMAL, counts
-        fields["_noted"] = hierarchy, hierarchy.numbers.copy(), self._zero, self._always
+        fields["_noted"] = hierarchy, given, self._zero, self._always
         if opened < self._levels:
-            solved, last = list[tuple[int, Array]](), int(self._head[at.STAGE])
-            for k, stage in enumerate(self._stages):
-                if stage is not None and opened <= k <= last:
-                    solved.append((k, stage.numbers.copy()))
-            fields["_points"] = solved, self._work.points.copy(), self._work.strengths[:, 0].copy()
-            fields["_aims"] = self._linearisation.aims.copy()
+            fields["_points"], fields["_aims"] = self._work.declare(), self._linearisation.aims.copy()
         return solution
 
-    def _tell(self, solution: Solution, points: tuple[list[tuple[int, Array]], Array, Array], aims: Array) -> Stages:
-        """The stages of an answer: their numbers, what they reached and how strongly they were damped."""
-        stages, reached, strengths = points
-        zero, told = np.zeros(solution.hierarchy.n), list[Solution]()
-        for k, numbers in stages:
-            stage = self._stages[k]
-            assert stage is not None
-            given = stage.with_numbers(numbers), zero, self.settings
-            told.append(Solution(reached[k], Status.OPTIMAL, self.backend, *given, staged=None))
-        if not solution.ok:
-            told[-1] = Solution(
-                reached[stages[-1][0]],
-                solution.status,
-                self.backend,
-                *given,
-                message=solution.message,
-                level=solution.level,
-                staged=None,
+    def _tell(
+        self, solution: Solution, points: tuple[int, int, NDArray[np.int64], Array], aims: Array | None
+    ) -> Stages:
+        """The stages of an answer, by what the given hierarchy and the declared softening make them."""
+        given, declared, curved = solution.hierarchy, self._work.declared(*points), self._linearisation.curved
+        assert aims is not None
+        zero, stages = np.zeros(given.n), list[Solution]()
+        for k in declared.levels:
+            template = self._stages[k]
+            assert template is not None
+            stage = Stage(given, template, curved, declared).hierarchy
+            stages.append(
+                Solution(declared.points[k], Status.OPTIMAL, self.backend, stage, zero, self.settings, staged=None)
             )
-        which = [k for k, _ in stages]
+        if not solution.ok:
+            said, level = solution.message, solution.level
+            stages[-1] = replace(stages[-1], status=solution.status, message=said, level=level)
         return Stages(
-            tuple(told),
-            {k: float(strengths[k]) for k in which},
-            {k: aims[k] for k in which},
-            told[-1].hierarchy,
-            partial(_solve_once, self.backend, self.settings),
-            {k: reached[k] for k in which},
+            tuple(stages),
+            {k: float(declared.strengths[k]) for k in declared.levels},
+            {k: aims[k] for k in declared.levels},
+            stages[-1].hierarchy,
+            partial(solve_once, self.backend, self.settings),
+            {k: declared.points[k] for k in declared.levels},
             self._linearisation.singular,
+            softened=softened(declared, given.pointers),
+            handed=handed(given, declared),
         )
 
     def _answer_stage(self, directory: int, numbers: int) -> int:
@@ -219,10 +219,6 @@ class CurvedSolver:
             self._raised.append(error)
             return -1
         return OPTIMAL if solution.ok else -1
-
-
-def _solve_once(backend: str, settings: Settings, hierarchy: Hierarchy, x_ref: Array) -> Solution:
-    return Solver(backend, settings).solve(hierarchy, x_ref)
 
 
 def _asked(answer: Callable[[int, int], int]) -> tuple[Any, int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,7 +13,11 @@ from ..arrays import Array
 from ..hierarchy import Hierarchy, Label, Level
 from ..kernels import curved_layout as at
 from ..kernels import layout as plain
+from .curved_stages import Declared
 from .linearisation import Linearisation
+
+#: The numbers that tell how levels were softened; they lie in one block.
+TOLD = at.POINTS, at.STRENGTHS, at.NORMS, at.STIFFNESS, at.COMBINED, at.DAMPED
 
 
 def directory_of(x: Array, sides: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -79,6 +84,11 @@ class Work:
         ints, reals = at.shapes(n, levels, m, widest)
         made: dict[int, NDArray[Any]] = dict(arrays)
         made |= {place: np.zeros(shape[0] * shape[1], dtype=np.int64) for place, shape in ints.items()}
+        self._told, begin = np.zeros(sum(math.prod(reals[place]) for place in TOLD)), 0
+        for place in TOLD:
+            rows, columns = reals.pop(place)
+            made[place] = self._told[begin : begin + rows * columns].reshape(rows, columns)
+            begin += rows * columns
         made |= {place: np.zeros(shape) for place, shape in reals.items()}
         made |= {
             at.SCALES: linearisation.scales,
@@ -105,4 +115,17 @@ class Work:
         self._kept, self._directory = (made, linearisation), directory
         self.head, self.address = directory[: plain.HEAD], int(directory.ctypes.data)
         self.points: Array = made[at.POINTS]
-        self.strengths: Array = made[at.STRENGTHS]
+        self._states, self._shapes = made[at.STATE], [made[place].shape for place in TOLD]
+
+    def declare(self) -> tuple[int, int, NDArray[np.int64], Array]:
+        """A copy of what tells how levels were softened, to be made :meth:`declared` when it is asked for."""
+        return self.head.item(at.OPENED), self.head.item(at.STAGE), self._states.copy(), self._told.copy()
+
+    def declared(self, opened: int, last: int, states: NDArray[np.int64], told: Array) -> Declared:
+        """The same, array by array."""
+        ends = np.cumsum([rows * columns for rows, columns in self._shapes])
+        parts = [part.reshape(shape) for part, shape in zip(np.split(told, ends[:-1]), self._shapes, strict=True)]
+        points, strengths, norms, stiffness, combined, damped = parts
+        n = len(points[0])
+        vectors = strengths[:, 0], norms[:, 0], stiffness[:, 0]
+        return Declared(opened, last, states, points, *vectors, combined, damped.reshape(-1, n, n + 1))

@@ -1,9 +1,8 @@
-"""The two ways to solve: :func:`solve` for one shot, :class:`Solver` for a control loop."""
+"""The solver for a control loop: hierarchies of one structure, again and again, each warm from the last."""
 
 from __future__ import annotations
 
 import math
-import threading
 import time
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -12,22 +11,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array, finite_vector, real_array
+from ..arrays import Array, real_array
 from ..backends.base import Answer
 from ..backends.registry import make_backend
 from ..checks import of_type
-from ..damping import DampingRule, Staged, by_index, index_of, rules_of, told
-from ..errors import InvalidInput, Unsupported, brief
+from ..damping import DampingRule, Staged, by_index, index_of, retold, rules_of, told
+from ..errors import InvalidInput, brief
 from ..guard import Guard
 from ..hierarchy import LARGEST, Hierarchy
-from ..settings import Settings
+from ..settings import DEFAULT, Settings
 from ..solution import Counts, Solution, Stages, Status
 
 #: The backend used where none is named.
 DEFAULT_BACKEND = "native"
 
-
-_DEFAULT = Settings()
 OPTIMAL = Status.OPTIMAL
 new = object.__new__
 
@@ -36,7 +33,8 @@ def _nothing(hierarchy: Hierarchy, x_ref: Array | None, aims: Array | None = Non
     """The short way of a backend that has none."""
 
 
-def _solve_once(backend: str, settings: Settings, hierarchy: Hierarchy, x_ref: Array) -> Solution:
+def solve_once(backend: str, settings: Settings, hierarchy: Hierarchy, x_ref: Array) -> Solution:
+    """What a solver that is made for it says to one hierarchy: a function that can be pickled."""
     return Solver(backend, settings).solve(hierarchy, x_ref)
 
 
@@ -74,7 +72,7 @@ class Solver:
         damping: Mapping[int | str, DampingRule | float] | None = None,
     ) -> None:
         self.backend = backend
-        self.settings = _DEFAULT if settings is None else of_type(settings, Settings, "settings")
+        self.settings = DEFAULT if settings is None else of_type(settings, Settings, "settings")
         self.damping = {} if damping is None else rules_of(damping)
         self._backend = make_backend(backend, self.settings)
         self._staged = self._new_staged() if self.damping else None
@@ -150,6 +148,7 @@ class Solver:
         if self._began is not None:
             self._began(now)
         proved = fault = own_aims = None
+        numbers = hierarchy.numbers.copy()  # what a proof is of, whatever becomes of the numbers from here on
         if aims is not None:
             fault, reference = (None, self._zero) if x_ref is None else self._reference(x_ref)
             own_aims = self._own_aims(hierarchy, aims, reference)
@@ -165,7 +164,7 @@ class Solver:
                 proved = self._quick(hierarchy, reference)
         solution = new(Solution)  # and its fields, at a third of the price of a frozen dataclass's __init__
         fields = solution.__dict__
-        fields["_noted"] = hierarchy, hierarchy.numbers.copy(), reference, self._always
+        fields["_noted"] = hierarchy, numbers, reference, self._always
         if proved is not None:
             if len(proved) == 2:
                 fields["x"], fields["counts"] = proved
@@ -175,7 +174,7 @@ class Solver:
             fields["status"] = OPTIMAL
         elif self._staged is not None:
             reference = self._zero if x_ref is None else real_array(x_ref, "x_ref")
-            return self._solve_in_stages(hierarchy, reference, own_aims)
+            return self._solve_in_stages(hierarchy, numbers, reference, own_aims)
         else:
             answer = self._answer(hierarchy, reference, fault)
             fields["x"], fields["status"], fields["counts"] = answer.x, answer.status, answer.counts
@@ -190,12 +189,12 @@ class Solver:
 
     def _new_staged(self) -> Staged:
         """Solvers for one stage each; an answer that outlives this solver has one that is made when asked for."""
-        once = partial(_solve_once, self.backend, self.settings)
+        once = partial(solve_once, self.backend, self.settings)
         return Staged(self.damping, self.settings, lambda: Solver(self.backend, self.settings).solve, once)
 
     def _new_tell(self) -> Callable[[Solution, Array, Array | None], Stages]:
         """Tells the stages of an answer from its points."""
-        return partial(told, self.damping, partial(_solve_once, self.backend, self.settings))
+        return partial(told, self.damping, partial(solve_once, self.backend, self.settings))
 
     def _own_aims(self, hierarchy: Hierarchy, aims: Mapping[int | str, ArrayLike], reference: Array) -> Array | None:
         """What each damped level is damped towards, a row each: its own aim, or x_ref; None where none is damped."""
@@ -217,7 +216,7 @@ class Solver:
             own[place] = row
         return own if len(own) else None
 
-    def _solve_in_stages(self, hierarchy: Hierarchy, reference: Array, aims: Array | None) -> Solution:
+    def _solve_in_stages(self, hierarchy: Hierarchy, numbers: Array, reference: Array, aims: Array | None) -> Solution:
         """Stage by stage, where the backend does not take all at once, or has failed."""
         assert self._staged is not None
         if aims is not None and not (np.abs(aims) <= LARGEST).all() and not hierarchy.find_fault():
@@ -226,22 +225,21 @@ class Solver:
             x = np.where(np.abs(reference) <= LARGEST, reference, 0.0)
             given = hierarchy.copy(), x, self.settings, message
             return Solution(x.copy(), Status.INVALID, self.backend, *given, staged=None)
-        staged = self._staged.solve(hierarchy, reference, aims)
-        last = staged.solutions[-1]
+        stages = self._staged.solve(hierarchy, reference, aims)
+        last = stages.solutions[-1]
         solved, levels = len(last.hierarchy.levels), len(hierarchy.levels)
         where = f"in the stage of levels 0 to {solved - 1}: " if solved < levels else ""
-        return Solution(
-            last.x,
-            last.status,
-            self.backend,
-            hierarchy.copy(),
-            last.x_ref,
-            self.settings,
-            message=f"{where}{last.message}" if last.message else "",
-            level=last.level,
-            counts=Counts(*map(sum, zip(*(stage.counts for stage in staged.solutions), strict=True))),
-            staged=staged,
-        )
+        solution = new(Solution)
+        fields = solution.__dict__
+        fields["x"], fields["status"], fields["level"] = last.x, last.status, last.level
+        fields["message"] = f"{where}{last.message}" if last.message else ""
+        fields["counts"] = Counts(*map(sum, zip(*(stage.counts for stage in stages.solutions), strict=True)))
+        if last.status is Status.INVALID:
+            fields["staged"] = stages
+        tell = partial(retold, self.damping, partial(solve_once, self.backend, self.settings), reference)
+        fields["_noted"] = hierarchy, numbers, last.x_ref, (self.backend, self.settings, tell)
+        fields["_points"], fields["_aims"] = self._staged.answers, aims
+        return solution
 
     def _answer(self, hierarchy: Hierarchy, reference: Array, fault: str | None) -> Answer:
         """What the backend says, or why it is not asked."""
@@ -290,87 +288,3 @@ class Solver:
 def _bounded(vector: Array) -> bool:
     """Whether all its numbers mean something."""
     return bool((np.abs(vector) <= LARGEST).all())
-
-
-def solve(
-    hierarchy: Hierarchy,
-    *,
-    backend: str = DEFAULT_BACKEND,
-    x_ref: ArrayLike | None = None,
-    settings: Settings | None = None,
-    damping: Mapping[int | str, DampingRule | float] | None = None,
-    aims: Mapping[int | str, ArrayLike] | None = None,
-) -> Solution:
-    """Solve a hierarchy once.
-
-    Parameters
-    ----------
-    hierarchy : Hierarchy
-    backend : str
-        A name from ``hqp.available_backends()``.
-    x_ref : array, shape (n,), optional
-        Reference of the implicit last level ``min ||x - x_ref||``, and of the damping (default: zero).
-    settings : Settings, optional
-    damping : mapping of int or str to DampingRule or float, optional
-        The levels to damp, by index or by name, each with its rule; a number is a :class:`FixedDamping`.
-    aims : mapping of int or str to array, shape (n,), optional
-        What damped levels are damped towards, ``lambda (x - aim) = 0``, in place of x_ref.
-
-    Returns
-    -------
-    Solution
-        ``.x``, ``.status``, ``.levels[k]``, ``.relaxed``; ``.certify().ok`` is the proof.
-
-    Raises
-    ------
-    InvalidInput
-        If a number of the hierarchy, of x_ref or of an aim cannot mean anything, names level and row; if a rule is
-        none, its level not in the hierarchy, or a level with an aim not damped.
-    UnknownBackend
-        If no backend of that name can run here; lists those that can.
-    Unsupported
-        If the backend does not take such a hierarchy; names one that does.
-    """
-    settings = _DEFAULT if settings is None else of_type(settings, Settings, "settings")
-    now = None if settings.time_limit == math.inf else time.monotonic_ns()
-    if x_ref is not None and isinstance(hierarchy, Hierarchy):
-        x_ref = finite_vector(x_ref, hierarchy.n, "x_ref")
-    key, solver = _borrow(hierarchy, backend, settings, damping)
-    solution = solver._solve(hierarchy, x_ref, aims, now)
-    _return(key, solver)
-    if solution.status is Status.INVALID:
-        raise InvalidInput(solution.message)
-    if solution.status is Status.UNSUPPORTED:
-        raise Unsupported(solution.message)
-    return solution
-
-
-#: What :func:`solve` keeps: so many solvers of the native backend a thread, one a structure, the last used last.
-KEPT = 8
-_kept = threading.local()
-
-
-def _borrow(
-    hierarchy: Hierarchy, backend: str, settings: Settings, damping: Mapping[int | str, DampingRule | float] | None
-) -> tuple[Any, Solver]:
-    """A cold solver, taken from those that are kept if there is one of this structure: it has its memory ready."""
-    plain = damping is None and isinstance(hierarchy, Hierarchy)
-    if not (plain and isinstance(backend, str) and backend == DEFAULT_BACKEND):
-        return None, Solver(backend, settings, damping)
-    key = hierarchy.structure, settings
-    try:
-        solver = _kept.solvers.pop(key, None)
-    except AttributeError:
-        solver, _kept.solvers = None, {}
-    if solver is None:
-        return key, Solver(backend, settings)
-    solver.forget()
-    return key, solver
-
-
-def _return(key: Any, solver: Solver) -> None:
-    """Keep the solver for the next call of this thread with such a hierarchy."""
-    if key is not None:
-        _kept.solvers[key] = solver
-        if len(_kept.solvers) > KEPT:
-            del _kept.solvers[next(iter(_kept.solvers))]

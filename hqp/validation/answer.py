@@ -1,4 +1,4 @@
-"""A hierarchy whose answer is known, and from where."""
+"""A hierarchy whose solution is known, and its source."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..hierarchy import Hierarchy
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class KnownAnswer:
-    """A hierarchy and its answer.
+    """A hierarchy and its known solution.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-r"""Hierarchies made for an answer: larger than what is known by hand, and known as exactly.
+r"""Hierarchies constructed for a given solution: larger than those solved by hand, and known as exactly.
 
 From above to below, every level is made for a point x and for multipliers that are chosen first. With the slacks w
 and the weights d of its violated rows chosen too, what balances the level,
@@ -39,7 +39,7 @@ class KnownRows(NamedTuple):
     sides: NDArray[np.int64]
 
     def level(self, x: Array, rng: np.random.Generator, name: str) -> Level:
-        """With bounds which leave these slacks at x; the other bound of an inequality is 1 to 3 away, or nowhere."""
+        """A level with these slacks at x; the other bound of an inequality is 1 to 3 away, or infinite."""
         bound = self.A @ x - self.slack
         away = np.where(rng.random(len(bound)) < 0.5, np.inf, rng.integers(1, 4, len(bound)))
         upper = np.where(self.sides == Side.LOWER, bound + away, bound)

@@ -41,7 +41,7 @@ UNKNOWNS, ROWS = 7, 3
 
 
 def zone(sigma: float) -> str:
-    """Of `ZONES`: where everybody has to keep the direction of `sigma`, where nobody, and where nobody can tell."""
+    """The zone of `ZONES`: every solver has to keep the direction of `sigma`, none has to, or nobody can tell."""
     low, high = UNDECIDABLE
     return ZONES[0] if sigma >= high else ZONES[2] if sigma <= low else ZONES[1]
 
@@ -130,7 +130,7 @@ class Point:
 
     @property
     def name(self) -> str:
-        """Of the backend, and whether it was left unpolished."""
+        """Name of the backend, and whether it was left unpolished."""
         return self.backend if self.polished else f"{self.backend}, unpolished"
 
     @property

@@ -1,4 +1,4 @@
-r"""Backends on random hierarchies with everything in them, judged by the certificate and by each other.
+r"""Backends on random hierarchies with inequalities, conflicts and weights, judged by the certificate and each other.
 
 Inequalities and conflicts at every level, rows of different length, rows that come again further down, weights, and a
 random x_ref: no formula gives these answers, but the certificate can tell whether one is right. Beside that backends

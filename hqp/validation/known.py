@@ -1,4 +1,4 @@
-"""Backends against answers that are known: by hand, see :mod:`.by_hand`, or by construction, see :mod:`.backwards`."""
+"""Backends against known solutions: by hand, see :mod:`.by_hand`, or by construction, see :mod:`.backwards`."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ KNOWN: Sequence[KnownAnswer] = (*BY_HAND, *BACKWARDS)
 
 @dataclass(frozen=True)
 class Finding:
-    """One backend on one known answer; what is not known is NaN.
+    """The result of one backend on one known solution; NaN for what is not known.
 
     Attributes
     ----------

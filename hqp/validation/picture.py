@@ -1,4 +1,4 @@
-"""The way into a singularity as a picture: a column a place, a row a question."""
+"""The picture of the report: accuracy of every backend near a singularity."""
 
 from __future__ import annotations
 

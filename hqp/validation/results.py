@@ -26,7 +26,7 @@ KINDS: dict[str, type] = {
 
 @dataclass(frozen=True)
 class Results:
-    """What was found, in the order of the registry and of the checks.
+    """The results of all checks, in the order of the registry and of the checks.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class Results:
 
 
 def run(names: Sequence[str], count: int, seed: int, jobs: int, kinds: Sequence[str] = tuple(KINDS)) -> Results:
-    """Do these checks.
+    """Run these checks.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ Work = tuple[str, Callable[..., Any], tuple[Any, ...], dict[str, Any]]
 
 
 def _work(names: Sequence[str], count: int, near: int, whole: int, seed: int) -> Iterator[Work]:
-    """All of it, in pieces; what takes longest comes first."""
+    """All checks in pieces, the longest first."""
     from ..problems import equality_cases
     from . import PLACES, RELATIONS, SIZES, approach, check, compare, judge, part, validate_case
 

@@ -1,4 +1,4 @@
-"""What was found as tables: the same ones in a terminal and in Markdown."""
+"""The results as tables, for a terminal and in Markdown."""
 
 from __future__ import annotations
 
@@ -212,7 +212,7 @@ def _largest(values: Iterable[float]) -> str:
 
 
 def _verdict(ok: bool, allowed: float = 0.0) -> str:
-    """Of what promises something."""
+    """The verdict on a backend that promises an accuracy."""
     return "-" if math.isinf(allowed) else "ok" if ok else "!!"
 
 

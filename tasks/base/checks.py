@@ -31,7 +31,7 @@ def numbers(value: ArrayLike, what: str) -> Array:
 
 
 def own_numbers(value: ArrayLike, what: str) -> Array:
-    """The same, and no copy of what is one already: tick after tick it is."""
+    """`value` as a float array, not copied where it is one already, as it is tick after tick."""
     if type(value) is np.ndarray and value.dtype == np.float64 and value.flags.owndata and not value.flags.writeable:
         return value
     return numbers(value, what)

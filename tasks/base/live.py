@@ -255,7 +255,7 @@ def watch(root: object, watcher: Watcher) -> None:
 
 
 def watch_alone(part: Live, watcher: Watcher) -> None:
-    """The same, in this one object."""
+    """Tell a watcher of every change in this one object from now on."""
     others = (known for known in getattr(part, "_watchers", ()) if known() is not None and known() is not watcher)
     part._watchers = (*others, ref(watcher))
 

@@ -44,7 +44,7 @@ class _Balance(Part):
 
     @property
     def weight(self) -> Array:
-        """That of the task."""
+        """The weight of the task."""
         return self.task.weight
 
     @weight.setter
@@ -100,8 +100,10 @@ class CapturePointTask(Part):
         x and y in the world [m].
     gain : float
         K [1/s].
-    weight, name
-        See :class:`tasks.Task`.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level.
+    name : str, optional
+        Used in messages, tables and records.
 
     Raises
     ------
@@ -133,7 +135,7 @@ class CapturePointTask(Part):
 
 
 class CaptureRows(_Balance):
-    """Those of a capture point."""
+    """The rows of a capture point task."""
 
     task: CapturePointTask
 
@@ -173,8 +175,10 @@ class SupportLimit(Part):
         What is left free inside the polygon [m], but no more than it has room.
     gain : float
         K [1/s], at which an edge may be neared.
-    weight, name
-        See :class:`tasks.Task`.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level.
+    name : str, optional
+        Used in messages, tables and records.
 
     Raises
     ------

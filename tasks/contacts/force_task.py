@@ -116,7 +116,7 @@ class _ForceRows(OfForces):
 
     @property
     def weight(self) -> Array:
-        """That of the task."""
+        """The weight of the task."""
         return self.task.weight
 
     @weight.setter
@@ -214,7 +214,7 @@ class CenterOfPressureTask(Part):
 
     @number
     def weight(self, value: ArrayLike) -> Array:
-        """Of the rows inside their level, shape () or (2,)."""
+        """Weight of the rows inside their level, shape () or (2,)."""
         return positive(value, f"{self.label()}: weight")
 
     def companions(self, setting: Setting) -> Companions:

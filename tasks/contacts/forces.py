@@ -48,8 +48,12 @@ class ForceBounds(OfForces):
         self.weight = numbers(1.0, "weight")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
-        block = self.contact.block()
-        return [Label(self.name, name, unit) for name, unit in zip(block.names, block.units, strict=True)]
+        block, places = self.contact.block(), self.contact.places()
+        each = len(block.names) // len(places)  # rows a point
+        return [
+            Label(self.name, name, unit, place=places[i // each].strip())
+            for i, (name, unit) in enumerate(zip(block.names, block.units, strict=True))
+        ]
 
     def plan(self, site: Site) -> Plan:
         from ..base.loops import Call

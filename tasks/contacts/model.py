@@ -124,7 +124,7 @@ class ContactModel(Part):
 
     @property
     def lengths(self) -> Array | None:
-        """Of its rectangle [m], if it has one."""
+        """The side lengths of its rectangle [m], if it has one."""
         return self._lengths
 
     def block(self) -> Block:

@@ -44,8 +44,10 @@ class MomentumTask(LoopTask):
     kind : {"both", "linear", "angular"}
     gain : float or array, shape (rows,)
         K [1/s].
-    weight, name
-        See :class:`tasks.Task`.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level.
+    name : str, optional
+        Used in messages, tables and records.
 
     Raises
     ------

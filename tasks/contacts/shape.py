@@ -47,7 +47,7 @@ class Shape:
 def shape_of(
     points: ArrayLike | None, plane: ArrayLike | None, line: float | None, centre: ArrayLike, what: str
 ) -> Shape:
-    """Of points, of a rectangle in the x-y plane of the frame, of a line along its x axis, or of one point.
+    """The shape of points, of a rectangle in the x-y plane of the frame, of a line along its x axis, or of one point.
 
     Raises
     ------

@@ -54,7 +54,7 @@ class TorqueTask(Part):
 
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
-        """Of the torques [N m], [N]."""
+        """The desired torques [N m], forces [N]."""
         return as_trajectory(value, None, self.label())
 
     def size(self, robot: Robot) -> int:

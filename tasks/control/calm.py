@@ -19,7 +19,7 @@ FASTEST = 1e12
 
 
 def curved_levels(rows: HierarchyWriter) -> tuple[int, ...]:
-    """Of every level, whether it may be damped by default (1), is below a task but left strict (2), or neither (0).
+    """Which levels may be damped by default (1), are below a task but left strict (2), or neither (0).
 
     Of limits above all tasks nothing gives way, and a level with an inequality is left strict. So is all of a stack
     where no task tells how its value bends, or where forces of contacts are unknown, too.

@@ -325,6 +325,9 @@ class Controller(Live, Generic[V, A, T]):
     def bounds(self, part: Part) -> tuple[Array, Array]:
         """Lower and upper bounds of a part's rows at the last tick (views: the next call refills them).
 
+        A contact stands for rows on several levels, as :meth:`describe` lists them: of forces, motion and friction. Its
+        bounds are those of all of them, in this order, and a copy.
+
         Raises
         ------
         InvalidInput

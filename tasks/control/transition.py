@@ -45,7 +45,7 @@ class Limits:
 
     @classmethod
     def of(cls, levels: Levels, hierarchy: Hierarchy, backend: str) -> Limits | None:
-        """Those of a stack, if it begins with some."""
+        """The limits that these levels begin with; None if there are none."""
         kinds = [all(part.is_limit for part in level) for level in levels.parts]
         count = (*kinds, False).index(False)
         return cls(hierarchy, count, backend) if count else None

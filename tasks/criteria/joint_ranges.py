@@ -38,8 +38,10 @@ class JointCentringTask(GradientTask):
     ----------
     gain : float
         K [1/s], against H, which has no unit: joint i alone nears its middle at the rate ``2 K / (n h_i^2)`` [1/s].
-    weight, name
-        See :class:`tasks.GradientTask`; one row a joint with a range.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level, one a joint with a range.
+    name : str, optional
+        Used in messages, tables and records.
 
     Raises
     ------

@@ -1,16 +1,18 @@
 r"""Secondary criteria: measures of manipulability, maximised in the null space of the tasks above.
 
-Three measures of how well a task can be moved, which its Jacobian J (m rows) and the mass matrix M tell:
+Four measures of how well a task can be moved, which its Jacobian J (m rows) and the mass matrix M tell:
 
 .. math::
 
     w &= \sqrt{\det J J^T} && \text{manipulability (Yoshikawa 1985a)} \\
     w_d &= \sqrt{\det J M^{-1} M^{-T} J^T} && \text{dynamic manipulability (Yoshikawa 1985b)} \\
-    r &= (u^T (J J^T)^{-1} u)^{-1/2} && \text{velocity ratio in the direction u (Dubey and Luh 1987)}
+    r &= (u^T (J J^T)^{-1} u)^{-1/2} && \text{velocity ratio in the direction u (Dubey and Luh 1987)} \\
+    \sigma_m &= \min_{\lVert u \rVert = 1} r && \text{minor axis of the velocity ellipsoid (Dubey and Luh 1987)}
 
 w is the volume of what joint velocities of norm one make of the task, but for a constant; w_d that of its
 accelerations by torques of norm one, from rest; and r the length of the ellipsoid of velocities along u, the speed of
-the task per joint speed. Where J loses rank w and w_d fall to zero, and r does unless u can still be moved.
+the task per joint speed, of which :math:`\sigma_m`, the least singular value of J, is that of the worst direction.
+Where J loses rank w, w_d and :math:`\sigma_m` fall to zero, and r does unless u can still be moved.
 A redundant arm can raise them, because motions that the task does not see change them: each is a
 :class:`~tasks.GradientTask`, to be put below the task.
 """
@@ -75,7 +77,7 @@ class _MeasureOfTask(GradientTask):
         return self._of(J, robot, q, t) if np.isfinite(J).all() else np.full(len(q), np.nan)
 
     def plan(self, site: Site) -> Plan:
-        """By loops where the gradient has a closed form; else by differences."""
+        """Loops where the gradient has a closed form; else Python, by differences."""
         told = self._frame(site)
         if told is None:
             return replace(self.python_plan(site), why=f"{self.label()}: its gradient is taken by differences")
@@ -117,8 +119,10 @@ class ManipulabilityTask(_MeasureOfTask):
         Usually one of the levels above.
     gain : float
         K [1/s], against w in the unit of J to the power of m: [m^2] for the tip in the plane.
-    weight, name
-        See :class:`tasks.GradientTask`.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level.
+    name : str, optional
+        Used in messages, tables and records.
 
     Raises
     ------
@@ -139,6 +143,41 @@ class ManipulabilityTask(_MeasureOfTask):
         return manipulability(J)
 
 
+class MinorAxisTask(_MeasureOfTask):
+    """Lengthen the minor axis of the velocity ellipsoid of `task`: raise its speed in the direction that is worst.
+
+    ``reach >> MinorAxisTask(reach, gain=5.0)``; of manipulability, which is the product of all axes, the others have a
+    share too.
+
+    Parameters
+    ----------
+    task : Task
+        Usually one of the levels above.
+    gain : float
+        K [1/s], against the axis in the unit of J: [m] for the tip in the plane.
+    weight, name
+        See :class:`tasks.GradientTask`.
+
+    Raises
+    ------
+    InvalidInput
+        If `task` is no Task, or a gain or a weight is not positive or larger than 1e15.
+    """
+
+    measure: ClassVar[str] = "minor axis"
+
+    def _loops(self, site: Site, told: tuple[Entry, ...]) -> Plan:
+        from ..base.loops import Call
+        from ..rows.plan import Plan
+        from .kernels.measures import write_minor_axis
+
+        return Plan((Call(write_minor_axis, *self.law(site), *told),))
+
+    def _of(self, J: Array, robot: Robot, q: Array, t: float) -> Array:
+        rows, joints = J.shape[-2:]
+        return np.zeros(len(J)) if rows > joints else np.asarray(velocity_ellipse(J).half_axes[..., -1])
+
+
 class DynamicManipulabilityTask(_MeasureOfTask):
     """Raise the dynamic manipulability of `task`: let small torques accelerate it in every direction.
 
@@ -148,8 +187,10 @@ class DynamicManipulabilityTask(_MeasureOfTask):
         Usually one of the levels above.
     gain : float
         K [1/s], against w_d in the unit of J M^-1 to the power of m: [1/kg^2 m^2] for the tip in the plane.
-    weight, name
-        See :class:`tasks.GradientTask`.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level.
+    name : str, optional
+        Used in messages, tables and records.
 
     Raises
     ------
@@ -189,8 +230,10 @@ class VelocityRatioTask(_MeasureOfTask):
         nothing is asked where that is zero.
     gain : float
         K [1/s], against r in the unit of J.
-    weight, name
-        See :class:`tasks.GradientTask`.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level.
+    name : str, optional
+        Used in messages, tables and records.
 
     Raises
     ------

@@ -148,7 +148,7 @@ class KineticEnergyTask(_LeastMotion):
 
     @number
     def weight(self, value: float) -> Array:
-        """Of all rows inside their level."""
+        """Weight of all rows inside their level."""
         return np.asarray(positive_scalar(value, f"{self.label()}: weight"))
 
     def plan(self, site: Site) -> Plan:

@@ -86,7 +86,7 @@ class Reconstructed(Part):
 
     @property
     def weight(self) -> Array:
-        """That of the task."""
+        """The weight of the task."""
         return self.task.weight
 
     @weight.setter
@@ -106,7 +106,7 @@ class Reconstructed(Part):
             task.check(robot, order, dt)
 
     def error(self, state: RobotState, t: float) -> Array:
-        """That of the task itself, shape (rows,)."""
+        """The error of the task, shape (rows,)."""
         return self.task.error(state, t)
 
     def measure(self, robot: Robot, q: Array) -> float:

@@ -115,7 +115,7 @@ class LineFigure:
 
 
 def _pose(T: Any) -> Pose:
-    """Of an SE3."""
+    """Position and quaternion of an SE3."""
     import pinocchio as pin
 
     x, y, z, w = pin.SE3ToXYZQUAT(T)[3:]

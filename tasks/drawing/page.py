@@ -1,4 +1,4 @@
-"""A motion as one page that plays by itself: viser's own player, with the motion inside."""
+"""Export of a motion as one HTML page with viser's own player."""
 
 from __future__ import annotations
 

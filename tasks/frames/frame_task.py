@@ -46,8 +46,18 @@ class FrameTask(Task):
         The name of a frame of the robot (default: its tip).
     relative_to : str, optional
         A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
-    gain, damping_ratio, weight, cap, deceleration, name
-        See :class:`tasks.Task`.
+    gain : float or array, shape (rows,)
+        K [1/s]: the rate at which the error decays.
+    damping_ratio : float
+        The zeta of acceleration order; 1 is critical damping.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    cap : float or array, shape (rows,), optional
+        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+    deceleration : float, optional
+        The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
+    name : str, optional
+        Used in messages, tables and records (default: the name of the class).
 
     Attributes
     ----------
@@ -97,7 +107,7 @@ class FrameTask(Task):
         return state.frame(self.frame)
 
     def block(self, site: Site) -> Array:
-        """The same for loops: its block, see :mod:`tasks.robots.kernels.block`."""
+        """The block of the frame, for loops; see :mod:`tasks.robots.kernels.block`."""
         return site.frame(self.frame, self.relative_to)
 
     def bends(self, site: Site) -> Table | None:

@@ -45,7 +45,8 @@ class FrameVelocityLimit(Part):
     mask : str or sequence of bool
         Of x, y, z, rx, ry, rz; by default the three of translation.
     reference : {"local_world_aligned", "local", "world"}
-        See :class:`tasks.PoseTask`.
+        Of which velocity: along the axes of the world, at the origin of the frame; along the axes of the frame; or the
+        spatial one, of the point that is passing the world's origin.
     name : str, optional
 
     Raises
@@ -131,8 +132,10 @@ class BoxLimit(Inequality):
     ----------
     lower, upper : array, shape (3,)
         Its corners [m], along the axes of the world or of `relative_to`; infinite where a side is open.
-    frame, relative_to : str, optional
-        See :class:`~tasks.frames.frame_task.FrameTask`.
+    frame : str, optional
+        The name of a frame of the robot (default: its tip).
+    relative_to : str, optional
+        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
     gain : float
         The rate [1/s] at which a side is neared.
     name : str, optional
@@ -200,8 +203,10 @@ class PlaneLimit(Inequality):
         It points to where the frame may be.
     distance : float
         From the origin of the world, or of `relative_to`, along the normal [m].
-    frame, relative_to : str, optional
-        See :class:`~tasks.frames.frame_task.FrameTask`.
+    frame : str, optional
+        The name of a frame of the robot (default: its tip).
+    relative_to : str, optional
+        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
     gain : float
         The rate [1/s] at which the plane is neared.
     name : str, optional
@@ -225,7 +230,7 @@ class PlaneLimit(Inequality):
 
     @property
     def normal(self) -> Array:
-        """Of length 1, shape (3,)."""
+        """The unit normal of the plane, shape (3,)."""
         return self.task.normal
 
     @normal.setter

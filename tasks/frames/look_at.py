@@ -32,8 +32,22 @@ class LookAtTask(PointingTask):
         c [m], in the world or in `relative_to`.
     axis : array, shape (3,)
         In the frame; by default its z axis.
-    frame, relative_to, gain, damping_ratio, weight, cap, deceleration, name
-        See :class:`~tasks.frames.frame_task.FrameTask`.
+    frame : str, optional
+        The name of a frame of the robot (default: its tip).
+    relative_to : str, optional
+        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
+    gain : float or array, shape (2,)
+        K [1/s]: the rate at which the error decays.
+    damping_ratio : float
+        The zeta of acceleration order; 1 is critical damping.
+    weight : float or array, shape (2,)
+        Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    cap : float or array, shape (rows,), optional
+        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+    deceleration : float, optional
+        The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
+    name : str, optional
+        Used in messages, tables and records (default: "lookat").
 
     Raises
     ------

@@ -24,13 +24,28 @@ class OrientationTask(PlacementTask):
     ----------
     target : array, shape (3, 3), or RotationTrajectory; or float, or Trajectory of one number
         The rotation, its columns the axes that the frame is to have; or the angle about z [rad], counter-clockwise,
-        which leaves the other axes free. Of a transform, and of a PoseSetpoint, it is the rotation.
-    frame, relative_to, reference
-        See :class:`~tasks.frames.placement.PlacementTask`.
+        which leaves the other axes free.
+    frame : str, optional
+        The name of a frame of the robot (default: its tip).
+    relative_to : str, optional
+        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
+    reference : {"world", "local", "local_world_aligned"}
+        The axes of the rows: of the world (or of `relative_to`), or of the frame itself, which turn with it.
+        "local_world_aligned" is Pinocchio's name for the former.
     mask : str or sequence of bool, optional
         The axes about which to turn, as in ``"xy"``; see :class:`tasks.AxisTask` for a tool that may spin.
-    gain, damping_ratio, weight, cap, deceleration, name
-        See :class:`tasks.Task`.
+    gain : float or array, shape (rows,)
+        K [1/s]: the rate at which the error decays.
+    damping_ratio : float
+        The zeta of acceleration order; 1 is critical damping.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    cap : float or array, shape (rows,), optional
+        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+    deceleration : float, optional
+        The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
+    name : str, optional
+        Used in messages, tables and records (default: "orientation").
 
     Raises
     ------
@@ -85,7 +100,7 @@ class OrientationTask(PlacementTask):
 
     @property
     def rotation(self) -> RotationTrajectory:
-        """The same as a rotation in time."""
+        """The target as a function of time that gives rotations."""
         target: Any = self.target
         return AboutZ(target) if self._about_z else target
 

@@ -32,8 +32,22 @@ class PlaneTask(FrameTask, LoopTask):
         n, in the world or in `relative_to`, of any length but 0: it points to where distances are positive.
     distance : float or Trajectory
         From the plane through the origin with this normal [m].
-    frame, relative_to, gain, damping_ratio, weight, cap, deceleration, name
-        See :class:`~tasks.frames.frame_task.FrameTask`.
+    frame : str, optional
+        The name of a frame of the robot (default: its tip).
+    relative_to : str, optional
+        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
+    gain : float
+        K [1/s]: the rate at which the error decays.
+    damping_ratio : float
+        The zeta of acceleration order; 1 is critical damping.
+    weight : float
+        Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    cap : float or array, shape (rows,), optional
+        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+    deceleration : float, optional
+        The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
+    name : str, optional
+        Used in messages, tables and records (default: "plane").
 
     Raises
     ------
@@ -82,7 +96,7 @@ class PlaneTask(FrameTask, LoopTask):
 
     @property
     def distance(self) -> Trajectory:
-        """The same."""
+        """The target by its other name: the distance from the plane [m]."""
         return self.target
 
     @distance.setter

@@ -39,15 +39,27 @@ class PoseTask(PlacementTask):
         [m]. A transform is a matrix of shape (4, 4), or a ``pinocchio.SE3``.
     rotation : array, shape (3, 3), or RotationTrajectory, optional
         Its columns are the axes that the frame is to have; none beside a transform.
-    frame, relative_to
-        See :class:`~tasks.frames.placement.PlacementTask`.
+    frame : str, optional
+        The name of a frame of the robot (default: its tip).
+    relative_to : str, optional
+        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
     mask : str or sequence of bool, optional
         The coordinates to be controlled, as in ``"x y rz"``.
     reference : {"local_world_aligned", "local", "world"}
         Pinocchio's names. Along the axes of the world, the linear rows those of the origin of the frame; along the axes
         of the frame; or the spatial velocity, its linear rows those of the point that is passing the world's origin.
-    gain, damping_ratio, weight, cap, deceleration, name
-        See :class:`tasks.Task`; a gain or a weight may be one number a row, in [m] before [rad].
+    gain : float or array, shape (rows,)
+        K [1/s]: the rate at which the error decays; of the rows in [m] before those in [rad].
+    damping_ratio : float
+        The zeta of acceleration order; 1 is critical damping.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    cap : float or array, shape (rows,), optional
+        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+    deceleration : float, optional
+        The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
+    name : str, optional
+        Used in messages, tables and records (default: "pose").
     """
 
     def __init__(

@@ -20,14 +20,28 @@ class PositionTask(PlacementTask):
     Parameters
     ----------
     target : array, shape (3,), or of one number a coordinate of the mask, or Trajectory
-        [m]. Two numbers are x and y: all there is of a planar arm, and a line to stay on for a spatial robot. Of a
-        transform, (4, 4) or ``pinocchio.SE3``, and of a PoseSetpoint it is the position.
-    frame, relative_to, reference
-        See :class:`~tasks.frames.placement.PlacementTask`.
+        [m]. Two numbers are x and y: all there is of a planar arm, and a line to stay on for a spatial robot.
+    frame : str, optional
+        The name of a frame of the robot (default: its tip).
+    relative_to : str, optional
+        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
+    reference : {"world", "local", "local_world_aligned"}
+        The axes of the rows: of the world (or of `relative_to`), or of the frame itself, which turn with it.
+        "local_world_aligned" is Pinocchio's name for the former.
     mask : str or sequence of bool, optional
         The coordinates to be controlled, as in ``"z"`` or ``(False, False, True)``.
-    gain, damping_ratio, weight, cap, deceleration, name
-        See :class:`tasks.Task`.
+    gain : float or array, shape (rows,)
+        K [1/s]: the rate at which the error decays.
+    damping_ratio : float
+        The zeta of acceleration order; 1 is critical damping.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    cap : float or array, shape (rows,), optional
+        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+    deceleration : float, optional
+        The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
+    name : str, optional
+        Used in messages, tables and records (default: "position").
 
     Raises
     ------
@@ -82,7 +96,7 @@ class PositionTask(PlacementTask):
 
     @property
     def position(self) -> Trajectory:
-        """The same among three coordinates."""
+        """The target as a trajectory of three coordinates, those outside the mask zero."""
         return self.target if len(self.target(0.0)[0]) == 3 else Spread(self.target, self.mask)
 
     @position.setter

@@ -38,8 +38,18 @@ class WheelTask(FrameTask, LoopTask):
         Of the plane, towards the wheel.
     floor : float
         How far the plane is from the origin, along the normal [m].
-    gain, damping_ratio, weight, cap, deceleration, name
-        See :class:`tasks.Task`.
+    gain : float or array, shape (rows,)
+        K [1/s]: the rate at which the error decays.
+    damping_ratio : float
+        The zeta of acceleration order; 1 is critical damping.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    cap : float or array, shape (rows,), optional
+        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+    deceleration : float, optional
+        The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
+    name : str, optional
+        Used in messages, tables and records (default: from the name of the class).
     """
 
     spatial = True
@@ -134,8 +144,19 @@ class RollingTask(WheelTask):
         Of the plane, towards the wheel.
     floor : float
         How far the plane is from the origin, along the normal [m].
-    gain, damping_ratio, weight, cap, deceleration, name
-        See :class:`tasks.Task`. The gain is of the height, and at acceleration order what slips is stopped by it.
+    gain : float or array, shape (rows,)
+        K [1/s]: the rate at which the height is neared, and at acceleration order
+        what slips is stopped.
+    damping_ratio : float
+        The zeta of acceleration order; 1 is critical damping.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    cap : float or array, shape (rows,), optional
+        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+    deceleration : float, optional
+        The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
+    name : str, optional
+        Used in messages, tables and records (default: from the name of the class).
 
     Raises
     ------
@@ -166,8 +187,18 @@ class OmniwheelTask(WheelTask):
         From the direction in which the wheel drives, axle x normal, to the axes of its rollers, about the normal [rad].
     frame, relative_to, normal, floor
         See :class:`RollingTask`.
-    gain, damping_ratio, weight, cap, deceleration, name
-        See :class:`tasks.Task`.
+    gain : float or array, shape (rows,)
+        K [1/s]: the rate at which the error decays.
+    damping_ratio : float
+        The zeta of acceleration order; 1 is critical damping.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    cap : float or array, shape (rows,), optional
+        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+    deceleration : float, optional
+        The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
+    name : str, optional
+        Used in messages, tables and records (default: from the name of the class).
 
     Raises
     ------

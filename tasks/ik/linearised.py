@@ -17,6 +17,7 @@ from ..base.checks import Array, finite, numbers
 from ..joints.posture import PostureTask
 from ..robots.answers import integration
 from ..robots.robot import Robot, base, joint_positions
+from ..rows.expansion import Expanded
 from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.inequality import Inequality
 from ..rows.levels import Levels
@@ -87,12 +88,12 @@ class Linearised:
         self, robot: Robot, stack: Stack, goal: Part | Iterable[Part] | None, tolerance: Array, backend: str
     ) -> None:
         self.robot, self.solves = robot, 0
-        solved, unknowns = stack.expanded(robot, "step")
+        solved, unknowns, _ = stack.expanded(robot, "step")
         levels = levels_of_steps(stack, solved)
         wanted = _wanted([part for level in levels for part in level if isinstance(part, JUDGED)], goal)
         self.room = Room(*ranges(robot, solved))
         step = Levels(((self.room,), *map(tuple, levels)), (None,) * (1 + len(levels)))
-        self._rows = HierarchyWriter(step, unknowns, robot, "step")
+        self._rows = HierarchyWriter(Expanded(step, unknowns, {}), robot, "step")
         self.hierarchy, self._solver = self._rows.hierarchy, hqp.Solver(backend)
         self._still = numbers(np.zeros(robot.nv), "v")
         self.integrate = integration(robot)

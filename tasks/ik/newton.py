@@ -74,7 +74,7 @@ class Room(Part):
 
     @property
     def radius(self) -> float:
-        """Of the trust region [rad], [m]."""
+        """The radius of the trust region [rad], [m]."""
         return float(self._reach[0])
 
     def open(self, radius: float, share: float) -> None:

@@ -60,8 +60,18 @@ class JointCouplingTask(LoopTask, TargetTask):
     target : float or Trajectory
         What ``sum(factor * position)`` is to be: in rad where all of these joints turn, in m where all slide; of both
         kinds, in the unit that the factors give it.
-    gain, damping_ratio, weight, cap, deceleration, name
-        See :class:`tasks.Task`.
+    gain : float
+        K [1/s]: the rate at which the error decays.
+    damping_ratio : float
+        The zeta of acceleration order; 1 is critical damping.
+    weight : float
+        Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    cap : float or array, shape (rows,), optional
+        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+    deceleration : float, optional
+        The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
+    name : str, optional
+        Used in messages, tables and records (default: "jointcoupling").
 
     Raises
     ------

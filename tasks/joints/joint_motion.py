@@ -72,7 +72,7 @@ class JointMotion(Part):
         self.task.check(robot, order, dt)
 
     def decay_rate(self) -> float:
-        """That of the task."""
+        """The decay rate of the task [1/s]."""
         return self.task.decay_rate()
 
     def error(self, state: RobotState, t: float) -> Array:

@@ -39,8 +39,18 @@ class LinearHolonomicTask(LoopTask, TargetTask):
         In the unit that A gives it (default: 0).
     q0 : array, shape (nq,), optional
         Default: the neutral configuration. The way of a joint on a circle is the shorter one.
-    gain, damping_ratio, weight, cap, deceleration, name
-        See :class:`tasks.Task`.
+    gain : float or array, shape (rows,)
+        K [1/s]: the rate at which the error decays.
+    damping_ratio : float
+        The zeta of acceleration order; 1 is critical damping.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    cap : float or array, shape (rows,), optional
+        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+    deceleration : float, optional
+        The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
+    name : str, optional
+        Used in messages, tables and records (default: from the name of the class).
 
     Raises
     ------

@@ -84,7 +84,7 @@ class JointLimits(Part):
             limit.claim(site)
 
     def plan(self, site: Site) -> Plan:
-        """Nothing: the loop of all joint limits writes its rows."""
+        """An empty plan: the loop of all joint limits writes its rows."""
         from ..rows.plan import Plan
 
         return Plan()

@@ -57,7 +57,7 @@ class JointLimit(Part):
         site.shared.envelope.claim(self.label(), self.quantity, self.ends(site.shared.robot), site)
 
     def plan(self, site: Site) -> Plan:
-        """Nothing: the loop of all joint limits writes its rows."""
+        """An empty plan: the loop of all joint limits writes its rows."""
         from ..rows.plan import Plan
 
         return Plan()

@@ -135,7 +135,7 @@ class JointTorqueLimit(Part):
             )
 
     def _speeds(self, robot: Robot) -> Array:
-        """Of all joints, shape (2, nv); infinite where torques do not fade."""
+        """Both speeds of every joint [rad/s], [m/s], shape (2, nv); infinite where torques do not fade."""
         if self.speeds is None:
             return np.full((2, robot.nv), np.inf)
         return np.array([per_row(speed, robot.nv, f"{self.label()}: speeds", "joint") for speed in self.speeds])

@@ -77,7 +77,7 @@ class Shapes:
         return [f"{titles[pair.first]} - {titles[pair.second]}" for pair in self.geometry.collisionPairs]
 
     def distances(self, state: RobotState) -> Array:
-        """Of all pairs [m]; negative where two overlap."""
+        """The distances of all pairs [m]; negative where two shapes overlap."""
         self._place(state)
         self._pin.computeDistances(self.geometry, self._data)
         return np.array([result.min_distance for result in self._data.distanceResults])

@@ -149,7 +149,7 @@ class DistanceLimit(Part):
             )
 
     def distances(self, robot: Robot, state: RobotState, t: float = 0.0) -> Array:
-        """Of the surfaces, one a pair [m], at time t [s]."""
+        """The distances between the surfaces [m], one a pair, at time t [s]."""
         return self.pairs.measure(robot, state, t)[:, 0]
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:

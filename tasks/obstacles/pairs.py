@@ -72,7 +72,7 @@ class Pairs(Live):
         return {**super().__getstate__(), "_bound": None}
 
     def measure(self, robot: Robot, state: RobotState, t: float = 0.0) -> Array:
-        """Of every pair at time t [s]: distance, normal and witness, shape (pairs, 7) [m].
+        """Distance, normal and witness of every pair at time t [s], shape (pairs, 7) [m].
 
         The distance is that of the surfaces, negative where they overlap; the unit normal points from the obstacle to
         the link, and the witness is the point of the link's core that is nearest.

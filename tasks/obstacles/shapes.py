@@ -43,11 +43,11 @@ class Obstacle(Live):
         raise NotImplementedError
 
     def velocity(self, t: float) -> Array:
-        """Of the whole shape, which does not turn, shape (3,) [m/s]."""
+        """The velocity of the shape, which does not turn, shape (3,) [m/s]."""
         return np.zeros(3)
 
     def acceleration(self, t: float) -> Array:
-        """The same, shape (3,) [m/s^2]."""
+        """The acceleration of the shape, shape (3,) [m/s^2]."""
         return np.zeros(3)
 
 

@@ -106,7 +106,7 @@ class ShapesLimit(Part):
         self.shapes(robot)
 
     def distances(self, robot: Robot, state: RobotState) -> Array:
-        """Of the pairs, in the order of ``shapes(robot).names()`` [m]."""
+        """The distances of the pairs [m], in the order of ``shapes(robot).names()``."""
         return self.shapes(robot).distances(state)
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:

@@ -249,7 +249,7 @@ class SharedWorkspace(Protocol):
         ...
 
     def state(self, q: Array, v: Array, /) -> RobotState:
-        """The same as `at`, for a q that has been looked at."""
+        """The state as of `at`, for a q that has been checked."""
         ...
 
 

@@ -66,6 +66,6 @@ def carried(places: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def carried_in_tree(tree: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The same of all velocities."""
+    """The pairs of all chains of a robot; see :func:`carried`."""
     pairs = [pair for b, places in enumerate(tree) for pair in carried(places) if pair[1] == b]
     return np.array(pairs, dtype=np.int64).reshape(-1, 3)

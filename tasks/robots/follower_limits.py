@@ -13,6 +13,6 @@ class FollowerLimits(NamedTuple):
     speed: float
 
     def seen_through(self, factor: float, offset: float) -> FollowerLimits:
-        """The same for a follower in the place of its leader, where ``follower = factor * leader + offset``."""
+        """These limits as limits of the follower, where ``follower = factor * leader + offset``."""
         low, high = sorted((factor * self.low + offset, factor * self.high + offset))
         return FollowerLimits(low, high, abs(factor) * self.speed)

@@ -47,7 +47,7 @@ class Frame(Protocol):
 
 
 def without_round_off(jacobian: Array) -> Array:
-    """The same array, with 0 in the place of round-off."""
+    """The array with round-off replaced by 0."""
     jacobian[np.abs(jacobian) < NOTHING] = 0.0
     return jacobian
 

@@ -52,7 +52,7 @@ class Kinematics:
         return self.data
 
     def accelerations(self, state: RobotState) -> pin.Data:
-        """The same, and the accelerations while the joints do not accelerate."""
+        """The data with joint Jacobians, and the accelerations of the joints' frames at zero joint acceleration."""
         data = self.jacobians(state)
         if not self._accelerated:
             pin.forwardKinematics(self.model, data, state.q, state.v, np.zeros(self.model.nv))

@@ -39,7 +39,7 @@ class Entry:
 
 
 def _both(left: str, right: str, **joints: float) -> dict[str, float]:
-    """The same joints on both sides: ``SIDE`` in their names is one, and the other."""
+    """Positions of joints on both sides: ``SIDE`` in their names becomes left and right."""
     return {name.replace("SIDE", side): value for name, value in joints.items() for side in (left, right)}
 
 

@@ -177,7 +177,7 @@ class PinocchioRobot(Configurations, Shaped, PinocchioModel):
     # The configuration.
 
     def _inside(self, q: Array) -> Array:
-        """The same configuration with every joint inside its range."""
+        """A configuration with every joint moved into its range."""
         q = np.array(q)
         if self.position_limit is not None:
             low, high = self.position_limit[:, self._columns]
@@ -227,7 +227,7 @@ class PinocchioRobot(Configurations, Shaped, PinocchioModel):
         return q
 
     def near(self, joints: Mapping[str, float]) -> Array:
-        """The same as :meth:`configuration`, with positions outside the limits moved into them."""
+        """A configuration as of :meth:`configuration`, with positions outside the limits moved into them."""
         q = np.array(self.neutral)
         for name, position in joints.items():
             q[self._axes[self.joint_names.index(name)].q_index] = position
@@ -293,7 +293,7 @@ class PinocchioRobot(Configurations, Shaped, PinocchioModel):
         return state
 
     def state(self, q: ArrayLike, v: ArrayLike) -> PinocchioState:
-        """The same as :meth:`at`, for a q whose circles and quaternions have been looked at.
+        """The state as of :meth:`at`, for a q whose circles and quaternions have been checked.
 
         Raises
         ------

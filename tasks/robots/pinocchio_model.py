@@ -157,7 +157,7 @@ class PinocchioModel(Live):
         return self._places_of([*steps, *((joint, False) for joint in end if joint not in start)])
 
     def tree_order(self) -> NDArray[np.int64] | None:
-        """The same of all velocities; see :class:`tasks.robots.chain.Branched`."""
+        """The order of all velocities along their chains; see :class:`tasks.robots.chain.Branched`."""
         rows = []
         for index in range(1, self.model.njoints):
             places = self._places_of([(joint, False) for joint in list(self.model.supports[index])[1:]])

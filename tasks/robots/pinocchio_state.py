@@ -43,7 +43,7 @@ class PinocchioState(Transforms):
 
     @cached_property
     def pose(self) -> Array:
-        """Of the tip, for records: its position [m] and rotation vector [rad], shape (6,); empty without a tip."""
+        """The pose of the tip for records: position [m] and rotation vector [rad], shape (6,); empty without a tip."""
         if self.robot.tip is None:
             return np.zeros(0)
         tip = self.frame()

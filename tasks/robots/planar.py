@@ -235,7 +235,7 @@ class PlanarArm(Configurations, Live):
         return dynamics.inverse_dynamics(self._H, *self._joints(q=q, v=v, a=a))
 
     def kinetic_energy(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """Of all links [J], shape (...)."""
+        """The kinetic energy of all links [J], shape (...)."""
         return dynamics.kinetic_energy(self._H, *self._joints(q=q, v=v))
 
     def at(self, q: ArrayLike, v: ArrayLike | None = None) -> PlanarState:

@@ -18,7 +18,7 @@ Flag: TypeAlias = NDArray[np.int64]
 
 
 class Source(Protocol):
-    """Where the numbers of frames come from, tick after tick."""
+    """Keeps the frame blocks and dynamics of one robot up to date, tick after tick."""
 
     def frame(self, name: str | None, block: Array, drifts: Flag) -> Call | None:
         """Begin to keep the block of a frame; the loop that does, or None if :meth:`update` does it itself."""

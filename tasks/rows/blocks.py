@@ -83,7 +83,7 @@ class Blocks:
         return self._of(("frame", name), relative_to)
 
     def center_of_mass(self, relative_to: str | None = None) -> Array:
-        """That of the centre of mass, along the axes of the world or of a frame."""
+        """The block of the centre of mass, along the axes of the world or of a frame."""
         return self._of(("center of mass", None), relative_to)
 
     def axes(self) -> Array | None:

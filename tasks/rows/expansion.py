@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from ..robots.robot import Robot
 from .levels import Levels, Rule
 from .row_writer import RowWriter
 from .tick import Order
-from .unknowns import Block
+from .unknowns import Block, Unknowns
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,14 @@ class Companions:
     limits: tuple[RowWriter, ...] = ()
     below: tuple[RowWriter, ...] = ()
     block: Block | None = None
+
+
+class Expanded(NamedTuple):
+    """A stack as it is solved, what it is solved for, and the parts that each declared part stands for, by its id."""
+
+    levels: Levels
+    unknowns: Unknowns
+    meant: dict[int, tuple[RowWriter, ...]]
 
 
 @dataclass

@@ -17,7 +17,7 @@ from ..robots.answers import at_rest
 from ..robots.robot import Robot, RobotState
 from .description import Description, WrittenPart
 from .envelope import Envelope
-from .levels import Levels
+from .expansion import Expanded
 from .own_limits import OwnLimits
 from .plan import Plan, plan_of
 from .row_writer import RowWriter
@@ -59,14 +59,14 @@ class HierarchyWriter:
 
     def __init__(
         self,
-        levels: Levels,
-        unknowns: Unknowns,
+        expanded: Expanded,
         robot: Robot,
         order: Order,
         dt: float | None = None,
         memory: Memory | None = None,
     ) -> None:
         self._robot, self._order, self._dt = robot, order, dt
+        levels, unknowns, self._meant = expanded
         self.levels, self.unknowns = levels, unknowns
         self._memory: Memory = {} if memory is None else memory
         self._check()
@@ -217,7 +217,7 @@ class HierarchyWriter:
 
     @property
     def work(self) -> list[tuple[int, int, RowWriter, Plan, Site]]:
-        """Of every part, from the highest level down: level, first row, the part, its plan, and where it works."""
+        """For every part, from the highest level down: level, first row, the part, its plan and its site."""
         levels = [k for k, parts in enumerate(self.levels.parts) for _ in parts]
         first = np.cumsum([0, *(site.rows for _, site in self._views)])
         plans = (plan for _, plan in self.plans)
@@ -227,8 +227,16 @@ class HierarchyWriter:
         ]
 
     def bounds(self, part: RowWriter) -> tuple[Array, Array] | None:
-        """Lower and upper bounds that a part writes (views), or None if it is not in the stack."""
-        return next(((site.lower, site.upper) for own, site in self._views if own is part), None)
+        """Lower and upper bounds of a part (views; of one that stands for several, a copy), None if it is not here."""
+        meant = self._meant.get(id(part), (part,))
+        sites = [site for own, site in self._views if any(own is each for each in meant)]
+        if not sites and id(part) not in self._meant:
+            return None
+        if len(sites) == 1:
+            return sites[0].lower, sites[0].upper
+        none = np.zeros(0)
+        lower, upper = ([getattr(site, side) for site in sites] for side in ("lower", "upper"))
+        return np.concatenate([none, *lower]), np.concatenate([none, *upper])
 
     def describe(self) -> Description:
         """Who writes the rows of each part, and why Python does where it does."""

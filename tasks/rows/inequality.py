@@ -169,7 +169,18 @@ class AtLeast(Inequality):
 
 
 class AtMost(Inequality):
-    """Keep what a task measures at its target or below, row by row; see :class:`AtLeast`."""
+    """Keep what a task measures at its target or below, row by row.
+
+    Parameters
+    ----------
+    task : Task
+        Its target is the bound, its gain the rate at which the bound is neared.
+
+    Raises
+    ------
+    InvalidInput
+        If it is no task; and, with a controller of velocity order, if its gain is more than 1/dt.
+    """
 
     def __init__(self, task: Task) -> None:
         super().__init__(task, -np.inf, 0.0)

@@ -15,7 +15,7 @@ from hqp.errors import brief
 from ..base.checks import positive_scalar
 from ..base.live import Live, structure
 from ..robots.robot import Robot, as_robot
-from .expansion import Companions, Setting, expand
+from .expansion import Companions, Expanded, Setting, expand
 from .hierarchy_writer import HierarchyWriter
 from .levels import Levels
 from .levels import Rule as Rule
@@ -132,7 +132,7 @@ class Stack(Live):
         return self._declared.damps
 
     def swapped(self, first: Part, second: Part) -> Stack:
-        """The same parts, these two in each other's place, with the damping of a level that each has for itself.
+        """The stack with two parts exchanged, each with the damping of a level that it has for itself.
 
         Raises
         ------
@@ -234,10 +234,10 @@ class Stack(Live):
         robot = as_robot(robot)
         one_of(order, get_args(Order), "order")
         tick = None if dt is None else positive_scalar(dt, "dt", unit="s")
-        return HierarchyWriter(*self.expanded(robot, order), robot, order, tick, memory)
+        return HierarchyWriter(self.expanded(robot, order), robot, order, tick, memory)
 
-    def expanded(self, robot: Robot, order: Order) -> tuple[Levels, Unknowns]:
-        """The levels that are solved, with all that the parts stand for on this robot, at this order; and for what.
+    def expanded(self, robot: Robot, order: Order) -> Expanded:
+        """The levels that are solved, with all that the parts stand for on this robot, at this order.
 
         Raises
         ------
@@ -250,7 +250,9 @@ class Stack(Live):
         levels = expand(self._declared, companions)
         if not levels.parts:
             raise InvalidInput(f"an empty stack asks for nothing; {ALLOWED}")
-        return levels, Unknowns(robot.nv, blocks)
+        pairs = zip(self, (each for level in companions for each in level), strict=True)
+        meant = {id(part): (*each.top, *each.here, *each.limits, *each.below) for part, each in pairs}
+        return Expanded(levels, Unknowns(robot.nv, blocks), meant)
 
 
 def of_levels(levels: Iterable[Ruled]) -> Stack:

@@ -124,7 +124,7 @@ class RowWriter(Live):
         return self.python_plan(site)
 
     def python_plan(self, site: Site) -> Plan:
-        """The same by what :attr:`says` names, called in Python every tick."""
+        """The plan that calls the methods of :attr:`says` in Python every tick."""
 
         def write(tick: Tick) -> None:
             self.write(tick, site.A, site.lower, site.upper)

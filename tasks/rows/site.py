@@ -182,7 +182,7 @@ class Site:
         return self.shared.order == "acceleration" or (self.bounds and np.isfinite(self.shared.braking[0]))
 
     def within(self, below: Array, above: Array) -> Site:
-        """The same rows as an inequality: the error between -above and -below."""
+        """A site of the same rows as an inequality: the error between -above and -below."""
         site = Site(self.shared, self.A, self.lower, self.upper, self.rate)
         site.below, site.above, site.bounds, site.off = below, above, True, self.off
         return site
@@ -194,7 +194,7 @@ class Site:
         return self.shared.blocks.frame(name, relative_to)
 
     def center_of_mass(self, relative_to: str | None = None) -> Array:
-        """That of the centre of mass."""
+        """The block of the centre of mass, kept up to date."""
         if self.drifts:
             self.shared.blocks.drifts[0] = 1
         return self.shared.blocks.center_of_mass(relative_to)

@@ -270,8 +270,18 @@ class TargetTask(Task):
     ----------
     target : array, shape (rows,), or Trajectory
         Desired value in [m] or [rad]; a trajectory brings its own feed-forward.
-    gain, damping_ratio, weight, cap, deceleration, name
-        See :class:`Task`.
+    gain : float or array, shape (rows,)
+        K [1/s]: the rate at which the error decays.
+    damping_ratio : float
+        The zeta of acceleration order; 1 is critical damping.
+    weight : float or array, shape (rows,)
+        Weight of the rows inside their level, against those of other tasks joined by ``+``.
+    cap : float or array, shape (rows,), optional
+        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+    deceleration : float, optional
+        The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
+    name : str, optional
+        Used in messages, tables and records (default: the name of the class).
     """
 
     def __init__(

@@ -29,7 +29,7 @@ class Shortfall:
     lacks : dict of str to float
         Unit -> Euclidean norm of what is missing.
     causes : tuple of str
-        What held it back, the strongest first; empty where its own rows contradict each other.
+        What held it back, the strongest first, damping before all; empty where its own rows contradict each other.
     """
 
     level: str
@@ -52,7 +52,7 @@ def shortfalls(solution: Solution) -> tuple[Shortfall, ...]:
             for part in level.parts:
                 for unit, norm in part.residual.items():
                     lacks[unit] = (lacks.get(unit, 0.0) ** 2 + norm**2) ** 0.5
-            causes = tuple(str(cause) for cause in level.causes[:MOST_NAMED])
+            causes = tuple((["damping"] if level.damped else []) + [str(cause) for cause in level.causes])[:MOST_NAMED]
             found.append(Shortfall(name, {unit: norm for unit, norm in lacks.items() if norm > 0.0}, causes))
     return tuple(found)
 

@@ -94,7 +94,7 @@ class Log:
         q, v = first.q[None], first.v[None]
         self._torque = _asked_at_once(inverse_dynamics(controller.robot), "inverse_dynamics", (q, v, v), (1, nv))
         self._manipulability = _asked_at_once(manipulability(controller.robot), "manipulability", (q,), (1,))
-        self._levels = len(controller.hierarchy.levels)
+        self._levels, self._unknowns = len(controller.hierarchy.levels), controller.hierarchy.n
 
     def state(self, k: int, t: float, state: RobotState) -> None:
         """Where tick k began."""
@@ -121,7 +121,7 @@ class Log:
         self.shortfalls.append(shortfalls(solution))
 
     def record(self, stopped: Stop | None) -> Record:
-        """All of it, as far as it went."""
+        """The record of the ticks that were run."""
         n = self.states
         q, v, a = self.q[:n], self.v[:n], self.a[: n - 1]
         x = v[1:] if self.order == "velocity" else a
@@ -153,6 +153,7 @@ class Log:
             certified=self.certified,
             stopped=stopped,
             shortfalls=tuple(self.shortfalls),
+            unknowns=self._unknowns,
             robot=self._controller.robot,
         )
 

@@ -83,6 +83,9 @@ class Record:
         None for a run that went to its end.
     shortfalls : tuple of tuples of Shortfall, or None
         What each of the checked ticks could not meet, and what held it back; None in a file of an older format.
+    unknowns : int or None
+        How many the stack was solved for: joints, and with :class:`tasks.Dynamics` forces; None in a file that does not
+        tell, which means as many as joints.
     robot : Robot or None
         What moved; None in a record from a file, which holds no robot.
     """
@@ -102,6 +105,7 @@ class Record:
     certified: int
     stopped: Stop | None
     shortfalls: tuple[tuple[Shortfall, ...], ...] | None = None
+    unknowns: int | None = None
     robot: Robot | None = None
 
     @property
@@ -119,9 +123,11 @@ class Record:
         """Degrees of manipulability and of redundancy of every level, shape (len(checked_t), levels).
 
         A level controls as many directions as it has rank (Eq. 3.7) in the null space of the levels above,
-        and leaves the rest to those below (Eq. 3.8).
+        and leaves the rest to those below (Eq. 3.8). These are directions of what is solved for: where forces of
+        contacts are unknown too, of accelerations and forces together.
         """
-        return Degrees(self.ranks, self.v.shape[1] - np.cumsum(self.ranks, axis=1))
+        free = self.v.shape[1] if self.unknowns is None else self.unknowns
+        return Degrees(self.ranks, free - np.cumsum(self.ranks, axis=1))
 
     @property
     def diverged_at(self) -> float | None:
@@ -143,6 +149,7 @@ class Record:
             "names": {field: list(getattr(self, field)) for field in DICTS},
             "status": [kind.value for kind in kinds],
             "certified": self.certified,
+            "unknowns": self.unknowns,
             "stopped": None if self.stopped is None else asdict(self.stopped),
             "shortfalls": self.shortfalls and [[asdict(each) for each in tick] for tick in self.shortfalls],
         }
@@ -179,6 +186,7 @@ class Record:
                 certified=head["certified"],
                 stopped=None if head["stopped"] is None else Stop(**head["stopped"]),
                 shortfalls=_shortfalls(head.get("shortfalls")),
+                unknowns=head.get("unknowns"),
             )
 
     def explain(self) -> Account:

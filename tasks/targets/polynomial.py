@@ -168,7 +168,7 @@ def _between(via: dict[float, ArrayLike], T: float) -> dict[float, Array]:
 
 
 def _taylor(conditions: Array, T: float) -> Array:
-    """Of the polynomial in u, the derivatives of order d over d!: the conditions times T^d / d!."""
+    """The Taylor coefficients of the polynomial in u: conditions of order d times T^d / d!."""
     return conditions * np.cumprod([1.0, *(T / np.arange(1.0, len(conditions)))])[:, None]
 
 

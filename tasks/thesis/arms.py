@@ -105,7 +105,7 @@ def view(scenario: Scenario, records: Iterable[Record], *, outlines: bool = Fals
 
 
 def show(axis: Axes, piece: Array) -> None:
-    """Show this piece of the plane, with a tick at the same steps in both directions."""
+    """Set the limits of the axes, with ticks at the same steps in both directions."""
     from matplotlib.ticker import MultipleLocator
 
     axis.set_xlim(*piece[0])

@@ -112,7 +112,7 @@ def name_limits(axis: Axes) -> None:
 
 
 def speed_range(scenario: Scenario, records: Iterable[Record]) -> tuple[float, float]:
-    """Of the joint speeds [rad/min]: all of them, but not those of a run that diverges."""
+    """The range of a panel of joint speeds [rad/min]: all speeds, but not those of a run that diverges."""
     peak = MINUTE * max(np.abs(record.v).max() for record in records)
     limit = MINUTE * scenario.velocity_limit
     top = 1.15 * min(peak or limit, 2.2 * limit)
@@ -122,7 +122,7 @@ def speed_range(scenario: Scenario, records: Iterable[Record]) -> tuple[float, f
 
 
 def torque_range(records: Iterable[Record]) -> tuple[float, float] | None:
-    """Of the joint torques [N m]: a run that diverges may leave the panel; None if all do."""
+    """The range of a panel of joint torques [N m]: a run that diverges may leave it; None if all do."""
     whole = [record.tau for record in records if not record.stopped and record.tau is not None]
     top = 1.1 * max((float(np.abs(tau).max()) for tau in whole), default=0.0)
     return (-top, top) if top else None

@@ -26,7 +26,7 @@ Subject = Scenario | Idea | Study | Drawing
 
 @dataclass(frozen=True)
 class Picture:
-    """What is shown, the runs it shows, and the files to make of it; of a study none, it is a table."""
+    """A picture of the report: the runs it shows, and its files; of a study, which is a table, none."""
 
     subject: Subject
     jobs: tuple[Job, ...]
@@ -39,7 +39,7 @@ class Picture:
 
     @property
     def coarser(self) -> dict[Job, Job]:
-        """Of the runs that are compared with the same at twice the tick, that one."""
+        """Run -> the same run at twice the tick that it is compared with."""
         compared = self.of_figure or (isinstance(self.subject, Study) and self.subject.against_ticks)
         return {job: job.coarser for job in self.shown} if compared else {}
 
@@ -138,7 +138,7 @@ def _laws(subject: Subject, laws: Collection[str]) -> Sequence[Law]:
 
 
 def _picture(subject: Subject, backend: str, laws: Collection[str], form: str, animated: bool) -> Picture:
-    """Of what may go into a paper there is a picture in pixels and one in lines."""
+    """A picture with its files; one that may go into a paper is made in pixels and in lines."""
     paper = ("png", "svg" if form == "svg" else "pdf")
     if isinstance(subject, Study):
         return Picture(subject, tuple(subject.jobs(backend)), ())

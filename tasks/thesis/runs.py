@@ -25,7 +25,7 @@ CERTIFY = 50
 
 @dataclass(frozen=True)
 class Job:
-    """What to simulate. Equal jobs give equal records.
+    """One simulation: scenario, law, backend and tick. Equal jobs give equal records.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Job:
 
     @property
     def coarser(self) -> Job:
-        """The same at twice the tick, by which this one is checked."""
+        """The same job at twice the tick, by which this one is checked."""
         item = self.scenario
         return replace(self, scenario=replace(item, tick=2 * item.tick, free_tick=2 * item.free_tick))
 

@@ -49,7 +49,7 @@ ASSUMPTIONS = (
 
 @dataclass(frozen=True)
 class Course:
-    """Where the tip goes, as data.
+    """The path of the tip, as data.
 
     Attributes
     ----------

@@ -27,7 +27,7 @@ ENTRY = 1.5
 
 @dataclass(frozen=True)
 class Row:
-    """A row of panels: what its left edge says, its height, and what is free above it [inch]."""
+    """A row of panels: the label at its left edge, its height, and the free space above it [inch]."""
 
     label: str
     height: float
@@ -36,7 +36,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Head:
-    """What stands over a column: a name, numbers, and in red how it ended, if early."""
+    """The heading of a column: a name, numbers, and in red how the run ended, if early."""
 
     name: str
     lines: Sequence[str]

@@ -56,7 +56,7 @@ class Store:
 
 
 class Drawn:
-    """Which drawings of a folder are up to date: a table of file names and digests of what they show."""
+    """The drawings of a folder that are up to date: a table of file names and digests of their contents."""
 
     def __init__(self, folder: Path, table: Path) -> None:
         self.folder, self.table = folder, table

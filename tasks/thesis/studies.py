@@ -44,7 +44,7 @@ class Study:
 
     @property
     def laws(self) -> tuple[Law, ...]:
-        """Those of its runs, each once."""
+        """The laws of its runs, each once."""
         return tuple(dict.fromkeys(law for _, law in self.runs()))
 
     def jobs(self, backend: str) -> list[Job]:

@@ -41,7 +41,7 @@ def tones(color: str, count: int) -> Array:
 
 
 def save(figure: Figure, file: Path, dpi: int = SCREEN) -> None:
-    """The file appears whole or not at all; its suffix tells the format."""
+    """Save a figure, whole or not at all; the suffix of the file tells the format."""
     from matplotlib import rc_context
 
     undated = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}.get(file.suffix)

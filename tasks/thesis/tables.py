@@ -88,7 +88,7 @@ FORMATS = {
 
 @dataclass(frozen=True)
 class Section:
-    """A table under a heading, and what is to be known to read it.
+    """A table under a heading, with its legend.
 
     Attributes
     ----------

@@ -50,7 +50,7 @@ class Sample:
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """What was found of the last tick that was checked.
+    """The certificate and explanation of the last tick that was checked.
 
     Attributes
     ----------

@@ -74,7 +74,7 @@ class Panel:
         handle.on_click(clicked)
 
     def _changed(self, handle: Any, wish: Callable[[Any], Any]) -> None:
-        """The same with the value of an input, where a page has set it, and not this program."""
+        """Have it done between two ticks with the value of an input, where a page has set it, and not this program."""
 
         async def changed(event: Any) -> None:
             if event.client is not None:

@@ -1,4 +1,4 @@
-"""The targets of a stack as things to be dragged: a point, a rotation or both, and the tasks that follow."""
+"""The targets of a stack as draggable gizmos: a point, a rotation or both, and the tasks that follow."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ..targets.turns import AboutZ, RotationSetpoint, stands_still
 
 @dataclass(eq=False)
 class Target:
-    """What can be dragged: one point, one rotation, or both of one frame.
+    """A draggable target: one point, one rotation, or both of one frame.
 
     Attributes
     ----------

@@ -80,7 +80,7 @@ def _described(robot: Robot, q: Array) -> list[tuple[str, float, float, float]]:
 
 
 def units(robot: Robot) -> str:
-    """Of joint speeds."""
+    """The units of joint speeds."""
     return " or ".join(f"{unit}/s" for unit in dict.fromkeys(joint_units(robot)))
 
 

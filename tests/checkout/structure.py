@@ -45,7 +45,7 @@ def structure(package: str, root: Path = ROOT) -> Structure:
     trees = {module: ast.parse(path.read_text()) for module, path in sources.items()}
     graph = {module: set(_imports(module, sources[module], tree, sources)) for module, tree in trees.items()}
     lengths = {module: len(path.read_text().splitlines()) for module, path in sources.items()}
-    floor = _floors(package, root)
+    floor = floors(package, root)
     upward = [(a, b) for a in graph for b in sorted(graph[a]) if _is_upward(a, b, floor)] if floor else None
     return Structure(
         sorted({module.split(".")[1] for module in sources if "." in module}),
@@ -76,7 +76,7 @@ def _imports(module: str, path: Path, tree: ast.Module, known: dict[str, Path]) 
                     yield found
 
 
-def _floors(package: str, root: Path) -> dict[str, int]:
+def floors(package: str, root: Path) -> dict[str, int]:
     """The room -> how far down it stands, as the import contract of the package says; empty where there is none."""
     settings = tomllib.loads((root / "pyproject.toml").read_text())
     for contract in settings["tool"]["importlinter"]["contracts"]:

@@ -15,6 +15,7 @@ from benchmarks.methods import METHODS, required
 from benchmarks.methods.daqp_direct import DAQP_COST, DAQP_ROWS, TOLERANCES
 from benchmarks.race import COLD, RACED, Timing, race, raced
 from benchmarks.ratios import table, yardstick
+from benchmarks.standing.scenes import SCENES as STANDING
 from benchmarks.tick import PEERS, _drivers
 from benchmarks.ticks.interleaved import measure as measure_ticks
 from benchmarks.ticks.redundancy import STACKS
@@ -149,12 +150,15 @@ def test_a_few_ticks_fill_tables_and_csv(tmp_path: Path) -> None:
     done = called("tick", "--ticks", "20", "--rounds", "1", "-o", str(out))
     assert done.returncode == 0, done.stderr
     rows = list(csv.DictReader(out.read_text().splitlines()))
-    assert list(dict.fromkeys(row["scene"] for row in rows)) == [s.name for s in SCENES]
+    arms = [s.name for s in SCENES]
+    assert list(dict.fromkeys(row["scene"] for row in rows)) == [*arms, *(s.name for s in STANDING)]
     for row in rows:
         assert float(row["median us"]) > 0
-        if row["method"] == "hqp":
+        if row["method"] == "hqp" and row["scene"] in arms:
             assert (row["kept"], row["proved"], float(row["off"])) == ("100%", "1/1", 0.0)
-    for s in SCENES:
+        elif row["method"] == "hqp":
+            assert (row["lost"], row["proved"], row["failed"]) == ("0e+00", "1/1", "0")
+    for s in (*SCENES, *STANDING):
         assert f"{s.name}: {s.about}" in done.stdout
     alone = done.stdout[done.stdout.index("what else the joints are used for") :]
     for name in STACKS:

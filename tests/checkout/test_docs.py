@@ -26,7 +26,7 @@ IN_PYTHON = {
     "obstacles.md": {"the distances of its shapes come from Coal"},
     "redundancy.md": {"AwayFrom has its own value()"},
     "robots.md": {"GapTask has its own error()"},
-    "survey.md": {"Extremal has its own error()", "MinorAxis has its own value()"},
+    "survey.md": {"Extremal has its own error()"},
 }
 BLOCK = re.compile(r"^( *)```(\w*)\n(.*?)^\1```$", re.MULTILINE | re.DOTALL)
 

@@ -14,6 +14,7 @@ from benchmarks.motions import data, recording
 from benchmarks.motions.__main__ import app
 from benchmarks.motions.playback import FIGURES, SCENES, Played, motion, thesis
 from benchmarks.motions.recording import at_limit, norm, record_scene
+from benchmarks.motions.standing import families, standing
 from hqp import Hierarchy, InvalidInput, Solver
 from hqp.commands.command import run
 from tasks.robots.robot import integrate
@@ -21,12 +22,13 @@ from tasks.robots.robot import integrate
 ROOT = Path(__file__).parents[2]
 MOTIONS = [family for family in FAMILIES.values() if family.group == "motion"]
 THESIS = [family for family in FAMILIES.values() if family.group == "thesis"]
+STANDING = [family for family in FAMILIES.values() if family.group == "contacts"]
 SOME = range(0, data.DRAWS, 4)
 #: Of a task, in the null space of those above it and in units of its norm: the singular value of a near singularity.
 SINGULAR = 1e-2
 
 
-@pytest.fixture(params=[*MOTIONS, *THESIS], ids=lambda family: family.key)
+@pytest.fixture(params=[*MOTIONS, *THESIS, *STANDING], ids=lambda family: family.key)
 def family(request: pytest.FixtureRequest) -> Family:
     """Each family, in turn."""
     return needed(request.param)
@@ -46,7 +48,7 @@ def of_character(character: str) -> pytest.MarkDecorator:
 
 
 def played(family: Family) -> Played:
-    return motion(family.name) if family.group == "motion" else thesis(family.name)
+    return {"motion": motion, "thesis": thesis, "contacts": standing}[family.group](family.name)
 
 
 def smallest(problem: Hierarchy) -> float:
@@ -71,6 +73,8 @@ def test_every_robot_has_four_characters_and_every_family_its_data() -> None:
     robots, characters = ("planar", "panda", "ur5", "g1", "talos"), ("slow", "saturated", "singular", "infeasible")
     assert [family.name for family in MOTIONS] == [f"{r} {c}" for r in robots for c in characters] == list(SCENES)
     assert [family.name for family in THESIS] == list(FIGURES)
+    assert [family.name for family in STANDING] == list(families())
+    assert {family.needs for family in STANDING} == {"pinocchio"}
     assert [family.needs for family in MOTIONS] == 4 * [""] + 16 * ["pinocchio"]
     assert not any(family.needs for family in THESIS)
     assert sum(path.stat().st_size for path in data.FOLDER.iterdir()) < 1.5e6
@@ -82,9 +86,10 @@ def test_the_data_fit_the_robot(family: Family) -> None:
     assert recorded["q"].shape == (*shape, robot.nq)
     assert recorded["v"].shape == (*shape, robot.nv)
     assert recorded["t"].shape == shape
-    assert all(np.isfinite(array).all() and array.dtype == float for array in recorded.values())
-    assert f"n = {robot.nv}: " in family.about
-    assert family.about.endswith("joints at a limit")
+    assert all(array.dtype == float and not np.isnan(array).any() for array in recorded.values())
+    assert all(np.isfinite(array).all() or key.startswith("contacts/") for key, array in recorded.items())
+    assert f"n = {family.sample(0, 0).now.n}: " in family.about
+    assert family.about.endswith(("joints at a limit", "inequalities at a bound"))
 
 
 def test_the_problems_are_those_that_were_recorded(family: Family) -> None:
@@ -125,7 +130,7 @@ def test_before_and_now_are_different_problems_of_one_structure_and_certified(fa
 
 @pytest.mark.parametrize("draw", [-1, data.DRAWS])
 def test_there_are_so_many_draws(draw: int) -> None:
-    assert {family.draws for family in (*MOTIONS, *THESIS)} == {data.DRAWS}
+    assert {family.draws for family in (*MOTIONS, *THESIS, *STANDING)} == {data.DRAWS}
     with pytest.raises(InvalidInput, match=f"draw = {draw}; there are the draws 0 .. 63"):
         FAMILIES["motion/planar slow"].sample(0, draw)
 
@@ -170,6 +175,8 @@ def test_the_command_writes_files_and_table(tmp_path: Path, monkeypatch: pytest.
     scene, figure = "planar slow", "line"
     monkeypatch.setattr(recording, "SCENES", {scene: SCENES[scene]})
     monkeypatch.setattr(recording, "FIGURES", {figure: FIGURES[figure]})
+    monkeypatch.setattr(recording.standing, "SCENES", {})
+    monkeypatch.setattr(recording.standing, "families", dict)
     assert run(app, "python -m benchmarks.motions", ["--out", str(tmp_path)]) == 0
     for file, name in ("planar", scene), ("thesis", figure):
         for key, array in data.ticks(file, name, tmp_path).items():

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
-from structure import structure
+from structure import ROOT, floors, structure
 
-MOST_ROOMS = 20
+MOST_ROOMS, ONE_SCREEN = 20, 60
+LAYOUT = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("package", ["hqp", "tasks"])
@@ -22,6 +24,24 @@ def test_no_circles_and_functions_on_one_screen(package: str) -> None:
     found = structure(package)
     assert found.circles == []
     assert found.long_functions == []
+
+
+@pytest.mark.parametrize("package", ["hqp", "tasks"])
+def test_the_source_layout_has_all_folders_in_the_order_of_the_contract(package: str) -> None:
+    section = LAYOUT.split(f"## {package}/", 1)[1].split("## ", 1)[0]
+    cells = re.findall(r"^\| (`[^|]*`) \|", section, re.MULTILINE)
+    named = [room for cell in cells for room in re.findall(r"`(\w+)`", cell)]
+    folders = [path.name for path in (ROOT / package).iterdir() if (path / "__init__.py").exists()]
+    assert sorted(named) == sorted(folders)
+    down = [floors(package, ROOT)[room] for room in named]
+    assert down == sorted(down)
+
+
+def test_the_source_layout_is_one_screen_of_paths_that_exist() -> None:
+    assert LAYOUT.count("\n") <= ONE_SCREEN
+    paths = re.findall(r"`((?:tasks|hqp|tests)/[\w/]+\.py)`", LAYOUT)
+    assert len(paths) >= 6
+    assert [path for path in paths if not (ROOT / path).exists()] == []
 
 
 def test_faults_are_found(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""What a file of the format holds, and the numbers that mean something in it."""
+"""The contents of a file in the text format of LexLS, and the codes that it uses."""
 
 from __future__ import annotations
 

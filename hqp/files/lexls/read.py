@@ -104,7 +104,7 @@ def _objective(lines: Lines, header: _Header, k: int) -> tuple[Level, NDArray[np
 
 
 def _rows(lines: Lines, header: _Header, k: int) -> tuple[list[list[float]], list[int]]:
-    """Of every row of level k the numbers of A if it has any, lower, upper and side; and the variables of bounds."""
+    """The rows of level k: numbers of A if it has any, lower, upper and side; and the variables of bounds."""
     n, bounds, guess = header.n, header.types[k] == BOUNDS, ["activation"] * (header.kind == WITH_GUESS)
     ends = ["b"] if header.kind == EQUALITIES else ["lower", "upper"]
     layout = ", ".join(["the number of a variable" if bounds else f"{n} of A", *ends, *guess])

@@ -60,7 +60,7 @@ def write(
 
 
 def as_lexls(hierarchy: Hierarchy, x_ref: ArrayLike | None = None) -> Hierarchy:
-    """The same problem, as the format can hold it.
+    """The hierarchy as a problem that the format can hold.
 
     Rows are multiplied by their weights. Bounds on variables stay such on the first level, if its weights are one and
     it names no variable twice; elsewhere they become rows. Labels are left out. Where `x_ref` is given, one more level

@@ -83,6 +83,35 @@ def manipulability(frame, n, axes, reading, rows, order, slope, work):
 
 
 @inner
+def minor_axis(frame, n, axes, reading, rows, order, slope, work):
+    r"""The least singular value :math:`\sigma_m`, and its gradient, by the sensitivity :math:`u_m v_m^T` to J.
+
+    Where J has lost rank it has an edge, and the gradient is 0, as that of :func:`manipulability`. Where two are the
+    least it is that of one of them.
+
+    Parameters
+    ----------
+    frame, n, axes, reading, rows, order, slope, work
+        See :func:`manipulability`.
+
+    Returns
+    -------
+    sigma : float
+    """
+    G, C, own = work[: 6 * n], work[6 * n : 12 * n], work[12 * n : 18 * n]
+    J, ways, sizes = svd(frame, n, axes, reading, rows, work)
+    last = rows - 1
+    measure = sizes[last] if rows <= n else 0.0
+    fill(slope, n, 0.0 * measure)  # NaN where it is
+    if rows > n or measure <= RANK_TOLERANCE * sizes[0] or measure != measure:
+        return measure
+    fill(C, 6 * n, 0.0)
+    add_outer(C, n, reading, rows, ways[last * rows : rows * rows], J[last * n : rows * n], 1.0 / measure)
+    gradient(G, C, n, axes, order, slope, own)
+    return measure
+
+
+@inner
 def velocity_ratio(frame, n, axes, reading, rows, order, u, slope, pull, work):
     r"""The velocity ratio in the direction u, and its gradient.
 
@@ -215,6 +244,23 @@ def write_manipulability(here):
     )
     work, slope = floats(told[WORK], 0, told[WORK_SIZE]), floats(told[SLOPE], 0, n)
     manipulability(frame, n, told[AXES], reading, rows, order, slope, work)
+    climb(here, slope)
+    return 0
+
+
+@stamp
+@entry
+def write_minor_axis(here):
+    """Climb the minor axis of the velocity ellipsoid of a task."""
+    told = ints(here, 0, ALONG)
+    n, rows = told[N], told[ROWS]
+    frame, reading, order = (
+        floats(told[BLOCK], 0, JACOBIAN + 6 * n),
+        floats(told[READING], 0, 6 * rows),
+        ints(told[CHAIN], 0, n),
+    )
+    work, slope = floats(told[WORK], 0, told[WORK_SIZE]), floats(told[SLOPE], 0, n)
+    minor_axis(frame, n, told[AXES], reading, rows, order, slope, work)
     climb(here, slope)
     return 0
 

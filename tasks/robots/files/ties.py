@@ -164,7 +164,7 @@ def _itself(leader: str) -> Tie:
 
 
 def _driver(model: pin.Model, leader: str, ties: list[Tie]) -> Tie:
-    """Of joints that are tied together the independent one: the first in the tree, as Pinocchio demands."""
+    """The independent one of joints that are tied together: the first in the tree, as Pinocchio demands."""
     return min([_itself(leader), *ties], key=lambda tie: model.getJointId(tie.follower))
 
 

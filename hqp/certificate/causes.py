@@ -1,0 +1,99 @@
+"""What holds a level back: rows of the levels above, each with the force by which it pushes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array, length
+from ..hierarchy import Hierarchy, Label, Side, in_words, side_in_words
+from .rows import RowStates
+
+#: Causes with less of a share are left out.
+LEAST_SHARE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Cause:
+    """What holds a level back: an inequality row of a level above, or several, if they have places, or the equality
+    rows of one part there.
+
+    Attributes
+    ----------
+    level : int
+        Where the rows stand.
+    part, row : str
+        What they are called; several rows together have no `row`.
+    side : Side
+        On which side the row is active.
+    rows : tuple of int
+        Their numbers in the whole hierarchy.
+    force : array, shape (n,)
+        With which they push: the sum of multiplier times row.
+    strength : float
+        Its length, in the unit of the gradient of the level held back.
+    share : float
+        Of the strengths of all causes of that level.
+    where : str
+        Of rows that have places: at how many.
+    """
+
+    level: int
+    part: str
+    row: str
+    side: Side
+    rows: tuple[int, ...]
+    force: Array
+    strength: float
+    share: float
+    where: str = ""
+
+    def __str__(self) -> str:
+        if self.where:
+            return self.where
+        return in_words(self.part, self.row, self.side) if self.row or self.side is not Side.EQUALITY else self.part
+
+    def data(self) -> dict[str, Any]:
+        """Plain Python, as JSON takes it."""
+        return {
+            "level": self.level, "part": self.part, "row": self.row, "side": side_in_words(self.side),
+            "rows": list(self.rows), "strength": self.strength, "share": self.share,
+        }  # fmt: skip
+
+
+def causes_of(
+    hierarchy: Hierarchy, labels: list[Label], rows: RowStates, dense: Array, multipliers: Array
+) -> tuple[Cause, ...]:
+    """What pushes with these multipliers, the strongest first."""
+    groups: dict[tuple[int, str, str, Side, int], list[int]] = {}
+    for row in map(int, np.flatnonzero(multipliers)):
+        (k, _), label, side = hierarchy.locate(row), labels[row], Side(rows.sides[row])
+        low, high = float(hierarchy.lower[row]), float(hierarchy.upper[row])
+        part = label.part_at(side, high if side is Side.UPPER else low)
+        together = low == high and label.bound is None
+        name = (k, part, "", side, -1) if together or label.place else (k, part, label.row, side, row)
+        groups.setdefault(name, []).append(row)
+    forces = {name: multipliers[own] @ dense[own] for name, own in groups.items()}
+    total = sum(map(length, forces.values()))
+    causes = [
+        Cause(k, part, row, side, own, force, size, size / total, _where(hierarchy, labels, part, own))
+        for name, force in forces.items()
+        for size in [length(force)]
+        if size >= LEAST_SHARE * total > 0.0
+        for k, part, row, side, _ in [name]
+        for own in [tuple(groups[name])]
+    ]
+    return tuple(sorted(causes, key=lambda cause: -cause.strength))
+
+
+def _where(hierarchy: Hierarchy, labels: list[Label], part: str, own: tuple[int, ...]) -> str:
+    """At how many of its places a part pushes with these rows; empty where they have none."""
+    places = {labels[row].place for row in own}
+    if not all(places):
+        return ""
+    first, end = hierarchy.pointers[hierarchy.locate(own[0])[0] :][:2]
+    known = {label.place for label in labels[first:end] if label.part == part}
+    noun = f"{min(places).rstrip('0123456789 ')}s"
+    return part if len(known) == 1 else f"{part}, at {len(places)} of {len(known)} {noun}"

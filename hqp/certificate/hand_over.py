@@ -1,0 +1,46 @@
+"""What a level that was softened hands over: which of its rows the levels below must leave where it left them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import Array, length
+from .certificate import LevelCertificate
+
+#: How far rows may be moved, in units of the tolerance of a row: what the loops take for no direction, with a margin.
+MARGIN = 10.0
+
+
+class Handed(NamedTuple):
+    """What is to stay of one level.
+
+    Attributes
+    ----------
+    level : int
+    rows : array, shape (any, n)
+        Combinations of its weighted rows, all but those that are declared soft.
+    length : float
+        Of all its weighted rows together: beside it a combination is round-off, or is not.
+    reached : array, shape (n,)
+        The x that its own stage found.
+    """
+
+    level: int
+    rows: Array
+    length: float
+    reached: Array
+
+
+def left_alone(handed: Handed, name: str, x: Array, tolerance: float) -> LevelCertificate:
+    """Whether x has these rows where the level left them; the residual is how far it has moved them."""
+    with np.errstate(all="ignore"):  # an x out of all bounds is judged, not warned about
+        moved = length(handed.rows @ (x - handed.reached))
+        size = handed.length * (length(x) + length(handed.reached))
+    share = moved / size if size > 0.0 else 0.0
+    ok = share <= MARGIN * tolerance
+    left = "handed over" if not name else f"{name}, handed over"
+    return LevelCertificate(
+        handed.level, left, ok, moved, share, 0.0 if ok else moved**2 / 2, 0.0 if ok else moved, np.zeros(0)
+    )

@@ -1,0 +1,79 @@
+r"""Which row stopped which level: the multipliers of the certificate, in the words of the labels.
+
+A level k that is not met pulls at x with its gradient :math:`A_k^T D_k^2 w_k`. Where x is optimal, rows of the levels
+above push back, row i with the force :math:`\lambda_i a_i`, and all forces sum to minus the gradient. These rows are
+the causes: an inequality row by itself, the equality rows of one part together. Where the pulls of the level's own
+rows cancel, nothing above pushes, and the level contradicts itself. Where rows depend on each other the multipliers
+are not unique; those of the certificate are valid ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from ..arrays import Array, length
+from ..hierarchy import Hierarchy, Label, Side
+from .balance import STATIONARITY
+from .causes import causes_of
+from .certificate import Certificate
+from .explanation import LevelExplanation
+from .parts import parts_of
+from .rows import RowStates
+
+
+def explain(
+    hierarchy: Hierarchy, certificate: Certificate, rows: RowStates, ranks: Iterable[int]
+) -> tuple[LevelExplanation, ...]:
+    """The levels of a hierarchy, explained.
+
+    Parameters
+    ----------
+    hierarchy : Hierarchy
+    certificate : Certificate
+        Of its solution; the multipliers are taken from here.
+    rows : RowStates
+        At the same x, by the same tolerance.
+    ranks : iterable of int
+        Of every level.
+    """
+    labels = [hierarchy.label_of(row) for row in range(hierarchy.m)]
+    dense, missing = hierarchy.dense(), np.where(rows.violated, -rows.slack, 0.0)
+    levels = []
+    for k, (level, rank) in enumerate(zip(hierarchy.levels, ranks, strict=True)):
+        own, judged = slice(*hierarchy.pointers[k : k + 2]), certificate.levels[k]
+        contradicts = _cancels(dense[own], rows.norms[own], level.weights, missing[own], rows.tolerance[own])
+        sides, fixing = rows.sides[own], (rows.sides[own] == Side.EQUALITY) | rows.violated[own]
+        levels.append(
+            LevelExplanation(
+                level=k,
+                name=level.name,
+                proved=judged.ok,
+                contradicts=contradicts,
+                rank=rank,
+                fixing=int(fixing.sum()),
+                at_bound=int(((sides != Side.INACTIVE) & ~fixing).sum()),
+                parts=parts_of(labels[own], missing[own], level.weights),
+                causes=() if contradicts else causes_of(hierarchy, labels, rows, dense, judged.multipliers),
+                inner=_inner(dense[own], level.weights**2 * missing[own], labels[own]),
+            )
+        )
+    return tuple(levels)
+
+
+def _cancels(A: Array, norms: Array, weights: Array, missing: Array, tolerance: Array) -> bool:
+    """Whether the pulls of violated rows sum to zero, to round-off or to what their tolerances may hide."""
+    force = norms * weights**2
+    blur = length((force * tolerance)[missing != 0.0])
+    gradient = length(A.T @ np.where(norms > 0.0, weights**2 * missing, 0.0))
+    return bool(missing.any()) and gradient <= STATIONARITY * float(force @ np.abs(missing)) + blur
+
+
+def _inner(A: Array, pull: Array, labels: list[Label]) -> float:
+    """What the pulls of the parts of a level take from each other."""
+    parts = np.array([label.part for label in labels])
+    pulls = [A[parts == part].T @ pull[parts == part] for part in dict.fromkeys(parts.tolist())]
+    lengths = sum(map(length, pulls))
+    left = lengths - length(np.sum(pulls, axis=0)) if pulls else 0.0
+    return left if left > STATIONARITY * lengths else 0.0
