@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -57,7 +58,7 @@ def tick(
     with Progress(console=Console(stderr=True), transient=True) as progress:
         for s in chosen:
             bar = progress.add_task(s.name, total=rounds + 1)
-            done = lambda bar=bar: progress.advance(bar)  # noqa: E731
+            done = partial(progress.advance, bar)
             if isinstance(s, StandingScene):
                 at_limit, here = standing(s, ticks, rounds, done)
             else:

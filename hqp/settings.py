@@ -43,6 +43,15 @@ class Settings:
     ------
     InvalidInput
         If a number is not positive and finite, a tolerance not below 1, or a limit not a positive integer.
+
+    Examples
+    --------
+    >>> from hqp import Hierarchy, Level, Settings, solve
+    >>> hierarchy = Hierarchy([Level.equality([[1.0, 1e-7]], [1.0]), Level.equality([[1.0, 0.0]], [0.0])])
+    >>> solve(hierarchy).x.round(3)
+    array([       0., 10000000.])
+    >>> solve(hierarchy, settings=Settings(rank_tolerance=1e-6)).x.round(3)  # the rows count as parallel
+    array([1., 0.])
     """
 
     tolerance: float = 1e-10

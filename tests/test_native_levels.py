@@ -113,9 +113,9 @@ def test_no_number_is_read_before_it_is_written() -> None:
             solver._adopt(h)
             memory = solver._backend._memory  # type: ignore[attr-defined]
             ints, floats = memory._blocks
-            kept = memory._option.copy()
+            kept = memory.option.copy()
             ints[:], floats[:] = mark, junk
-            memory._option[:], memory.x_ref[:] = kept, 0.0
+            memory.option[:], memory.x_ref[:] = kept, 0.0
             answers.append(solver.solve(h).x)
         assert np.array_equal(answers[0], answers[1])
         assert np.array_equal(answers[0], answers[2])

@@ -59,7 +59,10 @@ def stack():
 
 
 def session(**options) -> Session:
-    return Session(Controller(ARM, stack(), dt=0.01), Q, **options)
+    """Of a controller past its first tick, which loads loops and may take longer than a clock waits."""
+    controller = Controller(ARM, stack(), dt=0.01)
+    controller(Q, np.zeros(len(Q)))
+    return Session(controller, Q, **options)
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,21 @@ from ..solution import NO_COUNTS, Counts, Status
 
 @dataclass(slots=True, eq=False)
 class Answer:
-    """What a backend returns: its x, what it claims of it, and what it did."""
+    """What a backend returns: its x, what it claims of it, and what it did.
+
+    Parameters
+    ----------
+    x : array, shape (n,)
+        The answer.
+    status : Status
+        How it was reached.
+    message : str
+        What is wrong with it, where something is.
+    level : int, optional
+        The level at which the backend fell short.
+    counts : Counts
+        What the solve was made of.
+    """
 
     x: Array
     status: Status = Status.OPTIMAL

@@ -27,7 +27,7 @@ from ..kernels import layout as at
 from ..kernels import solver as kernel
 from ..kernels.active_set import OPTIMAL, STALLED, SUBOPTIMAL
 from ..kernels.compile import INTERPRETED
-from ..kernels.doubt import SHARPEST
+from ..kernels.doubt import MOST, SHARPEST
 from ..settings import Settings
 from ..solution import Counts, Status
 from .base import Answer
@@ -130,7 +130,8 @@ class Native:
             outcome = memory.run(hierarchy.address)
             memory.head[at.TRUSTED] = 0
         answer = self._told(hierarchy, x_ref, outcome)
-        if answer.status is not Status.STALLED or self._settings.time_limit < math.inf:
+        decided = self._settings.time_limit < math.inf or self._settings.rank_tolerance > MOST
+        if answer.status is not Status.STALLED or decided:
             return answer
         again = self._sharper(hierarchy, x_ref)
         return again if again.status is Status.OPTIMAL else answer

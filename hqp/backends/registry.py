@@ -151,22 +151,41 @@ _BACKENDS = [
     ),
 ]
 
+#: All backends by name, those that cannot run here included.
 BACKENDS: dict[str, BackendInfo] = {info.name: info for info in _BACKENDS}
 
 
 def available_backends() -> tuple[str, ...]:
-    """Names of the backends that can run here, in the order of the registry."""
+    """Names of the backends that can run here, in the order of the registry.
+
+    Examples
+    --------
+    >>> from hqp import available_backends
+    >>> "native" in available_backends()
+    True
+    """
     return tuple(name for name, info in BACKENDS.items() if info.installed)
 
 
 def backend_info(name: str) -> BackendInfo:
     """Look a backend up by name.
 
+    Parameters
+    ----------
+    name : str
+        One of ``hqp.backends.BACKENDS``.
+
     Raises
     ------
     UnknownBackend
         If there is none of that name, or its package is not installed; the message lists those
         that can run here.
+
+    Examples
+    --------
+    >>> from hqp import backend_info
+    >>> backend_info("native").accuracy, backend_info("pseudoinverse").inequalities
+    ('exact', False)
     """
     info = BACKENDS.get(name) if isinstance(name, str) else None
     if info is None:

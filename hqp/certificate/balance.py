@@ -83,10 +83,11 @@ class Balance(NamedTuple):
 class Above:
     """The rows of the levels above one level, as one goes down the levels.
 
-    A row at a bound that holds a level back, with a positive multiplier, cannot leave its bound without loss for that
-    level: for all levels below it is as good as an equality, and pushes either way. In exact arithmetic that follows
-    from the conditions of those levels alone, by adding a large multiple of what balances the level that is held back.
-    In floating point the multiple would magnify what round-off, or a rank decision, has left of that balance.
+    A row at a bound that *holds* a level, with a positive multiplier, cannot leave its bound without loss for that
+    level: for all levels below it is as good as an equality, and may push either way. In exact arithmetic that follows
+    from the conditions alone, by adding a large multiple of what balances the level that it holds. In floating point
+    the multiple would magnify what round-off, or a rank decision, has left of that balance. So a level that is not
+    balanced otherwise is asked once more, rows that hold a level above it being free.
 
     Parameters
     ----------
@@ -97,57 +98,66 @@ class Above:
     Attributes
     ----------
     free : array of int
-        Rows above that push either way: equalities, violated rows, and those that hold a level back.
+        Rows above that push either way: equalities and violated rows.
     signed : array of int
-        Rows above that push one way, inward: the others at a bound.
+        Rows above that push one way, inward: those at a bound.
     """
 
     def __init__(self, units: Array, rows: RowStates) -> None:
         self._units, self._rows, able = units, rows, rows.norms > 0
         either = (rows.sides == EITHER_WAY) | rows.violated
-        self._either, self._one_way = able & either, able & ~either & (rows.sides != INSIDE)
+        self._all_free = np.flatnonzero(able & either)
+        self._all_signed = np.flatnonzero(able & ~either & (rows.sides != INSIDE))
+        self._holds = np.zeros(len(units), dtype=bool)
         self._span = RowSpace(units.shape[1], FREE_RANK)
-        self.free = self.signed = np.zeros(0, dtype=np.intp)
+        self.free, self.signed = self._all_free[:0], self._all_signed[:0]
 
     def balance(self, forces: Forces, count: int) -> Balance:
         """Balance the forces of a level by the `count` rows that are above it, no fewer than the last time."""
-        multipliers = np.zeros(count)
         if not forces.push.any():  # met: nothing to improve
-            return Balance(True, 0.0, 0.0, multipliers)
+            return Balance(True, 0.0, 0.0, np.zeros(count))
 
-        self._take_up(count)
-        scale = float(np.abs(forces.push).sum())
+        known, self.free = len(self.free), self._all_free[: self._all_free.searchsorted(count)]
+        self.signed = self._all_signed[: self._all_signed.searchsorted(count)]
+        self._span.grow(self._units[self.free[known:]])
+        found = self._balance(forces, count, self._span, self.free, self.signed)
+        holding = self._holds[self.signed]
+        if not found.exact and holding.any():
+            free = np.concatenate([self.free, self.signed[holding]])
+            span = RowSpace(self._units.shape[1], FREE_RANK)
+            span.grow(self._units[free])
+            again = self._balance(forces, count, span, free, self.signed[~holding])
+            found = again if again.exact else found
+        if found.exact:
+            pushes = found.multipliers[self.signed] * self._rows.sides[self.signed] * self._rows.norms[self.signed]
+            self._holds[self.signed[pushes > HOLDS * found.scale]] = True
+        return found
+
+    def _balance(
+        self, forces: Forces, count: int, span: RowSpace, free: NDArray[np.intp], signed: NDArray[np.intp]
+    ) -> Balance:
+        """Balance the forces by free rows, with their span, and signed ones."""
+        multipliers, scale = np.zeros(count), float(np.abs(forces.push).sum())
         gradient = (forces.push / scale) @ forces.units
-        left = self._span.project(gradient)
-        pressing, normals, mu = self.signed[:0], self._units[:0], np.zeros(0)
-        if len(self.signed) and length(left) > BALANCED:
-            outward = self._rows.sides[self.signed, None] * self._units[self.signed]
-            normals = self._span.project(outward)
+        left = span.project(gradient)
+        pressing, normals, mu = signed[:0], self._units[:0], np.zeros(0)
+        if len(signed) and length(left) > BALANCED:
+            outward = self._rows.sides[signed, None] * self._units[signed]
+            normals = span.project(outward)
             able = lengths(normals) > FREE_RANK  # the others depend on free ones: what is left of them is round-off
-            pressing, normals = self.signed[able], normals[able]
+            pressing, normals = signed[able], normals[able]
             mu = _nonnegative(normals, -left)
             left = left + mu @ normals
             gradient = gradient + mu @ outward[able]
         stationarity = length(left)
-        exact = stationarity <= STATIONARITY or self._round_off(left, forces, scale, normals, mu)
+        exact = stationarity <= STATIONARITY or self._round_off(left, forces, scale, normals, mu, span)
 
         norms, sides = self._rows.norms, self._rows.sides
         multipliers[pressing] = scale * mu * sides[pressing] / norms[pressing]
-        multipliers[self.free] = -scale * self._span.combine(gradient) / norms[self.free]
-        if exact:
-            holding = pressing[mu > HOLDS]
-            self._either[holding], self._one_way[holding] = True, False
+        multipliers[free] = -scale * span.combine(gradient) / norms[free]
         return Balance(exact, scale, stationarity, multipliers)
 
-    def _take_up(self, count: int) -> None:
-        """Sort the first `count` rows; those that have come to push either way join the span."""
-        either = np.flatnonzero(self._either[:count])
-        more = np.setdiff1d(either, self.free, assume_unique=True)
-        self.free = np.concatenate([self.free, more])
-        self.signed = np.flatnonzero(self._one_way[:count])
-        self._span.grow(self._units[more])
-
-    def _round_off(self, left: Array, forces: Forces, scale: float, normals: Array, mu: Array) -> bool:
+    def _round_off(self, left: Array, forces: Forces, scale: float, normals: Array, mu: Array, span: RowSpace) -> bool:
         """Whether what is left of the forces is what a perfect x leaves."""
         pressing, kept, smallest = normals[mu > 0.0], np.zeros((len(left), 0)), 1.0
         if len(pressing):
@@ -158,13 +168,13 @@ class Above:
         def exact(rest: float) -> bool:
             """Round-off, magnified where the normals that balance the level are nearly dependent."""
             if STATIONARITY < rest <= BLURRED:
-                return rest * min(smallest, self._span.smallest()) <= BALANCED
+                return rest * min(smallest, span.smallest()) <= BALANCED
             return rest <= STATIONARITY
 
         if exact(length(left)):
             return True
         carriers = forces.sides != INSIDE
-        own = self._span.project(forces.units[carriers])
+        own = span.project(forces.units[carriers])
         # A direction in which the level hardly moves while those rows press may count as none: a rank decision that
         # could go either way.
         moves, _, _ = row_space(own - (own @ kept) @ kept.T, OWN_RANK)

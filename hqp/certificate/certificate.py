@@ -186,6 +186,20 @@ def certify(
     InvalidInput
         If x or x_ref has the wrong shape or is not finite, x reaches beyond 1e60, the tolerance is
         not between 0 and 1, unique not True or False, or the hierarchy has a fault.
+
+    Examples
+    --------
+    >>> from hqp import Hierarchy, Level, certify
+    >>> limits = Level.bounds([-1.0, -1.0], [1.0, 1.0], name="limits")
+    >>> hierarchy = Hierarchy([limits, Level.equality([[1.0, 1.0]], [3.0], name="sum")])
+    >>> certify(hierarchy, [1.0, 1.0]).ok, certify(hierarchy, [1.0, 0.9]).ok
+    (True, False)
+    >>> print(certify(hierarchy, [1.0, 0.9]))
+    NOT optimal: level 1 (sum) falls short, its residual 1.1 could be lower by up to 1.1
+          level                                   residual  stationarity         gap
+      ok  level 0 (limits)                               0             0           0
+      !!  level 1 (sum)                                1.1         0.707       0.605
+      !!  level 2 (min ||x - x_ref||)              1.34536        0.0372        0.15
     """
     of_type(hierarchy, Hierarchy, "the hierarchy")
     point = finite_vector(x, hierarchy.n, "x")

@@ -82,8 +82,9 @@ class LevelExplanation:
         return f"{short}: {why}" + ("" if self.proved else "; not proved optimal")
 
     def _beside(self) -> str:
-        """The name of the level, where that of none of its parts is in it."""
-        known = not self.name or not self.parts or any(part.part in self.name for part in self.parts)
+        """The name of the level, where none of its parts is called like it."""
+        alike = (part.part in self.name or self.name in part.part for part in self.parts)
+        known = not self.name or not self.parts or any(alike)
         return "" if known else f"{self.name}: "
 
     @property

@@ -48,7 +48,15 @@ class RowStates:
 
 
 def excess(value: Array, lower: Array, upper: Array) -> Array:
-    """``value`` minus the nearest admissible value: the slack w of rows whose A x is `value`."""
+    """``value`` minus the nearest admissible value: the slack w of rows whose A x is `value`.
+
+    Parameters
+    ----------
+    value : array, shape (m,)
+        A x.
+    lower, upper : array, shape (m,)
+        Bounds of the rows, in the unit of each.
+    """
     return value - np.minimum(np.maximum(value, lower), upper)
 
 
@@ -64,8 +72,20 @@ def allowance(
     A solver that is to be certified allows no more: the same with its own, smaller tolerance. Where that is a tenth of
     the certificate's, :math:`\tau (|b_i| + \|a_i\| \|x\|) + 256 \varepsilon \|a_i\| T` will do.
 
-    `size` is ``||x||``, and `way` the longest one that takes part in x, see :func:`travel`, or as much of it as is
-    known: a size of x alone says nothing of its round-off where it is the small difference of large numbers.
+    Parameters
+    ----------
+    value, slack, norms : array, shape (m,)
+        A x, the slacks w, and the norms of the rows of A; the latter two may be one number for all.
+    size, way : float
+        ``||x||``, and the longest way that takes part in x, see :func:`travel`, or as much of it as is known: a size of
+        x alone says nothing of its round-off where it is the small difference of large numbers.
+    tolerance : float
+        Relative to the data.
+
+    Returns
+    -------
+    array, shape (m,)
+        t, in the unit of each row.
     """
     flat = tolerance * LENGTH * size + ROUND_OFF * max(size, way)
     return tolerance * (np.abs(value) + np.abs(value - slack)) + flat * norms
@@ -75,7 +95,14 @@ def pull(slack: Array, norms: Array, cuts: Sequence[int] = (0,)) -> float:
     """How far the slacks of a level, weighted like its norms, would take x, row by row: the largest step of any level.
 
     A row that is short beside others of its level has little say in x, however far its own bound is away. A row alone
-    gets what it asks for, or cannot move x at all. `cuts` are the first rows of the levels that have any.
+    gets what it asks for, or cannot move x at all.
+
+    Parameters
+    ----------
+    slack, norms : array, shape (m,)
+        Both times the weights of the rows.
+    cuts : sequence of int
+        The first rows of the levels that have any.
     """
     if not len(norms):
         return 0.0
@@ -106,7 +133,16 @@ def travel(hierarchy: Hierarchy, x: Array, x_ref: Array, slack: Array, norms: Ar
 
 
 def row_states(hierarchy: Hierarchy, x: Array, x_ref: Array, tolerance: float) -> RowStates:
-    """Classify every row at x; `tolerance` is relative, see :class:`hqp.Settings`."""
+    """Classify every row at x; `tolerance` is relative, see :class:`hqp.Settings`.
+
+    Parameters
+    ----------
+    hierarchy : Hierarchy
+    x, x_ref : array, shape (n,)
+        The point, and the reference of the implicit last level.
+    tolerance : float
+        Relative to the data, see :class:`hqp.Settings`.
+    """
     lower, upper = hierarchy.lower, hierarchy.upper
     with np.errstate(all="ignore"):  # an x out of all bounds is judged, not warned about
         value = hierarchy.product(x)

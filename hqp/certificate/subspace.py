@@ -40,7 +40,15 @@ def split(rows: Array, norms: Array, tolerance: float) -> tuple[Array, Array]:
 
 
 def row_space(units: Array, tolerance: float) -> tuple[Array, Array, float]:
-    """The same for rows that are already in units of their norms; also the smallest singular value kept (1 if none)."""
+    """The same for rows that are already in units of their norms; also the smallest singular value kept (1 if none).
+
+    Parameters
+    ----------
+    units : array, shape (m, n)
+        Rows divided by their norms.
+    tolerance : float
+        Singular values up to this one count as zero.
+    """
     n = units.shape[1]
     if not n or not len(units):
         return np.zeros((n, 0)), np.eye(n), 1.0

@@ -124,6 +124,13 @@ class FixedDamping(DampingRule):
     ----------
     factor : float
         The lambda, in the unit of the weighted rows.
+
+    Examples
+    --------
+    >>> from hqp import FixedDamping, Hierarchy, Level, solve
+    >>> flat = Hierarchy([Level.equality([[0.01, 0.0]], [1.0], name="flat")])
+    >>> solve(flat).x, solve(flat, damping={"flat": FixedDamping(0.1)}).x.round(3)
+    (array([100.,   0.]), array([0.99, 0.  ]))
     """
 
     looks: ClassVar[bool] = False
@@ -150,6 +157,13 @@ class ManipulabilityDamping(DampingRule):
         :math:`\lambda_0`, the damping of a singular level.
     threshold : float
         :math:`w_0`.
+
+    Examples
+    --------
+    >>> from hqp import Hierarchy, Level, ManipulabilityDamping, solve
+    >>> flat = Hierarchy([Level.equality([[0.01, 0.0]], [1.0], name="flat")])
+    >>> solve(flat).x, solve(flat, damping={"flat": ManipulabilityDamping(0.1, 0.05)}).x.round(3)
+    (array([100.,   0.]), array([1.538, 0.   ]))
     """
 
     largest: float
@@ -181,6 +195,13 @@ class SingularValueDamping(DampingRule):
         :math:`\lambda_0`, the damping of a singular level.
     threshold : float
         :math:`\epsilon`.
+
+    Examples
+    --------
+    >>> from hqp import Hierarchy, Level, SingularValueDamping, solve
+    >>> flat = Hierarchy([Level.equality([[0.01, 0.0]], [1.0], name="flat")])
+    >>> solve(flat).x, solve(flat, damping={"flat": SingularValueDamping(0.1, 0.05)}).x.round(3)
+    (array([100.,   0.]), array([1.031, 0.   ]))
     """
 
     largest: float
@@ -213,6 +234,13 @@ class NumericalFiltering(DampingRule):
         The beta.
     threshold : float, optional
         The smallest singular value below which beta sets in, as in :class:`SingularValueDamping` (default: always).
+
+    Examples
+    --------
+    >>> from hqp import Hierarchy, Level, NumericalFiltering, solve
+    >>> flat = Hierarchy([Level.equality([[1.0, 0.0], [0.0, 0.01]], [1.0, 1.0], name="flat")])
+    >>> solve(flat).x, solve(flat, damping={"flat": NumericalFiltering(0.01, 0.1)}).x.round(3)
+    (array([  1., 100.]), array([1.  , 0.98]))
     """
 
     mixes: ClassVar[bool] = True
@@ -252,6 +280,13 @@ class ErrorDamping(DampingRule):
     :math:`\|x - x_a\| \le \|r_a\| / 2 \lambda \le b`, however the singular values and :math:`r_a` go to zero together.
     A lambda that is lost beside the rank tolerance of :class:`hqp.Settings` counts as 0: the level is strict, to which
     singular values as small do not exist.
+
+    Examples
+    --------
+    >>> from hqp import ErrorDamping, Hierarchy, Level, solve
+    >>> flat = Hierarchy([Level.equality([[0.01, 0.0]], [1.0], name="flat")])
+    >>> solve(flat).x, solve(flat, damping={"flat": ErrorDamping(0.5)}).x.round(3)
+    (array([100.,   0.]), array([0.01, 0.  ]))
     """
 
     looks: ClassVar[bool] = False

@@ -70,6 +70,11 @@ def load(path: str | os.PathLike[str]) -> tuple[Hierarchy, Array | None]:
     A file that is no archive, and is not called .npz, is read as text, see :func:`hqp.lexls.read`, which also tells
     the solutions that are in it.
 
+    Parameters
+    ----------
+    path : str or path
+        A file of :func:`save`, or one of LexLS.
+
     Raises
     ------
     InvalidInput

@@ -75,6 +75,17 @@ class Hierarchy:
     ------
     InvalidInput
         If the levels disagree on the number of unknowns, or an index is out of range.
+
+    Examples
+    --------
+    >>> from hqp import Hierarchy, Level, solve
+    >>> limits = Level.bounds([-1.0, -1.0], [1.0, 1.0], name="limits")
+    >>> hierarchy = Hierarchy([limits, Level.equality([[1.0, 1.0]], [3.0], name="sum")])
+    >>> hierarchy.n, hierarchy.m, solve(hierarchy).x
+    (2, 3, array([1., 1.]))
+    >>> hierarchy.levels[1].lower[:] = hierarchy.levels[1].upper[:] = 1.0
+    >>> solve(hierarchy).x
+    array([0.5, 0.5])
     """
 
     n: int

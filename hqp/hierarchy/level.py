@@ -50,6 +50,16 @@ class Level:
     -----
     Once in a hierarchy, ``hierarchy.levels[k]`` holds *views*: write ``level.A[:] = ...`` or
     ``level.lower[:] = ...`` and solve again.
+
+    Examples
+    --------
+    >>> from hqp import Level
+    >>> Level.equality([[1.0, 1.0]], [3.0], name="sum")
+    Level('sum', rows: 1 equality)
+    >>> Level([[1.0, -1.0]], -0.5, 0.5, name="difference")
+    Level('difference', rows: 1 two-sided)
+    >>> Level.bounds([-1.0, -1.0], [1.0, 1.0], name="limits")
+    Level('limits', bounds on x[:2]: 2 two-sided)
     """
 
     A: Array | None

@@ -36,6 +36,14 @@ def nearest(x_ref: ArrayLike, M: ArrayLike, *, name: str = "nearest") -> Level:
     ------
     InvalidInput
         If M is not symmetric and positive definite, or x_ref does not fit it.
+
+    Examples
+    --------
+    >>> from hqp import Hierarchy, Level, nearest, solve
+    >>> total = Level.equality([[1.0, 1.0]], [3.0], name="sum")
+    >>> last = nearest([0.0, 0.0], [[1.0, 0.0], [0.0, 2.0]])  # the second unknown costs twice as much
+    >>> solve(Hierarchy([total, last])).x.round(6)
+    array([2., 1.])
     """
     label = f"level {of_type(name, str, 'name of a level')!r}"
     metric = real_array(M, f"{label}: M")

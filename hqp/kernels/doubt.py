@@ -1,8 +1,8 @@
-"""Ranks that could be others: rows that count as dependent, of which round-off alone would leave less.
+"""Ranks that could be others: rows that count as dependent, and yet would move a level if they did not.
 
 Where limits saturate, rows that depend on others in exact arithmetic do so up to round-off, magnified by the condition
-of the others. Then the rank is arbitrary, but what follows from it for the levels below is not: the certificate has to
-agree.
+of the others. Then the rank is arbitrary, but what follows from it for the levels below is not: what such rows pull
+with along what is left of them stays unbalanced, and the certificate has to agree.
 """
 
 from __future__ import annotations
@@ -10,16 +10,24 @@ from __future__ import annotations
 from . import layout as at
 from .compile import inner
 from .memory import ints, marks, vector
+from .signs import CLEAR
 
 #: What round-off leaves of a row that depends on others, at most, where these are well conditioned.
 SHARPEST = 2e-12
+#: Of rows of which more is left nobody doubts the dependence: a rank tolerance that was set on purpose says so.
+MOST = 1e-9
 
 
 @inner
-def note_doubt(here, begin, end):
-    """Note if more than round-off is left of one of the dependent rows, at these places of the list of rows."""
-    head, ids = ints(here, 0, at.HEAD), marks(here, at.IDS)
-    lengths, norm = vector(here, at.LENGTHS), vector(here, at.NORM)
-    for r in range(begin, end):
-        if lengths[r] > SHARPEST * norm[ids[r]]:
-            head[at.DOUBT] = 1
+def note_doubt(here, begin, rank, count, pull):
+    """Note if the dependent rows of a level that is not met leave too much of its forces unbalanced.
+
+    They are the last of the `count` rows that stand in the list of rows from `begin` on, behind `rank` others.
+    """
+    ids, lengths, w, norm = marks(here, at.IDS), vector(here, at.LENGTHS), vector(here, at.W), vector(here, at.NORM)
+    left = 0.0
+    for r in range(begin + rank, begin + count):
+        if lengths[r] <= MOST * norm[ids[r]]:
+            left += abs(w[ids[r]]) * lengths[r]
+    if left > CLEAR * pull > 0.0:
+        ints(here, 0, at.HEAD)[at.DOUBT] = 1

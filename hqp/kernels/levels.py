@@ -64,8 +64,7 @@ def levels(here, last, warm):
         if faults > 0 and k < last:
             break
         keep(here, k, last)
-        note_doubt(here, rank, hard)
-        note_doubt(here, hard + own_rank, hard + own)
+        note_doubt(here, hard, own_rank, own, pull)
         if k < last:
             frozen = freeze(here, k, frozen, hard, rank, own, own_rank, pull)
             advance(here)

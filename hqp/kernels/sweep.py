@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
-from .doubt import note_doubt
 from .extent import far
 from .memory import ints, marks, matrix, vector
 from .orthogonal import factor, level_least_squares
@@ -120,14 +119,15 @@ def enter_level(here, k, c, f, tau):
 
 @inner
 def note_level(here, c, count, rank):
-    """Note which of the rows that are listed the basis was made of, and which depend on them."""
+    """Note which of the rows that are listed the basis was made of, which depend on them, and what is left of those."""
     pivot, ids, dependent = marks(here, at.PIVOT), marks(here, at.IDS), marks(here, at.KIND)
+    lengths, left = vector(here, at.LENGTHS), vector(here, at.VALUE)
     for r in range(rank):
         pivot[c + r] = ids[r]
         dependent[ids[r]] = 0
     for r in range(rank, count):
         dependent[ids[r]] = 1
-    note_doubt(here, rank, count)
+        left[ids[r]] = lengths[r]
 
 
 @inner

@@ -53,13 +53,13 @@ def judge_rows(here, last, damped, damping):
     col, row_of, ptr, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.PTR), marks(here, at.SIDE)
     follow, decided, dependent = marks(here, at.FOLLOW), marks(here, at.DECIDED), marks(here, at.KIND)
     lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
-    w, forces_of = vector(here, at.W), vector(here, at.FORCES)
+    w, forces_of, left = vector(here, at.W), vector(here, at.FORCES), vector(here, at.VALUE)
     B = matrix(here, at.B)
     size = extent(x, here)
     faults = undecided = 0
     blurred = False
     for k in range(last):
-        pull, met = 0.0, True
+        pull, met, unbalanced = 0.0, True, 0.0
         if k == damped:
             pull, met = damping_pulls(here, damping, size)
         for i in range(ptr[k], ptr[k + 1]):
@@ -74,6 +74,7 @@ def judge_rows(here, last, damped, damping):
                 pull += norm[i] * abs(w[i])
                 if k < first or dependent[i] == 0:
                     continue
+                unbalanced += abs(w[i]) * left[i]
             if col[i] >= 0:
                 value = norm[i] * x[col[i]]
             else:
@@ -91,6 +92,8 @@ def judge_rows(here, last, damped, damping):
                 follow[i] = LOWER
                 faults += 1
         forces_of[k] = 0.0 if met else pull
+        if not met and k >= first and unbalanced > CLEAR * pull:
+            head[at.DOUBT] = 1
         for i in range(ptr[k], ptr[k + 1]):
             if side[i] == INACTIVE:
                 continue

@@ -63,7 +63,7 @@ class Family:
         return self.hierarchy.__doc__ or ""
 
 
-#: By name.
+#: The families of hard problems, by name.
 FAMILIES: dict[str, Family] = {
     family.name: family
     for family in (
@@ -92,6 +92,15 @@ FAMILIES: dict[str, Family] = {
 
 def hierarchies(name: str, count: int, seed: int = 0) -> Iterator[Hierarchy]:
     """The first `count` hierarchies of a family, the same for the same arguments.
+
+    Parameters
+    ----------
+    name : str
+        One of `FAMILIES`.
+    count : int
+        How many.
+    seed : int
+        Another one gives others.
 
     Raises
     ------

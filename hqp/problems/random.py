@@ -61,7 +61,17 @@ CASES: dict[str, Callable[[np.random.Generator, int, tuple[int, ...]], list[Arra
 
 @dataclass(frozen=True)
 class Case:
-    """One case of the validation: the shape of a stack, and the ranks of its levels."""
+    """One case of the validation: the shape of a stack, and the ranks of its levels.
+
+    Parameters
+    ----------
+    n : int
+        Number of unknowns.
+    rows : tuple of int
+        Rows of each level.
+    rank : str
+        A rank case, one of `CASES`.
+    """
 
     n: int
     rows: tuple[int, ...]
@@ -101,6 +111,14 @@ def random_hierarchy(rng: np.random.Generator, *, n: int | None = None, levels: 
         Unknowns (default: 2 to 12).
     levels : int, optional
         Levels (default: 1 to 6).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from hqp import solve
+    >>> from hqp.problems import random_hierarchy
+    >>> solve(random_hierarchy(np.random.default_rng(0))).certify().ok
+    True
     """
     n = int(rng.integers(2, 13)) if n is None else n
     count = int(rng.integers(1, 7)) if levels is None else levels
@@ -139,7 +157,20 @@ def _rows(rng: np.random.Generator, m: int, n: int, integers: bool, above: list[
 
 
 def random_sides(rng: np.random.Generator, value: Array, integers: bool = False) -> tuple[Array, Array]:
-    """Lower and upper bounds of all kinds about `value`; a third of them shifted, so that levels conflict."""
+    """Lower and upper bounds of all kinds about `value`; a third of them shifted, so that levels conflict.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    value : array, shape (m,)
+        About which the bounds lie.
+    integers : bool
+        Whether they are whole numbers, so that ties are exact.
+
+    Returns
+    -------
+    lower, upper : array, shape (m,)
+    """
     m = len(value)
     shift = np.where(rng.random(m) < 0.33, _draw(rng, m, integers), 0.0)
     centre = value + shift

@@ -15,7 +15,15 @@ from ..arrays import Array
 
 
 class Sizes(NamedTuple):
-    """What a persistent solver is set up for: variables, general rows, and whether there are box bounds."""
+    """What a persistent solver is set up for: variables, general rows, and whether there are box bounds.
+
+    Parameters
+    ----------
+    variables, rows : int
+        N and M.
+    box : bool
+        Whether there are bounds on y itself.
+    """
 
     variables: int
     rows: int
@@ -24,7 +32,19 @@ class Sizes(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FlatQP:
-    """The numbers of one QP; H (N, N) positive definite, C (M, N), box bounds (N,) or None."""
+    """The numbers of one QP; H (N, N) positive definite, C (M, N), box bounds (N,) or None.
+
+    Parameters
+    ----------
+    H : array, shape (N, N)
+        Symmetric and positive definite.
+    g : array, shape (N,)
+    C : array, shape (M, N)
+    lower, upper : array, shape (M,)
+        Bounds on C y; infinite ones leave a side free.
+    box_lower, box_upper : array, shape (N,), optional
+        Bounds on y.
+    """
 
     H: Array
     g: Array
@@ -42,7 +62,19 @@ class FlatQP:
 
 @dataclass(frozen=True, eq=False)
 class FlatResult:
-    """The solver's y, its own verdict, and its duals, positive at an upper bound, of the rows of C and of the box."""
+    """The solver's y, its own verdict, and its duals, positive at an upper bound, of the rows of C and of the box.
+
+    Parameters
+    ----------
+    y : array, shape (N,)
+    solved : bool
+        What the solver claims.
+    message : str
+        What it says where it does not.
+    row_duals : array, shape (M,)
+    box_duals : array, shape (N,)
+        Duals of the rows of C and of the box, positive at an upper bound.
+    """
 
     y: Array
     solved: bool

@@ -50,7 +50,7 @@ def _own(
     fixing = (rows.sides[own] == Side.EQUALITY) | rows.violated[own]
     at_bound = (rows.sides[own] != Side.INACTIVE) & ~fixing
     soft = [] if not missing.any() else _soft(h, stage.hierarchy, stage.x, k)
-    causes = sorted([*told.causes, *soft], key=lambda cause: -cause.strength)
+    causes = sorted(_joined([*told.causes, *soft]), key=lambda cause: -cause.strength)
     total = sum(cause.strength for cause in causes)
     return replace(
         told,
@@ -63,6 +63,19 @@ def _own(
         inner=0.0 if gave or soft else told.inner,
         damped=_why(solution, staged, k) if gave and missing.any() else "",
     )
+
+
+def _joined(causes: list[Cause]) -> list[Cause]:
+    """Those of one name as one: what a part holds, and what it pushes with where it is soft."""
+    found: dict[tuple[int, str, str, Side], Cause] = {}
+    for cause in causes:
+        name = cause.level, cause.part, cause.row, cause.side
+        other = found.get(name)
+        if other is not None:
+            force, rows = other.force + cause.force, tuple(sorted({*other.rows, *cause.rows}))
+            cause = replace(other, force=force, strength=length(force), rows=rows)
+        found[name] = cause
+    return list(found.values())
 
 
 def _why(solution: Answer, staged: Stages, k: int) -> str:

@@ -69,4 +69,5 @@ class Counts(NamedTuple):
     levels_polished: int = 0
 
 
+#: What is counted where nothing is.
 NO_COUNTS = Counts()

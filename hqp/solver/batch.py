@@ -46,7 +46,7 @@ class Batch:
     template : Hierarchy
         Its structure and, to begin with, its numbers are those of every one.
     count : int
-        B.
+        How many, B.
 
     Attributes
     ----------
@@ -59,6 +59,17 @@ class Batch:
     ------
     InvalidInput
         If the template is no hierarchy, or count no integer of at least 0; or that would be more than 2^30 numbers.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from hqp import Batch, Hierarchy, Level, solve_batch
+    >>> batch = Batch(Hierarchy([Level.equality([[1.0, 1.0]], [3.0], name="sum")]), 3)
+    >>> batch.levels[0].lower[:, 0] = batch.levels[0].upper[:, 0] = [1.0, 2.0, 3.0]
+    >>> solve_batch(batch).x
+    array([[0.5, 0.5],
+           [1. , 1. ],
+           [1.5, 1.5]])
     """
 
     def __init__(self, template: Hierarchy, count: int) -> None:

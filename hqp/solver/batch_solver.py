@@ -48,6 +48,14 @@ class BatchSolver:
     ------
     InvalidInput
         If the settings are none, or threads is no integer from 1 to 1024.
+
+    Examples
+    --------
+    >>> from hqp import Batch, BatchSolver, Hierarchy, Level
+    >>> batch = Batch(Hierarchy([Level.equality([[1.0, 1.0]], [3.0], name="sum")]), 2)
+    >>> BatchSolver(threads=1).solve(batch).x
+    array([[1.5, 1.5],
+           [1.5, 1.5]])
     """
 
     def __init__(self, settings: Settings | None = None, threads: int | None = None) -> None:
@@ -176,6 +184,14 @@ def solve_batch(
     ------
     InvalidInput
         If the hierarchies differ in structure, or a number of one cannot mean anything; names hierarchy, level and row.
+
+    Examples
+    --------
+    >>> from hqp import Hierarchy, Level, solve_batch
+    >>> hierarchies = [Hierarchy([Level.equality([[1.0, 1.0]], [float(k)], name="sum")]) for k in (1, 2)]
+    >>> solve_batch(hierarchies).x
+    array([[0.5, 0.5],
+           [1. , 1. ]])
     """
     whole = batch if isinstance(batch, Batch) else Batch.of(batch)
     solution = BatchSolver(settings, threads).solve(whole, x_ref)

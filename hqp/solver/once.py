@@ -58,6 +58,14 @@ def solve(
         If no backend of that name can run here; lists those that can.
     Unsupported
         If the backend does not take such a hierarchy; names one that does.
+
+    Examples
+    --------
+    >>> from hqp import Hierarchy, Level, solve
+    >>> limits, total = Level.bounds([-1.0, -1.0], [1.0, 1.0]), Level.equality([[1.0, 1.0]], [3.0])
+    >>> solution = solve(Hierarchy([limits, total]))
+    >>> solution.x, solution.levels[1].residual_norm, solution.certify().ok
+    (array([1., 1.]), 1.0, True)
     """
     settings = DEFAULT if settings is None else of_type(settings, Settings, "settings")
     now = None if settings.time_limit == math.inf else time.monotonic_ns()

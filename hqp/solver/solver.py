@@ -63,6 +63,17 @@ class Solver:
     of an answer. When the structure (sizes, bounded variables) changes, the solver starts afresh.
     A solver serves one thread at a time: it works in memory of its own, without the interpreter's lock, and raises
     where a second one comes. A copy, also one that was pickled, is another solver with the same settings, and cold.
+
+    Examples
+    --------
+    >>> from hqp import Hierarchy, Level, Solver
+    >>> hierarchy = Hierarchy([Level.equality([[1.0, 1.0]], [3.0], name="sum")])
+    >>> solver = Solver()
+    >>> for target in 3.0, 4.0:
+    ...     hierarchy.levels[0].lower[:] = hierarchy.levels[0].upper[:] = target
+    ...     print(solver.solve(hierarchy).x)
+    [1.5 1.5]
+    [2. 2.]
     """
 
     def __init__(

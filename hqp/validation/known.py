@@ -61,7 +61,13 @@ class Finding:
 
 
 def check(backend: str) -> list[Finding]:
-    """Ask a backend everything that it takes of `KNOWN`."""
+    """Ask a backend everything that it takes of `KNOWN`.
+
+    Parameters
+    ----------
+    backend : str
+        A name from ``hqp.available_backends()``.
+    """
     info, solver, findings = backend_info(backend), Solver(backend), []
     for known in KNOWN:
         posed = known.posed_to(info)

@@ -63,6 +63,15 @@ class Adapted(Part):
 
     Its numbers are live as they are there: what is set on the object of the other library counts at the next tick.
     At velocity order only, with the dt of the controller as the length of the step.
+
+    Parameters
+    ----------
+    source : Source
+        What measures the rows.
+    bounds : bool
+        Whether they are inequalities, ``G dq <= h``, or ask for a motion.
+    name : str or None
+        What explanations call it; by default the class of the object.
     """
 
     bounds: bool = structure()

@@ -99,10 +99,26 @@ def about(axis: int, angle: float) -> Array:
 def from_rpy(roll: float, pitch: float, yaw: float) -> Array:
     """Turned about the axes of the world by roll (x), then pitch (y), then yaw (z) [rad]: URDF's ``rpy``.
 
+    Parameters
+    ----------
+    roll, pitch, yaw : float
+        Angles [rad].
+
+    Returns
+    -------
+    array, shape (3, 3)
+
     Raises
     ------
     InvalidInput
         If an angle is no finite number.
+
+    Examples
+    --------
+    >>> from math import pi
+    >>> from tasks import from_rpy
+    >>> (from_rpy(0.0, 0.0, pi / 2) @ [1.0, 0.0, 0.0]).round(6)
+    array([0., 1., 0.])
     """
     roll, pitch, yaw = finite_scalar(roll, "roll"), finite_scalar(pitch, "pitch"), finite_scalar(yaw, "yaw")
     return np.asarray(about(2, yaw) @ about(1, pitch) @ about(0, roll))
@@ -113,10 +129,21 @@ def from_xyzw(quaternion: ArrayLike) -> Array:
 
     MuJoCo and Eigen's constructor write (w, x, y, z): reorder it first.
 
+    Parameters
+    ----------
+    quaternion : array, shape (4,)
+        x, y, z, w.
+
     Raises
     ------
     InvalidInput
         If it is not four finite numbers of norm 1, to 1e-6.
+
+    Examples
+    --------
+    >>> from tasks import from_xyzw
+    >>> from_xyzw([0.0, 0.0, 1.0, 0.0]) @ [1.0, 0.0, 0.0]
+    array([-1.,  0.,  0.])
     """
     q = finite(quaternion, "quaternion (x, y, z, w)")
     if q.shape != (4,):

@@ -109,6 +109,12 @@ class CapturePointTask(Part):
     ------
     InvalidInput
         If the target has not two numbers; with a stack, if it has no contact.
+
+    Examples
+    --------
+    >>> from tasks import CapturePointTask
+    >>> CapturePointTask([0.0, 0.1], gain=3.0)
+    CapturePointTask([0.0, 0.1], gain=3)
     """
 
     def __init__(
@@ -184,6 +190,12 @@ class SupportLimit(Part):
     ------
     InvalidInput
         If a number is wrong; with a stack, if it has no contact, and with a controller, if the gain is more than 1/dt.
+
+    Examples
+    --------
+    >>> from tasks import CenterOfMassTask, SupportLimit
+    >>> SupportLimit(margin=0.01) >> CenterOfMassTask([0.3, 0.0], mask="xy", gain=4.0)
+    SupportLimit(0.01, gain=10) >> CenterOfMassTask([0.3, 0.0], gain=4, name='center of mass')
     """
 
     is_limit: ClassVar[bool] = True

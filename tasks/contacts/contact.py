@@ -68,6 +68,13 @@ class Contact(ContactModel):
     ------
     InvalidInput
         If a number or the points are wrong; with a robot, if there is no such frame.
+
+    Examples
+    --------
+    >>> from tasks import Contact, Dynamics, ForceTask
+    >>> foot = Contact("left_ankle_roll_link", plane=(0.2, 0.1), friction=0.6, name="left foot")
+    >>> Dynamics() + foot >> ForceTask(weight=1e-2)
+    Dynamics() + Contact('left_ankle_roll_link', friction=0.6, name='left foot') >> ForceTask(weight=0.01)
     """
 
     def companions(self, setting: Setting) -> Companions:

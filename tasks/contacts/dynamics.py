@@ -54,6 +54,12 @@ class Dynamics(Part):
     InvalidInput
         If a wrench has not six numbers; with a robot, if it does not know its motion equation or has no such frame, or
         the order is velocity.
+
+    Examples
+    --------
+    >>> from tasks import Contact, Dynamics
+    >>> Dynamics() + Contact("left_ankle_roll_link", plane=(0.2, 0.1), friction=0.6, name="left foot")
+    Dynamics() + Contact('left_ankle_roll_link', friction=0.6, name='left foot')
     """
 
     is_dynamics: ClassVar[bool] = True

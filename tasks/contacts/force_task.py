@@ -47,6 +47,15 @@ class ForceTask(Part):
     ------
     InvalidInput
         If a target comes without a contact; with a stack, if the contact is not in it, or it has no forces.
+
+    Examples
+    --------
+    >>> from tasks import Contact, ForceTask
+    >>> foot = Contact("left_ankle_roll_link", plane=(0.2, 0.1), friction=0.6, name="left foot")
+    >>> ForceTask(weight=1e-2)  # of all contacts, towards zero
+    ForceTask(weight=0.01)
+    >>> ForceTask([0.0, 0.0, 200.0], contact=foot)  # [N]
+    ForceTask([0.0, 0.0, 200.0], contact=Contact('left_ankle_roll_link', friction=0.6, name='left foot'), weight=1.0)
     """
 
     contact: Contact | None = structure()
@@ -196,6 +205,13 @@ class CenterOfPressureTask(Part):
     ------
     InvalidInput
         If the target has not two numbers; with a stack, if the contact is not in it, or it has no forces.
+
+    Examples
+    --------
+    >>> from tasks import CenterOfPressureTask, Contact
+    >>> foot = Contact("left_ankle_roll_link", plane=(0.2, 0.1), friction=0.6, name="left foot")
+    >>> CenterOfPressureTask([0.02, 0.0], foot)
+    CenterOfPressureTask([0.02, 0.0], Contact('left_ankle_roll_link', friction=0.6, name='left foot'))
     """
 
     contact: Contact = structure()

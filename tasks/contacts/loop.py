@@ -55,6 +55,12 @@ class Loop(Part):
     ------
     InvalidInput
         If both are the same; with a robot, if it has no such frame.
+
+    Examples
+    --------
+    >>> from tasks import Loop
+    >>> Loop("left_hand", "right_hand", at=[0.0, 0.0, 0.1], name="tray")
+    Loop('left_hand', 'right_hand')
     """
 
     a: str = structure()

@@ -53,6 +53,12 @@ class MomentumTask(LoopTask):
     ------
     InvalidInput
         If the kind is none, or the target has not its numbers; with a robot, if it does not tell its momentum.
+
+    Examples
+    --------
+    >>> from tasks import MomentumTask
+    >>> MomentumTask(kind="angular", gain=5.0)
+    MomentumTask([0.0, 0.0, 0.0], kind='angular', gain=5)
     """
 
     kind: Kind = structure()

@@ -21,6 +21,13 @@ class Surface:
         Where its origin is [m].
     rotation : array, shape (3, 3), or RotationTrajectory, optional
         How it is turned; normals of contacts are along its axes.
+
+    Examples
+    --------
+    >>> from tasks import Contact, Surface, from_rpy
+    >>> ramp = Surface([0.0, 0.0, 0.0], from_rpy(0.0, 0.1, 0.0))
+    >>> Contact("left_ankle_roll_link", plane=(0.2, 0.1), friction=0.6, surface=ramp, name="left foot")
+    Contact('left_ankle_roll_link', friction=0.6, name='left foot')
     """
 
     def __init__(

@@ -41,6 +41,12 @@ class TorqueTask(Part):
     InvalidInput
         With a robot, if it does not know its motion equation, floats without Dynamics in the stack, or the order is
         velocity.
+
+    Examples
+    --------
+    >>> from tasks import PositionTask, TorqueTask
+    >>> PositionTask([0.3, 0.4, 0.2], gain=5.0) >> TorqueTask()
+    PositionTask([0.3, 0.4, 0.2], gain=5) >> TorqueTask([0.0])
     """
 
     rows = None

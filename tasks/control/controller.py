@@ -71,6 +71,20 @@ class Controller(Live, Generic[V, A, T]):
         At once, if the robot or the stack is none, the order or the damping is none of these, dt is not positive, the
         backend is unknown, a task does not fit the robot or its gain the tick, or torques are asked for at velocity
         order, or of a robot that cannot tell them or has a base that moves freely.
+
+    Examples
+    --------
+    >>> from tasks import Controller, JointVelocityLimit, OrientationTask, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> stack = JointVelocityLimit(2.0) >> PositionTask([0.9, 0.6], gain=2.0) >> OrientationTask(0.0, gain=2.0)
+    >>> controller = Controller(arm, stack, dt=0.01)
+    >>> step = controller([1.1, -1.3, -0.7])
+    >>> step.v.round(3), step.solution.certify().ok
+    (array([ 2.   , -1.191,  0.61 ]), True)
+    >>> print(step.solution.explain())
+    velocity limit met (1 of 3 rows at a bound)
+    position met (rank 2 of 2)
+    orientation short by 0.381 rad/s: joint 0 velocity limit (upper), then position
     """
 
     robot: Robot = structure()

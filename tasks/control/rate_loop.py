@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from math import ceil, floor, inf
 from typing import NamedTuple
 
-from ..base.checks import positive_scalar
+from ..base.checks import positive_scalar, scalar
 from ..base.telling import LOG
 
 #: Round-off of a count of ticks.
@@ -64,7 +64,8 @@ class RateLoop:
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
         self.rate = positive_scalar(rate, "rate of a loop", unit="Hz")
-        self.duration = duration if duration == inf else positive_scalar(duration, "duration of a loop", unit="s")
+        endless = scalar(duration, "duration of a loop") == inf
+        self.duration = inf if endless else positive_scalar(duration, "duration of a loop", unit="s")
         self._clock, self._sleep = clock, sleep
         self.ticks = self.overruns = self.left_out = 0
         self.worst = 0.0
@@ -126,5 +127,11 @@ def loop(rate: float, duration: float = inf) -> RateLoop:
     ------
     InvalidInput
         If the rate or the duration is not positive.
+
+    Examples
+    --------
+    >>> from tasks import loop
+    >>> all(tick.dt >= 0.002 for tick in loop(rate=500, duration=0.01))
+    True
     """
     return RateLoop(rate, duration)

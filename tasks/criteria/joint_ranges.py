@@ -48,6 +48,14 @@ class JointCentringTask(GradientTask):
     InvalidInput
         If a gain or a weight is not positive or larger than 1e15, no joint of the robot has a range, or one that
         has is without a single position.
+
+    Examples
+    --------
+    >>> from tasks import Controller, JointCentringTask, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5], position_limit=(-2.0, 2.0))
+    >>> stack = PositionTask([1.0, 0.2], gain=2.0) >> JointCentringTask(gain=1.0)
+    >>> Controller(arm, stack)([1.1, -1.3, -0.7]).v.round(3)
+    array([ 0.519,  0.05 , -0.263])
     """
 
     descend: ClassVar[bool] = True

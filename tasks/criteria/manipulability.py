@@ -128,6 +128,15 @@ class ManipulabilityTask(_MeasureOfTask):
     ------
     InvalidInput
         If `task` is no Task, or a gain or a weight is not positive or larger than 1e15.
+
+    Examples
+    --------
+    >>> from tasks import Controller, ManipulabilityTask, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> place = PositionTask([1.0, 0.2], gain=2.0)
+    >>> Controller(arm, place >> ManipulabilityTask(place, gain=1.0))(q).v.round(3)
+    array([ 0.523,  0.038, -0.25 ])
     """
 
     measure: ClassVar[str] = "manipulability"
@@ -162,6 +171,15 @@ class MinorAxisTask(_MeasureOfTask):
     ------
     InvalidInput
         If `task` is no Task, or a gain or a weight is not positive or larger than 1e15.
+
+    Examples
+    --------
+    >>> from tasks import Controller, MinorAxisTask, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> reach = PositionTask([1.0, 0.6], gain=2.0)
+    >>> controller = Controller(arm, reach >> MinorAxisTask(reach, gain=5.0), dt=0.01)
+    >>> controller([0.4, 0.6, 0.3]).solution.certify().ok
+    True
     """
 
     measure: ClassVar[str] = "minor axis"
@@ -197,6 +215,14 @@ class DynamicManipulabilityTask(_MeasureOfTask):
     InvalidInput
         If `task` is no Task, a gain or a weight is not positive or larger than 1e15, or the robot has no
         ``mass_matrix(q)``, links without mass, or a floating base, which no torque moves.
+
+    Examples
+    --------
+    >>> from tasks import Controller, DynamicManipulabilityTask, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5], masses=[1.0, 1.0, 1.0])
+    >>> place = PositionTask([1.0, 0.2], gain=2.0)
+    >>> Controller(arm, place >> DynamicManipulabilityTask(place, gain=1.0))([1.1, -1.3, -0.7]).v.round(3)
+    array([ 1.258, -1.733,  1.886])
     """
 
     measure: ClassVar[str] = "dynamic manipulability"
@@ -240,6 +266,15 @@ class VelocityRatioTask(_MeasureOfTask):
     InvalidInput
         If `task` is no Task, the direction is zero, not finite or not of its rows, or a gain or a weight is not
         positive or larger than 1e15.
+
+    Examples
+    --------
+    >>> from tasks import Controller, PlanarArm, PositionTask, VelocityRatioTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> place = PositionTask([1.0, 0.2], gain=2.0)
+    >>> Controller(arm, place >> VelocityRatioTask(place, [1.0, 0.0], gain=1.0))(q).v.round(3)
+    array([ 0.519,  0.049, -0.262])
     """
 
     measure: ClassVar[str] = "velocity ratio"

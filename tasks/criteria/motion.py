@@ -94,6 +94,15 @@ class MinimumMotionTask(_LeastMotion):
     ------
     InvalidInput
         If a weight or the gain is not positive or larger than 1e15, or there is no gain at acceleration order.
+
+    Examples
+    --------
+    >>> from tasks import Controller, MinimumMotionTask, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> stack = PositionTask([1.0, 0.2], gain=2.0) >> MinimumMotionTask([3.0, 1.0, 1.0])
+    >>> Controller(arm, stack)(q).v.round(3)
+    array([ 0.356,  0.442, -0.736])
     """
 
     plain = True
@@ -138,6 +147,14 @@ class KineticEnergyTask(_LeastMotion):
     InvalidInput
         If the weight or the gain is not positive or larger than 1e15, there is no gain at acceleration order, or the
         robot has no ``mass_matrix(q)`` or one that is not positive definite.
+
+    Examples
+    --------
+    >>> from tasks import Controller, KineticEnergyTask, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5], masses=[1.0, 1.0, 1.0])
+    >>> stack = PositionTask([1.0, 0.2], gain=2.0) >> KineticEnergyTask()
+    >>> Controller(arm, stack)([1.1, -1.3, -0.7]).v.round(3)
+    array([ 0.45 ,  0.215, -0.463])
     """
 
     default = "kinetic energy"

@@ -66,6 +66,15 @@ class Reconstructed(Part):
     -----
     Limits above it, and levels below, are not asked: what they do to w is not foreseen. The gradient is taken by
     central differences, two states of the robot a joint. A run should not start at a singularity: there it sees no way.
+
+    Examples
+    --------
+    >>> from tasks import Controller, OrientationTask, PlanarArm, PositionTask, Reconstructed
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> place = PositionTask([1.0, 0.2], gain=2.0)
+    >>> Controller(arm, Reconstructed(place, 0.1) >> OrientationTask(0.0, gain=2.0))(q).v.round(3)
+    array([ 1.518, -2.361,  2.643])
     """
 
     task: Task = structure()

@@ -66,6 +66,14 @@ class MinimumTorqueTask(Part):
         If a weight is not positive or larger than 1e15, the range is no pair of finite numbers, the lowest
         below the highest, the order is not acceleration, or the robot has no ``mass_matrix(q)`` or
         ``bias(q, v)``, or a floating base.
+
+    Examples
+    --------
+    >>> from tasks import Controller, MinimumTorqueTask, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5], masses=[1.0, 1.0, 1.0])
+    >>> stack = PositionTask([1.0, 0.2], gain=5.0) >> MinimumTorqueTask()
+    >>> Controller(arm, stack, order="torque", dt=0.01)([1.1, -1.3, -0.7], [0.0, 0.0, 0.0]).tau.round(3)
+    array([8.809, 2.208, 0.265])
     """
 
     rows = None

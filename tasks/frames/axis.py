@@ -102,6 +102,14 @@ class AxisTask(PointingTask):
     ------
     InvalidInput
         If a direction is zero or not finite.
+
+    Examples
+    --------
+    >>> from tasks import AxisTask, Controller, load_robot
+    >>> panda = load_robot("panda", lock=["panda_finger_joint1"])
+    >>> down = AxisTask([0.0, 0.0, -1.0], axis=[0.0, 0.0, 1.0], gain=2.0)  # the hand's z axis
+    >>> Controller(panda, down)(panda.home).solution.levels[0].rank
+    2
     """
 
     def __init__(

@@ -46,6 +46,14 @@ class CenterOfMassTask(PositionTask):
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
         Used in messages, tables and records (default: "center of mass").
+
+    Examples
+    --------
+    >>> from tasks import CenterOfMassTask, Controller, load_robot
+    >>> panda = load_robot("panda", lock=["panda_finger_joint1"])
+    >>> lean = CenterOfMassTask([0.1, 0.0], mask="xy", gain=2.0)
+    >>> Controller(panda, lean)(panda.home).v.shape
+    (7,)
     """
 
     def __init__(

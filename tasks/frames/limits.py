@@ -53,6 +53,15 @@ class FrameVelocityLimit(Part):
     ------
     InvalidInput
         If a limit is not positive, or there is not one a coordinate.
+
+    Examples
+    --------
+    >>> from tasks import Controller, FrameVelocityLimit, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> stack = FrameVelocityLimit(0.1, mask="xy") >> PositionTask([1.0, 0.2], gain=2.0)
+    >>> Controller(arm, stack, dt=0.01)(q).v.round(3)
+    array([ 0.16 , -0.035, -0.115])
     """
 
     is_limit: ClassVar[bool] = True
@@ -144,6 +153,15 @@ class BoxLimit(Inequality):
     ------
     InvalidInput
         If a corner is not three numbers, or `lower` not below `upper`.
+
+    Examples
+    --------
+    >>> from tasks import BoxLimit, Controller, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> stack = BoxLimit([0.0, 0.0], [0.9, 1.0], gain=5.0) >> PositionTask([1.2, 0.2], gain=2.0)
+    >>> Controller(arm, stack, dt=0.01)(q).v.round(3)
+    array([ 1.269, -0.636, -0.979])
     """
 
     def __init__(
@@ -210,6 +228,15 @@ class PlaneLimit(Inequality):
     gain : float
         The rate [1/s] at which the plane is neared.
     name : str, optional
+
+    Examples
+    --------
+    >>> from tasks import Controller, PlanarArm, PlaneLimit, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> stack = PlaneLimit([0.0, 1.0, 0.0], 0.2, gain=5.0) >> PositionTask([1.0, 0.0], gain=2.0)
+    >>> Controller(arm, stack, dt=0.01)(q).v.round(3)
+    array([ 1.253,  0.069, -0.373])
     """
 
     task: PlaneTask = structure()

@@ -53,6 +53,14 @@ class LookAtTask(PointingTask):
     ------
     InvalidInput
         If the axis has no direction.
+
+    Examples
+    --------
+    >>> from tasks import Controller, LookAtTask, load_robot
+    >>> panda = load_robot("panda", lock=["panda_finger_joint1"])
+    >>> look = LookAtTask([1.0, 0.5, 0.2], gain=2.0)  # with the hand's z axis
+    >>> Controller(panda, look)(panda.home).solution.levels[0].rank
+    2
     """
 
     def __init__(

@@ -51,6 +51,14 @@ class OrientationTask(PlacementTask):
     ------
     InvalidInput
         If the target is no rotation, or a mask stands beside one angle; and, with a robot, if it has no such frame.
+
+    Examples
+    --------
+    >>> from tasks import Controller, OrientationTask, PlanarArm
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> Controller(arm, OrientationTask(0.0, gain=2.0))(q).v.round(3)
+    array([0.6, 0.6, 0.6])
     """
 
     def __init__(

@@ -53,6 +53,14 @@ class PlaneTask(FrameTask, LoopTask):
     ------
     InvalidInput
         If the normal has no direction, or the distance is not finite.
+
+    Examples
+    --------
+    >>> from tasks import Controller, PlanarArm, PlaneTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> Controller(arm, PlaneTask([0.0, 1.0, 0.0], 0.3, gain=2.0))(q).v.round(3)
+    array([0.396, 0.308, 0.12 ])
     """
 
     rows = 1

@@ -60,6 +60,13 @@ class PoseTask(PlacementTask):
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
         Used in messages, tables and records (default: "pose").
+
+    Examples
+    --------
+    >>> from math import pi
+    >>> from tasks import PoseTask, from_rpy
+    >>> PoseTask([0.4, 0.2, 0.5], from_rpy(pi, 0.0, 0.0), gain=2.0)
+    PoseTask([0.4, 0.2, 0.5], rotation by [3.1416, 0.0, 0.0], reference='local_world_aligned', gain=2)
     """
 
     def __init__(

@@ -47,6 +47,14 @@ class PositionTask(PlacementTask):
     ------
     InvalidInput
         If the target does not fit the mask; and, with a robot, if it has no such frame.
+
+    Examples
+    --------
+    >>> from tasks import Controller, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> Controller(arm, PositionTask([1.0, 0.2], gain=2.0))(q).v.round(3)
+    array([ 0.538,  0.002, -0.206])
     """
 
     def __init__(

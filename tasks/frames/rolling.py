@@ -162,6 +162,15 @@ class RollingTask(WheelTask):
     ------
     InvalidInput
         If the radius is not positive, or the normal has no direction; with a robot, if it moves in the plane.
+
+    Examples
+    --------
+    >>> from tasks import RollingTask, load_robot
+    >>> panda = load_robot("panda", lock=["panda_finger_joint1"])
+    >>> task = RollingTask(0.1, frame="panda_hand", gain=2.0)  # as if the hand were a wheel
+    >>> height = panda.at(panda.home).frame("panda_hand").position[2]
+    >>> bool(abs(task.error(panda.at(panda.home), 0.0)[-1] - (0.1 - height)) < 1e-12)
+    True
     """
 
     rows = 3
@@ -205,6 +214,15 @@ class OmniwheelTask(WheelTask):
     InvalidInput
         If the radius is not positive, or a vector has no direction; with a robot, if it moves in the plane. Where the
         axle is upright the tick is INVALID.
+
+    Examples
+    --------
+    >>> from tasks import OmniwheelTask, load_robot
+    >>> panda = load_robot("panda", lock=["panda_finger_joint1"])
+    >>> task = OmniwheelTask(0.1, axle=[1.0, 0.0, 0.0], frame="panda_hand", gain=2.0)  # as if the hand were a wheel
+    >>> height = panda.at(panda.home).frame("panda_hand").position[2]
+    >>> bool(abs(task.error(panda.at(panda.home), 0.0)[-1] - (0.1 - height)) < 1e-12)
+    True
     """
 
     rows = 2

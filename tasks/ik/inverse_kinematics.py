@@ -148,6 +148,14 @@ def solve_ik(
     InvalidInput
         If the stack does not fit the robot, has no task, or not those of the goal; or q0, a tolerance or the number of
         iterations means nothing.
+
+    Examples
+    --------
+    >>> from tasks import PlanarArm, PositionTask, solve_ik
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> result = solve_ik(arm, PositionTask([1.0, 0.2], gain=1.0), [1.1, -1.3, -0.7])
+    >>> result.reached, arm.pose(result.q)[:2].round(3)
+    (True, array([1. , 0.2]))
     """
     stack = stack if isinstance(stack, Stack) else Stack(stack)
     check_states(as_robot(robot))

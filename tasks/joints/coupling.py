@@ -77,6 +77,14 @@ class JointCouplingTask(LoopTask, TargetTask):
     ------
     InvalidInput
         If a factor is not finite, or all are zero; and, with a robot, if it has no such joint.
+
+    Examples
+    --------
+    >>> from tasks import Controller, JointCouplingTask, PlanarArm
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> Controller(arm, JointCouplingTask({0: 1.0, 1: 1.0}, 0.0, gain=2.0))(q).v.round(3)
+    array([0.2, 0.2, 0. ])
     """
 
     rows = 1

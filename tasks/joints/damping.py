@@ -53,6 +53,14 @@ class Damping(Part):
     ------
     InvalidInput
         If a weight is negative or larger than 1e15.
+
+    Examples
+    --------
+    >>> from tasks import Controller, Damping, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> Controller(arm, PositionTask([1.0, 0.2], gain=2.0) + Damping(0.1))(q).v.round(3)
+    array([ 0.526,  0.001, -0.18 ])
     """
 
     plain = True

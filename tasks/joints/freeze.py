@@ -45,6 +45,14 @@ class Freeze(JointSpeeds):
     InvalidInput
         If neither or both are given; with a robot, if it has no such joint or none is left; and at acceleration order,
         if the controller has no dt.
+
+    Examples
+    --------
+    >>> from tasks import Controller, Freeze, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> controller = Controller(arm, Freeze([1]) >> PositionTask([1.0, 0.6], gain=2.0), dt=0.01, damping=None)
+    >>> float(controller([0.4, 0.6, 0.3]).v[1])
+    0.0
     """
 
     is_limit: ClassVar[bool] = True

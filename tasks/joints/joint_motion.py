@@ -46,6 +46,15 @@ class JointMotion(Part):
     ------
     InvalidInput
         If `task` is no Task, or the damping is negative.
+
+    Examples
+    --------
+    >>> from tasks import Controller, JointMotion, OrientationTask, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> stack = OrientationTask(0.0, gain=2.0) >> JointMotion(PositionTask([1.0, 0.2], gain=2.0))
+    >>> Controller(arm, stack)(q).v.round(3)
+    array([1.029, 0.478, 0.293])
     """
 
     task: Task = structure()

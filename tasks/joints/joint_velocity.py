@@ -88,6 +88,14 @@ class JointVelocityTask(JointSpeeds):
     InvalidInput
         If the target is not finite, or a gain not positive; with a robot, if the target does not fit the joints or it
         has no such joint; with a controller of acceleration order, if a gain is more than 2/dt, or neither is given.
+
+    Examples
+    --------
+    >>> from tasks import Controller, JointVelocityTask, PlanarArm, Stack
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> stack = Stack(JointVelocityTask([0.2, -0.1], joints=[0, 2]))
+    >>> Controller(arm, stack, dt=0.01)([0.4, 0.6, 0.3]).v.round(9).tolist()
+    [0.2, 0.0, -0.1]
     """
 
     def __init__(

@@ -57,6 +57,14 @@ class LinearHolonomicTask(LoopTask, TargetTask):
     InvalidInput
         If A is no matrix of finite numbers, or a row of it is zero; with a robot, if A, b or q0 does not fit it, or A
         counts a joint without a single position.
+
+    Examples
+    --------
+    >>> from tasks import LinearHolonomicTask, PlanarArm
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> task = LinearHolonomicTask([[1.0, 1.0, 0.0]], 0.5, q0=[0.1, 0.2, 0.0], gain=2.0)
+    >>> task.error(arm.at([0.3, 0.2, 0.9]), 0.0).round(9).tolist()
+    [0.3]
     """
 
     def __init__(

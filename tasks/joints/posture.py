@@ -55,6 +55,14 @@ class PostureTask(LoopTask, TargetTask):
     ------
     InvalidInput
         If the target fits neither the joints nor, with a robot, its configurations, or there is no such joint.
+
+    Examples
+    --------
+    >>> from tasks import Controller, PlanarArm, PostureTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> Controller(arm, PostureTask([0.0, 0.0, 0.0], gain=2.0))(q).v.round(3)
+    array([-2.2,  2.6,  1.4])
     """
 
     plain = True

@@ -47,6 +47,13 @@ class JointLimits(Part):
     ------
     InvalidInput
         If something else is given, or two of a kind; and, with a robot, if nothing is limited.
+
+    Examples
+    --------
+    >>> from tasks import Controller, JointLimits, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5], position_limit=(-2.0, 2.0), velocity_limit=0.3)
+    >>> Controller(arm, JointLimits() >> PositionTask([1.0, 0.2], gain=2.0), dt=0.01)([1.1, -1.3, -0.7]).v.round(3)
+    array([ 0.3  ,  0.275, -0.3  ])
     """
 
     is_limit: ClassVar[bool] = True

@@ -73,6 +73,15 @@ class JointPositionLimit(JointLimit):
     InvalidInput
         If only one of the two is given, a lowest position is above the highest, or the return speed is not positive;
         and, with a robot, if a range is given to a joint without a position.
+
+    Examples
+    --------
+    >>> from tasks import Controller, JointPositionLimit, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> stack = JointPositionLimit([-1.0, -1.32, -1.0], 1.2) >> PositionTask([1.0, 0.2], gain=2.0)
+    >>> Controller(arm, stack, dt=0.01)(q).v.round(3)
+    array([ 0.528,  0.028, -0.237])
     """
 
     quantity: ClassVar[Quantity] = "position"

@@ -58,6 +58,14 @@ class JointTorqueLimit(Part):
         If a limit is not positive, or the first speed not below the second; and, with a robot, if there is not one a
         joint, the order is velocity, the base floats and the stack has no :class:`~tasks.Dynamics`, or the robot does
         not know its mass matrix.
+
+    Examples
+    --------
+    >>> from tasks import Controller, JointTorqueLimit, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5], masses=[1.0, 1.0, 1.0])
+    >>> stack = JointTorqueLimit(2.0) >> PositionTask([1.0, 0.2], gain=5.0)
+    >>> Controller(arm, stack, order="torque", dt=0.01)([1.1, -1.3, -0.7], [0.0, 0.0, 0.0]).tau.round(3)
+    array([2.   , 1.991, 0.564])
     """
 
     is_limit: ClassVar[bool] = True

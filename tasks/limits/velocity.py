@@ -20,6 +20,15 @@ class JointVelocityLimit(SymmetricLimit):
     limit : float or array, shape (nv,), optional
         [rad/s], [m/s]; None for the robot's own. 0 holds a joint.
     name : str, optional
+
+    Examples
+    --------
+    >>> from tasks import Controller, JointVelocityLimit, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> stack = JointVelocityLimit([0.1, 1.0, 1.0]) >> PositionTask([1.0, 0.2], gain=2.0)
+    >>> Controller(arm, stack, dt=0.01)(q).v.round(3)
+    array([ 0.1  ,  0.807, -0.997])
     """
 
     quantity: ClassVar[Quantity] = "velocity"

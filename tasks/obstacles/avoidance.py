@@ -63,6 +63,15 @@ class AvoidanceTask(Part):
     ------
     InvalidInput
         If a number is not positive, or a link is none of the robot's.
+
+    Examples
+    --------
+    >>> from tasks import AvoidanceTask, Controller, PlanarArm, PositionTask, Sphere, planar_links
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> away = AvoidanceTask(planar_links(arm, 0.02), [Sphere([0.6, 0.7], 0.1)], influence=0.2, speed=0.5)
+    >>> Controller(arm, PositionTask([1.0, 0.2], gain=2.0) >> away)(q).v.round(3)
+    array([ 0.543, -0.008, -0.194])
     """
 
     rows = 1

@@ -43,6 +43,14 @@ class CollisionLimit(ShapesLimit):
     InvalidInput
         If there is no obstacle or one is no solid, the margin is negative, the gain not positive or more than 1/dt, the
         robot has no shapes, or a name is no body with a shape that moves.
+
+    Examples
+    --------
+    >>> from tasks import Box, CollisionLimit, Controller, JointLimits, PositionTask, load_robot
+    >>> panda = load_robot("panda", lock=["panda_finger_joint1"])
+    >>> stack = JointLimits() >> CollisionLimit([Box([0.4, 0.4, 0.1])], margin=0.02, gain=5.0)
+    >>> Controller(panda, stack >> PositionTask([0.3, 0.0, 0.2], gain=2.0), dt=0.01)(panda.home).solution.certify().ok
+    True
     """
 
     obstacles: tuple[Solid, ...] = structure()

@@ -82,6 +82,16 @@ class DistanceLimit(Part):
     InvalidInput
         If the margin is negative, the gain not positive or more than 1/dt, the controller has no dt, or a link is
         none of the robot's, or if nothing limits the joint speeds.
+
+    Examples
+    --------
+    >>> from tasks import Controller, DistanceLimit, JointVelocityLimit, PlanarArm, PositionTask, Sphere, planar_links
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> clear = DistanceLimit(planar_links(arm, 0.02), [Sphere([0.9, 0.2], 0.1)], margin=0.02, gain=5.0)
+    >>> stack = JointVelocityLimit(2.0) + clear >> PositionTask([1.0, 0.2], gain=2.0)
+    >>> Controller(arm, stack, dt=0.01)(q).v.round(3)
+    array([ 0.972, -2.   ,  0.251])
     """
 
     is_limit: ClassVar[bool] = True

@@ -37,6 +37,12 @@ class LinkCapsule(Live):
     ------
     InvalidInput
         If the radius is negative or the end neither a name nor a point.
+
+    Examples
+    --------
+    >>> from tasks import LinkCapsule
+    >>> LinkCapsule("panda_link5", "panda_link6", 0.06, name="forearm")
+    LinkCapsule('panda_link5', 'panda_link6', 0.06)
     """
 
     frame: str = structure()
@@ -91,7 +97,20 @@ class LinkCapsule(Live):
 
 
 def planar_links(arm: PlanarArm, radius: float) -> tuple[LinkCapsule, ...]:
-    """Every link of a planar arm, from the base on, with a radius [m]."""
+    """Every link of a planar arm, from the base on, with a radius [m].
+
+    Parameters
+    ----------
+    arm : PlanarArm
+    radius : float
+        Of every link [m].
+
+    Examples
+    --------
+    >>> from tasks import PlanarArm, planar_links
+    >>> [link.name for link in planar_links(PlanarArm([0.5, 0.5, 0.5]), 0.05)]
+    ['link 1', 'link 2', 'link 3']
+    """
     lengths = of_type(arm, PlanarArm, "arm").lengths
     return tuple(
         LinkCapsule(f"link{i + 1}", [-length, 0.0], radius, name=f"link {i + 1}") for i, length in enumerate(lengths)

@@ -44,6 +44,14 @@ class SelfCollisionLimit(ShapesLimit):
     InvalidInput
         If the margin is negative, the gain not positive or more than 1/dt, the robot has no file of shapes, a frame is
         none of its, or no pair is left; or if a file is no SRDF.
+
+    Examples
+    --------
+    >>> from tasks import Controller, JointLimits, PositionTask, SelfCollisionLimit, load_robot
+    >>> panda = load_robot("panda", lock=["panda_finger_joint1"])
+    >>> stack = JointLimits() + SelfCollisionLimit(margin=0.02, gain=5.0) >> PositionTask([0.0, 0.1, 0.3], gain=2.0)
+    >>> Controller(panda, stack, dt=0.01)(panda.home).solution.certify().ok
+    True
     """
 
     asked: tuple[Both, ...] | None = structure()

@@ -65,6 +65,14 @@ class Sphere(Obstacle):
     ------
     InvalidInput
         If the centre is not two or three finite numbers, or the radius not positive.
+
+    Examples
+    --------
+    >>> from tasks import Line, Sphere
+    >>> Sphere([0.6, 0.3], 0.1)
+    Sphere([0.6, 0.3], 0.1)
+    >>> Sphere(Line([0.6, 0.3], [0.6, 0.8], duration=2.0), 0.1)  # it moves
+    Sphere(Line([0.6, 0.3], [0.6, 0.8], 2), 0.1)
     """
 
     def __init__(self, centre: ArrayLike | Trajectory, radius: float) -> None:
@@ -114,6 +122,12 @@ class Capsule(Obstacle):
     ------
     InvalidInput
         If an end is not two or three finite numbers, or the radius not positive.
+
+    Examples
+    --------
+    >>> from tasks import Capsule
+    >>> Capsule([0.5, 0.0, 0.0], [0.5, 0.0, 1.0], 0.05)  # an upright pole
+    Capsule([0.5, 0.0, 0.0], [0.5, 0.0, 1.0], 0.05)
     """
 
     def __init__(self, start: ArrayLike, end: ArrayLike, radius: float) -> None:

@@ -65,6 +65,15 @@ class Box(Solid):
     ------
     InvalidInput
         If an edge is not positive, or `at` is no transform.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from tasks import Box
+    >>> place = np.eye(4)
+    >>> place[:3, 3] = [0.5, 0.0, 0.2]
+    >>> Box([0.6, 1.2, 0.04], place, name="table")
+    Box([0.6, 1.2, 0.04])
     """
 
     def __init__(self, size: ArrayLike, at: Any = ORIGIN, *, name: str = "box") -> None:
@@ -106,6 +115,12 @@ class Polyhedron(Solid):
     ------
     InvalidInput
         If the points lie in a plane or are not finite, or `at` is no transform.
+
+    Examples
+    --------
+    >>> from tasks import Polyhedron
+    >>> Polyhedron([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], name="corner")
+    Polyhedron(4 points)
     """
 
     def __init__(self, points: ArrayLike, at: Any = ORIGIN, *, name: str = "polyhedron") -> None:

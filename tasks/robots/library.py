@@ -129,7 +129,14 @@ def named(name: str) -> tuple[Entry, Path]:
 
 
 def available_robots() -> tuple[str, ...]:
-    """Names that :func:`load_robot` knows: the library's, and those of all other URDF files of example-robot-data."""
+    """Names that :func:`load_robot` knows: the library's, and those of all other URDF files of example-robot-data.
+
+    Examples
+    --------
+    >>> from tasks import available_robots
+    >>> "panda" in available_robots()
+    True
+    """
     return (*ROBOTS, *sorted(_others()))
 
 

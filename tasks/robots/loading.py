@@ -79,6 +79,13 @@ def load_robot(
         joint is held or limited where it cannot be; tells the element, and what is near.
     MissingPackage
         If Pinocchio is not installed; for a name, example-robot-data; for MJCF, MuJoCo.
+
+    Examples
+    --------
+    >>> from tasks import load_robot
+    >>> panda = load_robot("panda", lock=["panda_finger_joint1"])
+    >>> panda.nv, panda.tip
+    (7, 'panda_hand_tcp')
     """
     entry, file, what = _find(source)
     chosen = _base(base, floating_base, entry)

@@ -63,10 +63,21 @@ def manipulability(J: ArrayLike) -> Array:
 
     It is 0 where J has more rows than columns: some direction cannot be moved.
 
+    Parameters
+    ----------
+    J : array, shape (..., m, n)
+        Jacobian of the task.
+
     Raises
     ------
     InvalidInput
         If J is not finite or has not two axes at least.
+
+    Examples
+    --------
+    >>> from tasks import manipulability
+    >>> float(manipulability([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]))
+    2.0
     """
     J = _jacobians(J)
     if J.shape[-2] > J.shape[-1]:
@@ -77,10 +88,21 @@ def manipulability(J: ArrayLike) -> Array:
 def velocity_ellipse(J: ArrayLike) -> VelocityEllipse:
     """The image of the joint velocities of norm one (section 1.3.5).
 
+    Parameters
+    ----------
+    J : array, shape (..., m, n)
+        Jacobian of the task.
+
     Raises
     ------
     InvalidInput
         If J is not finite or has not two axes at least.
+
+    Examples
+    --------
+    >>> from tasks import velocity_ellipse
+    >>> velocity_ellipse([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]).half_axes
+    array([2., 1.])
     """
     J = _jacobians(J)
     directions, values, _ = np.linalg.svd(J)
@@ -102,6 +124,13 @@ def task_degrees(J: ArrayLike, tolerance: float = RANK_TOLERANCE) -> Degrees:
     ------
     InvalidInput
         If J is not finite or has not two axes at least, or the tolerance is out of range.
+
+    Examples
+    --------
+    >>> from tasks import task_degrees
+    >>> degrees = task_degrees([[1.0, 0.0, 0.0], [2.0, 0.0, 0.0]])
+    >>> int(degrees.manipulability), int(degrees.redundancy)
+    (1, 2)
     """
     J = _jacobians(J)
     share = positive_number(tolerance, "tolerance", below=1.0)

@@ -104,6 +104,14 @@ class PinocchioRobot(Configurations, Shaped, PinocchioModel):
     InvalidInput
         If there is no such frame, a limit is not positive, lowest above highest, or of a joint without position, or the
         model moves nothing or has names, axes or numbers that mean nothing; names the joint.
+
+    Examples
+    --------
+    >>> import pinocchio as pin
+    >>> from tasks import PinocchioRobot
+    >>> sample = PinocchioRobot(pin.buildSampleModelManipulator(), tip="effector_body")
+    >>> sample.nq, sample.nv
+    (6, 6)
     """
 
     home: Array

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class PinocchioState(Transforms):
-    """A robot at one instant; see :class:`tasks.robots.robot.RobotState`."""
+    """A robot at one instant; see :class:`tasks.RobotState`."""
 
     def __init__(self, robot: PinocchioModel, q: Array, v: Array) -> None:
         self.robot, self.q, self.v = robot, q, v

@@ -42,7 +42,7 @@ PLANE = [0, 1, 5]
 
 class PlanarState(Transforms):
     """A planar arm at one instant, each quantity computed when first asked for; see
-    :class:`tasks.robots.robot.RobotState`.
+    :class:`tasks.RobotState`.
 
     Attributes
     ----------
@@ -124,6 +124,15 @@ class PlanarArm(Configurations, Live):
     InvalidInput
         If there is no link, a length, mass or limit is not positive or larger than 1e15, or a lowest
         joint angle is not below the highest.
+
+    Examples
+    --------
+    >>> from tasks import PlanarArm
+    >>> arm = PlanarArm([0.5, 0.5, 0.5], masses=[1.0, 1.0, 1.0], velocity_limit=2.0)
+    >>> arm.pose([0.0, 0.0, 0.0])  # x, y [m] and angle [rad] of the tip
+    array([1.5, 0. , 0. ])
+    >>> arm.nq, arm.nv
+    (3, 3)
     """
 
     lengths: Array = structure()

@@ -42,6 +42,12 @@ def skeleton(robot: Robot, q: ArrayLike, *, frames: Iterable[str] = ()) -> Array
     ------
     InvalidInput
         If q does not fit, there is no such frame, or the robot tells neither points nor joints.
+
+    Examples
+    --------
+    >>> from tasks import PlanarArm, skeleton
+    >>> skeleton(PlanarArm([0.5, 0.5]), [0.0, 0.0]).shape
+    (2, 2, 3)
     """
     as_robot(robot)
     names = [of_type(name, str, "frames: name") for name in listed(frames, "frames", "names")]

@@ -6,6 +6,8 @@ from typing import Protocol
 
 import numpy as np
 
+from hqp.checks import of_type
+
 from ..base.checks import Array
 from ..base.rotations import about
 from .frame import Frame
@@ -42,6 +44,9 @@ class Transforms:
         InvalidInput
             If there is no such frame; tells the nearest names.
         """
+        for what, name in ("frame", frame), ("relative_to", relative_to):
+            if name is not None:
+                of_type(name, str, f"transform: {what}")
         own = _matrix(self.frame(frame))
         if relative_to is None:
             return own

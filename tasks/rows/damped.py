@@ -46,6 +46,15 @@ class Damped(Stack):
     looks at singular values or grows with the error, if the levels above ask for more than to stay within bounds that
     rest keeps. A lowest level is none. What its damping costs the level is told by ``step.relaxed``. ``solve_ik``,
     whose steps are bounded in a way of their own, takes the level and leaves its damping out.
+
+    Examples
+    --------
+    >>> from tasks import Controller, Damped, OrientationTask, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> stack = PositionTask([1.0, 0.2], gain=2.0) >> Damped(OrientationTask(0.0, gain=2.0), 0.1)
+    >>> Controller(arm, stack)(q).v.round(3)
+    array([ 1.456, -2.211,  2.462])
     """
 
     def __init__(self, level: Part | Stack, rule: DampingRule | float | None) -> None:

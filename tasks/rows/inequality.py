@@ -162,6 +162,14 @@ class AtLeast(Inequality):
     ------
     InvalidInput
         If it is no task; and, with a controller of velocity order, if its gain is more than 1/dt.
+
+    Examples
+    --------
+    >>> from tasks import AtLeast, Controller, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> Controller(arm, AtLeast(PositionTask([0.5], mask="y", gain=5.0)), dt=0.01)(q).v.round(3)
+    array([1.562, 1.217, 0.472])
     """
 
     def __init__(self, task: Task) -> None:
@@ -169,17 +177,20 @@ class AtLeast(Inequality):
 
 
 class AtMost(Inequality):
-    """Keep what a task measures at its target or below, row by row.
+    """Keep what a task measures at its target or below, row by row; see :class:`AtLeast`.
 
     Parameters
     ----------
     task : Task
         Its target is the bound, its gain the rate at which the bound is neared.
 
-    Raises
-    ------
-    InvalidInput
-        If it is no task; and, with a controller of velocity order, if its gain is more than 1/dt.
+    Examples
+    --------
+    >>> from tasks import AtMost, Controller, PlanarArm, PositionTask
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> Controller(arm, AtMost(PositionTask([0.5], mask="x", gain=5.0)), dt=0.01)(q).v.round(3)
+    array([-0.302, -3.267, -2.606])
     """
 
     def __init__(self, task: Task) -> None:
@@ -201,6 +212,15 @@ class Within(Inequality):
     ------
     InvalidInput
         If a tolerance is negative or not a number; see also :class:`AtLeast`.
+
+    Examples
+    --------
+    >>> from tasks import Controller, OrientationTask, PlanarArm, PositionTask, Within
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> q = [1.1, -1.3, -0.7]
+    >>> reach = Within(OrientationTask(-0.8, gain=5.0), 0.05) >> PositionTask([1.0, 0.2], gain=2.0)
+    >>> Controller(arm, reach, dt=0.01)(q).v.round(3)
+    array([ 0.543, -0.008, -0.194])
     """
 
     def __init__(self, task: Task, tolerance: ArrayLike, *, below: ArrayLike | None = None) -> None:

@@ -91,6 +91,13 @@ class Stack(Live):
     ------
     InvalidInput
         If there is nothing in it, something is neither a task nor a limit, or one of them comes twice.
+
+    Examples
+    --------
+    >>> from tasks import JointVelocityLimit, OrientationTask, PositionTask
+    >>> limits = JointVelocityLimit(2.0)
+    >>> limits >> PositionTask([1.0, 0.2], gain=2.0) + OrientationTask(0.0, gain=2.0)
+    JointVelocityLimit(2.0) >> PositionTask([1.0, 0.2], gain=2) + OrientationTask([0.0], gain=2)
     """
 
     levels: tuple[tuple[Part, ...], ...] = structure()

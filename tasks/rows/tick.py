@@ -21,8 +21,19 @@ PER: dict[str, str] = {"velocity": "/s", "acceleration": "/s^2", "step": ""}
 class Tick:
     """One call of the controller.
 
-    Robot, its state, the time t [s], the order of control, the tick dt [s], and what the joint limits of the
-    stack know of each other.
+    Parameters
+    ----------
+    robot : Robot
+    state : RobotState
+        The robot at (q, v).
+    t : float
+        The time [s].
+    order : {"velocity", "acceleration", "step"}
+        What x is.
+    dt : float or None
+        The time between two calls [s].
+    envelope : Envelope, optional
+        What the joint limits of the stack know of each other.
     """
 
     robot: Robot

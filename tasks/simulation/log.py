@@ -18,7 +18,7 @@ from ..rows.part import Part
 from .account import Shortfall, shortfalls
 from .record import Record, Stop
 
-#: How far x may be from a bound and still count as on it, in units of 1 + |x|.
+#: How far x may be from a bound and still count as on it, in units of ``1 + |x|``.
 AT_BOUND = 1e-9
 #: Bounds of a limit that is not in the stack.
 FREE = (-np.inf, np.inf)

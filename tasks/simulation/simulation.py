@@ -56,6 +56,15 @@ class Change:
         How long it takes [s].
     law : callable
         A timing law.
+
+    Examples
+    --------
+    >>> from tasks import Change, Controller, OrientationTask, PlanarArm, PositionTask, simulate
+    >>> arm, place = PlanarArm([0.5, 0.5, 0.5]), PositionTask([1.0, 0.2], gain=5.0)
+    >>> other = Change(0.5, OrientationTask(0.0, gain=5.0) >> place, duration=0.2)
+    >>> record = simulate(Controller(arm, place, dt=0.01), [1.1, -1.3, -0.7], duration=1.0, changes=[other])
+    >>> bool(abs(record.errors["orientation"][-1, 0]) < 0.1)
+    True
     """
 
     t: float
@@ -129,6 +138,15 @@ def simulate(
     InvalidInput
         If the controller has no dt, the start is not finite or has the wrong shape, a number is
         out of range, the run would take more than `MOST_TICKS`, or a plant is given no torques.
+
+    Examples
+    --------
+    >>> from tasks import Controller, PlanarArm, PositionTask, simulate
+    >>> arm = PlanarArm([0.5, 0.5, 0.5])
+    >>> controller = Controller(arm, PositionTask([1.0, 0.2], gain=5.0), dt=0.01)
+    >>> record = simulate(controller, [1.1, -1.3, -0.7], duration=1.0)
+    >>> record.q.shape, bool(abs(record.errors["position"][-1]).max() < 0.01)
+    ((101, 3), True)
     """
     run = _Run(controller, q0, v0, duration, start, speed_cap, certify, proof, changes, plant)
     progress = None if progress is None else function(progress, "progress")

@@ -83,6 +83,13 @@ class Line(Path):
     ------
     InvalidInput
         If the ends do not match or are not finite, the duration is not positive, or the timing is none.
+
+    Examples
+    --------
+    >>> from tasks import Line
+    >>> position, velocity, acceleration = Line([0.0, 0.0], [1.0, 0.0], duration=2.0)(1.0)
+    >>> position, velocity, acceleration
+    (array([0.5, 0. ]), array([0.75, 0.  ]), array([0., 0.]))
     """
 
     def __init__(self, start: ArrayLike, end: ArrayLike, duration: float, timing: Timing = cubic) -> None:
@@ -122,6 +129,13 @@ class Circle(Path):
     InvalidInput
         If the centre is no place in the plane, an angle is not finite or the turn larger than 1e15, the radius or the
         duration is not positive, or the timing is none.
+
+    Examples
+    --------
+    >>> from tasks import Circle
+    >>> position, velocity, _ = Circle([0.5, 0.0], 0.2, duration=2.0)(0.5)
+    >>> position.round(3), velocity.round(3)
+    (array([0.611, 0.166]), array([-0.588,  0.393]))
     """
 
     def __init__(
@@ -175,6 +189,13 @@ class Chain:
     ------
     InvalidInput
         If there is no piece, one has no duration or is no trajectory, or two do not meet; names the pieces.
+
+    Examples
+    --------
+    >>> from tasks import Chain, Line
+    >>> path = Chain([Line([0.0, 0.0], [1.0, 0.0], duration=1.0), Line([1.0, 0.0], [1.0, 1.0], duration=1.0)])
+    >>> path.duration, path(1.5)[0]
+    (2.0, array([1. , 0.5]))
     """
 
     pieces: tuple[Piece, ...]
@@ -236,6 +257,13 @@ class Polygon(Chain):
     InvalidInput
         If there are no two corners, two that follow each other are the same or one is not finite, the duration is
         not positive, or the timing is none.
+
+    Examples
+    --------
+    >>> from tasks import Polygon
+    >>> path = Polygon([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], duration=3.0)
+    >>> path(1.0)[0], path(3.0)[0]
+    (array([1., 0.]), array([0., 0.]))
     """
 
     def __init__(self, corners: ArrayLike, duration: float, timing: Timing = cubic, *, closed: bool = True) -> None:

@@ -49,27 +49,77 @@ def _at_rest_outside(law: Timing) -> Timing:
 
 @_at_rest_outside
 def cubic(u: float) -> tuple[float, float, float]:
-    """``s = 3u^2 - 2u^3``: the least degree that rests at both ends. Its acceleration jumps there."""
+    """``s = 3u^2 - 2u^3``: the least degree that rests at both ends. Its acceleration jumps there.
+
+    Parameters
+    ----------
+    u : float
+        Share of the duration that is over; at rest below 0 and above 1.
+
+    Returns
+    -------
+    tuple of float
+        s, and its first and second derivative by u.
+    """
     return u * u * (3.0 - 2.0 * u), 6.0 * u * (1.0 - u), 6.0 - 12.0 * u
 
 
 @_at_rest_outside
 def quintic(u: float) -> tuple[float, float, float]:
-    """``s = 10u^3 - 15u^4 + 6u^5``: no acceleration at the ends either, so that only the jerk jumps."""
+    """``s = 10u^3 - 15u^4 + 6u^5``: no acceleration at the ends either, so that only the jerk jumps.
+
+    Parameters
+    ----------
+    u : float
+        Share of the duration that is over; at rest below 0 and above 1.
+
+    Returns
+    -------
+    tuple of float
+        s, and its first and second derivative by u.
+
+    Examples
+    --------
+    >>> from tasks import quintic
+    >>> quintic(0.5)
+    (0.5, 1.875, 0.0)
+    """
     rest = 1.0 - u
     return u * u * u * (10.0 - u * (15.0 - 6.0 * u)), 30.0 * (u * rest) ** 2, 60.0 * u * rest * (1.0 - 2.0 * u)
 
 
 @_at_rest_outside
 def harmonic(u: float) -> tuple[float, float, float]:
-    """``s = (1 - cos(pi u)) / 2``: half a swing of a pendulum. Its acceleration jumps at the ends."""
+    """``s = (1 - cos(pi u)) / 2``: half a swing of a pendulum. Its acceleration jumps at the ends.
+
+    Parameters
+    ----------
+    u : float
+        Share of the duration that is over; at rest below 0 and above 1.
+
+    Returns
+    -------
+    tuple of float
+        s, and its first and second derivative by u.
+    """
     # sin^2 of half the angle: the same, without the difference of two near numbers at small u.
     return sin(0.5 * pi * u) ** 2, 0.5 * pi * sin(pi * u), 0.5 * pi * pi * cos(pi * u)
 
 
 @_at_rest_outside
 def cycloid(u: float) -> tuple[float, float, float]:
-    """``s = u - sin(2 pi u) / (2 pi)``: no acceleration at the ends either, so that only the jerk jumps."""
+    """``s = u - sin(2 pi u) / (2 pi)``: no acceleration at the ends either, so that only the jerk jumps.
+
+    Parameters
+    ----------
+    u : float
+        Share of the duration that is over; at rest below 0 and above 1.
+
+    Returns
+    -------
+    tuple of float
+        s, and its first and second derivative by u.
+    """
     return u - sin(2.0 * pi * u) / (2.0 * pi), 2.0 * sin(pi * u) ** 2, 2.0 * pi * sin(2.0 * pi * u)
 
 

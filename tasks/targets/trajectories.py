@@ -32,6 +32,12 @@ class Fixed:
     ----------
     target : array, shape (rows,)
         In the unit of the task: [m] or [rad].
+
+    Examples
+    --------
+    >>> from tasks import Fixed
+    >>> Fixed([0.3, 0.4])(7.0)
+    (array([0.3, 0.4]), array([0., 0.]), array([0., 0.]))
     """
 
     def __init__(self, target: ArrayLike) -> None:
@@ -54,6 +60,15 @@ class Setpoint:
     ----------
     value : array, shape (rows,)
         Where it begins, in the unit of the task: [m] or [rad].
+
+    Examples
+    --------
+    >>> from tasks import PositionTask, Setpoint
+    >>> hand = Setpoint([0.3, 0.4])
+    >>> task = PositionTask(hand, gain=5.0)
+    >>> hand.move([0.3, 0.5])  # before a tick
+    >>> hand(0.0)[0]
+    array([0.3, 0.5])
     """
 
     def __init__(self, value: ArrayLike) -> None:

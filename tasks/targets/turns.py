@@ -32,6 +32,12 @@ class FixedRotation:
     Parameters
     ----------
     R : array, shape (3, 3)
+
+    Examples
+    --------
+    >>> from tasks import FixedRotation, from_rpy
+    >>> FixedRotation(from_rpy(0.0, 0.0, 0.5))
+    rotation by [0.0, 0.0, 0.5]
     """
 
     def __init__(self, R: ArrayLike) -> None:
@@ -52,6 +58,13 @@ class RotationSetpoint:
     ----------
     R : array, shape (3, 3)
         Where it begins.
+
+    Examples
+    --------
+    >>> from tasks import OrientationTask, RotationSetpoint, from_rpy
+    >>> hand = RotationSetpoint(from_rpy(0.0, 0.0, 0.0))
+    >>> task = OrientationTask(hand, gain=5.0)
+    >>> hand.move(from_rpy(0.0, 0.0, 0.5))  # before a tick
     """
 
     def __init__(self, R: ArrayLike) -> None:
@@ -102,6 +115,15 @@ class PoseSetpoint:
     ------
     InvalidInput
         If it is no transform.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from tasks import PoseSetpoint, PoseTask
+    >>> hand = PoseSetpoint(np.eye(4))
+    >>> task = PoseTask(hand, gain=5.0)
+    >>> hand.position(0.0)[0]
+    array([0., 0., 0.])
     """
 
     def __init__(self, T: Any) -> None:
@@ -177,6 +199,14 @@ class Turn:
         [s]; before it begins, and after, the rotation stands still.
     law : callable
         One of ``cubic``, ``quintic``, ``harmonic``, ``cycloid``.
+
+    Examples
+    --------
+    >>> from tasks import Turn, from_rpy
+    >>> turn = Turn(from_rpy(0.0, 0.0, 0.0), from_rpy(0.0, 0.0, 1.0), duration=2.0)
+    >>> R, omega, _ = turn(1.0)
+    >>> omega
+    array([0.    , 0.    , 0.9375])
     """
 
     def __init__(self, start: ArrayLike, end: ArrayLike, duration: float, law: Timing = quintic) -> None:

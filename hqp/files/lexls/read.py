@@ -24,6 +24,10 @@ def read(path: str | os.PathLike[str]) -> Problem:
     Comments, blank lines and the order of the fields in front are free. More is asked than LexLS asks: no row is
     longer or shorter than it should be, no field comes twice, and nothing else stands between the fields.
 
+    Parameters
+    ----------
+    path : str or path
+
     Raises
     ------
     InvalidInput

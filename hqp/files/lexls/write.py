@@ -66,6 +66,12 @@ def as_lexls(hierarchy: Hierarchy, x_ref: ArrayLike | None = None) -> Hierarchy:
     it names no variable twice; elsewhere they become rows. Labels are left out. Where `x_ref` is given, one more level
     comes last, ``x = x_ref``.
 
+    Parameters
+    ----------
+    hierarchy : Hierarchy
+    x_ref : array, shape (n,), optional
+        Reference of the implicit last level, which the format does not have: it becomes a level of rows.
+
     Raises
     ------
     InvalidInput

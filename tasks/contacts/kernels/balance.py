@@ -11,6 +11,7 @@ from ...robots.kernels import block as at
 from ...rows.kernels import law as of
 from . import layout as own
 
+#: Acceleration of gravity [m/s^2].
 GRAVITY = 9.81
 #: Heights [m] below which nothing is known of the pendulum, and cosine below which a contact is a wall.
 LOW, WALL = 1e-3, 0.5
