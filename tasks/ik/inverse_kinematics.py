@@ -171,14 +171,19 @@ def solve_ik(
     solution = problem.solve(RADIUS)
     if not solution.ok:
         status = f"stopped, {solution.status}: {solution.message}"
-    elif best.reached:
-        status = f"reached after {spent} iterations"
-    elif at_rest:
-        why = _why(solution, problem.unmet(best))
-        status = f"not reached after {spent} iterations, {begun} restarts among them: {why}"
     else:
-        status = f"not reached within {most} iterations, {begun} restarts among them"
+        unmet = "" if best.reached or not at_rest else _why(solution, problem.unmet(best))
+        status = _in_words(best.reached, spent, most, begun, unmet)
     return IkResult(best.q, best.reached, errors, spent, begun, solution, status)
+
+
+def _in_words(reached: bool, spent: int, most: int, begun: int, unmet: str) -> str:
+    """How the search ended; `unmet` is why no step is left, if it came to rest without the goal."""
+    if reached:
+        return f"reached after {spent} iterations"
+    if unmet:
+        return f"not reached after {spent} iterations, {begun} restarts among them: {unmet}"
+    return f"not reached within {most} iterations, {begun} restarts among them"
 
 
 def _tolerances(value: float | tuple[float, float]) -> Array:

@@ -102,17 +102,9 @@ def load_robot(
     named = {key: limit for key, limit in given.items() if isinstance(limit, Mapping)}
     model, neutral, rooms, recipe = _arranged(_limited(described, named, what), mimic, positions, what)
     _check_named(model, named, what)
-    others = {key: None if key in named else limit for key, limit in given.items()}
-    robot = PinocchioRobot(
-        model,
-        tip=entry.tip if tip is None else tip,
-        name=str(source) if entry.file else None,
-        position_limit=others["position"],
-        velocity_limit=others["velocity"],
-        acceleration_limit=acceleration_limit,
-        torque_limit=others["torque"],
-        rooms=rooms,
-    )
+    given = {f"{key}_limit": None if key in named else limit for key, limit in given.items()}
+    own: dict[str, Any] = {"tip": entry.tip if tip is None else tip, "name": str(source) if entry.file else None}
+    robot = PinocchioRobot(model, **own, **given, acceleration_limit=acceleration_limit, rooms=rooms)
     robot.start_from(neutral)
     _take_home(robot, entry)
     robot.recipe, robot.left_out, robot.closures = recipe, described.left_out, described.closures
