@@ -164,8 +164,10 @@ class MinorAxisTask(_MeasureOfTask):
         Usually one of the levels above.
     gain : float
         K [1/s], against the axis in the unit of J: [m] for the tip in the plane.
-    weight, name
-        See :class:`tasks.GradientTask`.
+    weight : float
+        Weight of the row inside its level, against those of other tasks joined by ``+``.
+    name : str, optional
+        Used in messages, tables and records.
 
     Raises
     ------

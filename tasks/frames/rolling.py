@@ -194,8 +194,14 @@ class OmniwheelTask(WheelTask):
         The axis of the wheel, in the frame of the hub.
     rollers : float
         From the direction in which the wheel drives, axle x normal, to the axes of its rollers, about the normal [rad].
-    frame, relative_to, normal, floor
-        See :class:`RollingTask`.
+    frame : str, optional
+        The hub, which turns with the wheel.
+    relative_to : str, optional
+        The floor, where it is no part of the world.
+    normal : array, shape (3,)
+        Of the plane, towards the wheel.
+    floor : float
+        How far the plane is from the origin, along the normal [m].
     gain : float or array, shape (rows,)
         K [1/s]: the rate at which the error decays.
     damping_ratio : float
