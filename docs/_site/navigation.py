@@ -21,6 +21,7 @@ NAVIGATION = {
         "contacts",
         "live",
         "coming-from-pink-or-mink",
+        "ported-programs",
         "examples/index",
     ],
     "Theory": ["theory", "backends"],

@@ -135,10 +135,8 @@ def of_mink(space: dict) -> np.ndarray:
     posture = mink.PostureTask(model, cost=0.1, gain=0.01)
     posture.set_target(robot.home)
     configuration = mink.Configuration(model, robot.home)
-    limits = [
-        mink.ConfigurationLimit(model),
-        mink.VelocityLimit(model, dict(zip(robot.joint_names, SPEEDS, strict=True))),
-    ]
+    speeds = mink.VelocityLimit(model, dict(zip(robot.joint_names, SPEEDS, strict=True)))
+    limits = [mink.ConfigurationLimit(model), speeds]
     motion = [robot.home]
     for k in range(len(space["motion"]) - 1):
         target = mink.SE3.from_rotation_and_translation(mink.SO3.from_matrix(rotation), goal(k * dt))
