@@ -61,7 +61,7 @@ class Misreader:
 
 def in_python(controller: Controller) -> Any:
     """Have a controller that damps by curvature ask for its stages in Python; its solver of stages."""
-    solver = controller._solver._solver  # type: ignore[union-attr]
+    solver = controller._now.solver._solver  # type: ignore[union-attr]
     solver._native = False
     solver._ask_for_stages(False)
     return solver

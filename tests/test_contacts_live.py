@@ -27,6 +27,8 @@ from tasks import (
     TorqueTask,
 )
 
+#: A quarter of a turn about z.
+TURNED = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 #: Another value for every number of every part.
 CHANGES: dict[str, dict[str, Any]] = {
     "contact": {
@@ -40,7 +42,14 @@ CHANGES: dict[str, dict[str, Any]] = {
         "weight": 3.0,
     },
     "dynamics": {"wrenches": {"torso_link": [30.0, 0.0, 0.0, 0.0, 0.0, 0.0]}, "weight": 2.0},
-    "loop": {"at": (0.02, 0.0, 0.0), "at_b": (0.0, 0.03, 0.0), "gain": 5.0, "damping_ratio": 2.0, "weight": 2.0},
+    "loop": {
+        "at": (0.02, 0.0, 0.0),
+        "at_b": (0.0, 0.03, 0.0),
+        "rotation": TURNED,
+        "gain": 5.0,
+        "damping_ratio": 2.0,
+        "weight": 2.0,
+    },
     "force": {"target": [50.0], "weight": 3.0},
     "pressure": {"target": [0.05, 0.01], "weight": 3.0},
     "momentum": {"target": [1.0, 2.0, 0.5], "gain": 2.0, "damping_ratio": 0.5, "weight": 3.0},

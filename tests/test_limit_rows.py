@@ -248,7 +248,7 @@ def test_numbers_that_cannot_be_are_refused_and_change_nothing() -> None:
         (FrameVelocityLimit(1.0), "limit", [1.0, 2.0], r"limit has shape \(2,\)"),
         (JointLimits(JointVelocityLimit(1.0)), "limits", (), "part of its structure"),
         (JointVelocityLimit(1.0), "name", "v", "part of its structure"),
-        (FrameVelocityLimit(1.0), "place", None, "part of its structure"),
+        (FrameVelocityLimit(1.0), "pose_task", None, "part of its structure"),
     ):
         before = getattr(part, name)
         with pytest.raises(InvalidInput, match=named):

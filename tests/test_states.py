@@ -138,7 +138,7 @@ NO_ROTATIONS = {
     "too long": 1.1 * np.eye(3),
     "off by 1e-5": np.eye(3) + 1e-5 * np.ones((3, 3)),
     "not finite": np.full((3, 3), np.nan),
-    "four by four": np.eye(4),
+    "four by four, no transform": np.ones((4, 4)),
     "words": "R",
 }
 

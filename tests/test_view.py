@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pinocchio as pin
 import pytest
+from interrupts import heard
 
 import tasks
 from hqp import FixedDamping, InvalidInput, MissingPackage
@@ -490,8 +491,9 @@ def test_without_viser_it_says_how_to_get_it(monkeypatch, capsys):
 
 def test_it_tells_its_address_and_ends_by_an_interruption(capsys):
     pytest.importorskip("viser")
-    threading.Timer(0.5, _thread.interrupt_main).start()
-    tasks.live(Controller(ARM, stack(), dt=0.01), Q, port=8800)
+    with heard():
+        threading.Timer(0.5, _thread.interrupt_main).start()
+        tasks.live(Controller(ARM, stack(), dt=0.01), Q, port=8800)
     assert "open http://127.0.0.1:8" in capsys.readouterr().out
 
 

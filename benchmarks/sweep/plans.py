@@ -23,6 +23,7 @@ PLANS: dict[str, Plan] = {
                 "random/*50%",
                 "adversarial/*",
                 "control/P[123]",
+                "contacts/go2 balanced",
                 "equalities/n 7*",
                 "size/* ?",
             ),

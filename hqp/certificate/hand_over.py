@@ -34,7 +34,18 @@ class Handed(NamedTuple):
 
 
 def left_alone(handed: Handed, name: str, x: Array, tolerance: float) -> LevelCertificate:
-    """Whether x has these rows where the level left them; the residual is how far it has moved them."""
+    """Whether x has these rows where the level left them; the residual is how far it has moved them.
+
+    Parameters
+    ----------
+    handed : Handed
+        What a level that gave way holds.
+    name : str
+        That of the level.
+    x : array, shape (n,)
+    tolerance : float
+        As of :func:`hqp.certify`.
+    """
     with np.errstate(all="ignore"):  # an x out of all bounds is judged, not warned about
         moved = length(handed.rows @ (x - handed.reached))
         size = handed.length * (length(x) + length(handed.reached))

@@ -84,7 +84,7 @@ class Controller(Live, Generic[V, A, T]):
     >>> print(step.solution.explain())
     velocity limit met (1 of 3 rows at a bound)
     position met (rank 2 of 2)
-    orientation short by 0.381 rad/s: joint 0 velocity limit (upper), then position
+    orientation short by 0.381 rad/s: position, then joint 0 velocity limit (upper)
     """
 
     robot: Robot = structure()

@@ -41,6 +41,12 @@ class Ground:
     ------
     InvalidInput
         If a number is out of range.
+
+    Examples
+    --------
+    >>> from tasks import Ground
+    >>> Ground(friction=0.6).friction
+    0.6
     """
 
     height: float | None = None

@@ -88,6 +88,12 @@ class Switch:
         Whether it is made.
     duration : float
         [s].
+
+    Examples
+    --------
+    >>> from tasks import Switch
+    >>> Switch(1.6, "right", on=False, duration=0.2).on
+    False
     """
 
     t: float
