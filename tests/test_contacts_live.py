@@ -74,7 +74,7 @@ def parts(changes: dict[str, dict[str, Any]]) -> tuple[dict[str, Part], Stack]:
     own = {
         "contact": contact,
         "dynamics": made("dynamics", Dynamics),
-        "loop": made("loop", Loop, "left_rubber_hand", "right_rubber_hand"),
+        "loop": made("loop", Loop, "left_rubber_hand", "right_rubber_hand", turns=False),
         "support": made("support", SupportLimit),
         "force": made("force", ForceTask, contact=contact, **{"target": [120.0]}),
         "pressure": made("pressure", CenterOfPressureTask, contact=other, **{"target": [0.03, 0.0]}),

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import one_of
 
+from ..base.checks import Array
 from ..base.live import number, structure
 from ..robots import abilities as able
 from ..robots.robot import Robot
@@ -62,6 +63,8 @@ class MomentumTask(LoopTask):
     """
 
     kind: Kind = structure()
+    cap: Array | None = structure(None)  # an error of momentum is not shortened
+    deceleration: float | None = structure(None)
 
     def __init__(
         self,

@@ -23,7 +23,7 @@ from ..targets.timing import Timing, cubic
 from . import contacts as of
 from .prepared import DefaultDamping, Options, Preparation, PreparedStacks, default_damping, tell_of_speed
 from .states import StateReader
-from .step import A, Step, T, V
+from .step import Acceleration, Step, Torque, Velocity
 from .torques import torques_of
 from .transition import Limits, Transition
 
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 QUIET = nullcontext()
 
 
-class Controller(Live, Generic[V, A, T]):
+class Controller(Live, Generic[Velocity, Acceleration, Torque]):
     """Computes the command of every tick from a stack of tasks, each solve warm-started from the last.
 
     A copy, by ``copy.deepcopy`` or pickle, is a controller of its own, with a robot and tasks of its own: one for each
@@ -217,7 +217,9 @@ class Controller(Live, Generic[V, A, T]):
         """What damped levels were damped towards at the last tick (views), by level; those without are zero."""
         return self._rows.aims or {}
 
-    def __call__(self, q: ArrayLike, v: ArrayLike | None = None, t: float = 0.0) -> Step[V, A, T]:
+    def __call__(
+        self, q: ArrayLike, v: ArrayLike | None = None, t: float = 0.0
+    ) -> Step[Velocity, Acceleration, Torque]:
         """The command for this tick.
 
         Parameters
@@ -245,12 +247,12 @@ class Controller(Live, Generic[V, A, T]):
         check_joints(self.robot, position, self._rest if velocity is None else velocity)
         return self.unchecked(position, velocity, t if type(t) is float else scalar(t, "t"))
 
-    def unchecked(self, q: Array, v: Array | None, t: float) -> Step[V, A, T]:
+    def unchecked(self, q: Array, v: Array | None, t: float) -> Step[Velocity, Acceleration, Torque]:
         """The command for this tick, for a loop which knows that q and v are float arrays of the right shape."""
         with self._states.guard, QUIET if self._rows.compiled else np.errstate(all="ignore"):
             return self._step(q, v, t)
 
-    def _step(self, q: Array, v: Array | None, t: float) -> Step[V, A, T]:
+    def _step(self, q: Array, v: Array | None, t: float) -> Step[Velocity, Acceleration, Torque]:
         state, fault = self._states.read(q, self._rest if v is None else v)
         last = v if self.order == "velocity" else None
         solution = self._now.solve(state, t, last, fault)

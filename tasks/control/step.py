@@ -14,18 +14,18 @@ from . import contacts as of
 if TYPE_CHECKING:
     from typing_extensions import TypeVar
 
-    V = TypeVar("V", default=Any)
-    A = TypeVar("A", default=Any)
-    T = TypeVar("T", default=Any)
+    Velocity = TypeVar("Velocity", default=Any)
+    Acceleration = TypeVar("Acceleration", default=Any)
+    Torque = TypeVar("Torque", default=Any)
 else:
     from typing import TypeVar
 
     #: What a step has as v, a and tau: arrays, or None by the order of the controller. A controller whose order is only
     #: known at work has any of them.
-    V, A, T = TypeVar("V"), TypeVar("A"), TypeVar("T")
+    Velocity, Acceleration, Torque = TypeVar("Velocity"), TypeVar("Acceleration"), TypeVar("Torque")
 
 
-class Step(NamedTuple, Generic[V, A, T]):
+class Step(NamedTuple, Generic[Velocity, Acceleration, Torque]):
     """The output of a controller for one tick: the command, and the solution that it is taken from.
 
     Attributes
@@ -54,9 +54,9 @@ class Step(NamedTuple, Generic[V, A, T]):
     order: Command
     state: RobotState
     solution: Solution
-    v: V = None  # type: ignore[assignment]
-    a: A = None  # type: ignore[assignment]
-    tau: T = None  # type: ignore[assignment]
+    v: Velocity = None  # type: ignore[assignment]
+    a: Acceleration = None  # type: ignore[assignment]
+    tau: Torque = None  # type: ignore[assignment]
     share: float = 1.0
     forces: of.Forces | None = None
 
