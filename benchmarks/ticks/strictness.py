@@ -38,7 +38,7 @@ METHODS: tuple[Own | Peer, ...] = (
 
 
 def strictness(states: int = STATES) -> tuple[str, list[Row], list[str]]:
-    """In how many states the limits hold the first level back, a row a library, and why others are left out.
+    """In how many states a limit is active, a row a library, and why others are left out.
 
     Columns
     -------
