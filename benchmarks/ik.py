@@ -121,8 +121,8 @@ def ik(
                 save(out, rows)
     printer.print(
         f"solved: within {TOLERANCE[0]:g} m and {TOLERANCE[1]:g} rad; steps: median of those solved; ms: of the"
-        f" processor, a pose, all of them\nattempts: {budget} steps each; more than one: as many in all, begun anew at random configurations"
-        " where the\nerror stays, by the rule of solve_ik for everyone"
+        f" processor, a pose, all of them\nattempts: {budget} steps each; more than one: as many in all, begun anew at"
+        " random configurations where the\nerror stays, by the rule of solve_ik for everyone"
         f"\noutside: poses on whose way a joint was more than {OUTSIDE:g} rad outside its range"
     )
 

@@ -89,12 +89,12 @@ def _alone(printer: Console, ticks: int) -> None:
     from .ticks.damping import ratios
     from .ticks.paced import RATE, paced
     from .ticks.redundancy import costs
-    from .ticks.strictness import LOSS, strictness
+    from .ticks.strictness import LOSS, STATES, strictness
 
     show(printer, terminal("what else the joints are used for: a Panda, this library alone", costs(ticks)))
     show(printer, terminal("damped levels of that Panda, native, one warm solve from Python", ratios(ticks)))
     show(printer, terminal(f"asked {RATE:g} times a second, asleep between ticks, this library alone", paced(ticks)))
-    held, rows, left_out = strictness()
+    held, rows, left_out = strictness(min(STATES, ticks))
     title = "strictness: how much further off the position is than limits force it to be [m/s]; limits are active in"
     show(printer, terminal(f"{title} {held} states", rows))
     printer.print(

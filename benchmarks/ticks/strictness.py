@@ -22,8 +22,8 @@ STACKS: tuple[Scene, ...] = (
     *SCENES[:2],
     *(scene for scene in KNOWN if scene.name in {"stretched", "slow joints", "ur5 stretched"}),
 )
-#: States of all stacks together; of how many ticks they are taken; and what counts as a loss [m/s].
-STATES, TICKS, LOSS = 400, 1000, 1e-3
+#: States of each stack; of how many ticks they are taken; and what counts as a loss [m/s].
+STATES, TICKS, LOSS = 80, 1000, 1e-3
 #: This library, then weights, weights that are nearly priorities, and priorities by projection.
 METHODS: tuple[Own | Peer, ...] = (
     Own("hqp strict"),
@@ -52,7 +52,7 @@ def strictness(states: int = STATES) -> tuple[str, list[Row], list[str]]:
     second
         The largest of the second level [rad/s], of the states that are not lost.
     """
-    ticks = np.linspace(0, TICKS - 1, max(1, states // len(STACKS))).astype(int)
+    ticks = np.linspace(0, TICKS - 1, states).astype(int)
     streams = [record(scene, TICKS) for scene in STACKS]
     best = [list(optima(stream, ticks)) for stream in streams]
     held = [bool(np.any(solution.levels[0].active)) for own in best for _, solution in own]
