@@ -38,7 +38,7 @@ class Standing(Driver):
         self.declared = declare(stream.scene, self.robot)
         self.rows = self.declared.stack.build(self.robot, "acceleration", DT)
         self.hierarchy: Hierarchy = self.rows.hierarchy
-        levels = enumerate(self.rows.stack.levels)
+        levels = enumerate(self.rows.levels.parts)
         self.hard = next(k for k, parts in levels if self.declared.center_of_mass in parts)
         self.q, self.v = list(stream.q), list(stream.v)
         feet = stream.contacts

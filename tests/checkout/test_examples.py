@@ -35,6 +35,7 @@ SAYS = {
     "15_spraying": "square first gun off by at most 74.2",
     "16_snake_arm": "body clear nearest  10.5",
     "17_inspection": "pipes known   nearest  34.1",
+    "18_planner_ik": "5 solutions of the goal; straight to the first: -",
 }
 
 #: Why Python writes parts of their stacks; loops write all others.
