@@ -8,12 +8,7 @@ STEP, MARGIN, SOLUTIONS = 0.1, 0.02, 5  # of any joint [rad]; to keep [m]; how m
 robot = load_robot("panda", lock=["panda_finger_joint1"])
 still, rng = np.zeros(robot.nv), np.random.default_rng(0)
 post = Capsule([0.5, 0.0, 0.0], [0.5, 0.0, 0.9], 0.05)  # [m], stands between the hand and where it is to go
-bodies = (
-    ("panda_link4", "panda_link5", 0.07),
-    ("panda_link7", "panda_hand", 0.05),
-    ("panda_hand", "panda_hand_tcp", 0.04),
-)
-links = [LinkCapsule(*body) for body in bodies]
+links = [LinkCapsule("panda_link4", "panda_link5", 0.07), LinkCapsule("panda_link7", "panda_hand_tcp", 0.05)]
 clear = DistanceLimit(links, [post], margin=MARGIN, gain=1.0)
 
 

@@ -20,11 +20,12 @@ NAVIGATION = {
         "torques",
         "contacts",
         "live",
+        "ros",
         "coming-from-pink-or-mink",
         "examples/index",
     ],
     "Theory": ["theory", "backends"],
-    "Evidence": ["validation", "benchmarks", "benchmark-results", "thesis", "survey"],
+    "Evidence": ["validation", "benchmarks", "benchmark-results", "compare", "thesis", "survey"],
     "Reference": [
         "conventions",
         "reference/index",
