@@ -86,8 +86,7 @@ def optima(stream: Stream, ticks: Sequence[int] | Array) -> Iterator[tuple[Hiera
         rows = ours.rows.fill(ours.robot.at(stream.q[k], stream.v[k]), 0.0)
         hierarchy = Hierarchy(rows.copy().levels[:3])
         solution = solver.solve(hierarchy)
-        if not certify(hierarchy, solution.x).ok:
-            raise AssertionError(f"{stream.scene.name}, tick {k}: the optimum is not proved")
+        assert certify(hierarchy, solution.x).ok, f"{stream.scene.name}, tick {k}"
         yield hierarchy, solution
 
 
