@@ -86,10 +86,10 @@ def tick(
 
 def _alone(printer: Console, ticks: int) -> None:
     """Tables of this library without any other, and of who keeps the first level."""
+    from .strictness import LOSS, STATES, strictness
     from .ticks.damping import ratios
     from .ticks.paced import RATE, paced
     from .ticks.redundancy import costs
-    from .ticks.strictness import LOSS, STATES, strictness
 
     show(printer, terminal("what else the joints are used for: a Panda, this library alone", costs(ticks)))
     show(printer, terminal("damped levels of that Panda, native, one warm solve from Python", ratios(ticks)))

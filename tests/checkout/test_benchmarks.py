@@ -169,7 +169,7 @@ def test_a_few_ticks_fill_tables_and_csv(tmp_path: Path) -> None:
 
 
 def test_lower_levels_cost_a_strict_first_one_nothing() -> None:
-    from benchmarks.ticks.strictness import METHODS, STACKS, strictness
+    from benchmarks.strictness import METHODS, STACKS, strictness
 
     held, rows, left_out = strictness(6)
     active, states = map(int, held.split(" of "))

@@ -10,12 +10,12 @@ import numpy as np
 from hqp import Hierarchy, Solution, Solver, certify
 from hqp.arrays import Array
 
-from ..tables import Row
-from ..teleoperation.scenes import KNOWN
-from ..teleoperation.setups import Own, Peer
-from .ours import Ours
-from .scenes import SCENES, Scene
-from .stream import Stream, record
+from .tables import Row
+from .teleoperation.scenes import KNOWN
+from .teleoperation.setups import Own, Peer
+from .ticks.ours import Ours
+from .ticks.scenes import SCENES, Scene
+from .ticks.stream import Stream, record
 
 #: Limits > position > orientation > posture in all of them; what differs is the arm, its speed and where it is led.
 STACKS: tuple[Scene, ...] = (
