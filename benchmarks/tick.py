@@ -95,7 +95,7 @@ def _alone(printer: Console, ticks: int) -> None:
     show(printer, terminal("damped levels of that Panda, native, one warm solve from Python", ratios(ticks)))
     show(printer, terminal(f"asked {RATE:g} times a second, asleep between ticks, this library alone", paced(ticks)))
     held, rows, left_out = strictness(min(STATES, ticks))
-    title = "strictness: how much further off the position is than limits force it to be [m/s]; limits are active in"
+    title = "strictness: how much further off the position is than limits force it to be, in m/s; limits are active in"
     show(printer, terminal(f"{title} {held} states", rows))
     printer.print(
         f"the largest of each stack; lost: states where it is more than {LOSS:g}; alone: asked for nothing below\n"
