@@ -85,7 +85,8 @@ def tick(
 
 
 def _alone(printer: Console, ticks: int) -> None:
-    """Tables of this library without any other."""
+    """Tables of this library without any other, and of who keeps the first level."""
+    from .strictness import LOSS, STATES, strictness
     from .ticks.damping import ratios
     from .ticks.paced import RATE, paced
     from .ticks.redundancy import costs
@@ -93,6 +94,17 @@ def _alone(printer: Console, ticks: int) -> None:
     show(printer, terminal("what else the joints are used for: a Panda, this library alone", costs(ticks)))
     show(printer, terminal("damped levels of that Panda, native, one warm solve from Python", ratios(ticks)))
     show(printer, terminal(f"asked {RATE:g} times a second, asleep between ticks, this library alone", paced(ticks)))
+    held, rows, left_out = strictness(min(STATES, ticks))
+    title = "strictness: how much further off the position is than limits force it to be, in m/s; limits are active in"
+    show(printer, terminal(f"{title} {held} states", rows))
+    printer.print(
+        f"the largest of each stack; lost: states where it is more than {LOSS:g}; alone: asked for nothing below\n"
+        "second: the largest of the orientation [rad/s], of states that are not lost; levels: priorities by projection,"
+        " 1e-10:\nwith that tolerance in place of 1e-6, cold",
+        markup=False,
+    )
+    for why in left_out:
+        printer.print(why, markup=False)
 
 
 def _measured(

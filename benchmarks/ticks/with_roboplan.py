@@ -14,6 +14,7 @@ from roboplan.optimal_ik import (
     FrameTask,
     FrameTaskOptions,
     Oink,
+    OinkSettings,
     PositionLimit,
     VelocityLimit,
 )
@@ -40,18 +41,30 @@ class Roboplan(Driver):
     priorities : bool
         Whether every level of the scene has a priority of its own: a lower one is projected into the null space of
         those above.
+    tolerance : float, optional
+        Of its QP [rad], which is then solved cold; by default its own, 1e-6, and warm.
     name : str
         What stands behind that of the library.
     """
 
     def __init__(
-        self, solver: str, stream: Stream, *, lm_damping: float = 0.0, priorities: bool = False, name: str = ""
+        self,
+        solver: str,
+        stream: Stream,
+        *,
+        lm_damping: float = 0.0,
+        priorities: bool = False,
+        tolerance: float | None = None,
+        name: str = "",
     ) -> None:
         super().__init__(f"roboplan{solver}{name}", stream)
         scene, robot = stream.scene, stream.robot
         urdf = ET.tostring(bare(scene.robot, scene.held), encoding="unicode")
         self.scene = Scene(scene.robot, loadUrdfSceneDescriptionFromXml(urdf))
-        self.oink = Oink(self.scene)
+        settings = OinkSettings()
+        if tolerance is not None:
+            settings.eps_abs, settings.max_iter, settings.warm_start = tolerance, 100_000, False
+        self.oink = Oink(self.scene, settings)
         self.dt, self.q = scene.dt, list(stream.q)
         self.step = np.zeros(robot.nv)
         self.limits = [PositionLimit(self.oink)]

@@ -168,6 +168,21 @@ def test_a_few_ticks_fill_tables_and_csv(tmp_path: Path) -> None:
         assert here != (f"{peer}: left out, it is not installed: python -m pip install -e '.[peers]'" in done.stdout)
 
 
+def test_lower_levels_cost_a_strict_first_one_nothing() -> None:
+    from benchmarks.strictness import METHODS, STACKS, strictness
+
+    held, rows, left_out = strictness(6)
+    active, states = map(int, held.split(" of "))
+    assert 0 < active < states == 6 * len(STACKS)
+    assert len(rows) + len(left_out) == len(METHODS)
+    strict, *others = rows
+    columns = [scene.name for scene in STACKS]
+    assert max(float(strict[column]) for column in [*columns, "alone", "second"]) < 1e-9
+    assert (strict["method"], strict["lost"]) == ("hqp strict", "0")
+    for row in others:
+        assert row["method"].startswith("roboplan levels") or int(row["lost"]) > 0, row["method"]
+
+
 def test_a_slow_motion_reaches_no_limit_and_a_fast_one_does() -> None:
     slow, fast = (record(scene(f"panda {name}"), 200) for name in ("slow", "saturated"))
     assert slow.saturated == 0.0
@@ -208,18 +223,18 @@ def test_poses_are_solved_by_ours_and_by_what_is_here(tmp_path: Path) -> None:
     from benchmarks.ik_methods import METHODS, missing
 
     out = tmp_path / "ik.csv"
-    done = called("ik", "-n", "3", "-r", "ur5", "-b", "300", "--seed", "5", "-o", str(out))
+    done = called("ik", "-n", "3", "-r", "ur5", "-a", "1", "-a", "10", "--seed", "5", "-o", str(out))
     assert done.returncode == 0, done.stderr
     rows = list(csv.DictReader(out.read_text().splitlines()))
     here = [kind.name for kind in METHODS if not missing(kind)]
-    assert [(row["method"], row["restarts"]) for row in rows] == [(m, r) for m in here for r in ("on", "off")]
+    assert [(row["attempts"], row["method"]) for row in rows] == [(a, m) for a in ("1", "10") for m in here]
     for kind in METHODS:
         assert not missing(kind) or missing(kind) in " ".join(done.stdout.split())
     for row in rows:
-        assert (row["family"], row["budget"]) == ("ur5", "300")
-        assert float(row["median ms"]) > 0
+        assert row["family"] == "ur5"
+        assert 0 < float(row["p50 ms"]) <= float(row["p95 ms"])
         assert not row["method"].startswith("native") or row["outside"] == "0"
-    assert rows[0]["solved"] == "100.0%"
+    assert rows[len(here)]["solved"] == "100.0%"
 
 
 def test_peers_that_are_not_here_are_left_out_aloud(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -234,30 +249,30 @@ def test_peers_that_are_not_here_are_left_out_aloud(monkeypatch: pytest.MonkeyPa
     assert ik_methods.missing(ik_methods.Mink).startswith("mink: left out, mink, mujoco, daqp is not installed")
 
 
-@pytest.mark.parametrize("peer", ["Pink", "Mink"])
+@pytest.mark.parametrize("peer", ["Pink", "Mink", "Oink"])
 def test_a_peer_stands_where_ours_stands(peer: str) -> None:
     pytest.importorskip("pinocchio")
     from benchmarks import ik, ik_methods
-    from tasks import load_robot
 
     kind = getattr(ik_methods, peer)
     if why := ik_methods.missing(kind):
         pytest.skip(why)
-    for name, held in ik.MACHINES.items():
-        robot = load_robot(name, lock=held)
+    for machine in ik.MACHINES.values():
+        robot = machine.load()
         method, target = kind(robot, True), ik.poses(robot, 1, 0)[0]
         q = robot.random(np.random.default_rng(0))
         method.move(q)
         tip = robot.at(q, np.zeros(robot.nv)).frame()
         for mine, other in zip(method.place(), (tip.position, tip.rotation), strict=True):
             np.testing.assert_allclose(mine, other, atol=1e-9)
-        assert method.solve(target, 300).reached
+        assert method.solve(target, 1000).reached
 
 
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("-r", "nonsense"), "unknown robot 'nonsense'; there are panda, ur5"),
+        (("-r", "nonsense"), "unknown robot 'nonsense'; there are panda, xarm7, ur5, g1 arm"),
+        (("-a", "0"), "'--attempts'"),
         (("-b", "0"), "'--budget'"),
         (("-n", "0"), "'--count'"),
         (("--out", "."), "cannot write '.': Is a directory"),

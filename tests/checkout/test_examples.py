@@ -40,6 +40,7 @@ SAYS = {
     "20_humanoid_leans": "support polygon met (1 of 8 rows at a bound)",
     "21_panda_presses_a_table": "40 of 40 checked ticks certified",
     "22_walking_in_place": "40 of 40 checked ticks certified); 2000 optimal",
+    "23_planner_ik": "5 solutions of the goal; straight to the first: -",
 }
 
 #: Why Python writes parts of their stacks; loops write all others.
