@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pinocchio as pin
 import pytest
+from contact_scenes import humanoid
 from interrupts import heard
 
 import tasks
@@ -19,6 +20,7 @@ from tasks import (
     CenterOfMassTask,
     Controller,
     Damped,
+    ForceTask,
     JointLimits,
     JointVelocityLimit,
     LookAtTask,
@@ -487,6 +489,38 @@ def test_without_viser_it_says_how_to_get_it(monkeypatch, capsys):
         tasks.live(Controller(ARM, stack(), dt=0.01), Q)
     assert run(["live", "panda"]) == 2
     assert "pip install 'hqp[live]'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("wrench", [False, True], ids=["points", "wrench"])
+def test_forces_of_contacts_are_arrows_as_long_as_they_are_strong(wrench, tmp_path):
+    pytest.importorskip("viser")
+    scene = humanoid(rectangle=wrench, wrench=wrench)
+    rest = CenterOfMassTask(scene.com, gain=5.0) >> PostureTask(scene.q, gain=4.0) + ForceTask(weight=1e-2)
+    stack = scene.limits >> rest
+    own = Session(Controller(scene.robot, stack, order="torque", dt=2e-3), scene.q)
+    window = Window(own, port=8900, folder=tmp_path)
+    try:
+        arrows, polygon = (
+            window.server.scene.get_handle_by_name(f"/contacts/{name}") for name in ("forces", "support")
+        )
+        assert not arrows.visible
+        assert not polygon.visible
+        own.motion.tick()
+        window.show()
+        step, lines = own.motion.step, np.array(arrows.points)
+        at, ends = lines[:, 0], lines[:, 1]
+        forces = np.concatenate([step.forces[foot.name].reshape(-1, 6 if wrench else 3)[:, :3] for foot in scene.feet])
+        ratio = np.linalg.norm(ends - at, axis=1) / np.linalg.norm(forces, axis=1)
+        assert np.ptp(ratio) < 1e-5 * ratio.max()
+        soles = [scene.robot.at(scene.q).frame(foot.frame) for foot in scene.feet]
+        corners = [s.position + foot.shape.points @ s.rotation.T for s, foot in zip(soles, scene.feet, strict=True)]
+        low, high = np.concatenate(corners).min(axis=0), np.concatenate(corners).max(axis=0)
+        edges = np.array(polygon.points).reshape(-1, 3)
+        assert np.allclose([edges.min(axis=0)[:2], edges.max(axis=0)[:2]], [low[:2], high[:2]], atol=1e-5)
+        assert (at.min(axis=0)[:2] >= low[:2] - 1e-5).all()
+        assert (at.max(axis=0)[:2] <= high[:2] + 1e-5).all()
+    finally:
+        window.close()
 
 
 def test_it_tells_its_address_and_ends_by_an_interruption(capsys):

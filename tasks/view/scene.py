@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from ..drawing.figure import Pose, figure
+from ..drawing.figure import Figure, Pose, figure
 from ..drawing.stage import look
+from .forces import ContactForces, has_forces
 from .session import Session
 from .targets import Target
 
@@ -20,10 +21,10 @@ GIZMO, AXES = 0.14, 0.08
 
 
 class Overlay(Protocol):
-    """Something else to be drawn with every picture, such as forces of contact or a support polygon."""
+    """Something else to be drawn with every picture, such as the forces of :mod:`tasks.view.forces`."""
 
-    def put(self, server: viser.ViserServer, session: Session) -> None:
-        """Put it on the stage, once."""
+    def put(self, server: viser.ViserServer, session: Session, figure: Figure) -> None:
+        """Put it on the stage, once; ``figure.pose(frame)`` tells where the frames of the robot are shown."""
         ...
 
     def show(self, session: Session) -> None:
@@ -39,12 +40,14 @@ class Scene:
     server : viser.ViserServer
     session : Session
     overlays : sequence of Overlay
-        What else is drawn.
+        What else is drawn, beside the forces of contacts.
     """
 
     def __init__(self, server: viser.ViserServer, session: Session, overlays: Sequence[Overlay] = ()) -> None:
-        self._server, self._session, self._overlays = server, session, overlays
+        self._server, self._session = server, session
         self.figure = figure(server, session.controller.robot)
+        standing = has_forces(session.controller.stack, self.figure)
+        self._overlays = (*overlays, ContactForces()) if standing else tuple(overlays)
         self.figure.move(session.q)
         look(server, self.figure.bounds)
         size = float(np.linalg.norm(self.figure.bounds[1] - self.figure.bounds[0]))
@@ -58,8 +61,8 @@ class Scene:
         self._seen = [(target.p, target.R) for target in session.targets]
         #: Told whenever a target was moved, here or by another program.
         self.moved: Callable[[Target], None] = lambda target: None
-        for overlay in overlays:
-            overlay.put(server, session)
+        for overlay in self._overlays:
+            overlay.put(server, session, self.figure)
 
     def _gizmo(self, target: Target, number: int, size: float) -> Any:
         parent = self._parents.get(target.relative_to or "")
