@@ -46,3 +46,15 @@ def test_it_stands_beside_tasks_of_somebody_elses(tmp_path: Path) -> None:
     step = tasks.Controller(arm, stack, backend="pseudoinverse", damping=None)([1.1, -1.3, -0.7], [0.0, 0.0, 0.0])
     assert step.v is not None
     assert done.stdout.strip() == str(step.v.tolist())
+
+
+def test_what_was_compiled_under_one_name_is_found_under_the_other(tmp_path: Path) -> None:
+    """The stamp of what is kept goes by the sources, so that neither name makes the other compile anew."""
+    (tmp_path / "tasks.py").write_text("def clean(): return 'swept'\n")
+    tell = "import {0}.rows.kernels.law as law; print(law.write_law._cache._cache_file._source_stamp)"
+    environment, stamps = os.environ | {"PYTHONPATH": OURS}, set()
+    for name, folder in ("tasks", Path(OURS)), ("hqp_tasks", tmp_path):
+        command = [sys.executable, "-c", tell.format(name)]
+        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=True)
+        stamps.add(done.stdout.strip())
+    assert len(stamps) == 1

@@ -68,10 +68,16 @@ def stamp(kernel):
         tell_unkept()
         _ENTRIES[-1] = kernel = njit(**ENTRY)(kernel.py_func)
         return kernel
-    place, package = Path(kernel.py_func.__code__.co_filename), kernel.py_func.__module__.partition(".")[0]
-    home = next((folder for folder in place.parents if folder.name == package), place.parent)
-    index._source_stamp = _sources(Path(__file__).parents[1]) + _sources(home)
+    index._source_stamp = _sources(Path(__file__).parents[1]) + _sources(
+        _home(Path(kernel.py_func.__code__.co_filename))
+    )
     return kernel
+
+
+def _home(place):
+    """The folder of the package that a module is in, whatever name it was imported under; its own, if it is in none."""
+    packages = [folder for folder in place.parents if (folder / "__init__.py").exists()]
+    return packages[-1] if packages else place.parent
 
 
 @cache
