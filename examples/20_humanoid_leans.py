@@ -30,9 +30,8 @@ sole = [(x, y, -0.03) for x in (-0.05, 0.12) for y in (-0.03, 0.03)]
 feet = tuple(Contact(f"{side}_ankle_roll_link", points=sole, friction=0.6, name=side) for side in ("left", "right"))
 thing = np.array([0.75, -0.15, 0.55])
 reach = PositionTask(stops(home.frame(hand).position, (3.0, thing)), frame=hand, gain=3.0, name="hand")
-calm = PostureTask(
-    q, gain=4.0, weight=0.1, name="calm"
-)  # else joints would turn ever faster for what cannot be reached
+# Beside the reach, as joints would turn ever faster for what cannot be reached.
+calm = PostureTask(q, gain=4.0, weight=0.1, name="calm")
 limits = Dynamics() + feet[0] + feet[1] >> JointTorqueLimit() + JointLimits()
 upright = OrientationTask(home.frame("pelvis").rotation, frame="pelvis", gain=4.0)
 rest = upright >> PostureTask(q, gain=4.0) + ForceTask(weight=1e-2)

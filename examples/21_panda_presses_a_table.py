@@ -1,4 +1,4 @@
-"""A Panda comes down on a table, presses it with 20 N, and raises its elbow meanwhile: in MuJoCo."""
+"""A Panda comes down on a table, presses it with 20 N, and keeps its elbow up meanwhile: in MuJoCo."""
 
 import sys
 
@@ -35,16 +35,14 @@ press = ForceTask(stops([0.0], (2.5, None), (1.0, [20.0])), contact=hand, name="
 lowest = AtLeast(PositionTask([LOWEST], frame="panda_link4", mask="z", gain=10.0, name="elbow"))
 limits = Dynamics() + hand >> JointTorqueLimit() + JointLimits()
 pointing = OrientationTask(home.frame(tip).rotation, frame=tip, gain=10.0)
-sagging = PostureTask(
-    np.add(q, [1.2, 0.0, -1.2, 0.0, 0.0, 0.0, 0.0]), gain=4.0, weight=0.5
-)  # turns the elbow out and down
+# Turns the elbow out and down.
+sagging = PostureTask(np.add(q, [1.2, 0.0, -1.2, 0.0, 0.0, 0.0, 0.0]), gain=4.0, weight=0.5)
 rest = pointing + sagging + ForceTask(weight=1e-3)
 controller = Controller(robot, limits >> down + press >> lowest >> rest, order="torque", dt=2e-3)
 
 plant = Scales(robot, contacts=[hand], ground=Ground(height=table[2]))
 switches = [Switch(0.0, hand, on=False), Switch(2.1, hand, on=True, duration=0.1)]  # it begins above the table
 record = simulate(controller, q, duration=SECONDS, plant=plant, changes=switches)
-
 
 pressed = np.array([forces["hand"][0, 2] for forces in plant.read])  # [N]
 height = np.array([robot.at(*state).frame("panda_link4").position[2] for state in zip(record.q, record.v, strict=True)])

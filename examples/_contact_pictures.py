@@ -44,7 +44,7 @@ def feet(
     slip.set(title="how far each has slipped [mm]")
     limit = record.robot.torque_limit[-record.tau.shape[1] :]
     torque.plot(t, np.abs(record.tau / limit).max(axis=1), color=GREY, lw=0.7)
-    torque.set(title="largest torque over its limit", xlabel="t [s]", ylim=(0.0, 1.05))
+    torque.set(title="largest torque / its limit", xlabel="t [s]", ylim=(0.0, 1.05))
     for axes in (mass, force, slip, torque):
         if mark is not None:
             axes.axvspan(*mark, color=RED, alpha=0.3, lw=0)

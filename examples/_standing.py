@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tasks import Chain, Contact, Line, MujocoPlant, Record, quintic
+from tasks import Chain, Contact, Line, MujocoPlant, Record, Robot, quintic
 
 
 def stops(start: ArrayLike, *ways: tuple[float, ArrayLike | None]) -> Chain:
@@ -63,8 +64,12 @@ def tell(record: Record, contacts: Sequence[Contact], plant: MujocoPlant, still:
 class Scales(MujocoPlant):
     """A plant that writes down what its ground bears, tick by tick, by the names of the contacts [N]."""
 
+    def __init__(self, robot: Robot, **options: Any) -> None:
+        super().__init__(robot, **options)
+        self.read: list[dict[str, np.ndarray]] = []
+
     def advance(self, q: np.ndarray, v: np.ndarray, tau: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray]:
         """As the plant does."""
         after = super().advance(q, v, tau, dt)
-        self.__dict__.setdefault("read", []).append(self.forces)
+        self.read.append(self.forces)
         return after

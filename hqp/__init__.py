@@ -60,7 +60,7 @@ else:
             everything = import_module("._all", __name__)
             if name == "__all__" or name in everything.__all__:
                 return globals().setdefault(name, getattr(everything, name))
-            if name in globals():  # a room that came with it
+            if name in globals():  # a module that came with it
                 return globals()[name]
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 

@@ -1,7 +1,7 @@
 """A quadruped moves its trunk sideways and up on four feet that stand, below a ceiling and beside a wall.
 
-Pink: ``barriers/go2_squat.py``; mink: ``quadruped_go1.py``. The feet are a level
-above the trunk, in place of costs of 200 and 50, and slip by less than 0.1 mm. The barrier is a level too.
+Pink: ``barriers/go2_squat.py``; mink: ``quadruped_go1.py``. The feet are a level above the trunk, in place of costs of
+200 and 50, and slip by less than 0.1 mm. The barrier is a level too.
 """
 
 import numpy as np

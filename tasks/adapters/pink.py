@@ -59,7 +59,7 @@ def from_pink(given: Any, configuration: Any = None, *, half: Half | None = None
     """
     try:
         pink = import_module("pink")
-        tasks, barriers, limits = (import_module(f"pink.{room}") for room in ("tasks", "barriers", "limits"))
+        tasks, barriers, limits = (import_module(f"pink.{of}") for of in ("tasks", "barriers", "limits"))
     except ImportError:
         raise MissingPackage("from_pink needs Pink: pip install 'hqp[peers]'") from None
     if configuration is not None and not isinstance(configuration, pink.Configuration):

@@ -21,6 +21,8 @@ T = TypeVar("T")
 LARGEST = 1e15
 #: What is positive is no less: nor does what is divided by one of them, or by its square.
 LEAST = 1.0 / LARGEST
+#: Points whose least extent is this share of their largest lie in a plane.
+FLAT = 1e-9
 
 
 def numbers(value: ArrayLike, what: str) -> Array:
@@ -192,3 +194,11 @@ def _first(what: str, array: Array, wrong: NDArray[np.bool_]) -> str:
         return f"{what} = {array}"
     place = tuple(int(i) for i in np.argwhere(wrong)[0])
     return f"{what}[{', '.join(map(str, place))}] = {array[place]}"
+
+
+def is_flat(points: Array) -> bool:
+    """Whether points, shape (k, 3), lie in a plane, and so enclose no volume."""
+    if len(points) < 4:
+        return True
+    extents = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return not extents.min() > FLAT * extents.max()

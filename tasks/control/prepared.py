@@ -115,7 +115,7 @@ class Preparation:
         return {"backend": self.backend, "settings": self.settings, "damping": self.damping}
 
     def prepare(self, stack: Stack, memory: Memory) -> PreparedStack:
-        """HierarchyWriter of this stack, and a solver that is cold.
+        """The rows of this stack, and a solver that is cold.
 
         Raises
         ------

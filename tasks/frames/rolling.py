@@ -145,8 +145,7 @@ class RollingTask(WheelTask):
     floor : float
         How far the plane is from the origin, along the normal [m].
     gain : float or array, shape (rows,)
-        K [1/s]: the rate at which the height is neared, and at acceleration order
-        what slips is stopped.
+        K [1/s]: the rate at which the height is neared and, at acceleration order, what slips is stopped.
     damping_ratio : float
         The zeta of acceleration order; 1 is critical damping.
     weight : float or array, shape (rows,)
@@ -191,7 +190,7 @@ class OmniwheelTask(WheelTask):
     radius : float
         [m].
     axle : array, shape (3,)
-        The axis of the wheel, in the frame of the hub.
+        The axis of the wheel, in the frame of the hub; by default its y axis.
     rollers : float
         From the direction in which the wheel drives, axle x normal, to the axes of its rollers, about the normal [rad].
     frame : str, optional

@@ -117,7 +117,7 @@ class LinearHolonomicTask(LoopTask, TargetTask):
 
     @property
     def b(self) -> Trajectory:
-        """The same."""
+        """The target by its other name."""
         return self.target
 
     @b.setter

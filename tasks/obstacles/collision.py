@@ -94,9 +94,6 @@ class CollisionLimit(ShapesLimit):
             raise InvalidInput(f"{self.label()}: no body of {robot!r} that moves has a shape")
         first = geometry.ngeoms
         for k, solid in enumerate(self.obstacles):
-            place, name = (
-                pin.SE3(np.array(solid.at)),
-                f"{solid.name} {k + 1}" if len(self.obstacles) > 1 else solid.name,
-            )
-            geometry.addGeometryObject(pin.GeometryObject(name, 0, 0, place, solid.shape()))
+            name = f"{solid.name} {k + 1}" if len(self.obstacles) > 1 else solid.name
+            geometry.addGeometryObject(pin.GeometryObject(name, 0, 0, pin.SE3(np.array(solid.at)), solid.shape()))
         return Shapes(robot, geometry, [(i, first + k) for i in moving for k in range(len(self.obstacles))])

@@ -8,8 +8,8 @@ and the same of the velocity at the end of the tick at acceleration order.
 Shapes are convex, meshes by their hulls, and their distances come from Coal, by the method of E. G. Gilbert, D. W.
 Johnson and S. S. Keerthi, "A fast procedure for computing the distance between complex objects in three-dimensional
 space", IEEE Journal on Robotics and Automation 4(2), 1988. The witness of two flat faces may jump within a tick, and
-no reserve is kept for that: the margin is passed by what one tick bends, of a Panda at 0.01 s by 0.01 mm at velocity
-order and 0.4 mm at acceleration order. Where that matters, take a larger one.
+no reserve is kept for that: the margin is passed by what one tick bends, of a Panda at 0.01 s by up to a millimetre.
+Where that matters, take a larger margin or a shorter tick.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput
 from hqp.checks import of_type
 
-from ..base.checks import Array, finite, positive
+from ..base.checks import Array, finite, is_flat, positive
 from ..base.live import Live, number, structure
 from ..base.rotations import transform
 
@@ -133,8 +133,7 @@ class Polyhedron(Solid):
         points = finite(value, f"{self.label()}: points")
         if points.ndim != 2 or points.shape[1] != 3:
             raise InvalidInput(f"{self.label()}: points has shape {points.shape}; it must be (k, 3)")
-        spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) if len(points) > 3 else np.zeros(1)
-        if not spread.min() > 1e-9 * spread.max():
+        if is_flat(points):
             raise InvalidInput(f"{self.label()}: points lie in a plane; they must enclose a volume")
         return points
 

@@ -5,14 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import coal
-import numpy as np
 
 from hqp import InvalidInput
 
-from ..base.checks import Array
-
-#: Points whose least extent is this share of their largest have no volume.
-FLAT = 1e-9
+from ..base.checks import Array, is_flat
 
 
 def shape_of(name: str, *sizes: float) -> Any:
@@ -27,8 +23,7 @@ def check_volume(points: Array, what: str) -> None:
     ------
     InvalidInput
     """
-    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) if len(points) > 3 else np.zeros(1)
-    if not spread.min() > FLAT * spread.max():
+    if is_flat(points):
         raise InvalidInput(f"{what} is a mesh without volume; it must not be flat")
 
 

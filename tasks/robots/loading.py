@@ -100,11 +100,11 @@ def load_robot(
     _tell_left_out(described, what)
     given: dict[str, Any] = {"position": position_limit, "velocity": velocity_limit, "torque": torque_limit}
     named = {key: limit for key, limit in given.items() if isinstance(limit, Mapping)}
-    model, neutral, rooms, recipe = _arranged(_limited(described, named, what), mimic, positions, what)
+    model, neutral, followers, recipe = _arranged(_limited(described, named, what), mimic, positions, what)
     _check_named(model, named, what)
     given = {f"{key}_limit": None if key in named else limit for key, limit in given.items()}
     own: dict[str, Any] = {"tip": entry.tip if tip is None else tip, "name": str(source) if entry.file else None}
-    robot = PinocchioRobot(model, **own, **given, acceleration_limit=acceleration_limit, rooms=rooms)
+    robot = PinocchioRobot(model, **own, **given, acceleration_limit=acceleration_limit, follower_limits=followers)
     robot.start_from(neutral)
     _take_home(robot, entry)
     robot.recipe, robot.left_out, robot.closures = recipe, described.left_out, described.closures

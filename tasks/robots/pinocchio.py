@@ -69,7 +69,7 @@ class PinocchioRobot(Configurations, Shaped, PinocchioModel):
         Largest joint acceleration [rad/s^2], [m/s^2]; a model has none.
     torque_limit : float, array, shape (nv,), or dict of name to float, optional
         Largest joint torque [N m], force [N] (default: the model's).
-    rooms : dict of str to FollowerLimits, optional
+    follower_limits : dict of str to FollowerLimits, optional
         What those that follow a joint leave to it; its limits are no wider.
 
     Attributes
@@ -126,11 +126,11 @@ class PinocchioRobot(Configurations, Shaped, PinocchioModel):
         velocity_limit: Limit | None = None,
         acceleration_limit: Limit | None = None,
         torque_limit: Limit | None = None,
-        rooms: Mapping[str, FollowerLimits] | None = None,
+        follower_limits: Mapping[str, FollowerLimits] | None = None,
     ) -> None:
         super().__init__(model, tip, name)
-        self._rooms: Mapping[str, FollowerLimits] = rooms or {}
-        self._loaded = rooms is not None
+        self._follower_limits: Mapping[str, FollowerLimits] = follower_limits or {}
+        self._loaded = follower_limits is not None
         self.position_limit, self.velocity_limit = position_limit, velocity_limit
         self.acceleration_limit, self.torque_limit = acceleration_limit, torque_limit
         self.left_out: tuple[str, ...] = ()
@@ -143,14 +143,16 @@ class PinocchioRobot(Configurations, Shaped, PinocchioModel):
     def position_limit(self, value: Range | None) -> Array | None:
         """Lowest and highest joint positions [rad], [m], shape (2, nv); set to None, those of the model."""
         limits = limits_of(self.model, value, repr(self), zero_is_none=not self._loaded)
-        return within(limits, self.joint_names, self._rooms, repr(self), told=value is not None)
+        return within(limits, self.joint_names, self._follower_limits, repr(self), told=value is not None)
 
     @number
     def velocity_limit(self, value: Limit | None) -> Array | None:
         """Largest joint speeds [rad/s], [m/s], shape (nv,); set to None, those of the model."""
         model, what = self.model, f"{self!r}: velocity limit"
         own = both_ways(model.lowerVelocityLimit, model.upperVelocityLimit, self.joint_names, what)
-        return no_faster(largest(model, value, own, what, SPEED, zero_holds=True), self.joint_names, self._rooms)
+        return no_faster(
+            largest(model, value, own, what, SPEED, zero_holds=True), self.joint_names, self._follower_limits
+        )
 
     @number
     def acceleration_limit(self, value: Limit | None) -> Array | None:

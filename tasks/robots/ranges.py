@@ -180,7 +180,7 @@ def _named(own: Sequence[Axis], given: Mapping[str, Any], what: str) -> Iterator
 
 
 def within(
-    limits: Array | None, names: Sequence[str], rooms: Mapping[str, FollowerLimits], what: str, *, told: bool
+    limits: Array | None, names: Sequence[str], follower_limits: Mapping[str, FollowerLimits], what: str, *, told: bool
 ) -> Array | None:
     """Lowest and highest position of every joint, and no more than its followers allow.
 
@@ -188,7 +188,7 @@ def within(
     ----------
     limits : array, shape (2, nv), or None
     names : sequence of str
-    rooms : dict of str to FollowerLimits
+    follower_limits : dict of str to FollowerLimits
     what : str
     told : bool
         Whether the limits are given by hand, and less is worth a word.
@@ -199,29 +199,31 @@ def within(
         If nothing is left to a joint.
     """
     if limits is None:
-        if not rooms:
+        if not follower_limits:
             return None
         limits = np.array([[-np.inf], [np.inf]]).repeat(len(names), axis=1)
-    for joint, room in rooms.items():
+    for joint, theirs in follower_limits.items():
         column = list(names).index(joint)
         asked = limits[:, column].tolist()
-        low, high = max(asked[0], room.low), min(asked[1], room.high)
+        low, high = max(asked[0], theirs.low), min(asked[1], theirs.high)
         if told and [low, high] != asked and np.isfinite(asked).all():
             tell(f"{what}: position limit of {joint!r} is {low:g} .. {high:g}: those that are tied to it allow no more")
         if low > high:
             raise InvalidInput(
                 f"{what}: position limit of {joint!r} from {limits[0, column]:g} to {limits[1, column]:g}; those that"
-                f" follow it need {room.low:g} to {room.high:g}"
+                f" follow it need {theirs.low:g} to {theirs.high:g}"
             )
         limits[:, column] = low + 0.0, high + 0.0  # which makes 0 of -0
     return limits
 
 
-def no_faster(limits: Array | None, names: Sequence[str], rooms: Mapping[str, FollowerLimits]) -> Array | None:
+def no_faster(
+    limits: Array | None, names: Sequence[str], follower_limits: Mapping[str, FollowerLimits]
+) -> Array | None:
     """Largest speeds, and no more than the followers of each joint allow; a joint that is held has 0."""
     if limits is not None:
         limits[limits <= HELD] = 0.0
-        for joint, room in rooms.items():
+        for joint, theirs in follower_limits.items():
             column = list(names).index(joint)
-            limits[column] = min(limits[column], room.speed)
+            limits[column] = min(limits[column], theirs.speed)
     return limits

@@ -85,9 +85,9 @@ class Switch:
         When [s].
     contact : Contact or its name
     on : bool
-        Whether it is made.
+        Whether it is made, or released.
     duration : float
-        [s].
+        How long that takes [s].
 
     Examples
     --------

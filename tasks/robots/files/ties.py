@@ -101,7 +101,7 @@ class Arrangement(NamedTuple):
     ----------
     model : pinocchio.Model
     neutral : array, shape (nq,)
-    rooms : dict of str to FollowerLimits
+    follower_limits : dict of str to FollowerLimits
         What the followers of each joint leave to it.
     recipe : Recipe or None
         How its ties were made, if it has some.
@@ -109,7 +109,7 @@ class Arrangement(NamedTuple):
 
     model: pin.Model
     neutral: Array
-    rooms: dict[str, FollowerLimits]
+    follower_limits: dict[str, FollowerLimits]
     recipe: Recipe | None
 
 
@@ -138,11 +138,11 @@ def arrange(
     """
     model, neutral, held = pin.Model(model), np.array(neutral), dict(lock)
     groups = _groups(ties, mimic, held, what)
-    rooms: dict[str, FollowerLimits] = {}
+    follower_limits: dict[str, FollowerLimits] = {}
     for leader, own in groups.items():
         index = _q_index(model, leader)
         driver = _driver(model, leader, own) if mimic == "follow" else _itself(leader)
-        rooms[driver.follower] = _room(model, driver, [_itself(leader), *own])
+        follower_limits[driver.follower] = _left_by_followers(model, driver, [_itself(leader), *own])
         _narrow(model, leader, own, what)
         neutral[index] = np.clip(neutral[index], model.lowerPositionLimit[index], model.upperPositionLimit[index])
         _hold_together(held, leader, own, float(neutral[index]), mimic, what)
@@ -154,8 +154,8 @@ def arrange(
     for leader, own in groups.items():
         if mimic == "follow" and leader not in held:
             model, neutral = _followed(model, neutral, leader, own, made)
-    rooms = {joint: room for joint, room in rooms.items() if joint not in held}
-    return Arrangement(model, neutral, rooms, Recipe(untied, tuple(made)) if made else None)
+    follower_limits = {joint: theirs for joint, theirs in follower_limits.items() if joint not in held}
+    return Arrangement(model, neutral, follower_limits, Recipe(untied, tuple(made)) if made else None)
 
 
 def _itself(leader: str) -> Tie:
@@ -193,7 +193,7 @@ def _column(model: pin.Model, joint: str) -> int:
     return int(model.joints[model.getJointId(joint)].idx_v)
 
 
-def _room(model: pin.Model, driver: Tie, ties: list[Tie]) -> FollowerLimits:
+def _left_by_followers(model: pin.Model, driver: Tie, ties: list[Tie]) -> FollowerLimits:
     """What the ranges and speeds of all others that are tied to it leave to a joint."""
     low, high, speed = -np.inf, np.inf, np.inf
     speeds = known(model.upperVelocityLimit)
@@ -210,15 +210,16 @@ def _room(model: pin.Model, driver: Tie, ties: list[Tie]) -> FollowerLimits:
 
 def _narrow(model: pin.Model, leader: str, ties: list[Tie], what: str) -> None:
     """Give the leader the range and the speed that its followers leave it."""
-    room, index, column = _room(model, _itself(leader), ties), _q_index(model, leader), _column(model, leader)
-    low, high = max(model.lowerPositionLimit[index], room.low), min(model.upperPositionLimit[index], room.high)
+    theirs = _left_by_followers(model, _itself(leader), ties)
+    index, column = _q_index(model, leader), _column(model, leader)
+    low, high = max(model.lowerPositionLimit[index], theirs.low), min(model.upperPositionLimit[index], theirs.high)
     followers = " and ".join(repr(tie.follower) for tie in ties)
     if low > high:
         raise InvalidInput(f"{what}: joint {followers} follows {leader!r}, and the ranges of both leave it no position")
     if high - low <= SAME:
         tell(f"{what}: joint {leader!r} cannot move: its range and that of {followers} leave it {low:g} alone")
     model.lowerPositionLimit[index], model.upperPositionLimit[index] = low, high
-    _limit_speed(model, column, min(known(model.upperVelocityLimit)[column], room.speed))
+    _limit_speed(model, column, min(known(model.upperVelocityLimit)[column], theirs.speed))
 
 
 def _tell_of_configurations(model: pin.Model, leader: str, ties: list[Tie], what: str) -> None:
