@@ -2,8 +2,8 @@ r"""Stationarity of one level: whether multipliers of the rows above balance its
 
 Row i of a level pulls at x with the force :math:`\|a_i\| d_i^2 w_i` along its unit normal. Rows of the levels above
 push back: equalities and violated rows either way, rows at a bound only inward. So the free normals are projected
-out, and over the others it is a non-negative least squares. What is left is round-off where x is optimal, or
-vanishes when the slacks of the level shift within the tolerances of their rows.
+out, and the multipliers of the others follow from a non-negative least squares. Its residual is round-off where x is
+optimal, or vanishes when the slacks of the level shift within the tolerances of their rows.
 """
 
 from __future__ import annotations

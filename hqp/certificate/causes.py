@@ -1,4 +1,4 @@
-"""What holds a level back: rows of the levels above, each with the force by which it pushes."""
+"""The causes that hold a level back: rows of the levels above, each with the force by which it pushes."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ has multipliers :math:`\lambda_{kj}` (j < k) with
 
 Each level is a convex QP with affine constraints, hence *iff*; and the multipliers of different
 levels are independent, hence one sign-constrained least squares a level: project out the free
-normals, then non-negative least squares over the signed ones. What that leaves must be round-off, or must
+normals, then non-negative least squares over the signed ones. Its residual must be round-off, or must
 vanish when the slacks of the level shift within the tolerances of their rows. Nothing here knows a backend.
 """
 

@@ -1,4 +1,4 @@
-"""What every level got, and what held it back: to be printed, as text or as a table, or to go into JSON."""
+"""The explanation of an answer: how far each level is met and which rows hold it back, as text, table or JSON data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a level that was softened hands over: which of its rows the levels below must leave where it left them."""
+"""The rows that a softened level hands over: those that the levels below must keep at the values which it reached."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the rows of one part on one level lack, in their units."""
+"""How far the rows of one part on one level are from being met, in their units."""
 
 from __future__ import annotations
 

@@ -5,13 +5,12 @@ A damped level k minimises, within what the levels above it leave,
 .. math:: \|D_k w_k\|^2 + \lambda^2 \|x - r_k\|^2,
 
 where :math:`r_k` is the *aim* of the level, :math:`x_\text{ref}` unless given. This is one more plain level, of the
-rows :math:`[D_k A_k;\; \lambda I]`. Left in the hierarchy, these would
-take up all freedom. So the hierarchy is solved in stages, each of them a plain one that any backend solves
-and ``certify`` proves: for each damped level, from the highest, the levels down to it with the rows of
-damping joined to it; then its rows are *frozen* at what they reached, :math:`A_k x = A_k x_k`, and the next
-stage has the null space of :math:`A_k` to move in. Inequality rows that are satisfied stay inequalities.
-The last stage is the whole hierarchy, every damped level frozen;
-it is left out where the lowest level of all is damped, whose stage has decided every x.
+rows :math:`[D_k A_k;\; \lambda I]`. Left in the hierarchy, these would leave no null space to the levels below. So the
+hierarchy is solved in stages, each of them a plain one that any backend solves and ``certify`` proves: for each damped
+level, from the highest, the levels down to it with the rows of damping joined to it; then its rows are *frozen* at what
+they reached, :math:`A_k x = A_k x_k`, and the next stage has the null space of :math:`A_k` to move in. Inequality rows
+that are satisfied stay inequalities. The last stage is the whole hierarchy, every damped level frozen; it is left out
+where the lowest level of all is damped, whose stage has decided every x.
 
 In all that belongs to a damped level its aim stands for :math:`x_\text{ref}`: its rows ask for it, x is the aim where
 neither they nor the levels above say anything, and :math:`x_a`, where the levels above leave off, is the point of
@@ -22,7 +21,7 @@ For two equality levels of full rank, the second damped, this is, with :math:`\h
 
 .. math:: x = J_1^\# r_1 + \hat J_2^T (\hat J_2 \hat J_2^T + \lambda^2 I)^{-1} (r_2 - J_2 J_1^\# r_1).
 
-What the stages are is said here, for all backends; what an answer tells of them, in :mod:`.telling`.
+This module defines the stages, for all backends; :mod:`.telling` writes those of an answer anew.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""What an answer with damped levels tells of its stages: written anew from the hierarchy that was given.
+"""The stages of an answer with damped levels, written anew from the hierarchy that was given.
 
-No stage that was solved is kept, only its x. So where anything else was solved than what the given rows, the rule and
-the aim make of it, its x is no optimum, and the certificate says so.
+An answer keeps no stage that was solved, only its x. So if the problem that was solved differs from the one which the
+given rows, the rule and the aim define, its x is not optimal, and the certificate says so.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-r"""Hierarchies that are linearisations: levels damped where how their rows bend says that the linearisation misleads.
+r"""Damping by curvature: levels of a linearised hierarchy damped where the curvature of their rows makes it mislead.
 
-See :mod:`hqp.kernels.bend` for what is looked at. What comes of it, level by level, is a stage: a plain hierarchy of
-the levels above, held where they are, and this one with rows of damping; every stage is certified like any hierarchy.
+:mod:`hqp.kernels.bend` decides how much. Each damped level is a stage: a plain hierarchy of the levels above, held
+where they are, and this one with rows of damping; every stage is certified like any hierarchy.
 """
 
 from __future__ import annotations

@@ -1,13 +1,13 @@
-r"""The stages of a softened answer, written anew from the hierarchy that was given and from what was declared.
+r"""The stages of a softened answer, written anew from the given hierarchy and the declared softening.
 
-A stage that was solved lies in memory of the loops, where whatever goes wrong would go wrong in its proof, too. So no
-stage is kept: of an answer only x of every stage is, and the *declared softening*, the numbers of :class:`Declared`.
-What is proved is x on the rows of the given hierarchy, the very numbers, beside
+A stage that was solved lies in memory of the loops: a proof on that memory would repeat any error in it. So an answer
+keeps no stage, only the x of every stage and the *declared softening*, the numbers of :class:`Declared`. The
+certificate proves x on the rows of the given hierarchy, with its own numbers, beside
 
 .. math:: D_k x = d_k, \qquad s_i c_i^T W_j x = s_i c_i^T W_j x_j,
 
 the rows of damping, and those that levels j above leave soft or held: combinations c of their weighted rows W, each at
-what its own stage reached. Where anything else was solved, x is no optimum of this.
+the value that its own stage reached. If another problem was solved, x is not optimal here, and the proof fails.
 """
 
 from __future__ import annotations

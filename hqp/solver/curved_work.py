@@ -1,4 +1,4 @@
-"""What the loops of curved levels work in: the hierarchies of their stages, and a directory of all arrays."""
+"""The work memory of the loops for curved levels: the hierarchies of their stages, and a directory of all arrays."""
 
 from __future__ import annotations
 

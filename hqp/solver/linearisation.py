@@ -1,4 +1,4 @@
-"""What a hierarchy is the linearisation of: errors, curvatures and aims, as :mod:`hqp.solver.curved` looks at them."""
+"""The errors, curvatures and aims behind a hierarchy that is a linearisation: the input of :mod:`hqp.solver.curved`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the numbers of a tick to the state of a robot: never an exception, and one thread at a time."""
+"""Builds the state of a robot from the numbers of a tick: never raises, and admits one thread at a time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The joint torques that accelerations take."""
+"""The joint torques that given accelerations require."""
 
 from __future__ import annotations
 

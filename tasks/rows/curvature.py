@@ -1,16 +1,16 @@
 r"""The curvature of a task: the second derivatives of its value, which the linear rows leave out.
 
 The rows say how the value moves, :math:`J \, dq`. After a step dq of all joints it is farther by
-:math:`\tfrac12 dq^T H_i dq` in each row i. With a weight w for every row the sum :math:`S(w) = \sum_i w_i H_i` is what
-may be asked of a :class:`~tasks.rows.plan.Plan`. With the error for weights it is what half the square of the error
-misses in Gauss's and Newton's :math:`J^T J`,
+:math:`\tfrac12 dq^T H_i dq` in each row i. With a weight w for every row, a :class:`~tasks.rows.plan.Plan` gives the
+sum :math:`S(w) = \sum_i w_i H_i`. With the error as weights it is the difference of Gauss-Newton's :math:`J^T J` and
+the second derivative of half the squared error,
 
 .. math:: \tfrac12 \lVert e(q \oplus dq) \rVert^2 = \tfrac12 \lVert e \rVert^2 - e^T J dq
     + \tfrac12 dq^T (J^T J - S(e)) dq + \dots,
 
-and with multipliers for weights, on the directions which the rows leave free, it is by how much the value leaves its
-place to second order. Rows along axes that turn with the frame are taken so that both hold: a task with all its
-coordinates bends alike along any axes. The target stands still.
+and with multipliers for weights, on the directions which the rows leave free, it is the second-order change of the
+value. Rows along axes that turn with the frame are taken so that both hold: a task with all its coordinates bends alike
+along any axes. The target stands still.
 
 Exact for positions, planes, the centre of mass, and at any error for a whole orientation or pose along the axes of the
 world or of the frame, and for directions. Else up to the square of the error, and as far as the coordinates that a mask

@@ -5,7 +5,7 @@ A damped level minimises, within what the levels above it leave,
 .. math:: \|D_k w_k\|^2 + \lambda^2 \|x\|^2,
 
 is then frozen at what it reached, and the levels below have all of the null space of its rows: see
-:mod:`hqp.damping.staged`. At velocity order x are the joint velocities, and what the level adds to them is at most its
+:mod:`hqp.damping.staged`. At velocity order x are the joint velocities, and the level changes them by at most its
 missing part over :math:`2 \lambda`, for any posture: see :mod:`hqp.damping`.
 
 The rows of :class:`~tasks.joints.damping.Damping` beside a task ask for the same, and leave no null space: for a last

@@ -14,10 +14,10 @@ beginning with :math:`[L, U] = \pm a_{max}` at acceleration order and :math:`v \
 Every intersection is nonempty, so all limits together can be kept at every tick, from any state. From a state
 within the velocity limit in which the joint can still stop inside its range, nothing is relaxed.
 
-*Braking.* Whatever the joints do, all of them can be slowed together, each by no more than its limit: along the same
-way, in the time :math:`T = \max_j v_j / a_j`, at first at the rate 1/T. A frame whose speed towards a bound is at most
-1/T times its distance then stops before it, whichever bounds there are. v is the limit of the velocity, and where there
-is none the velocity within reach.
+*Braking.* From any motion of the joints, all of them can be slowed together, each by no more than its limit: along the
+same way, in the time :math:`T = \max_j v_j / a_j`, at first at the rate 1/T. A frame whose speed towards a bound is at
+most 1/T times its distance then stops before it, whichever bounds there are. v is the limit of the velocity, and where
+there is none the velocity within reach.
 """
 
 from __future__ import annotations

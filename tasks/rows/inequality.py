@@ -11,10 +11,10 @@ K. At velocity order it never passes a bound that stands still (a control barrie
 passes it by so much, in the order of :math:`\lVert x \rVert^2 dt / K`.
 
 *In time.* Where a stack limits the accelerations of the joints, they cannot stop at once. K is then at most the rate at
-which all joints together can be slowed from full speed (:mod:`tasks.rows.envelope`): slowed in
-proportion they go on along their way, and the speed of whatever is bounded falls at least as fast as its distance. What
-the bend of that way takes until then, :math:`\tfrac12 \dot J v / K^2`, is left free beside the bound. At acceleration
-order the velocity at the end of the tick, and the place where it is reached, obey the law of velocity order.
+which all joints together can be slowed from full speed (:mod:`tasks.rows.envelope`): slowed in proportion they go on
+along their way, and the speed of the bounded quantity falls at least as fast as its distance. Room for the curvature of
+that way, :math:`\tfrac12 \dot J v / K^2`, is left beside the bound. At acceleration order the velocity at the end of
+the tick, and the place where it is reached, obey the law of velocity order.
 """
 
 from __future__ import annotations
