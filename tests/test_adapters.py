@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hqp import InvalidInput
-from tasks import Controller, Damping, PostureTask, load_robot
+from tasks import Controller, Damping, PinocchioRobot, PostureTask, load_robot
 from tasks.adapters import from_mink, from_pink
 from tasks.adapters.joints import MujocoJoints
 
@@ -369,3 +369,93 @@ def test_refusals_of_mink(twin, panda) -> None:
         Controller(panda, from_mink(damping, configuration), dt=DT)
     with pytest.raises(InvalidInput, match="FrameTask"):  # no target
         Controller(robot, from_mink(mink.FrameTask("tip", "site", 1.0, 1.0), configuration), dt=DT)
+
+
+# What is wrong with an object of another library is told in words, at once
+
+
+class Own(pink.tasks.Task):
+    """A task with any rows."""
+
+    def __init__(self, J, e) -> None:
+        super().__init__(cost=1.0)
+        self.J, self.e = J, e
+
+    def compute_error(self, configuration):
+        return self.e
+
+    def compute_jacobian(self, configuration):
+        return self.J
+
+    def __repr__(self) -> str:
+        return "Own"
+
+
+WRONG = {
+    "columns": (Own(np.ones((2, 3)), np.ones(2)), r"shapes \(2, 3\) and \(2,\)"),
+    "rows": (Own(np.ones((4, 7)), np.ones(5)), "Own 'own' raised ValueError"),
+    "a column of errors": (Own(np.ones((7, 7)), np.ones((7, 1))), "they must be"),
+    "nothing": (Own(None, None), "Own 'own' raised TypeError"),
+    "not a number": (Own(np.ones((2, 7)), np.array([0.0, np.nan])), "row 1 is not finite"),
+    "no number in the matrix": (Own(np.full((2, 7), np.inf), np.ones(2)), "row 0 is not finite"),
+}
+
+
+@pytest.mark.parametrize(("task", "told"), WRONG.values(), ids=WRONG)
+def test_rows_that_are_none_are_refused_in_words(panda, task, told) -> None:
+    with pytest.raises(InvalidInput, match=told):
+        Controller(panda, from_pink(task) >> PostureTask(panda.home, gain=1.0), dt=DT)(panda.home)
+
+
+def test_what_is_set_wrong_later_is_refused_and_the_controller_goes_on(panda) -> None:
+    task = pink.tasks.PostureTask(cost=1.0)
+    task.set_target(panda.home + 0.1)
+    controller = Controller(panda, from_pink(task), dt=DT, damping=None)
+    before = controller(panda.home).v.copy()
+    for name, wrong in ("target_q", np.zeros(3)), ("cost", np.ones(3)), ("gain", np.nan), ("gain", "fast"):
+        kept = getattr(task, name)
+        setattr(task, name, wrong)
+        with pytest.raises(InvalidInput, match="PostureTask"):
+            controller(panda.home)
+        setattr(task, name, kept)
+        assert np.array_equal(controller(panda.home).v, before)
+
+
+def test_a_new_controller_takes_the_rows_that_an_object_has_now(panda) -> None:
+    """The refusal asks for a new one, and it works; and so does another robot with more joints."""
+    task = pink.tasks.PostureTask(cost=1.0)
+    task.set_target(panda.home + 0.1)
+    part = from_pink(task)
+    controller = Controller(panda, part, dt=DT, damping=None)
+    task.lm_damping = 1.0
+    with pytest.raises(InvalidInput, match="make a new one"):
+        controller(panda.home)
+    assert np.array_equal(step(panda, part, panda.home), step(panda, from_pink(task), panda.home))
+    other, still = load_robot("ur5"), from_pink(pink.tasks.DampingTask(cost=1.0))
+    for robot in other, panda:
+        assert len(Controller(robot, still, dt=DT).hierarchy.levels[0].lower) == robot.nv
+
+
+def test_a_configuration_of_other_joints_is_refused() -> None:
+    """Of as many, in another order: Pink would move one joint for another."""
+
+    def model(names):
+        found, parent = pin.Model(), 0
+        for name in names:
+            place = pin.SE3(np.eye(3), np.array([0.3, 0.0, 0.0]))
+            parent = found.addJoint(parent, pin.JointModelRZ(), place, name)
+        return found
+
+    robot, other = PinocchioRobot(model("abc")), model("acb")
+    configuration = pink.Configuration(other, other.createData(), np.zeros(3))
+    with pytest.raises(InvalidInput, match="has joint 'c' where the robot has 'b'"):
+        Controller(robot, from_pink(pink.tasks.DampingTask(cost=1.0), configuration), dt=DT)
+
+
+def test_limits_of_another_model_and_names_that_are_none(panda, twin) -> None:
+    robot, model = twin
+    other = mujoco.MjModel.from_xml_string(SCENE.format(free="").replace('<joint name="turn" axis="1 0 0"/>', ""))
+    with pytest.raises(InvalidInput, match="ConfigurationLimit 'configurationlimit' raised"):
+        Controller(robot, from_mink(mink.ConfigurationLimit(other), mink.Configuration(model)), dt=DT)
+    with pytest.raises(InvalidInput, match="must be a str"):
+        from_pink(pink.tasks.DampingTask(cost=1.0), name=3)

@@ -11,6 +11,7 @@ import pytest
 
 from hqp import InvalidInput, MissingPackage
 from tasks import (
+    Contact,
     Controller,
     JointLimits,
     JointTorqueLimit,
@@ -20,6 +21,7 @@ from tasks import (
     PlanarArm,
     PositionTask,
     PostureTask,
+    RigidContactPlant,
     load_robot,
     simulate,
 )
@@ -160,3 +162,90 @@ def test_without_mujoco_there_is_a_hint(monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(MissingPackage, match=r"pip install 'hqp\[mujoco\]'"):
         MujocoPlant(panda())
+
+
+# What is wrong is refused in words
+
+
+def test_numbers_that_run_away_end_a_run():
+    """MuJoCo would put the robot back to where it began, and the run go on as if nothing was."""
+    robot = panda()
+    stack = JointLimits() >> PostureTask(robot.home, gain=5.0)
+    plant = MujocoPlant(robot)
+    plant.push("panda_hand", [1e13, 0.0, 0.0], 1.0)
+    controller = Controller(robot, stack, order="torque", dt=2e-3, damping=None)
+    record = simulate(controller, robot.home, duration=0.1, plant=plant)
+    assert record.stopped is not None
+    assert record.stopped.diverged
+    plant, fresh = MujocoPlant(robot), MujocoPlant(robot)
+    still = np.zeros(robot.nv)
+    q, _ = plant.advance(robot.home, still, still + 1e13, 0.01)
+    assert not np.isfinite(q).all()
+    assert np.array_equal(
+        plant.advance(robot.home, still, still, 0.01)[0], fresh.advance(robot.home, still, still, 0.01)[0]
+    )
+
+
+@pytest.mark.parametrize("make", [MujocoPlant, lambda robot: RigidContactPlant(robot, [])])
+@pytest.mark.parametrize(
+    ("changed", "told"),
+    [
+        ({"q": np.zeros(3)}, r"q has shape \(3,\)"),
+        ({"v": np.zeros(2)}, r"v has shape \(2,\)"),
+        ({"tau": np.zeros(1)}, r"tau has shape \(1,\); it must be"),
+        ({"tau": np.full(7, np.nan)}, r"tau\[0\] = nan must be finite"),
+        ({"dt": 0.0}, "dt = 0.0 s must be positive"),
+        ({"dt": np.nan}, "dt = nan s must be positive"),
+    ],
+)
+def test_plants_refuse_what_is_not_of_their_robot(make, changed, told):
+    robot = panda()
+    given = {"q": robot.home, "v": np.zeros(robot.nv), "tau": np.zeros(robot.nv), "dt": 1e-3} | changed
+    with pytest.raises(InvalidInput, match=told):
+        make(robot).advance(**given)
+
+
+def test_pushes_that_are_over_are_refused():
+    plant = MujocoPlant(panda())
+    with pytest.raises(InvalidInput, match="it would end at -1 s, and the clock of the plant stands at 0 s"):
+        plant.push("panda_hand", [1.0, 0.0, 0.0], 1.0, start=-2.0)
+
+
+class Gives:
+    """A plant that gives anything."""
+
+    def __init__(self, given):
+        self.given = given
+
+    def advance(self, q, v, tau, dt):
+        return self.given
+
+
+@pytest.mark.parametrize(
+    ("plant", "told"),
+    [
+        (MujocoPlant, "a plant has advance"),
+        (Gives(None), r"advance gave NoneType; it must be \(q, v\)"),
+        (Gives((np.zeros(2), np.zeros(7))), r"advance gave shapes \(2,\) and \(7,\)"),
+    ],
+)
+def test_what_is_no_plant_is_refused(plant, told):
+    controller = Controller(panda(), JointLimits(), order="torque", dt=2e-3, damping=None)
+    with pytest.raises(InvalidInput, match=told):
+        simulate(controller, panda().home, duration=0.1, plant=plant)
+
+
+def test_contacts_of_a_plant_have_names_of_their_own_and_hold_by_them():
+    robot, still = panda(), np.zeros(7)
+    pair = Contact("panda_hand", name="a"), Contact("panda_link5", name="a")
+    for make in (lambda: MujocoPlant(robot, contacts=pair)), (lambda: RigidContactPlant(robot, pair)):
+        with pytest.raises(InvalidInput, match="two of them are called 'a'"):
+            make()
+    for given, told in (
+        (["left"], "'left', which is no contact of the plant"),
+        ("a", "it must give a list of names"),
+        (3, "gave 3"),
+    ):
+        plant = RigidContactPlant(robot, pair[:1], holding=lambda given=given: given)
+        with pytest.raises(InvalidInput, match=told):
+            plant.advance(robot.home, still, still, 1e-3)

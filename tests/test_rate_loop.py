@@ -74,3 +74,16 @@ def test_real_time_goes_on() -> None:
 def test_rates_and_durations_are_positive(wrong) -> None:
     with pytest.raises(InvalidInput, match="must be positive"):
         loop(**wrong)
+
+
+def test_a_wait_longer_than_a_clock_takes_is_cut() -> None:
+    now, slept = [0.0], list[float]()
+
+    def sleep(seconds: float) -> None:
+        slept.append(seconds)
+        now[0] += seconds
+
+    ticks = iter(RateLoop(1e-7, clock=lambda: now[0], sleep=sleep))
+    assert [next(ticks).k, next(ticks).k] == [0, 1]
+    assert now[0] == pytest.approx(1e7)
+    assert max(slept) <= 1e6

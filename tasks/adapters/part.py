@@ -18,11 +18,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from hqp import InvalidInput, Label
+from hqp.checks import of_type
 
 from ..base.checks import Array
 from ..base.live import structure
 from ..robots.answers import at_rest
 from ..robots.robot import Robot
+from ..rows.expansion import Companions, Setting
 from ..rows.part import Order, Part
 from ..rows.tick import Tick
 
@@ -78,9 +80,9 @@ class Adapted(Part):
 
     def __init__(self, source: Source, *, bounds: bool, name: str | None) -> None:
         self._source = source
-        self._count: int | None = None
+        self._counted: tuple[Robot, int] | None = None
         self.bounds = bounds
-        self.name = source.kind.lower() if name is None else name
+        self.name = source.kind.lower() if name is None else of_type(name, str, f"name of a {source.kind}")
         self.weight = np.array(1.0)
 
     @property
@@ -91,11 +93,16 @@ class Adapted(Part):
     def label(self) -> str:
         return f"{self._source.kind} {self.name!r}"
 
+    def companions(self, setting: Setting) -> Companions:
+        """Itself, with as many rows as the object has now."""
+        self._counted = None
+        return super().companions(setting)
+
     def size(self, robot: Robot) -> int:
-        """As many rows as the object has at rest; it may have fewer later, and not more."""
-        if self._count is None:
-            self._count = len(self._source.rows(robot, at_rest(robot).q, 1.0)[1])
-        return self._count
+        """As many rows as the object had at rest when the stack was built; later it may have fewer, and not more."""
+        if self._counted is None or self._counted[0] is not robot:
+            self._counted = robot, len(self._measure(robot, at_rest(robot).q, 1.0)[1])
+        return self._counted[1]
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         unit = "step/s" if self.bounds else "cost/s"
@@ -109,7 +116,7 @@ class Adapted(Part):
         """Measure the object at the configuration of this tick."""
         assert A is not None
         assert tick.dt is not None
-        matrix, vector = self._source.rows(tick.robot, tick.state.q, tick.dt)
+        matrix, vector = self._measure(tick.robot, tick.state.q, tick.dt)
         count = len(vector)
         if count > len(lower):
             raise InvalidInput(
@@ -120,6 +127,30 @@ class Adapted(Part):
         upper[:count] = vector / tick.dt
         if not self.bounds:
             lower[:count] = upper[:count]
+
+    def _measure(self, robot: Robot, q: Array, dt: float) -> Rows:
+        """The rows of a step, or why there are none: whatever the other library raises is refused in words."""
+        try:
+            found = self._source.rows(robot, q, dt)
+            matrix, vector = np.atleast_2d(np.asarray(found[0], dtype=float)), np.asarray(found[1], dtype=float)
+        except InvalidInput:
+            raise
+        except Exception as error:
+            raise InvalidInput(f"{self.label()} raised {type(error).__name__}: {error}") from error
+        if vector.ndim != 1 or matrix.shape != (len(vector), robot.nv):
+            raise InvalidInput(
+                f"{self.label()} gives shapes {matrix.shape} and {vector.shape};"
+                f" they must be (rows, {robot.nv}) and (rows,) on {robot!r}"
+            )
+        # A bound of plus infinity is none.
+        allowed = np.isfinite(vector) | (vector == np.inf) if self.bounds else np.isfinite(vector)
+        if not (allowed.all() and np.isfinite(matrix).all()) and np.isfinite(q).all():
+            row = int(np.argmin(allowed & np.isfinite(matrix).all(axis=1)))
+            raise InvalidInput(
+                f"{self.label()}: row {row} is not finite, it is to be {vector[row]}; look at its target, gain, cost"
+                " and damping"
+            )
+        return matrix, vector
 
 
 def least_squares(H: Array, c: Array, what: str) -> Rows:

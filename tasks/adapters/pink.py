@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
+from itertools import zip_longest
 from typing import Any, Literal
 from weakref import WeakKeyDictionary
 
@@ -94,6 +95,7 @@ class _Measured(Source):
 
     def __init__(self, given: Any, configuration: Any) -> None:
         self.given, self._configuration, self.kind = given, configuration, type(given).__name__
+        self._matched: Robot | None = None
 
     def at(self, robot: Robot, q: Array) -> Any:
         """The configuration, brought to q."""
@@ -110,9 +112,30 @@ class _Measured(Source):
             raise InvalidInput(
                 f"{self.kind}: its configuration has {configuration.model.nv} joint velocities, the robot {robot.nv}"
             )
+        self._match(robot, configuration.model)
         if not np.array_equal(configuration.q, q):
             configuration.update(q)
         return configuration
+
+    def _match(self, robot: Any, model: Any) -> None:
+        """Refuse a model of other joints, or of the same in another order: Pink takes them by number."""
+        if self._matched is robot:
+            return
+        for ours, theirs in zip_longest(_joints(robot.model), _joints(model)):
+            if ours != theirs:
+                raise InvalidInput(
+                    f"{self.kind}: its configuration has joint {theirs and theirs[0]!r} where the robot has"
+                    f" {ours and ours[0]!r}; make it of robot.model"
+                )
+        self._matched = robot
+
+
+def _joints(model: Any) -> list[tuple[str, int, int]]:
+    """Every joint by its name, where it begins in v, and how many positions it has; a free base has any name."""
+    joints = zip(model.names[1:], model.joints[1:], strict=True)
+    return [
+        ("" if joint.shortname() == "JointModelFreeFlyer" else name, joint.idx_v, joint.nq) for name, joint in joints
+    ]
 
 
 class Task(_Measured):

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
+from hqp.errors import brief
 
 from .checks import Array, finite, finite_scalar
 
@@ -166,9 +167,26 @@ class RigidTransform(Protocol):
 
 def is_transform(value: Any) -> bool:
     """Whether a value is meant as a transform, and not as a point or a rotation."""
-    if hasattr(value, "as_matrix"):
-        value = value.as_matrix()
+    value = matrix_of(value)
+    if isinstance(value, list | tuple):
+        return len(value) == 4 and all(isinstance(row, list | tuple | np.ndarray) and len(row) == 4 for row in value)
     return isinstance(value, RigidTransform) or np.shape(value if isinstance(value, np.ndarray) else 0) == (4, 4)
+
+
+def matrix_of(value: Any) -> Any:
+    """What `as_matrix()` of a value gives, or the value itself.
+
+    Raises
+    ------
+    InvalidInput
+        If it raises, as that of a class does.
+    """
+    if not hasattr(value, "as_matrix"):
+        return value
+    try:
+        return value.as_matrix()
+    except Exception as error:
+        raise InvalidInput(f"as_matrix() of {brief(value)} raised {type(error).__name__}: {error}") from error
 
 
 def transform(value: Any, what: str) -> tuple[Array, Array]:
@@ -179,8 +197,7 @@ def transform(value: Any, what: str) -> tuple[Array, Array]:
     InvalidInput
         If it is neither, its last row is not 0 0 0 1, or its rotation is none.
     """
-    if hasattr(value, "as_matrix"):
-        value = value.as_matrix()
+    value = matrix_of(value)
     if isinstance(value, RigidTransform):
         position, rotation = finite(value.translation, f"{what}, translation"), value.rotation
     else:

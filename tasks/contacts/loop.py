@@ -19,7 +19,7 @@ from hqp.checks import of_type, truth
 from ..base.checks import Array, finite, positive_scalar
 from ..base.live import number, structure
 from ..base.rotations import rotation_matrix
-from ..robots.robot import Robot, check_frame
+from ..robots.robot import Robot, as_robot, check_frame
 from ..rows.expansion import Companions, Setting
 from ..rows.loop_task import LoopTask
 from ..rows.part import Order, Part
@@ -127,8 +127,13 @@ class Loop(Part):
         robot : Robot
         **options
             Of each loop.
+
+        Raises
+        ------
+        InvalidInput
+            If it is no robot.
         """
-        closures = getattr(robot, "closures", ())
+        closures = getattr(as_robot(robot), "closures", ())
         return tuple(
             cls(
                 own.a,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..robots.robot import base
 from ..rows.hierarchy_writer import HierarchyWriter
 
 if TYPE_CHECKING:
-    from ..rows.part import Stack
+    from ..rows.part import Part, Stack
 
 #: What a contact may come to bear while it is being made: the weight of the robot, by this gravity [m/s^2]; where the
 #: base is fixed, which says nothing of it, so much [N].
@@ -152,8 +152,8 @@ def weight_of(rows: HierarchyWriter) -> float:
     return GRAVITY * float(rows.shared.blocks.mass_matrix()[0, 0]) if base(rows.shared.robot) else FIXED
 
 
-def find_contact(stack: Stack, contact: Contact | str) -> Contact:
-    """A contact of a stack, by itself or by its name.
+def find_contact(stack: Iterable[Part], contact: Contact | str) -> Contact:
+    """A contact of a stack, or of some parts, by itself or by its name.
 
     Raises
     ------

@@ -15,6 +15,8 @@ from typing import NamedTuple
 from ..base.checks import positive_scalar, scalar
 from ..base.telling import LOG
 
+#: The longest sleep at a time [s]: there are some that no clock takes.
+LONGEST = 1e6
 #: Round-off of a count of ticks.
 ROUND_OFF = 1e-9
 
@@ -94,7 +96,10 @@ class RateLoop:
             self.overruns, self.worst = self.overruns + 1, max(self.worst, late)
             self.left_out += missed
             return k + 1 + missed
-        self._sleep(-late)
+        while late < -LONGEST:
+            self._sleep(LONGEST)
+            late = self._clock() - due
+        self._sleep(max(-late, 0.0))
         return k + 1
 
     def __str__(self) -> str:

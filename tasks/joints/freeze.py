@@ -69,8 +69,8 @@ class Freeze(JointSpeeds):
         self.name = of_type(name, str, "name of a Freeze")
         if (joints is None) == (all_but is None):
             raise InvalidInput(f"{self.label()}: give the joints to hold, or all_but= those that may move")
-        self.joints = named_joints(joints, f"{self.label()}: joints")
-        self.all_but = named_joints(all_but, f"{self.label()}: all_but")
+        self.joints = named_joints(joints, f"{self.label()}: joints", some=False)
+        self.all_but = named_joints(all_but, f"{self.label()}: all_but", some=False)
         self.weight = weight
 
     def variables(self, robot: Robot) -> NDArray[np.intp]:

@@ -189,17 +189,19 @@ def joint_kinds(shared: Workspace, own: NDArray[np.intp]) -> NDArray[np.int64]:
     return told
 
 
-def named_joints(joints: Iterable[str | int] | None, what: str) -> tuple[str | int, ...] | None:
+def named_joints(joints: Iterable[str | int] | None, what: str, *, some: bool = True) -> tuple[str | int, ...] | None:
     """Names and numbers of joints, as they are kept.
 
     Raises
     ------
     InvalidInput
-        If one is neither.
+        If one is neither, or, where there are to be some, there is none.
     """
     if joints is None:
         return None
     kept = tuple(listed(joints, what, "joints"))
+    if some and not kept:
+        raise InvalidInput(f"{what} = []; name at least one, or leave it out for all")
     for joint in kept:
         if not isinstance(joint, str | Integral) or isinstance(joint, bool):
             raise InvalidInput(f"{what.removesuffix('s')} {brief(joint)} must be a name or a number")

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
-from ..base.checks import Array, finite_scalar, not_negative, numbers, scalar
+from ..base.checks import Array, finite, finite_scalar, not_negative, numbers, scalar
 from .abilities import Robot
 from .answers import difference, integrate, joint_names, joint_positions, joint_units, limit_of
 
@@ -62,9 +62,9 @@ class Configurations:
         Raises
         ------
         InvalidInput
-            If a configuration has not the numbers of this robot, or the share is not finite.
+            If a configuration has not the numbers of this robot, or a number is not finite.
         """
-        first, last = _numbers(self, start, "start"), _numbers(self, end, "end")
+        first, last = _numbers(self, finite(start, "start"), "start"), _numbers(self, finite(end, "end"), "end")
         return integrate(self, first, finite_scalar(share, "share") * difference(self, first, last))
 
 

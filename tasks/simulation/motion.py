@@ -1,12 +1,19 @@
-"""How a robot follows a command that holds over a tick, exactly; see :mod:`tasks.simulation.simulation`."""
+"""What moves a robot over a tick: the command, followed exactly, or a plant, and what plants are told and give."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
-from ..base.checks import Array
+import numpy as np
+from numpy.typing import ArrayLike
+
+from hqp import InvalidInput
+
+from ..base.checks import Array, finite, positive_scalar
+from ..contacts.contact import Contact
 from ..control.step import Step
+from ..robots.robot import Robot, base, check_joints
 
 
 def follow(
@@ -19,3 +26,58 @@ def follow(
     assert step.v is not None
     after: Array = step.v.copy()
     return integrate(q, dt * after), after, (after - v) / dt
+
+
+def told(
+    robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike, dt: float, what: str
+) -> tuple[Array, Array, Array, float]:
+    """What a plant of this robot is told for a tick, in its sizes and units.
+
+    Raises
+    ------
+    InvalidInput
+        If a number is not finite, or there are more or fewer than the robot has; `what` names the plant.
+    """
+    q, v, tau = finite(q, f"{what}: q"), finite(v, f"{what}: v"), finite(tau, f"{what}: tau")
+    motors = robot.nv - base(robot)
+    try:
+        check_joints(robot, q, v)
+    except InvalidInput as error:
+        raise InvalidInput(f"{what} of {robot!r}: {error}") from None
+    if tau.shape != (motors,):
+        raise InvalidInput(
+            f"{what} of {robot!r}: tau has shape {tau.shape}; it must be ({motors},), one a motor, in N m"
+        )
+    return q, v, tau, positive_scalar(dt, f"{what}: dt", unit="s")
+
+
+def check_moved(robot: Robot, moved: Any, what: str) -> tuple[Array, Array]:
+    """What a plant gave back, which may be anything: q and v of the robot, which may be infinite or NaN.
+
+    Raises
+    ------
+    InvalidInput
+        If it is something else.
+    """
+    try:
+        q, v = (np.array(each, dtype=float) for each in moved)
+    except (TypeError, ValueError):
+        raise InvalidInput(f"{what}: advance gave {type(moved).__name__}; it must be (q, v), two arrays") from None
+    if q.shape != (robot.nq,) or v.shape != (robot.nv,):
+        raise InvalidInput(
+            f"{what}: advance gave shapes {q.shape} and {v.shape}; {robot!r} has ({robot.nq},) and ({robot.nv},)"
+        )
+    return q, v
+
+
+def check_names(contacts: Sequence[Contact]) -> None:
+    """Refuse contacts of one name: forces are told by it.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    names = [contact.name for contact in contacts]
+    for name in names:
+        if names.count(name) > 1:
+            raise InvalidInput(f"contacts: two of them are called {name!r}; give them names of their own")

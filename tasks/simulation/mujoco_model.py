@@ -42,6 +42,8 @@ def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
     specification = mujoco.MjSpec()
     specification.option.gravity = model.gravity.linear
     specification.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    # Where numbers run away MuJoCo puts the robot back to where it began, as if nothing was: a run is to stop instead.
+    specification.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     bodies, waiting = [specification.worldbody], dict[int, list[tuple[int, pin.SE3]]]()
     children = [[i for i in range(1, model.njoints) if model.parents[i] == parent] for parent in range(model.njoints)]
     for index in range(1, model.njoints):

@@ -30,6 +30,7 @@ from ..base.checks import Array, finite, finite_scalar, positive_scalar
 from ..contacts.contact import Contact
 from ..robots.robot import Robot, base, check_frame, on_pinocchio
 from .ground import Ground
+from .motion import check_names, told
 from .mujoco_model import free, joints, known, point_name, specification_of
 
 if TYPE_CHECKING:
@@ -91,6 +92,7 @@ class MujocoPlant:
         self.contacts = tuple(
             of_type(contact, Contact, "a contact") for contact in listed(contacts, "contacts", "Contact")
         )
+        check_names(self.contacts)
         self._robot = _checked(robot, self.contacts)
         model: Any = self._robot.model
         specification = specification_of(model, mujoco, self.contacts)
@@ -117,6 +119,7 @@ class MujocoPlant:
 
     def advance(self, q: Array, v: Array, tau: Array, dt: float) -> tuple[Array, Array]:
         """Positions [rad] and velocities [rad/s] dt [s] after (q, v), while the torques tau [N m] hold."""
+        q, v, tau, dt = told(self._robot, q, v, tau, dt, "MujocoPlant")
         steps = ceil(dt / self.step * (1.0 - 1e-9))
         self.model.opt.timestep = dt / steps
         self.place(q, v)
@@ -127,6 +130,8 @@ class MujocoPlant:
         data.qfrc_applied[self.dofs] = tau
         self._apply_pushes()
         self._mujoco.mj_step(self.model, data, steps)
+        if not np.isfinite(data.qacc).all():  # it would begin the next step with them
+            data.qacc[:] = data.qacc_warmstart[:] = 0.0
         return self.state()
 
     def place(self, q: Array, v: Array) -> None:
@@ -163,13 +168,17 @@ class MujocoPlant:
         Raises
         ------
         InvalidInput
-            If there is no such frame, or a number is out of range.
+            If there is no such frame, a number is out of range, or it would be over already.
         """
         check_frame(self._robot, frame, "push: frame")
         pull, seconds = finite(force, "push: force"), positive_scalar(duration, "push: duration", unit="s")
         if pull.shape != (3,):
             raise InvalidInput(f"push: force has shape {pull.shape}; it must be (3,), in N")
         begin = self.time if start is None else finite_scalar(start, "push: start")
+        if begin + seconds <= self.time:
+            raise InvalidInput(
+                f"push: it would end at {begin + seconds:g} s, and the clock of the plant stands at {self.time:g} s"
+            )
         found = self._robot.model.frames[self._robot.model.getFrameId(frame)]
         joint = self._robot.model.names[found.parentJoint]
         body = self._mujoco.mj_name2id(self.model, self._mujoco.mjtObj.mjOBJ_BODY, joint)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hqp import InvalidInput, Status
+from hqp.checks import whole_number
 from hqp.files.whole import arrays_of, write_arrays
 
 from ..base.checks import Array
@@ -180,15 +181,18 @@ class Record:
             head = json.loads(str(members["head"]))
             if head["format"] not in (FORMAT, FORMER, UNFORCED):
                 raise ValueError(f"its format is {head['format']!r}; it must be {FORMAT!r}")
+            if not isinstance(head["names"], dict):
+                raise ValueError(f"its names are {head['names']!r}")
             arrays: dict[str, Any] = {field: members[field] for field in ARRAYS}
             arrays |= {field: members.get(field) for field in OPTIONAL}
             for field in DICTS:
                 arrays[field] = {name: members[f"{field} {i}"] for i, name in enumerate(head["names"].get(field, []))}
+            _check_numbers(arrays)
             kinds = [Status(value) for value in head["status"]]
             return cls(
                 **arrays,
                 status=tuple(kinds[i] for i in members["status"]),
-                certified=head["certified"],
+                certified=whole_number(head["certified"], "certified"),
                 stopped=None if head["stopped"] is None else Stop(**head["stopped"]),
                 shortfalls=_shortfalls(head.get("shortfalls")),
                 unknowns=head.get("unknowns"),
@@ -242,6 +246,17 @@ class Record:
         end = f", stopped: {self.stopped.reason}" if self.stopped else ""
         proof = f", {self.certified} of {self.checked} checked ticks certified" if self.checked else ""
         return f"Record({len(self)} ticks, t = {self.t[0]:g} .. {self.t[-1]:g} s{proof}{end})"
+
+
+def _check_numbers(arrays: dict[str, Any]) -> None:
+    """Refuse arrays that hold no numbers, and a motion without a time."""
+    told = {name: arrays[name] for name in (*ARRAYS, *OPTIONAL) if arrays[name] is not None}
+    told |= {f"{field} of {name!r}": array for field in DICTS for name, array in arrays[field].items()}
+    for name, array in told.items():
+        if array.dtype.kind not in "fi":
+            raise ValueError(f"{name} is of {array.dtype}; it must be numbers")
+    if told["t"].ndim != 1 or not len(told["t"]):
+        raise ValueError(f"t has shape {told['t'].shape}; it must be (states,)")
 
 
 def _shortfalls(told: Any) -> tuple[tuple[Shortfall, ...], ...] | None:

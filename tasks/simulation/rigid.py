@@ -20,9 +20,10 @@ from hqp import InvalidInput
 from hqp.checks import listed, of_type
 from hqp.errors import brief
 
-from ..base.checks import Array, function, positive_scalar
+from ..base.checks import Array, function, positive_scalar, suggestion
 from ..contacts.contact import Contact
 from ..robots.robot import Robot, base, check_frame, on_pinocchio
+from .motion import check_names, told
 
 #: What makes forces unique that the contacts share, of the proximal method [1/kg].
 PROXIMAL = 1e-10
@@ -72,6 +73,7 @@ class RigidContactPlant:
             check_frame(robot, contact.frame, f"{contact.label()}: frame")
             if contact.shape.motions not in KINDS:
                 raise InvalidInput(f"{contact.label()}: is a line; a RigidContactPlant takes points and planes")
+        check_names(self.contacts)
         names = tuple(contact.name for contact in self.contacts)
         self._holding = (lambda: names) if holding is None else function(holding, "holding")
         self.step = positive_scalar(step, "step", unit="s")
@@ -86,6 +88,7 @@ class RigidContactPlant:
 
     def advance(self, q: Array, v: Array, tau: Array, dt: float) -> tuple[Array, Array]:
         """Positions [rad] and velocities [rad/s] dt [s] after (q, v), while the torques tau [N m] hold."""
+        q, v, tau, dt = told(self._robot, q, v, tau, dt, "RigidContactPlant")
         steps = ceil(dt / self.step * (1.0 - 1e-9))
         h, full = dt / steps, np.concatenate([self._free, tau])
         self._hold(q)
@@ -110,7 +113,8 @@ class RigidContactPlant:
 
     def _hold(self, q: Array) -> None:
         """Have those hold which are to, each where it began to."""
-        wanted = {contact.name: contact for contact in self.contacts if contact.name in set(self._holding())}
+        holding = self._wanted()
+        wanted = {contact.name: contact for contact in self.contacts if contact.name in holding}
         if list(wanted) == list(self._held):
             return
         pin, model = self._pin, self._robot.model
@@ -121,6 +125,18 @@ class RigidContactPlant:
             self._models.append(constraint)
             self._datas.append(constraint.createData())
         pin.initConstraintDynamics(model, self._data, self._models, self._datas)
+
+    def _wanted(self) -> Collection[str]:
+        """The names of those which are to hold now."""
+        holding, names = self._holding(), [contact.name for contact in self.contacts]
+        if isinstance(holding, str) or not isinstance(holding, Collection):
+            raise InvalidInput(f"holding gave {brief(holding)}; it must give a list of names of contacts")
+        for name in holding:
+            if name not in names:
+                raise InvalidInput(
+                    f"holding gave {brief(name)}, which is no contact of the plant{suggestion(str(name), names)}"
+                )
+        return holding
 
     def _constraint(self, contact: Contact) -> Any:
         pin, model = self._pin, self._robot.model

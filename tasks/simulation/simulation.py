@@ -18,7 +18,7 @@ as its model says, a run takes a `Plant`, which moves by its own physics: :class
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol, runtime_checkable
 
@@ -29,16 +29,16 @@ from hqp import InvalidInput, Solution
 from hqp.checks import listed, of_type, truth, whole_number
 from hqp.errors import brief
 
-from ..base.checks import Array, finite, finite_scalar, function, positive_scalar
+from ..base.checks import Array, finite, finite_scalar, function, not_negative, positive_scalar, scalar
 from ..contacts.contact import Contact
 from ..control.contacts import find_contact
 from ..control.controller import Controller
 from ..control.step import Step
 from ..robots.robot import Robot, check_joints, integration, joint_names, joint_units
-from ..rows.part import Stack
-from ..targets.timing import Timing, cubic
+from ..rows.part import Part, Stack
+from ..targets.timing import Timing, as_timing, cubic
 from .log import Log
-from .motion import follow
+from .motion import check_moved, follow
 from .record import Record, Stop
 
 #: Joint speed [rad/s] beyond which a run counts as diverged: 16 turns a second.
@@ -228,7 +228,8 @@ class _Run:
         self._v = np.zeros(robot.nv) if v0 is None else finite(v0, "v0")
         check_joints(robot, self._q, self._v)
         self._judge = _certified if proof is None else function(proof, "proof")
-        given = [_checked(change, controller) for change in listed(changes, "changes", "Change")]
+        given = listed(changes, "changes", "Change or Switch")
+        given = [_checked(change, controller, given) for change in given]
         self._waiting = deque(sorted(given, key=lambda change: change.t))
         stacks = [controller.stack, *(change.stack for change in self._waiting if isinstance(change, Change))]
         parts = {id(part): part for stack in stacks for part in stack}
@@ -262,7 +263,7 @@ class _Run:
             assert step.a is not None  # at torque order, as was checked
             assert step.tau is not None
             a = step.a
-            q, v = self._plant.advance(q, v, step.tau, dt)
+            q, v = check_moved(self._controller.robot, self._plant.advance(q, v, step.tau, dt), "plant")
         else:
             q, v, a = follow(self._integrate, step, q, v, dt)
         q.flags.writeable = v.flags.writeable = False  # ours, and kept as they are: a robot need not copy them
@@ -294,18 +295,26 @@ def _check_plant(plant: Plant | None, controller: Controller) -> None:
         return
     if controller.order != "torque":
         raise InvalidInput(f"a plant is moved by torques, but order = {controller.order!r}; it must be 'torque'")
-    if not (isinstance(plant, Plant) and callable(plant.advance)):
+    if isinstance(plant, type) or not (isinstance(plant, Plant) and callable(plant.advance)):
         raise InvalidInput(f"plant = {brief(plant)} is a {type(plant).__name__}; a plant has advance(q, v, tau, dt)")
 
 
-def _checked(change: Change | Switch, controller: Controller) -> Change | Switch:
-    """A change whose time is a number, and whose stack is one, or a switch of a contact of the stack."""
+def _checked(change: Change | Switch, controller: Controller, changes: Sequence[Change | Switch]) -> Change | Switch:
+    """A change whose time is a number, and whose stack is one, or a switch of a contact of one of the stacks."""
     if isinstance(change, Switch):
-        find_contact(controller.stack, change.contact)
+        coming = [other.stack for other in changes if isinstance(other, Change)]
+        find_contact([*controller.stack, *(part for stack in coming for part in _parts(stack))], change.contact)
+        scalar(not_negative(change.duration, "a switch: duration", unit="s"), "a switch: duration")
         return replace(change, t=finite_scalar(change.t, "a switch: t"), on=truth(change.on, "a switch: on"))
     stack = of_type(change, Change, "a change").stack
     stack = stack if isinstance(stack, Stack) else Stack(stack)
+    scalar(not_negative(change.duration, "a change: duration", unit="s"), "a change: duration")
+    as_timing(change.law, "a change: law")
     return replace(change, t=finite_scalar(change.t, "a change: t"), stack=stack)
+
+
+def _parts(stack: Stack | Part) -> Iterable[Part]:
+    return stack if isinstance(stack, Stack) else (stack,)
 
 
 def _make_happen(change: Change | Switch, controller: Controller) -> None:

@@ -128,7 +128,10 @@ def as_trajectory(target: ArrayLike | Trajectory, rows: int | None, what: str) -
         If a number is not finite, or the target (at t = 0) does not give what a trajectory must.
     """
     if not callable(target):
-        trajectory: Trajectory = Fixed(finite(target, f"{what}: target"))
+        given = finite(target, f"{what}: target")
+        if given.ndim > 1:
+            raise InvalidInput(f"{what}: target has shape {given.shape}; it must have one axis")
+        trajectory: Trajectory = Fixed(given)
     else:
         trajectory = target
     try:

@@ -11,7 +11,7 @@ from hqp import InvalidInput
 from hqp.checks import real_number
 
 from ..base.checks import Array, finite, numbers, positive_scalar
-from ..base.rotations import about, exp, is_transform, log, rotation_matrix, transform
+from ..base.rotations import about, exp, is_transform, log, matrix_of, rotation_matrix, transform
 from .timing import Timing, as_timing, quintic
 from .trajectories import Fixed, Setpoint, Spread, Trajectory, alike
 
@@ -249,7 +249,7 @@ def as_rotation(target: ArrayLike | RotationTrajectory | Trajectory, what: str) 
     if is_transform(target):
         return FixedRotation(transform(target, f"{what}: target")[1])
     if hasattr(target, "as_matrix"):
-        return FixedRotation(rotation_matrix(target.as_matrix(), f"{what}: target"))
+        return FixedRotation(rotation_matrix(matrix_of(target), f"{what}: target"))
     if not callable(target):
         array = finite(target, f"{what}: target")
         if array.size == 1:
