@@ -48,13 +48,17 @@ def test_it_stands_beside_tasks_of_somebody_elses(tmp_path: Path) -> None:
     assert done.stdout.strip() == str(step.v.tolist())
 
 
-def test_what_was_compiled_under_one_name_is_found_under_the_other(tmp_path: Path) -> None:
-    """The stamp of what is kept goes by the sources, so that neither name makes the other compile anew."""
+def test_what_is_kept_of_loops_under_one_name_is_not_that_of_the_other(tmp_path: Path) -> None:
+    """Compiled loops name their modules: of one source there is a file a name, and neither makes the other stale."""
     (tmp_path / "tasks.py").write_text("def clean(): return 'swept'\n")
-    tell = "import {0}.rows.kernels.law as law; print(law.write_law._cache._cache_file._source_stamp)"
-    environment, stamps = os.environ | {"PYTHONPATH": OURS}, set()
+    tell = "import {0}.rows.kernels.law as law; of = law.write_law._cache._cache_file"
+    tell += "; print(of._source_stamp, of._index_path, of._data_name_pattern)"
+    environment, told = os.environ | {"PYTHONPATH": OURS}, []
     for name, folder in ("tasks", Path(OURS)), ("hqp_tasks", tmp_path):
         command = [sys.executable, "-c", tell.format(name)]
         done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=True)
-        stamps.add(done.stdout.strip())
-    assert len(stamps) == 1
+        told.append(done.stdout.split())
+    (stamp, index, data), (other_stamp, other_index, other_data) = told
+    assert stamp == other_stamp
+    assert index != other_index
+    assert data != other_data

@@ -68,9 +68,12 @@ def stamp(kernel):
         tell_unkept()
         _ENTRIES[-1] = kernel = njit(**ENTRY)(kernel.py_func)
         return kernel
-    index._source_stamp = _sources(Path(__file__).parents[1]) + _sources(
-        _home(Path(kernel.py_func.__code__.co_filename))
-    )
+    home = _home(Path(kernel.py_func.__code__.co_filename))
+    index._source_stamp = _sources(Path(__file__).parents[1]) + _sources(home)
+    package = kernel.py_func.__module__.partition(".")[0]
+    if package != home.name and (home / "__init__.py").exists():  # what is kept names its modules: one file a name
+        index._index_path = str(Path(index._index_path).with_name(f"{package}.{index._index_name}"))
+        index._data_name_pattern = f"{package}.{index._data_name_pattern}"
     return kernel
 
 
