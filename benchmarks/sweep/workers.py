@@ -102,6 +102,7 @@ def cluster(plan: Plan, cells: Sequence[Cell], address: str) -> Iterator[Done]:
     """
     try:
         from dask.distributed import Client, KilledWorker, as_completed
+        from distributed.comm import CommClosedError
     except ImportError:
         raise InvalidInput("--dask needs the package 'distributed': python -m pip install -e '.[cluster]'") from None
 
@@ -121,7 +122,7 @@ def cluster(plan: Plan, cells: Sequence[Cell], address: str) -> Iterator[Done]:
                 yield future.result()
             except KilledWorker as error:
                 yield futures[future], Failed(f"{error}\n")
-            except CancelledError:
+            except (CancelledError, CommClosedError):  # as it goes, or while an answer is on its way
                 raise InvalidInput(f"--dask {address}: the scheduler is lost; what was finished is kept") from None
             future.release()
 
