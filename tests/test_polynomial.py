@@ -19,7 +19,7 @@ from tasks import Polynomial, Trajectory, cubic, quintic
 def polynomials(draw, most=5, most_via=2):
     """Random conditions of orders up to `most` at the ends and at times between, each about as large as the way."""
     rng = np.random.default_rng(draw(st.integers(0, 10**6)))
-    rows, duration = draw(st.integers(1, 3)), 10.0 ** draw(st.integers(-3, 3))
+    rows, duration = draw(st.integers(1, 3)), 10.0 ** draw(st.integers(-2, 3))
     size = 10.0 ** draw(st.integers(-3, 3))
 
     def conditions(count):
