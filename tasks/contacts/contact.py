@@ -85,6 +85,8 @@ class Contact(ContactModel):
         limits: tuple[Part, ...] = ()
         if self.unilateral:
             if self.friction is None:
-                raise InvalidInput(f"{self.label()}: needs its friction, as in Contact({self.frame!r}, friction=0.6)")
+                raise InvalidInput(
+                    f"{self.full_name()}: needs its friction, as in Contact({self.frame!r}, friction=0.6)"
+                )
             limits = (Friction(self),)
         return Companions(here, top=(ForceBounds(self),), limits=limits, below=below, block=self.block())

@@ -73,9 +73,9 @@ class PositionTask(PlacementTask):
         name: str | None = None,
     ) -> None:
         self._call(name)
-        size, local = _size(target, self.label()), as_reference(reference, self.label()) == "local"
+        size, local = _size(target, self.full_name()), as_reference(reference, self.full_name()) == "local"
         super().__init__(
-            mask=chosen("xy" if mask is None and size == 2 and not local else mask, AXES, self.label()),
+            mask=chosen("xy" if mask is None and size == 2 and not local else mask, AXES, self.full_name()),
             reference=reference,
             frame=frame,
             relative_to=relative_to,
@@ -92,7 +92,7 @@ class PositionTask(PlacementTask):
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
         """Where the frame is to be [m]: three coordinates, or those of the mask; or a trajectory."""
-        what = self.label()
+        what = self.full_name()
         trajectory = as_trajectory(place_of(value, what), None, what)
         size, local = len(trajectory(0.0)[0]), self.reference == "local"
         sizes = {3} if local else {len(self.mask), 3} | ({2} if self._two else set())

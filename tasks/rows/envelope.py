@@ -70,8 +70,8 @@ class Claim(NamedTuple):
         Lowest and highest value [rad], [rad/s], [rad/s^2].
     lower, upper : array, shape (nv,)
         The bounds where it counts. Claims on the same ones are kept together.
-    label : str
-        Whose it is, for messages.
+    part : str
+        Full name of the limit, for messages.
     return_speed : float
         The most that a joint outside its range is driven back with [rad/s].
     """
@@ -81,7 +81,7 @@ class Claim(NamedTuple):
     high: Array
     lower: Array
     upper: Array
-    label: str
+    part: str
     return_speed: float
 
 
@@ -113,7 +113,7 @@ class Envelope:
         Parameters
         ----------
         part : str
-            Its label.
+            Its full name.
         kind : {"position", "velocity", "acceleration"}
         values : array, shape (2, nv)
             Lowest and highest.
@@ -139,7 +139,7 @@ class Envelope:
         limited = np.any([np.isfinite(claim.low) | np.isfinite(claim.high) for claim in ranges], axis=0)
         if ranges and shared.order == "acceleration" and np.isinf(self.acceleration[limited]).any():
             raise InvalidInput(
-                f"{ranges[0].label}: at acceleration order it needs to know how hard the joints can"
+                f"{ranges[0].part}: at acceleration order it needs to know how hard the joints can"
                 " brake; add a JointAccelerationLimit(20.0), in rad/s^2, to the stack, or give the robot a limit"
             )
         self._braking = shared.braking
