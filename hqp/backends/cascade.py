@@ -2,8 +2,8 @@
 
 Level by level, from the highest: the equalities and the violated rows of the levels above are
 *eliminated* by an orthonormal basis Z of their null space (passed on as constraints they would make
-every next QP just-feasible), their satisfied inequalities stay as rows with their, if need be
-relaxed, bounds. In the coordinates y of Z the named solver minimises
+every next QP just-feasible), their satisfied inequalities stay as rows, their bounds
+widened where need be. In the coordinates y of Z the named solver minimises
 
     1/2 ||D (A (x + Z y) - b)||^2 + 1/2 ||w||^2 + rho/2 ||y - y_prev||^2
 

@@ -1,4 +1,4 @@
-r"""The loop that writes all joint limits of one stack, each relaxed to what the harder ones leave.
+r"""The loop that writes all joint limits of one stack, each widened to meet what the harder ones leave.
 
 See :mod:`tasks.rows.envelope` for how they get on with each other, :mod:`tasks.limits.position` for how a joint keeps
 its range.
