@@ -40,7 +40,7 @@ def solve(
         ),
     ] = None,
 ) -> None:
-    """Solve a hierarchy from a file and put the answer to the certificate.
+    """Solve a hierarchy from a file, and certify the answer.
 
     If the file brings a solution of somebody else, that one too is put to it.
 

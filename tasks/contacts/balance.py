@@ -1,4 +1,4 @@
-r"""Balance: the capture point, and the centre of mass kept above what the robot stands on.
+r"""Balance: a task and a limit of the capture point, which is to stay in the support polygon.
 
 A robot whose centre of mass c is h above its contacts falls as an inverted pendulum, at the rate
 :math:`\omega = \sqrt{g / h}`. It comes to rest without a step if its *capture point*
@@ -168,7 +168,7 @@ class CaptureRows(_Balance):
 
 
 class SupportLimit(Part):
-    r"""Keep the capture point above what the robot stands on, whatever is asked of its centre of mass below.
+    r"""Keep the capture point inside the support polygon, whatever lower levels ask of the centre of mass.
 
     For every edge of the support polygon, with the outward normal n and at the distance d,
     :math:`n^T \dot\xi \le K (d - n^T \xi)`. The contact forces can do it from any capture point inside, as long as the

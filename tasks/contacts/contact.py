@@ -1,4 +1,4 @@
-r"""A contact: what it forbids the robot to do, and the forces that it can give.
+r"""A contact: the motion that it constrains, and the forces that it exerts on the robot.
 
 With the contact's forces f on the robot along the axes of its surface, (t1, t2, n) at each point, a contact stands for
 

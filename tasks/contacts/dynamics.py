@@ -1,4 +1,4 @@
-r"""The motion equation: what accelerations and contact forces have to do with each other.
+r"""The motion equation, which couples accelerations and contact forces.
 
 .. math:: M(q)\, a + b(q, v) = S^T \tau + G^T f + \textstyle\sum_k J_k^T w_k,
 
@@ -38,7 +38,7 @@ Sensor = Callable[[float], ArrayLike]
 
 
 class Dynamics(Part):
-    """The motion equation, by which contacts have forces and a floating base moves.
+    """The motion equation, with the forces of all contacts as unknowns.
 
     Parameters
     ----------

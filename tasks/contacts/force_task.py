@@ -1,4 +1,4 @@
-"""Forces that contacts are to have: as small as can be, or of a given sum."""
+"""Tasks of contact forces: the least forces, a given sum, or a centre of pressure."""
 
 from __future__ import annotations
 

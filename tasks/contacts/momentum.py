@@ -36,7 +36,7 @@ UNITS = {"velocity": ("kg m/s", "kg m^2/s"), "acceleration": ("N", "N m"), "disp
 
 
 class MomentumTask(LoopTask):
-    """Bring the momentum of the robot to a target; angular momentum of zero keeps it from swinging round.
+    """Bring the momentum of the robot to a target; zero angular momentum keeps it from spinning.
 
     Parameters
     ----------

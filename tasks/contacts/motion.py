@@ -1,4 +1,4 @@
-"""What a contact forbids: its centre stays where it is on the surface, and its frame does not turn there."""
+"""The motion that a contact constrains: its centre stays in place on the surface, and its frame does not turn there."""
 
 from __future__ import annotations
 

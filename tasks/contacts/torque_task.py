@@ -1,4 +1,4 @@
-r"""Joint torques that are to have a value: with contacts, :math:`M_a a + b_a - G_a^T f = \tau^d`."""
+r"""Task of the joint torques: with contacts, :math:`M_a a + b_a - G_a^T f = \tau^d`."""
 
 from __future__ import annotations
 

@@ -120,7 +120,7 @@ def check_torques(stack: Stack) -> None:
 def check_change(
     old: Stack, old_rows: HierarchyWriter, new: Stack, new_rows: HierarchyWriter, order: str, at_once: bool
 ) -> None:
-    """Refuse to go over to a stack of other unknowns: what lies between forces of different contacts means nothing.
+    """Refuse to go over to a stack of other unknowns: forces of different contacts cannot be interpolated.
 
     Raises
     ------

@@ -236,7 +236,7 @@ class DynamicManipulabilityTask(_MeasureOfTask):
         check_definite(robot, self.full_name())
 
     def _frame(self, site: Site) -> None:
-        """It also hangs on how the mass matrix changes."""
+        """None: the gradient also depends on the derivative of the mass matrix."""
 
     def _of(self, J: Array, robot: Robot, q: Array, t: float) -> Array:
         R = root(robot, q)  # M = R^T R

@@ -85,7 +85,7 @@ class MinimumMotionTask(_LeastMotion):
     Parameters
     ----------
     weight : float or array, shape (nv,)
-        How dear each joint is, [s/rad] or [s/m] if the sum is to have no unit: the square root of W.
+        The cost of moving each joint, [s/rad] or [s/m] if the sum is to have no unit: the square root of W.
     gain : float, optional
         K [1/s], needed at acceleration order.
     name : str, optional

@@ -1,4 +1,4 @@
-"""The base class of tasks of a frame: which frame, and in the coordinates of which other one."""
+"""The base class of tasks of a frame, in the world or relative to another frame."""
 
 from __future__ import annotations
 

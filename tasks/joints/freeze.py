@@ -1,4 +1,4 @@
-"""Joints that do not move."""
+"""Constraint: joints that do not move."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Task: joint speeds that are asked for."""
+"""Task: desired joint velocities."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class JointSpeeds(Part):
 
 
 class JointVelocityTask(JointSpeeds):
-    """Move joints at given speeds: v at velocity order, and what brings them there at acceleration order.
+    """Move joints at given speeds: v itself at velocity order, at acceleration order what brings v there.
 
     ``JointVelocityTask([0.2], joints=["panda_joint1"])`` turns one joint, at 0.2 rad/s, as far as the levels above let
     it. Below other tasks it is a motion to prefer: the speeds of a demonstration, or of the tick before. Of

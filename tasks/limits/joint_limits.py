@@ -1,4 +1,4 @@
-"""All limits of the joints as one level of plain bounds: one row a joint, where each limit alone has rows of its own.
+"""All joint limits as one level of plain bounds: one row a joint, where single limits have a row each.
 
 Both say the same, as the limits never exclude each other (:mod:`tasks.rows.envelope`), but one row a joint is what a
 solver likes best.
