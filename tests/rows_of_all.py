@@ -18,7 +18,7 @@ from tasks import JointVelocityLimit, Part, load_robot
 from tasks.rows.plan import Plan
 
 DT = 0.01
-ORDERS: tuple[Any, ...] = ("velocity", "acceleration", "step")
+ORDERS: tuple[Any, ...] = ("velocity", "acceleration", "displacement")
 #: Parts of these groups name frames of the Panda.
 NAMED = ("distances",)
 #: Gradients by differences of numbers divide their round-off by a step.

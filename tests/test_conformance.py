@@ -129,7 +129,7 @@ def test_every_backend_is_certified_and_none_is_better(problem: str) -> None:
             assert mine.rank == theirs.rank, (name, mine.name)
 
 
-@pytest.mark.parametrize("case", list(equality_cases()), ids=lambda case: case.label)
+@pytest.mark.parametrize("case", list(equality_cases()), ids=lambda case: case.name)
 def test_eq_4_8_solves_its_own_hierarchy(case) -> None:
     stack = case.hierarchy(np.random.default_rng(RNG_SEED))
     x = solve(stack, backend="pseudoinverse:joint").x

@@ -351,7 +351,7 @@ def test_it_adds_to_what_is_there_wherever_it_is_told_to():
     np.testing.assert_array_equal(work.plan.curvature_of(w), S)
 
 
-@pytest.mark.parametrize("order", ["velocity", "acceleration", "step"])
+@pytest.mark.parametrize("order", ["velocity", "acceleration", "displacement"])
 def test_it_is_the_same_at_every_order(order):
     robot, rng = robot_named("g1"), np.random.default_rng(4)
     q, w = robot.random(rng), rng.normal(size=3)

@@ -73,7 +73,7 @@ def test_rows_are_the_law_of_what_the_task_tells(make):
         told = {
             "velocity": rate + K * e,
             "acceleration": change + 2.0 * ZETA * K * (rate - J @ state.v) + K**2 * e - drift,
-            "step": e,
+            "displacement": e,
         }
         for order, h in told.items():
             rows, right = asked(task, state, NOW, order)
@@ -83,7 +83,7 @@ def test_rows_are_the_law_of_what_the_task_tells(make):
 
 @made
 def test_loops_write_them_and_an_inequality_asks_for_them_between_its_bounds(make):
-    for order, slope in ("velocity", K), ("acceleration", K**2), ("step", 1.0):
+    for order, slope in ("velocity", K), ("acceleration", K**2), ("displacement", 1.0):
         inside = Stack(Within(make(), 0.2, below=0.1)).build(PANDA, order)
         assert inside.compiled
         for state in states(PANDA, 2):
@@ -275,12 +275,12 @@ def test_a_reconstructed_task_says_that_python_writes_it_and_is_taken_by_steps_t
     slowed = Reconstructed(OrientationTask(-0.5, gain=3.0), 0.8, above=tip)
     state = arm.at(np.array([1.0, -0.3, 0.1]), np.zeros(3))
     by_order = {}
-    for order in "velocity", "step":
+    for order in "velocity", "displacement":
         rows = Stack(slowed).build(arm, order)
         assert "gradient" in rows.plans[0][1].why
         by_order[order] = rows.fill(state, 0.0).lower.copy()
         assert np.isfinite(by_order[order]).all()
     exact = slowed.error(state, 0.0)
-    assert by_order["step"] != pytest.approx(exact)
+    assert by_order["displacement"] != pytest.approx(exact)
     slowed.threshold = 1e-6
-    np.testing.assert_array_equal(Stack(slowed).build(arm, "step").fill(state, 0.0).lower, exact)
+    np.testing.assert_array_equal(Stack(slowed).build(arm, "displacement").fill(state, 0.0).lower, exact)

@@ -268,7 +268,7 @@ def test_bad_numbers_are_refused_and_their_place_is_named() -> None:
         level, inside = h.locate(row)
         solution = solver.solve(h)
         assert solution.status is Status.INVALID
-        assert solution.message.startswith(f"{h.label(level)}, row {inside}: ")
+        assert solution.message.startswith(f"{h.level_name(level)}, row {inside}: ")
         with pytest.raises(InvalidInput, match=f"level {level} .*row {inside}"):
             solve(h)
         seen.add("A" if not rows[row] else "NaN" if np.isnan(h.lower[row] + h.upper[row]) else "crossed")

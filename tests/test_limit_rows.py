@@ -137,7 +137,7 @@ def test_a_step_of_inverse_kinematics_ends_in_the_range_and_knows_no_speed(name:
     limits = [JointPositionLimit(), JointVelocityLimit(), JointAccelerationLimit(), JointLimits()]
     others = [FrameVelocityLimit(0.1, mask="xy", frame=None if name != "tiago" else arm.frame_names[-1])]
     stack = reduce(add, limits + others + ([] if name == "tiago" else [JointTorqueLimit()]))
-    rows = stack.build(arm, "step")
+    rows = stack.build(arm, "displacement")
     for q, v in states(name):
         state = arm.at(q, v)
         rows.fill(state, 0.0)

@@ -27,11 +27,11 @@ class Spring(Live):
     @number
     def stiffness(self, value: ArrayLike) -> Array:
         """K."""
-        return positive(value, f"{self.label()}: stiffness")
+        return positive(value, f"{self.full_name()}: stiffness")
 
     @number
     def least(self, value: float) -> float:
-        return positive_scalar(value, f"{self.label()}: least")
+        return positive_scalar(value, f"{self.full_name()}: least")
 
     def __init__(self, stiffness: ArrayLike, *, least: float = 1e-3, name: str = "spring") -> None:
         self.name = name
@@ -40,7 +40,7 @@ class Spring(Live):
 
     def _renew(self) -> None:
         if (self.stiffness < self.least).any():
-            raise InvalidInput(f"{self.label()}: stiffness = {self.stiffness} is below least = {self.least}")
+            raise InvalidInput(f"{self.full_name()}: stiffness = {self.stiffness} is below least = {self.least}")
         self._square = self.stiffness**2
 
     @property
@@ -76,7 +76,7 @@ class Ledger:
         assert isinstance(part, Spring)
         self.told.append(part)
         if (part.stiffness > self.most).any():
-            raise InvalidInput(f"{part.label()}: stiffness = {part.stiffness} must be at most {self.most}")
+            raise InvalidInput(f"{part.full_name()}: stiffness = {part.stiffness} must be at most {self.most}")
         self.taken.append(part.stiffness.tolist())
 
 

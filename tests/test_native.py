@@ -182,7 +182,7 @@ def test_numbers_that_mean_nothing_are_invalid_where_they_are_and_the_solver_wor
         x_ref = rng.standard_normal(h.n)
         solution = solver.solve(h, x_ref)
         assert solution.status is Status.INVALID
-        assert solution.message.startswith(f"{h.label(level)}, row {inside}: "), solution.message
+        assert solution.message.startswith(f"{h.level_name(level)}, row {inside}: "), solution.message
         assert said in solution.message
         assert np.array_equal(solution.x, x_ref)
         with pytest.raises(InvalidInput, match=f"level {level} .*row {inside}"):
@@ -324,4 +324,4 @@ def test_rows_of_very_different_lengths_are_left_to_the_certificate(number: int)
         if failed is None:
             continue
         assert (solution.status, solution.level) == (Status.STALLED, failed.level)
-        assert f"no more progress at {h.label(failed.level)}, after" in solution.message
+        assert f"no more progress at {h.level_name(failed.level)}, after" in solution.message

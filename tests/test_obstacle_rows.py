@@ -137,7 +137,7 @@ def test_the_nearest_point_is_driven_away():
     for name in "arm", "panda":
         part = AvoidanceTask(links(name), obstacles(name), influence=0.9, speed=0.3, gain=6.0)
         near = DistanceLimit(links(name), obstacles(name), margin=0.0, gain=1.0, nearest=1)
-        built = {order: Stack(part).build(robot(name), order, DT) for order in (*ORDERS, "step")}
+        built = {order: Stack(part).build(robot(name), order, DT) for order in (*ORDERS, "displacement")}
         limit = stack_of(near).build(robot(name), "velocity", DT)
         for t, state in enumerate(states(name)):
             found = near.pairs.measure(robot(name), state, t)
@@ -149,7 +149,7 @@ def test_the_nearest_point_is_driven_away():
             np.testing.assert_allclose(row[:-2], fade * rows(limit, state, t)[0, :-2], rtol=1e-12, atol=1e-15)
             wanted = fade * (found[k, 1:4] @ obstacle.velocity(t) + 0.3 * fade)
             np.testing.assert_allclose(row[-2:], wanted, rtol=1e-12, atol=1e-15)
-            np.testing.assert_array_equal(rows(built["step"], state, t)[0], row)
+            np.testing.assert_array_equal(rows(built["displacement"], state, t)[0], row)
             speeds = rows(built["acceleration"], state, t)[0]
             np.testing.assert_array_equal(speeds[:-2], row[:-2])
 
@@ -308,7 +308,7 @@ def test_a_subclass_may_write_on_top_of_its_parent(order):
 def test_a_step_of_the_joints_leaves_what_is_beyond_the_margin():
     state = next(states("arm"))
     limit = DistanceLimit(links("arm"), obstacles("arm"), margin=0.05, gain=1e3)  # a gain says nothing here
-    here = rows(Stack(limit).build(ARM, "step"), state)
+    here = rows(Stack(limit).build(ARM, "displacement"), state)
     np.testing.assert_allclose(here[:, -2], 0.05 - limit.distances(ARM, state), rtol=1e-12)
 
 

@@ -80,3 +80,34 @@ def test_the_former_path_of_the_families() -> None:
 def test_a_name_that_never_was() -> None:
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = hqp.nothing
+
+
+def test_former_names_of_methods_say_what_they_are_now() -> None:
+    h = hqp.Hierarchy([hqp.Level.bounds(0.0, [1.0], name="box")])
+    with pytest.warns(DeprecationWarning, match=r"^Hierarchy\.label is Hierarchy\.level_name now$"):
+        assert h.label(0) == h.level_name(0) == "level 0 ('box')"
+    task = tasks.PositionTask([1.0, 0.2], gain=2.0, name="hand")
+    with pytest.warns(DeprecationWarning, match=r"^PositionTask\.label is PositionTask\.full_name now$"):
+        assert task.label() == task.full_name() == "PositionTask 'hand'"
+    case = hqp.problems.Case(7, (3, 4), "repeated row")
+    with pytest.warns(DeprecationWarning, match=r"^Case\.label is Case\.name now$"):
+        assert case.label == case.name == "7; 3,4 repeated row"
+
+
+def test_the_former_name_of_an_order_says_what_it_is_now() -> None:
+    stack, arm = tasks.Stack(tasks.PositionTask([1.0, 0.2], gain=2.0)), tasks.PlanarArm([0.5, 0.5, 0.5])
+    with pytest.warns(DeprecationWarning, match=r"^order 'step' is 'displacement' now$"):
+        old = stack.build(arm, "step")  # type: ignore[arg-type]
+    state = arm.at([0.3, -0.8, 0.5], [0.0, 0.0, 0.0])
+    same = old.fill(state, 0.0).lower, stack.build(arm, "displacement").fill(state, 0.0).lower
+    assert (same[0] == same[1]).all()
+
+
+def test_a_part_of_ones_own_that_defines_the_former_label_is_told_so_and_named_by_it():
+    with pytest.warns(DeprecationWarning, match=r"^Mine\.label is called full_name now$"):
+
+        class Mine(tasks.PositionTask):
+            def label(self) -> str:
+                return "mine"
+
+    assert Mine([1.0, 0.2], gain=2.0).full_name() == "mine"

@@ -31,7 +31,7 @@ LAW = {"gain": K, "damping_ratio": ZETA}
 
 def length(order: str) -> float:
     """What the law makes of an error of length 1."""
-    return {"velocity": K, "acceleration": K**2, "step": 1.0}[order]
+    return {"velocity": K, "acceleration": K**2, "displacement": 1.0}[order]
 
 
 @pytest.mark.parametrize("order", ["velocity", "acceleration"])
@@ -56,7 +56,7 @@ def test_a_pose_has_a_cap_for_each_unit() -> None:
 def test_the_error_that_is_told_and_the_one_of_inverse_kinematics_are_whole() -> None:
     task = PositionTask(HERE + np.array([0.3, -0.4]), cap=0.1, deceleration=0.1, **LAW)
     np.testing.assert_allclose(task.error(STATE, 0.0), [0.3, -0.4], rtol=1e-9)
-    _, h = asked(task, STATE, 0.0, "step")
+    _, h = asked(task, STATE, 0.0, "displacement")
     np.testing.assert_allclose(h, [0.3, -0.4], rtol=1e-9)
     assert solve_ik(ARM, Stack(PositionTask([0.5, 1.2], cap=0.01, gain=1.0)), seed=0).reached
 

@@ -557,5 +557,5 @@ def test_a_bound_that_moves_is_told_with_what_it_may_cost(caplog):
         ball = Sphere(lambda t: (np.array([t, 1.0]), np.array([1.0, 0.0]), np.zeros(2)), 0.1)
         limit = DistanceLimit(planar_links(ARM, 0.03), [ball], margin=0.02, gain=5.0)
         Controller(ARM, joints >> limit, dt=0.01, damping=None)
-    assert [message.split(":")[0] for message in told(caplog)] == [moving.label(), limit.label()]
+    assert [message.split(":")[0] for message in told(caplog)] == [moving.full_name(), limit.full_name()]
     assert all("may be passed by up to 0.255 m" in message for message in told(caplog))

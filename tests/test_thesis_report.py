@@ -131,7 +131,7 @@ def test_the_study_of_stacks_end_to_end(short_figures, tmp_path, capsys):
     text = (tmp_path / "claims.md").read_text()
     table = [line for line in text.splitlines() if line.startswith("| 4.")]
     assert len(table) == 24
-    assert "Claims against findings" not in text
+    assert "Claims against results" not in text
     assert "strict, limits, coasting" in text
     assert "pictures drawn: 0" in capsys.readouterr().out
 

@@ -15,7 +15,7 @@ from hqp.validation import closed_forms, merge, validate_case
 def test_it_covers_every_shape_in_every_rank_case() -> None:
     cases = list(equality_cases())
     assert len(cases) == len(SHAPES) * len(CASES) == 24
-    assert "7; 3,4 repeated row" in {case.label for case in cases}
+    assert "7; 3,4 repeated row" in {case.name for case in cases}
 
 
 def test_every_case_has_the_rank_that_it_says() -> None:
@@ -32,7 +32,7 @@ def test_every_case_has_the_rank_that_it_says() -> None:
             assert together == min(case.n, full + case.rows[1] - 1)
 
 
-@pytest.mark.parametrize("case", list(equality_cases())[:8], ids=lambda case: case.label)
+@pytest.mark.parametrize("case", list(equality_cases())[:8], ids=lambda case: case.name)
 def test_the_default_backend_is_inside_its_class(case) -> None:
     for report in validate_case("cascade:proxsuite", case, 10, seed=1):
         assert report.ok
@@ -77,7 +77,7 @@ def test_merge_keeps_the_worst() -> None:
 
 
 @pytest.mark.sweep
-@pytest.mark.parametrize("case", list(equality_cases()), ids=lambda case: case.label)
+@pytest.mark.parametrize("case", list(equality_cases()), ids=lambda case: case.name)
 def test_1000_stacks_of_each_case(general_backend: str, case) -> None:
     for report in validate_case(general_backend, case, 1000, seed=0):
         assert report.ok, report

@@ -2,8 +2,8 @@
 
 Level by level, from the highest: the equalities and the violated rows of the levels above are
 *eliminated* by an orthonormal basis Z of their null space (passed on as constraints they would make
-every next QP just-feasible), their satisfied inequalities stay as rows with their, if need be
-relaxed, bounds. In the coordinates y of Z the named solver minimises
+every next QP just-feasible), their satisfied inequalities stay as rows, their bounds
+widened where need be. In the coordinates y of Z the named solver minimises
 
     1/2 ||D (A (x + Z y) - b)||^2 + 1/2 ||w||^2 + rho/2 ||y - y_prev||^2
 
@@ -113,7 +113,7 @@ class Cascade:
                     return Answer(state.x + state.Z @ y, counts=Counts(**tally)), verified
                 state = rows.freeze(state, here, y, pressing, self.settings)
             except (LevelFailed, np.linalg.LinAlgError) as failure:
-                message = f"{_label(hierarchy, k)}: {self.solver} failed ({failure}); {EXACT_ABOVE}"
+                message = f"{_level_name(hierarchy, k)}: {self.solver} failed ({failure}); {EXACT_ABOVE}"
                 return Answer(state.x, Status.FAILED, message, k, Counts(**tally)), verified
             if not state.Z.size:  # nothing is left to move
                 tally["levels_met"] += last - k
@@ -126,7 +126,7 @@ class Cascade:
         if failed is None or (answer.level is not None and answer.level <= failed.level):
             return answer
         said = f"the answer of {self.solver} could not be verified, and the certificate refutes it"
-        message = f"{_label(hierarchy, failed.level)}: {said}; {EXACT_ABOVE}"
+        message = f"{_level_name(hierarchy, failed.level)}: {said}; {EXACT_ABOVE}"
         if answer.message:
             message = f"{answer.message.removesuffix(f'; {EXACT_ABOVE}')}; {message}"
         status = Status.STALLED if answer.status is Status.OPTIMAL else answer.status
@@ -214,9 +214,9 @@ class Cascade:
         return self.flat[key]
 
 
-def _label(hierarchy: Hierarchy, k: int) -> str:
+def _level_name(hierarchy: Hierarchy, k: int) -> str:
     """Of a level, the implicit last one included."""
-    return hierarchy.label(k) if k < len(hierarchy.levels) else "min ||x - x_ref||"
+    return hierarchy.level_name(k) if k < len(hierarchy.levels) else "min ||x - x_ref||"
 
 
 def _nothing_to_do(problem: LevelProblem) -> bool:

@@ -177,7 +177,7 @@ def judged(hierarchy: Hierarchy, x: Array, x_ref: Array, outcome: int, level: in
             level = failed.level
     if status is Status.OPTIMAL:
         return Answer(x, counts=counts)
-    where = hierarchy.label(level) if level < len(hierarchy.levels) else "min ||x - x_ref||"
+    where = hierarchy.level_name(level) if level < len(hierarchy.levels) else "min ||x - x_ref||"
     what = "the budget ran out" if status is Status.SUBOPTIMAL else "no more progress"
     message = f"{what} at {where}, after {counts.iterations} iterations; the levels above are exact"
     return Answer(x, status, message, level, counts)

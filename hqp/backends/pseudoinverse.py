@@ -80,7 +80,7 @@ def equality_tasks(hierarchy: Hierarchy) -> list[tuple[Array, Array]]:
         if not np.all(equal | free):
             row = int(np.argmin(equal | free))
             raise Unsupported(
-                f"{hierarchy.label(k)}, row {row} is an inequality"
+                f"{hierarchy.level_name(k)}, row {row} is an inequality"
                 f" ({level.lower[row]:g} <= A x <= {level.upper[row]:g});"
                 f' the closed form takes equality rows only: use backend="{INEQUALITIES_GO_TO}"'
             )

@@ -40,7 +40,7 @@ def solve(
         ),
     ] = None,
 ) -> None:
-    """Solve a hierarchy from a file and put the answer to the certificate.
+    """Solve a hierarchy from a file, and certify the answer.
 
     If the file brings a solution of somebody else, that one too is put to it.
 
@@ -102,7 +102,7 @@ def _show(out: Console, solution: Solution) -> None:
     for k, level in enumerate(solution.levels):
         bound = int(np.count_nonzero((level.active == Side.LOWER) | (level.active == Side.UPPER)))
         cells = len(level.slack), f"{level.residual_norm:.6g}", level.rank, bound
-        table.add_row(_text(solution.hierarchy.label(k)), *map(str, cells))
+        table.add_row(_text(solution.hierarchy.level_name(k)), *map(str, cells))
     out.print(table)
     if why := solution.explain().levels:
         _say(out, "\n".join(map(str, why)) + "\n")
@@ -119,8 +119,8 @@ def _compare(out: Console, solutions: list[Solution]) -> None:
         residuals = [f"{level.residual_norm:.6g}" for level in solution.levels]
         table.add_row(solution.backend, str(solution.status), "yes" if _certified(solution) else "NO", *residuals)
     out.print(table)
-    labels = ", ".join(map(solutions[0].hierarchy.label, range(len(solutions[0].hierarchy.levels))))
-    _say(out, f"residual norms of {labels}")
+    names = ", ".join(map(solutions[0].hierarchy.level_name, range(len(solutions[0].hierarchy.levels))))
+    _say(out, f"residual norms of {names}")
     for solution in solutions:
         if solution.message:
             _say(out, _outcome(solution))

@@ -156,7 +156,7 @@ def refuse_inequalities(levels: Hierarchy) -> None:
     if wrong.any():
         row = int(np.argmax(wrong))
         raise InvalidInput(
-            f"{levels.label(len(levels.levels) - 1)}, row {row} is an inequality"
+            f"{levels.level_name(len(levels.levels) - 1)}, row {row} is an inequality"
             f" ({level.lower[row]:g} <= A x <= {level.upper[row]:g}); numerical filtering takes equality rows only"
         )
 

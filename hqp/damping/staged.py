@@ -255,7 +255,7 @@ def by_index(hierarchy: Hierarchy, damping: Mapping[int | str, DampingRule]) -> 
     for key, rule in damping.items():
         k = index_of(hierarchy, key, "damping")
         if k in rules:
-            raise InvalidInput(f"damping: {hierarchy.label(k)} is given twice, by its index and by its name")
+            raise InvalidInput(f"damping: {hierarchy.level_name(k)} is given twice, by its index and by its name")
         rules[k] = rule
     return dict(sorted(rules.items()))
 
@@ -266,5 +266,5 @@ def index_of(hierarchy: Hierarchy, key: object, what: str) -> int:
     if len(named) == 1:
         return named[0]
     problem = "is no level of the hierarchy" if not named else f"names {len(named)} of its levels"
-    labels = [hierarchy.label(k) for k in range(len(hierarchy.levels))]
-    raise InvalidInput(f"{what}: {key!r} {problem}, which has {', '.join(labels) or 'none'}")
+    names = [hierarchy.level_name(k) for k in range(len(hierarchy.levels))]
+    raise InvalidInput(f"{what}: {key!r} {problem}, which has {', '.join(names) or 'none'}")

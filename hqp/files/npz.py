@@ -1,4 +1,4 @@
-"""Hierarchies in files: one small .npz, without pickle, is a whole bug report.
+"""Hierarchies in .npz files, without pickle: all that a bug report needs.
 
 >>> import hqp
 >>> hqp.save("hard.npz", hierarchy, x_ref)  # doctest: +SKIP

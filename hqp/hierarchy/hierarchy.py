@@ -22,6 +22,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 from typing import Any
+from warnings import warn
 
 import numpy as np
 
@@ -233,9 +234,14 @@ class Hierarchy:
     def _all_dense(self) -> bool:
         return len(self._dense) == self.m
 
+    def level_name(self, k: int) -> str:
+        """Number and name of level k, as messages call it: ``level 2 ('hand')``."""
+        return _called(k, self._names[k])
+
     def label(self, k: int) -> str:
-        """How messages call level k: ``level 2 ('hand')``."""
-        return f"level {k} ({self._names[k]!r})" if self._names[k] else f"level {k}"
+        """Former name of :meth:`level_name`."""
+        warn("Hierarchy.label is Hierarchy.level_name now", DeprecationWarning, stacklevel=2)
+        return self.level_name(k)
 
     def label_of(self, row: int) -> Label:
         """What row number `row` of the whole hierarchy is called; by level and number where nobody gave it a label."""
@@ -282,7 +288,7 @@ class Hierarchy:
 
     def _where(self, row: int) -> str:
         level, inside = self.locate(row)
-        return f"{self.label(level)}, row {inside}"
+        return f"{self.level_name(level)}, row {inside}"
 
     def __repr__(self) -> str:
         lines = [f"Hierarchy of {len(self.levels)} levels, {self.m} rows, {self.n} unknowns"]
@@ -302,6 +308,10 @@ def _levels(levels: Iterable[Level]) -> list[Level]:
     return given
 
 
+def _called(k: int, name: str) -> str:
+    return f"level {k} ({name!r})" if name else f"level {k}"
+
+
 def _unknowns(levels: Sequence[Level], n: int | None) -> int:
     """Number of unknowns on which all levels agree."""
     if n is None:
@@ -314,12 +324,12 @@ def _unknowns(levels: Sequence[Level], n: int | None) -> int:
         n = rows[0] if rows else max(highest)
     n = whole_number(n, "n", most=MOST_UNKNOWNS)
     for k, level in enumerate(levels):
-        label = f"level {k} ({level.name!r})" if level.name else f"level {k}"
+        what = _called(k, level.name)
         if level.A is not None and level.A.shape[1] != n:
-            raise InvalidInput(f"{label}: A has shape {level.A.shape}, but the hierarchy has {n} unknowns")
+            raise InvalidInput(f"{what}: A has shape {level.A.shape}, but the hierarchy has {n} unknowns")
         if level.indices is not None and np.any(level.indices >= n):
             row = int(np.argmax(level.indices >= n))
-            raise InvalidInput(f"{label}, row {row}: index {level.indices[row]}, but the hierarchy has {n} unknowns")
+            raise InvalidInput(f"{what}, row {row}: index {level.indices[row]}, but the hierarchy has {n} unknowns")
     return n
 
 

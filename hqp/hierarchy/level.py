@@ -80,9 +80,9 @@ class Level:
         name: str = "",
         labels: Labels | None = None,
     ) -> None:
-        rows = real_array(A, f"{_label(name)}: A")
+        rows = real_array(A, f"{_called(name)}: A")
         if rows.ndim != 2:
-            raise InvalidInput(f"{_label(name)}: A has shape {rows.shape}; it must have two axes, (rows, unknowns)")
+            raise InvalidInput(f"{_called(name)}: A has shape {rows.shape}; it must have two axes, (rows, unknowns)")
         m = len(rows)
         self._set(rows, _column(lower, m, "lower", name), _column(upper, m, "upper", name), weights, None, name, labels)
 
@@ -114,20 +114,20 @@ class Level:
 
         Without `indices` the bounds act on all of x, in order; a variable may be listed twice.
         """
-        label = _label(name)
-        low, high = real_array(lower, f"{label}: lower"), real_array(upper, f"{label}: upper")
+        what = _called(name)
+        low, high = real_array(lower, f"{what}: lower"), real_array(upper, f"{what}: upper")
         if indices is None:
             m = max(low.size, high.size)
             if low.ndim == high.ndim == 0:
                 raise InvalidInput(
-                    f"{label}: scalar bounds do not say how many unknowns there are; give indices or arrays"
+                    f"{what}: scalar bounds do not say how many unknowns there are; give indices or arrays"
                 )
             columns = np.arange(m)
         else:
-            columns = index_vector(indices, f"{label}: indices")
+            columns = index_vector(indices, f"{what}: indices")
             if np.any(columns < 0):
                 row = int(np.argmax(columns < 0))
-                raise InvalidInput(f"{label}, row {row}: index {columns[row]} is negative; count unknowns from 0")
+                raise InvalidInput(f"{what}, row {row}: index {columns[row]} is negative; count unknowns from 0")
         level = object.__new__(cls)
         m = len(columns)
         level._set(
@@ -150,8 +150,8 @@ class Level:
         wrong = ~((scale > 0) & np.isfinite(scale))
         if wrong.any():
             row = int(np.argmax(wrong))
-            raise InvalidInput(f"{_label(name)}, row {row}: weight {scale[row]} must be positive and finite")
-        called = labels_of(labels, m, f"{_label(name)}: labels")
+            raise InvalidInput(f"{_called(name)}, row {row}: weight {scale[row]} must be positive and finite")
+        called = labels_of(labels, m, f"{_called(name)}: labels")
         self._hold(A, lower, upper, scale, indices, name, called)
 
     def _hold(self, *values: Array | Indices | str | Sequence[Label] | None) -> Level:
@@ -179,15 +179,15 @@ class Level:
 
 
 def _column(value: ArrayLike, m: int, what: str, name: str) -> Array:
-    array = real_array(value, f"{_label(name)}: {what}")
+    array = real_array(value, f"{_called(name)}: {what}")
     if array.ndim == 0:
         return np.full(m, float(array))
     if array.shape != (m,):
-        raise InvalidInput(f"{_label(name)}: {what} has shape {array.shape}; it must be ({m},), one number a row")
+        raise InvalidInput(f"{_called(name)}: {what} has shape {array.shape}; it must be ({m},), one number a row")
     return array
 
 
-def _label(name: str) -> str:
+def _called(name: str) -> str:
     """How messages call the level; a name that is none is refused in the first of them."""
     return f"level {name!r}" if of_type(name, str, "name of a level") else "level"
 

@@ -45,23 +45,23 @@ def nearest(x_ref: ArrayLike, M: ArrayLike, *, name: str = "nearest") -> Level:
     >>> solve(Hierarchy([total, last])).x.round(6)
     array([2., 1.])
     """
-    label = f"level {of_type(name, str, 'name of a level')!r}"
-    metric = real_array(M, f"{label}: M")
+    level = f"level {of_type(name, str, 'name of a level')!r}"
+    metric = real_array(M, f"{level}: M")
     if metric.ndim != 2 or metric.shape[0] != metric.shape[1]:
-        raise InvalidInput(f"{label}: M has shape {metric.shape}; it must be square")
+        raise InvalidInput(f"{level}: M has shape {metric.shape}; it must be square")
     if not np.isfinite(metric).all():
         i, j = np.argwhere(~np.isfinite(metric))[0]
-        raise InvalidInput(f"{label}: M[{i}, {j}] = {metric[i, j]} must be finite")
-    reference = finite_vector(x_ref, len(metric), f"{label}: x_ref")
+        raise InvalidInput(f"{level}: M[{i}, {j}] = {metric[i, j]} must be finite")
+    reference = finite_vector(x_ref, len(metric), f"{level}: x_ref")
     skew = np.abs(metric - metric.T)
     if skew.max(initial=0.0) > SYMMETRY * np.abs(metric).max(initial=0.0):
         i, j = np.unravel_index(np.argmax(skew), skew.shape)
         raise InvalidInput(
-            f"{label}: M[{i}, {j}] = {metric[i, j]}, but M[{j}, {i}] = {metric[j, i]}; M must be symmetric"
+            f"{level}: M[{i}, {j}] = {metric[i, j]}, but M[{j}, {i}] = {metric[j, i]}; M must be symmetric"
         )
     try:
         rows = np.linalg.cholesky((metric + metric.T) / 2).T
     except np.linalg.LinAlgError:
         least = np.linalg.eigvalsh(metric)[0]
-        raise InvalidInput(f"{label}: M must be positive definite, and its smallest eigenvalue is {least:g}") from None
+        raise InvalidInput(f"{level}: M must be positive definite, and its smallest eigenvalue is {least:g}") from None
     return Level.equality(rows, rows @ reference, name=name)

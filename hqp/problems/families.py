@@ -1,4 +1,4 @@
-"""Families of hierarchies that break solvers, each for one reason: seeded, reproducible, for everyone to try.
+"""Families of hierarchies that break solvers, each for one reason: seeded and reproducible.
 
 >>> from hqp import Solver
 >>> from hqp.problems import hierarchies

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from warnings import warn
 
 import numpy as np
 
@@ -78,9 +79,15 @@ class Case:
     rank: str
 
     @property
-    def label(self) -> str:
-        """As in ``7; 3,4 repeated row``."""
+    def name(self) -> str:
+        """Unknowns, rows and ranks, as in ``7; 3,4 repeated row``."""
         return f"{self.n}; {','.join(map(str, self.rows))} {self.rank}"
+
+    @property
+    def label(self) -> str:
+        """Former name of :attr:`name`."""
+        warn("Case.label is Case.name now", DeprecationWarning, stacklevel=2)
+        return self.name
 
     def hierarchy(self, rng: np.random.Generator) -> Hierarchy:
         """A random stack of equality levels of this family; targets are standard normal."""

@@ -1,4 +1,4 @@
-"""How an answer was reached, and what that took."""
+"""The status of an answer, and how much work it took."""
 
 from __future__ import annotations
 

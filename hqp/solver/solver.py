@@ -219,7 +219,7 @@ class Solver:
             if place is None:
                 k = index_of(hierarchy, key, "aims")
                 if k not in self._rules:
-                    raise InvalidInput(f"aims: {hierarchy.label(k)} is not damped, and takes no aim")
+                    raise InvalidInput(f"aims: {hierarchy.level_name(k)} is not damped, and takes no aim")
                 place = self._places[key] = list(self._rules).index(k)
             row = aim if type(aim) is np.ndarray and aim.dtype == np.float64 else real_array(aim, f"aim of {key!r}")
             if row.shape != reference.shape:
@@ -232,7 +232,7 @@ class Solver:
         assert self._staged is not None
         if aims is not None and not (np.abs(aims) <= LARGEST).all() and not hierarchy.find_fault():
             k, aim = next((k, aim) for k, aim in zip(self._rules, aims, strict=True) if not _bounded(aim))
-            message = f"aim of {hierarchy.label(k)} = {aim} must be finite, and at most {LARGEST:g} in size"
+            message = f"aim of {hierarchy.level_name(k)} = {aim} must be finite, and at most {LARGEST:g} in size"
             x = np.where(np.abs(reference) <= LARGEST, reference, 0.0)
             given = hierarchy.copy(), x, self.settings, message
             return Solution(x.copy(), Status.INVALID, self.backend, *given, staged=None)

@@ -81,7 +81,7 @@ class Report:
 def validate_case(backend: str, case: Case, count: int, seed: int) -> list[Report]:
     """Solve `count` random stacks of one case; one report a formula that the backend aims at."""
     # Every backend meets the same stacks: the stream depends on the case and the seed alone.
-    rng = np.random.default_rng([seed, zlib.crc32(case.label.encode())])
+    rng = np.random.default_rng([seed, zlib.crc32(case.name.encode())])
     stacks = [(weighted(case.hierarchy(rng), rng), rng.standard_normal(case.n)) for _ in range(count)]
     reports = []
     for formula in formulas_of(backend):
@@ -93,7 +93,7 @@ def validate_case(backend: str, case: Case, count: int, seed: int) -> list[Repor
             solution = solver.solve(posed, z)
             tally.seconds += time.perf_counter() - start
             tally.add(own, solution, reference.solve(stack, z).x)
-        reports.append(tally.report(backend, formula, case.label, count))
+        reports.append(tally.report(backend, formula, case.name, count))
     return reports
 
 

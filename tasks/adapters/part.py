@@ -90,7 +90,7 @@ class Adapted(Part):
         """Whether the rows only bound, and ask for nothing."""
         return self.bounds
 
-    def label(self) -> str:
+    def full_name(self) -> str:
         return f"{self._source.kind} {self.name!r}"
 
     def companions(self, setting: Setting) -> Companions:
@@ -110,7 +110,7 @@ class Adapted(Part):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if order != "velocity" or dt is None:
-            raise InvalidInput(f"{self.label()} is for velocity order with a dt: its rows are those of one step")
+            raise InvalidInput(f"{self.full_name()} is for velocity order with a dt: its rows are those of one step")
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         """Measure the object at the configuration of this tick."""
@@ -120,7 +120,8 @@ class Adapted(Part):
         count = len(vector)
         if count > len(lower):
             raise InvalidInput(
-                f"{self.label()} has {count} rows now, and {len(lower)} when the controller was made; make a new one"
+                f"{self.full_name()} has {count} rows now, and {len(lower)} when the controller was made;"
+                " make a new one"
             )
         A[:count], A[count:] = matrix, 0.0
         lower[:], upper[count:] = -np.inf, np.inf
@@ -136,10 +137,10 @@ class Adapted(Part):
         except InvalidInput:
             raise
         except Exception as error:
-            raise InvalidInput(f"{self.label()} raised {type(error).__name__}: {error}") from error
+            raise InvalidInput(f"{self.full_name()} raised {type(error).__name__}: {error}") from error
         if vector.ndim != 1 or matrix.shape != (len(vector), robot.nv):
             raise InvalidInput(
-                f"{self.label()} gives shapes {matrix.shape} and {vector.shape};"
+                f"{self.full_name()} gives shapes {matrix.shape} and {vector.shape};"
                 f" they must be (rows, {robot.nv}) and (rows,) on {robot!r}"
             )
         # A bound of plus infinity is none.
@@ -147,8 +148,8 @@ class Adapted(Part):
         if not (allowed.all() and np.isfinite(matrix).all()) and np.isfinite(q).all():
             row = int(np.argmin(allowed & np.isfinite(matrix).all(axis=1)))
             raise InvalidInput(
-                f"{self.label()}: row {row} is not finite, it is to be {vector[row]}; look at its target, gain, cost"
-                " and damping"
+                f"{self.full_name()}: row {row} is not finite, it is to be {vector[row]}; look at its target, gain,"
+                " cost and damping"
             )
         return matrix, vector
 

@@ -1,1 +1,1 @@
-"""The lowest floor, without robotics: checks, rotations, live attributes, loops."""
+"""The lowest layer, without robotics: checks, rotations, live attributes, loops."""

@@ -29,6 +29,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from functools import wraps
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, Protocol, Self, TypeVar, overload
+from warnings import warn
 from weakref import ref
 
 import numpy as np
@@ -155,6 +156,9 @@ class Live:
         super().__init_subclass__(**kwargs)
         if "__init__" in vars(cls):
             cls.__init__ = _sealing(cls.__init__)  # type: ignore[method-assign]
+        if "label" in vars(cls) and "full_name" not in vars(cls):
+            warn(f"{cls.__name__}.label is called full_name now", DeprecationWarning, stacklevel=2)
+            cls.full_name = cls.label  # type: ignore[method-assign]
         numbers: dict[str, Callable[[Any, Any], Any]] = {}
         fixed: set[str] = set()
         for base in reversed(cls.__mro__):
@@ -168,10 +172,15 @@ class Live:
                     fixed.add(name)
         cls._numbers, cls._structure = numbers, frozenset(fixed)
 
-    def label(self) -> str:
-        """How messages call it: ``PositionTask 'hand'``."""
+    def full_name(self) -> str:
+        """Its class and its name, as messages call it: ``PositionTask 'hand'``."""
         name = vars(self).get("name")
         return f"{type(self).__name__} {name!r}" if isinstance(name, str) and name else type(self).__name__
+
+    def label(self) -> str:
+        """Former name of :meth:`full_name`."""
+        warn(f"{type(self).__name__}.label is {type(self).__name__}.full_name now", DeprecationWarning, stacklevel=2)
+        return self.full_name()
 
     def _renew(self) -> None:
         """Check what ties several attributes, and compute anew what is derived from them; after every change.
@@ -200,7 +209,7 @@ class Live:
         if name.startswith("_") or own or not vars(self).get("_sealed"):
             object.__delattr__(self, name)
         elif name in self._numbers:
-            raise InvalidInput(f"{self.label()}: {name} cannot be deleted; it may be set to another value")
+            raise InvalidInput(f"{self.full_name()}: {name} cannot be deleted; it may be set to another value")
         else:
             self._refuse(name)
 
@@ -235,11 +244,11 @@ class Live:
 
     def _refuse(self, name: str) -> NoReturn:
         if name in self._structure:
-            raise InvalidInput(f"{self.label()}: {name} is part of its structure, and stays; {self._instead}")
+            raise InvalidInput(f"{self.full_name()}: {name} is part of its structure, and stays; {self._instead}")
         if hasattr(type(self), name):
-            raise InvalidInput(f"{self.label()}: {name} is given by its class, and stays; {self._instead}")
+            raise InvalidInput(f"{self.full_name()}: {name} is given by its class, and stays; {self._instead}")
         known = sorted(other for other in vars(self).keys() | _data(type(self)) if not other.startswith("_"))
-        raise InvalidInput(f"{self.label()}: there is no attribute {name!r}{suggestion(name, known)}")
+        raise InvalidInput(f"{self.full_name()}: there is no attribute {name!r}{suggestion(name, known)}")
 
     def __getstate__(self) -> dict[str, Any]:
         return dict(vars(self))

@@ -40,7 +40,7 @@ def thesis(
     animate: Annotated[bool, typer.Option("--animate", help="Write each figure as a GIF, too.")] = False,
     jobs: Annotated[int, typer.Option("--jobs", "-j", help="Processes; -1 for one a core.")] = -1,
 ) -> None:
-    """Simulate the figures of the thesis, draw them, and hold what its text says against what is found.
+    """Simulate the figures of the thesis, draw them, and compare the claims of its text with the results.
 
     Without --figure: all of them. Each figure of chapter 4 is drawn in full, all laws side by side, and
     plain, as the text has it, for a paper: of the first law that is asked for. 2.1, 3.1 to 3.5 and 4.1

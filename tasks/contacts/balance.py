@@ -1,4 +1,4 @@
-r"""Balance: the capture point, and the centre of mass kept above what the robot stands on.
+r"""Balance: a task and a limit of the capture point, which is to stay in the support polygon.
 
 A robot whose centre of mass c is h above its contacts falls as an inverted pendulum, at the rate
 :math:`\omega = \sqrt{g / h}`. It comes to rest without a step if its *capture point*
@@ -53,7 +53,7 @@ class _Balance(Part):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if center_of_mass(at_rest(robot)) is None:
-            raise InvalidInput(f"{self.task.label()}: {robot!r} does not tell its centre of mass")
+            raise InvalidInput(f"{self.task.full_name()}: {robot!r} does not tell its centre of mass")
 
     @property
     def points(self) -> int:
@@ -84,7 +84,7 @@ def standing(part: Part, setting: Setting) -> tuple[Contact, ...]:
     """
     contacts = tuple(other for other in setting.parts if isinstance(other, Contact))
     if not contacts:
-        raise InvalidInput(f"{part.label()}: there is no contact in the stack that the robot could stand on")
+        raise InvalidInput(f"{part.full_name()}: there is no contact in the stack that the robot could stand on")
     return contacts
 
 
@@ -126,12 +126,12 @@ class CapturePointTask(Part):
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
         """x and y in the world [m]."""
-        return as_trajectory(value, 2, self.label())
+        return as_trajectory(value, 2, self.full_name())
 
     @number
     def gain(self, value: float) -> float:
         """K [1/s]."""
-        return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
+        return positive_scalar(value, f"{self.full_name()}: gain", unit="1/s")
 
     def companions(self, setting: Setting) -> Companions:
         return Companions((CaptureRows(self, standing(self, setting)),))
@@ -168,7 +168,7 @@ class CaptureRows(_Balance):
 
 
 class SupportLimit(Part):
-    r"""Keep the capture point above what the robot stands on, whatever is asked of its centre of mass below.
+    r"""Keep the capture point inside the support polygon, whatever lower levels ask of the centre of mass.
 
     For every edge of the support polygon, with the outward normal n and at the distance d,
     :math:`n^T \dot\xi \le K (d - n^T \xi)`. The contact forces can do it from any capture point inside, as long as the
@@ -209,12 +209,12 @@ class SupportLimit(Part):
     @number
     def margin(self, value: float) -> float:
         """What is left free inside the polygon [m]."""
-        return scalar(not_negative(value, f"{self.label()}: margin", unit="m"), "margin")
+        return scalar(not_negative(value, f"{self.full_name()}: margin", unit="m"), "margin")
 
     @number
     def gain(self, value: float) -> float:
         """K [1/s]."""
-        return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
+        return positive_scalar(value, f"{self.full_name()}: gain", unit="1/s")
 
     def companions(self, setting: Setting) -> Companions:
         return Companions((SupportRows(self, standing(self, setting)),))
@@ -240,7 +240,7 @@ class SupportRows(_Balance):
         super().check(robot, order, dt)
         if dt is not None and self.task.gain * dt > 1.0 + 1e-9:
             raise InvalidInput(
-                f"{self.task.label()}: gain = {self.task.gain:g} 1/s passes the bound within a tick of {dt:g} s; it"
+                f"{self.task.full_name()}: gain = {self.task.gain:g} 1/s passes the bound within a tick of {dt:g} s; it"
                 f" must be at most {1.0 / dt:g}"
             )
 

@@ -1,4 +1,4 @@
-r"""A contact: what it forbids the robot to do, and the forces that it can give.
+r"""A contact: the motion that it constrains, and the forces that it exerts on the robot.
 
 With the contact's forces f on the robot along the axes of its surface, (t1, t2, n) at each point, a contact stands for
 
@@ -85,6 +85,8 @@ class Contact(ContactModel):
         limits: tuple[Part, ...] = ()
         if self.unilateral:
             if self.friction is None:
-                raise InvalidInput(f"{self.label()}: needs its friction, as in Contact({self.frame!r}, friction=0.6)")
+                raise InvalidInput(
+                    f"{self.full_name()}: needs its friction, as in Contact({self.frame!r}, friction=0.6)"
+                )
             limits = (Friction(self),)
         return Companions(here, top=(ForceBounds(self),), limits=limits, below=below, block=self.block())

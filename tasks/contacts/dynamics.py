@@ -1,4 +1,4 @@
-r"""The motion equation: what accelerations and contact forces have to do with each other.
+r"""The motion equation, which couples accelerations and contact forces.
 
 .. math:: M(q)\, a + b(q, v) = S^T \tau + G^T f + \textstyle\sum_k J_k^T w_k,
 
@@ -38,7 +38,7 @@ Sensor = Callable[[float], ArrayLike]
 
 
 class Dynamics(Part):
-    """The motion equation, by which contacts have forces and a floating base moves.
+    """The motion equation, with the forces of all contacts as unknowns.
 
     Parameters
     ----------
@@ -78,36 +78,36 @@ class Dynamics(Part):
     @number
     def wrenches(self, value: Mapping[str, ArrayLike | Sensor] | None) -> dict[str, Sensor]:
         """What acts on frames from outside, by frame."""
-        given = of_type({} if value is None else value, Mapping, f"{self.label()}: wrenches")
+        given = of_type({} if value is None else value, Mapping, f"{self.full_name()}: wrenches")
         return {frame: self._sensor(frame, wrench) for frame, wrench in given.items()}
 
     def _sensor(self, frame: str, wrench: ArrayLike | Sensor) -> Sensor:
-        sample = numbers(wrench(0.0) if callable(wrench) else wrench, f"{self.label()}: wrench at {frame!r}")
+        sample = numbers(wrench(0.0) if callable(wrench) else wrench, f"{self.full_name()}: wrench at {frame!r}")
         if sample.shape != (6,):
-            raise InvalidInput(f"{self.label()}: wrench at {frame!r} has shape {sample.shape}; it must be (6,)")
+            raise InvalidInput(f"{self.full_name()}: wrench at {frame!r} has shape {sample.shape}; it must be (6,)")
         return wrench if callable(wrench) else _Constant(sample)
 
     def size(self, robot: Robot) -> int:
         return base(robot)
 
     def companions(self, setting: Setting) -> Companions:
-        if setting.order == "step":  # which knows no forces
+        if setting.order == "displacement":  # which knows no forces
             return Companions(())
         others = (part for part in setting.parts if isinstance(part, Part) and part is not self)
         alone = all(type(part).companions is Part.companions for part in others)
         if base(setting.robot) and alone:
-            tell(f"{self.label()}: {setting.robot!r} has a floating base and no contact in its stack; it falls")
+            tell(f"{self.full_name()}: {setting.robot!r} has a floating base and no contact in its stack; it falls")
         return super().companions(setting)
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if order == "velocity":
             raise InvalidInput(
-                f"{self.label()}: velocities tell no forces; the order of the controller must be 'torque' or"
+                f"{self.full_name()}: velocities tell no forces; the order of the controller must be 'torque' or"
                 " 'acceleration', or the contacts be without Dynamics()"
             )
-        check_dynamics(robot, self.label())
+        check_dynamics(robot, self.full_name())
         for frame in self.wrenches:
-            check_frame(robot, frame, f"{self.label()}: wrench at")
+            check_frame(robot, frame, f"{self.full_name()}: wrench at")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         size = self.size(robot)

@@ -1,4 +1,4 @@
-"""Forces that contacts are to have: as small as can be, or of a given sum."""
+"""Tasks of contact forces: the least forces, a given sum, or a centre of pressure."""
 
 from __future__ import annotations
 
@@ -69,9 +69,9 @@ class ForceTask(Part):
         name: str = "force",
     ) -> None:
         self.name = of_type(name, str, "name of a ForceTask")
-        self.contact = None if contact is None else of_type(contact, Contact, f"{self.label()}: contact")
+        self.contact = None if contact is None else of_type(contact, Contact, f"{self.full_name()}: contact")
         if target is not None and contact is None:
-            raise InvalidInput(f"{self.label()}: a target is for the forces of one contact; give contact=...")
+            raise InvalidInput(f"{self.full_name()}: a target is for the forces of one contact; give contact=...")
         self.weight, self.target = weight, target
 
     @number
@@ -79,9 +79,9 @@ class ForceTask(Part):
         """The sum of the forces [N], or None."""
         if value is None:
             return None
-        trajectory = as_trajectory(value, None, self.label())
+        trajectory = as_trajectory(value, None, self.full_name())
         if len(trajectory(0.0)[0]) not in (1, 3):
-            raise InvalidInput(f"{self.label()}: target must have shape (1,), along the normal, or (3,) [N]")
+            raise InvalidInput(f"{self.full_name()}: target must have shape (1,), along the normal, or (3,) [N]")
         return trajectory
 
     def companions(self, setting: Setting) -> Companions:
@@ -106,12 +106,13 @@ def contacts_of(part: Part, setting: Setting, contact: Contact | None = None) ->
     own = tuple(other for other in setting.parts if isinstance(other, Contact))
     if setting.order != "acceleration" or not setting.has_dynamics:
         raise InvalidInput(
-            f"{part.label()}: contacts have forces at torque and at acceleration order, with Dynamics() in the stack"
+            f"{part.full_name()}: contacts have forces at torque and at acceleration order,"
+            " with Dynamics() in the stack"
         )
     if contact is not None and not any(other is contact for other in own):
-        raise InvalidInput(f"{part.label()}: {contact!r} is not in the stack")
+        raise InvalidInput(f"{part.full_name()}: {contact!r} is not in the stack")
     if not own:
-        raise InvalidInput(f"{part.label()}: there is no contact in the stack")
+        raise InvalidInput(f"{part.full_name()}: there is no contact in the stack")
     return own if contact is None else (contact,)
 
 
@@ -220,18 +221,18 @@ class CenterOfPressureTask(Part):
         self, target: ArrayLike | Trajectory, contact: Contact, *, weight: ArrayLike = 1.0, name: str = "pressure"
     ) -> None:
         self.name = of_type(name, str, "name of a CenterOfPressureTask")
-        self.contact = of_type(contact, Contact, f"{self.label()}: contact")
+        self.contact = of_type(contact, Contact, f"{self.full_name()}: contact")
         self.weight, self.target = weight, target
 
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
         """Along x and y of the frame [m]."""
-        return as_trajectory(value, 2, self.label())
+        return as_trajectory(value, 2, self.full_name())
 
     @number
     def weight(self, value: ArrayLike) -> Array:
         """Weight of the rows inside their level, shape () or (2,)."""
-        return positive(value, f"{self.label()}: weight")
+        return positive(value, f"{self.full_name()}: weight")
 
     def companions(self, setting: Setting) -> Companions:
         contacts_of(self, setting, self.contact)

@@ -1,4 +1,4 @@
-"""How large the forces of a contact may be: bounds on the unknowns themselves, above all levels."""
+"""Bounds on the forces of a contact: on the unknowns themselves, above all levels."""
 
 from __future__ import annotations
 

@@ -84,10 +84,10 @@ class Loop(Part):
         self.a, self.b = of_type(a, str, "frame of a Loop"), of_type(b, str, "frame of a Loop")
         self.name = f"{a} to {b}" if name is None else of_type(name, str, "name of a Loop")
         if a == b:
-            raise InvalidInput(f"{self.label()}: both frames are {a!r}; a loop holds two together")
+            raise InvalidInput(f"{self.full_name()}: both frames are {a!r}; a loop holds two together")
         self.at, self.at_b, self.turns = at, at_b, truth(turns, "turns")
         if self.turns and rotation is not None:
-            raise InvalidInput(f"{self.label()}: a rotation is given, and it turns; give turns=False")
+            raise InvalidInput(f"{self.full_name()}: a rotation is given, and it turns; give turns=False")
         self.rotation = rotation
         self.gain, self.damping_ratio, self.weight = gain, damping_ratio, weight
 
@@ -104,17 +104,17 @@ class Loop(Part):
     @number
     def rotation(self, value: ArrayLike | None) -> Array | None:
         """The axes of the first frame in those of the second, shape (3, 3); None: as they were at first."""
-        return None if value is None else rotation_matrix(np.asarray(value), f"{self.label()}: rotation")
+        return None if value is None else rotation_matrix(np.asarray(value), f"{self.full_name()}: rotation")
 
     @number
     def gain(self, value: float) -> float:
         """K [1/s]."""
-        return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
+        return positive_scalar(value, f"{self.full_name()}: gain", unit="1/s")
 
     @number
     def damping_ratio(self, value: float) -> float:
         """The zeta of acceleration order."""
-        return positive_scalar(value, f"{self.label()}: damping ratio")
+        return positive_scalar(value, f"{self.full_name()}: damping ratio")
 
     @classmethod
     def of(cls, robot: Robot, **options: Any) -> tuple[Loop, ...]:
@@ -148,9 +148,9 @@ class Loop(Part):
         )
 
     def _point(self, value: ArrayLike, what: str) -> Array:
-        point = finite(value, f"{self.label()}: {what}")
+        point = finite(value, f"{self.full_name()}: {what}")
         if point.shape != (3,):
-            raise InvalidInput(f"{self.label()}: {what} has shape {point.shape}; it must be (3,)")
+            raise InvalidInput(f"{self.full_name()}: {what} has shape {point.shape}; it must be (3,)")
         return point
 
     def companions(self, setting: Setting) -> Companions:
@@ -201,7 +201,7 @@ class LoopMotion(LoopTask):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         for frame in self.loop.a, self.loop.b:
-            check_frame(robot, frame, f"{self.loop.label()}: frame")
+            check_frame(robot, frame, f"{self.loop.full_name()}: frame")
         self.check_gain(order, dt)
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:

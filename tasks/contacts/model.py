@@ -62,14 +62,14 @@ class ContactModel(Part):
     ) -> None:
         self.frame = of_type(frame, str, "frame of a Contact")
         self.name = frame if name is None else of_type(name, str, "name of a Contact")
-        self.shape = shape_of(points, plane, line, centre, self.label())
+        self.shape = shape_of(points, plane, line, centre, self.full_name())
         self._lengths = None if plane is None else finite(plane, "plane")
         self.unilateral, self.may_slip = truth(unilateral, "unilateral"), truth(may_slip, "may_slip")
-        self.faces = whole_number(faces, f"{self.label()}: faces", least=3)
-        self.surface = None if surface is None else of_type(surface, Surface, f"{self.label()}: surface")
+        self.faces = whole_number(faces, f"{self.full_name()}: faces", least=3)
+        self.surface = None if surface is None else of_type(surface, Surface, f"{self.full_name()}: surface")
         self.wrench = truth(wrench, "wrench")
         if self.wrench and plane is None:
-            raise InvalidInput(f"{self.label()}: wrench = True takes a plane=(length along x, length along y) in m")
+            raise InvalidInput(f"{self.full_name()}: wrench = True takes a plane=(length along x, length along y) in m")
         self.friction, self.normal, self.torsion = friction, normal, torsion
         self.least, self.largest = least, largest
         self.gain, self.damping_ratio, self.weight = gain, damping_ratio, weight
@@ -78,44 +78,46 @@ class ContactModel(Part):
     @number
     def friction(self, value: float | None) -> float | None:
         """mu."""
-        return None if value is None else positive_scalar(value, f"{self.label()}: friction")
+        return None if value is None else positive_scalar(value, f"{self.full_name()}: friction")
 
     @number
     def torsion(self, value: float | None) -> float | None:
         """The largest moment about the normal by the normal force [m]."""
-        return None if value is None else positive_scalar(value, f"{self.label()}: torsion", unit="m")
+        return None if value is None else positive_scalar(value, f"{self.full_name()}: torsion", unit="m")
 
     @number
     def normal(self, value: ArrayLike) -> Array:
         """The direction in which the surface pushes, shape (3,), of length 1."""
-        n = finite(value, f"{self.label()}: normal")
+        n = finite(value, f"{self.full_name()}: normal")
         if n.shape != (3,) or not n.any():
-            raise InvalidInput(f"{self.label()}: normal = {n.tolist()} must be a direction, shape (3,)")
+            raise InvalidInput(f"{self.full_name()}: normal = {n.tolist()} must be a direction, shape (3,)")
         return np.asarray(n / np.linalg.norm(n))
 
     @number
     def least(self, value: float) -> float:
         """Least sum of the normal forces [N]."""
-        return scalar(not_negative(value, f"{self.label()}: least", unit="N"), "least")
+        return scalar(not_negative(value, f"{self.full_name()}: least", unit="N"), "least")
 
     @number
     def largest(self, value: float) -> float:
         """Largest sum of the normal forces [N]; infinite if there is none."""
-        return value if value == np.inf else positive_scalar(value, f"{self.label()}: largest", unit="N")
+        return value if value == np.inf else positive_scalar(value, f"{self.full_name()}: largest", unit="N")
 
     @number
     def gain(self, value: float) -> float:
         """K [1/s]."""
-        return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
+        return positive_scalar(value, f"{self.full_name()}: gain", unit="1/s")
 
     @number
     def damping_ratio(self, value: float) -> float:
         """The zeta of acceleration order."""
-        return positive_scalar(value, f"{self.label()}: damping ratio")
+        return positive_scalar(value, f"{self.full_name()}: damping ratio")
 
     def _renew(self) -> None:
         if self.least > self.largest:
-            raise InvalidInput(f"{self.label()}: least = {self.least:g} N must not exceed largest = {self.largest:g} N")
+            raise InvalidInput(
+                f"{self.full_name()}: least = {self.least:g} N must not exceed largest = {self.largest:g} N"
+            )
 
     @property
     def unknowns(self) -> int:

@@ -32,11 +32,11 @@ if TYPE_CHECKING:
 #: Which momentum.
 Kind = Literal["both", "linear", "angular"]
 #: Units of a momentum, and of its rate.
-UNITS = {"velocity": ("kg m/s", "kg m^2/s"), "acceleration": ("N", "N m"), "step": ("kg m", "kg m^2")}
+UNITS = {"velocity": ("kg m/s", "kg m^2/s"), "acceleration": ("N", "N m"), "displacement": ("kg m", "kg m^2")}
 
 
 class MomentumTask(LoopTask):
-    """Bring the momentum of the robot to a target; angular momentum of zero keeps it from swinging round.
+    """Bring the momentum of the robot to a target; zero angular momentum keeps it from spinning.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class MomentumTask(LoopTask):
         name: str | None = None,
     ) -> None:
         self._call(name)
-        one_of(kind, get_args(Kind), f"{self.label()}: kind")
+        one_of(kind, get_args(Kind), f"{self.full_name()}: kind")
         self.kind, self.rows = kind, 6 if kind == "both" else 3
         self.target = np.zeros(self.rows) if target is None else target
         super().__init__(gain=gain, weight=weight, name=name)
@@ -84,13 +84,13 @@ class MomentumTask(LoopTask):
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
         """The momentum [kg m/s], [kg m^2/s]."""
-        return as_trajectory(value, self.rows, self.label())
+        return as_trajectory(value, self.rows, self.full_name())
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if not {able.Sourced, able.Centroidal} <= _abilities(robot):
-            raise InvalidInput(f"{self.label()}: {robot!r} does not tell its momentum; robots of Pinocchio do")
-        if order == "step":
-            raise InvalidInput(f"{self.label()}: a step of inverse kinematics has no momentum")
+            raise InvalidInput(f"{self.full_name()}: {robot!r} does not tell its momentum; robots of Pinocchio do")
+        if order == "displacement":
+            raise InvalidInput(f"{self.full_name()}: a step of inverse kinematics has no momentum")
         super().check(robot, order, dt)
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:

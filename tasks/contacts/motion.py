@@ -1,4 +1,4 @@
-"""What a contact forbids: its centre stays where it is on the surface, and its frame does not turn there."""
+"""The motion that a contact constrains: its centre stays in place on the surface, and its frame does not turn there."""
 
 from __future__ import annotations
 
@@ -55,9 +55,11 @@ class ContactMotion(LoopTask):
             return self.contact.weight
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        check_frame(robot, self.contact.frame, f"{self.contact.label()}: frame")
+        check_frame(robot, self.contact.frame, f"{self.contact.full_name()}: frame")
         if self.at_rest(robot).frame(self.contact.frame).rotation.ndim == 1:
-            raise InvalidInput(f"{self.contact.label()}: {robot!r} moves in the plane; contacts take robots in space")
+            raise InvalidInput(
+                f"{self.contact.full_name()}: {robot!r} moves in the plane; contacts take robots in space"
+            )
         self.check_gain(order, dt)
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:

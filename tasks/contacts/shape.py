@@ -1,4 +1,4 @@
-"""Where a frame touches: points, and what of its motion they forbid."""
+"""The shape of a contact: its points, and the motions of the frame that they constrain."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Shape:
 
     @property
     def motions(self) -> int:
-        """How many motions of the frame it forbids: 3 at a point, 5 along a line, 6 on a plane."""
+        """How many motions of the frame it constrains: 3 at a point, 5 along a line, 6 on a plane."""
         return 3 + len(self.turning)
 
 

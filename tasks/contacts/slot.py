@@ -102,11 +102,11 @@ class Slot:
         self._ramp = at_time
 
     def let_go(self) -> None:
-        """Be off."""
+        """Switch the contact off."""
         self.numbers[[at.ON, at.LOADED, at.BEARS, at.OPEN]] = self.caps[:] = 0.0
         self._ramp = None
 
     def move(self, t: float) -> None:
-        """Come to this time [s]."""
+        """Advance the ramp to this time [s]."""
         if self._ramp is not None:
             self._ramp(t)

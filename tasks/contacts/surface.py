@@ -1,4 +1,4 @@
-"""What a contact is made with: a surface that stands, or one that moves."""
+"""The surface that a contact is made with, at rest or moving."""
 
 from __future__ import annotations
 

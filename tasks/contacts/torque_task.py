@@ -1,4 +1,4 @@
-r"""Joint torques that are to have a value: with contacts, :math:`M_a a + b_a - G_a^T f = \tau^d`."""
+r"""Task of the joint torques: with contacts, :math:`M_a a + b_a - G_a^T f = \tau^d`."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class TorqueTask(Part):
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
         """The desired torques [N m], forces [N]."""
-        return as_trajectory(value, None, self.label())
+        return as_trajectory(value, None, self.full_name())
 
     def size(self, robot: Robot) -> int:
         return robot.nv - base(robot)
@@ -69,18 +69,20 @@ class TorqueTask(Part):
     def companions(self, setting: Setting) -> Companions:
         if base(setting.robot) and not setting.has_dynamics:
             raise InvalidInput(
-                f"{self.label()}: {setting.robot!r} has a floating base, which no joint torque drives; add Dynamics()"
-                " and contacts to the stack"
+                f"{self.full_name()}: {setting.robot!r} has a floating base, which no joint torque drives; add"
+                " Dynamics() and contacts to the stack"
             )
         return super().companions(setting)
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if order != "acceleration":
-            raise InvalidInput(f"{self.label()}: order = {order!r}; torques belong to accelerations: 'acceleration'")
-        check_dynamics(robot, self.label())
+            raise InvalidInput(
+                f"{self.full_name()}: order = {order!r}; torques belong to accelerations: 'acceleration'"
+            )
+        check_dynamics(robot, self.full_name())
         sample = self.target(0.0)[0]
         if len(sample) != 1:
-            per_row(sample, self.size(robot), f"{self.label()}: target", "joint with a motor")
+            per_row(sample, self.size(robot), f"{self.full_name()}: target", "joint with a motor")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         first = base(robot)

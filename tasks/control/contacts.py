@@ -112,7 +112,7 @@ def check_torques(stack: Stack) -> None:
     for part in stack:
         if isinstance(part, Contact) and not has_dynamics(stack):
             raise InvalidInput(
-                f"{part.label()}: torques hang on its forces, and the stack has no Dynamics(); add it beside"
+                f"{part.full_name()}: torques hang on its forces, and the stack has no Dynamics(); add it beside"
                 " the contacts"
             )
 
@@ -120,7 +120,7 @@ def check_torques(stack: Stack) -> None:
 def check_change(
     old: Stack, old_rows: HierarchyWriter, new: Stack, new_rows: HierarchyWriter, order: str, at_once: bool
 ) -> None:
-    """Refuse to go over to a stack of other unknowns: what lies between forces of different contacts means nothing.
+    """Refuse to go over to a stack of other unknowns: forces of different contacts cannot be interpolated.
 
     Raises
     ------
@@ -175,7 +175,7 @@ def release(
     found, time = find_contact(stack, contact), _duration(duration, "release")
     slot = found.slot(rows.shared)
     if not slot.on:
-        raise InvalidInput(f"{found.label()}: is off already; it can be made")
+        raise InvalidInput(f"{found.full_name()}: is off already; it can be made")
     now = np.zeros(len(slot.caps)) if forces is None or found.name not in forces.contacts else forces.normal(found.name)
     slot.release(np.maximum(now, 0.0), time)
 
@@ -185,7 +185,7 @@ def make(stack: Stack, rows: HierarchyWriter, contact: Contact | str, duration: 
     found, time = find_contact(stack, contact), _duration(duration, "make")
     slot = found.slot(rows.shared)
     if slot.bears:
-        raise InvalidInput(f"{found.label()}: is on already; it can be released")
+        raise InvalidInput(f"{found.full_name()}: is on already; it can be released")
     slot.make(weight_of(rows) if found in rows.unknowns else np.inf, time)
 
 

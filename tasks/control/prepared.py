@@ -138,7 +138,7 @@ class Preparation:
 
 
 class PreparedStacks:
-    """The stacks that one controller has had of late, as they were left.
+    """The last stacks of one controller, each with its rows and its warm solver.
 
     Parameters
     ----------

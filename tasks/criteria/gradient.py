@@ -75,7 +75,7 @@ class GradientTask(Part):
     @number
     def gain(self, value: float) -> float:
         """K [1/s]."""
-        return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
+        return positive_scalar(value, f"{self.full_name()}: gain", unit="1/s")
 
     def decay_rate(self) -> float:
         """K: its law slows a speed at the rate 2 K."""
@@ -84,7 +84,7 @@ class GradientTask(Part):
     @number
     def weight(self, value: ArrayLike) -> Array:
         """Weight of the rows inside their level, shape () or (rows,)."""
-        return positive(value, f"{self.label()}: weight")
+        return positive(value, f"{self.full_name()}: weight")
 
     def size(self, robot: Robot) -> int:
         return len(self.variables(robot))

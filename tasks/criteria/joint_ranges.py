@@ -69,8 +69,8 @@ class JointCentringTask(GradientTask):
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         own = self.variables(robot)
         if not len(own):
-            raise InvalidInput(f"{self.label()}: takes a robot with position limits, and {robot!r} has none")
-        check_positioned(robot, own, f"{self.label()}: joint")
+            raise InvalidInput(f"{self.full_name()}: takes a robot with position limits, and {robot!r} has none")
+        check_positioned(robot, own, f"{self.full_name()}: joint")
 
     def value(self, robot: Robot, q: Array, t: float = 0.0) -> float:
         """H, between 0 and 1 inside the ranges."""

@@ -80,7 +80,7 @@ class _MeasureOfTask(GradientTask):
         """Loops where the gradient has a closed form; else Python, by differences."""
         told = self._frame(site)
         if told is None:
-            return replace(self.python_plan(site), why=f"{self.label()}: its gradient is taken by differences")
+            return replace(self.python_plan(site), why=f"{self.full_name()}: its gradient is taken by differences")
         return self._loops(site, told)
 
     def _frame(self, site: Site) -> tuple[Entry, ...] | None:
@@ -231,12 +231,12 @@ class DynamicManipulabilityTask(_MeasureOfTask):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         super().check(robot, order, dt)
-        check_mass_matrix(robot, self.label())
-        check_fixed(robot, self.label())
-        check_definite(robot, self.label())
+        check_mass_matrix(robot, self.full_name())
+        check_fixed(robot, self.full_name())
+        check_definite(robot, self.full_name())
 
     def _frame(self, site: Site) -> None:
-        """It also hangs on how the mass matrix changes."""
+        """None: the gradient also depends on the derivative of the mass matrix."""
 
     def _of(self, J: Array, robot: Robot, q: Array, t: float) -> Array:
         R = root(robot, q)  # M = R^T R
@@ -298,9 +298,9 @@ class VelocityRatioTask(_MeasureOfTask):
         """u, shape (rows of the task,); None for the task's own desired velocity."""
         if value is None:
             return None
-        u = finite(value, f"{self.label()}: direction")
+        u = finite(value, f"{self.full_name()}: direction")
         if not u.any():
-            raise InvalidInput(f"{self.label()}: direction = {u.tolist()}; it must not be zero")
+            raise InvalidInput(f"{self.full_name()}: direction = {u.tolist()}; it must not be zero")
         return u
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
@@ -308,8 +308,8 @@ class VelocityRatioTask(_MeasureOfTask):
         rows = self.task.size(robot)
         if self.direction is not None and self.direction.shape != (rows,):
             raise InvalidInput(
-                f"{self.label()}: direction has shape {self.direction.shape}; it must be ({rows},), one number a row"
-                f" of {self.task.label()}"
+                f"{self.full_name()}: direction has shape {self.direction.shape}; it must be ({rows},),"
+                f" one number a row of {self.task.full_name()}"
             )
 
     def _loops(self, site: Site, told: tuple[Entry, ...]) -> Plan:

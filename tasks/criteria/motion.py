@@ -46,12 +46,12 @@ class _LeastMotion(Part):
     @number
     def gain(self, value: float | None) -> float | None:
         """K [1/s], at which motion is braked that nothing above asks for; None at velocity order."""
-        return None if value is None else positive_scalar(value, f"{self.label()}: gain", unit="1/s")
+        return None if value is None else positive_scalar(value, f"{self.full_name()}: gain", unit="1/s")
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if order == "acceleration" and self.gain is None:
             raise InvalidInput(
-                f"{self.label()}: gain = None; at acceleration order it must be the rate [1/s] at which motion is"
+                f"{self.full_name()}: gain = None; at acceleration order it must be the rate [1/s] at which motion is"
                 " braked that nothing above asks for"
             )
 
@@ -85,7 +85,7 @@ class MinimumMotionTask(_LeastMotion):
     Parameters
     ----------
     weight : float or array, shape (nv,)
-        How dear each joint is, [s/rad] or [s/m] if the sum is to have no unit: the square root of W.
+        The cost of moving each joint, [s/rad] or [s/m] if the sum is to have no unit: the square root of W.
     gain : float, optional
         K [1/s], needed at acceleration order.
     name : str, optional
@@ -115,7 +115,7 @@ class MinimumMotionTask(_LeastMotion):
     @number
     def weight(self, value: ArrayLike) -> Array:
         """How dear each joint is, shape () or (nv,)."""
-        return positive(value, f"{self.label()}: weight")
+        return positive(value, f"{self.full_name()}: weight")
 
     def plan(self, site: Site) -> Plan:
         from ..base.loops import Call
@@ -166,7 +166,7 @@ class KineticEnergyTask(_LeastMotion):
     @number
     def weight(self, value: float) -> Array:
         """Weight of all rows inside their level."""
-        return np.asarray(positive_scalar(value, f"{self.label()}: weight"))
+        return np.asarray(positive_scalar(value, f"{self.full_name()}: weight"))
 
     def plan(self, site: Site) -> Plan:
         from ..base.loops import Call
@@ -178,8 +178,8 @@ class KineticEnergyTask(_LeastMotion):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         super().check(robot, order, dt)
-        check_mass_matrix(robot, self.label())
-        check_definite(robot, self.label())
+        check_mass_matrix(robot, self.full_name())
+        check_definite(robot, self.full_name())
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         return [Label(self.name, name) for name in joint_names(robot)]

@@ -91,7 +91,7 @@ class Reconstructed(Part):
     @number
     def threshold(self, value: float) -> float:
         """w_0, in the unit of w."""
-        return positive_scalar(value, f"{self.label()}: threshold")
+        return positive_scalar(value, f"{self.full_name()}: threshold")
 
     @property
     def weight(self) -> Array:
@@ -110,7 +110,7 @@ class Reconstructed(Part):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if order == "acceleration":
-            raise InvalidInput(f"{self.label()}: takes order = 'velocity', not {order!r}")
+            raise InvalidInput(f"{self.full_name()}: takes order = 'velocity', not {order!r}")
         for task in (self.task, self.above) if self.above is not None else (self.task,):
             task.check(robot, order, dt)
 

@@ -93,14 +93,14 @@ class MinimumTorqueTask(Part):
     @number
     def weight(self, value: ArrayLike) -> Array:
         """Weight of the rows inside their level, shape () or (nv,), besides the inverse of half the range."""
-        return positive(value, f"{self.label()}: weight")
+        return positive(value, f"{self.full_name()}: weight")
 
     @number
     def torque_range(self, value: tuple[ArrayLike, ArrayLike] | None) -> tuple[Array, Array] | None:
         """Lowest and highest joint torques [N m], forces [N], or None."""
         if value is None:
             return None
-        what = f"{self.label()}: torque range"
+        what = f"{self.full_name()}: torque range"
         low, high = (finite(end, what) for end in pair(value, what, "lowest and highest [N m]"))
         return low, high
 
@@ -108,7 +108,7 @@ class MinimumTorqueTask(Part):
         self._middle, self._half = np.zeros(()), np.ones(())
         if self.torque_range is None:
             return
-        what, (low, high) = f"{self.label()}: torque range", self.torque_range
+        what, (low, high) = f"{self.full_name()}: torque range", self.torque_range
         shapes = {array.shape for array in (low, high, self.weight)} - {()}
         if len(shapes) > 1:
             raise InvalidInput(f"{what} and weight have shapes {', '.join(map(str, sorted(shapes)))}; they must agree")
@@ -117,14 +117,16 @@ class MinimumTorqueTask(Part):
         self._middle, self._half = 0.5 * (low + high), 0.5 * (high - low)
 
     def weights(self, robot: Robot) -> Array:
-        return per_row(self.weight / self._half, robot.nv, f"{self.label()}: weight", "joint")
+        return per_row(self.weight / self._half, robot.nv, f"{self.full_name()}: weight", "joint")
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if order != "acceleration":
-            raise InvalidInput(f"{self.label()}: order = {order!r}; torques belong to accelerations: 'acceleration'")
-        check_dynamics(robot, self.label())
-        check_fixed(robot, self.label())
-        per_row(self._middle, robot.nv, f"{self.label()}: torque range", "joint")
+            raise InvalidInput(
+                f"{self.full_name()}: order = {order!r}; torques belong to accelerations: 'acceleration'"
+            )
+        check_dynamics(robot, self.full_name())
+        check_fixed(robot, self.full_name())
+        per_row(self._middle, robot.nv, f"{self.full_name()}: torque range", "joint")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         rows = zip(joint_names(robot), joint_units(robot), strict=True)

@@ -39,12 +39,12 @@ class PointingTask(FrameTask, LoopTask):
     @number
     def axis(self, value: ArrayLike) -> Array:
         """The axis, in the frame: a unit vector, of whatever length it is given."""
-        return unit(finite(value, f"{self.label()}: axis"), f"{self.label()}: axis")
+        return unit(finite(value, f"{self.full_name()}: axis"), f"{self.full_name()}: axis")
 
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
         """The direction or the point to point at: three coordinates, or a trajectory of them."""
-        return as_trajectory(value, 3, self.label())
+        return as_trajectory(value, 3, self.full_name())
 
     @property
     def _across(self) -> Array:
@@ -142,8 +142,8 @@ class AxisTask(PointingTask):
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
         """The direction d, of any length but 0, or a trajectory of it."""
-        trajectory = as_trajectory(value, 3, self.label())
-        unit(trajectory(0.0)[0], f"{self.label()}: direction")
+        trajectory = as_trajectory(value, 3, self.full_name())
+        unit(trajectory(0.0)[0], f"{self.full_name()}: direction")
         return trajectory
 
     @property

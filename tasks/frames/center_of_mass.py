@@ -101,7 +101,7 @@ class CenterOfMassTask(PositionTask):
         state = self.at_rest(robot)
         point = center_of_mass(state)
         if point is None:
-            raise InvalidInput(f"{self.label()}: {robot!r} does not tell its centre of mass")
+            raise InvalidInput(f"{self.full_name()}: {robot!r} does not tell its centre of mass")
         if not np.isfinite(point.position).all():
-            raise InvalidInput(f"{self.label()}: nothing that {robot!r} moves has a mass; it has no centre")
+            raise InvalidInput(f"{self.full_name()}: nothing that {robot!r} moves has a mass; it has no centre")
         self.check_names(robot)

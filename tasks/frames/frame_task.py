@@ -1,4 +1,4 @@
-"""The base class of tasks of a frame: which frame, and in the coordinates of which other one."""
+"""The base class of tasks of a frame, in the world or relative to another frame."""
 
 from __future__ import annotations
 
@@ -92,8 +92,10 @@ class FrameTask(Task):
         name: str | None,
     ) -> None:
         self._call(name)
-        self.frame = None if frame is None else of_type(frame, str, f"{self.label()}: frame")
-        self.relative_to = None if relative_to is None else of_type(relative_to, str, f"{self.label()}: relative_to")
+        self.frame = None if frame is None else of_type(frame, str, f"{self.full_name()}: frame")
+        self.relative_to = (
+            None if relative_to is None else of_type(relative_to, str, f"{self.full_name()}: relative_to")
+        )
         super().__init__(
             gain=gain, damping_ratio=damping_ratio, weight=weight, cap=cap, deceleration=deceleration, name=name
         )
@@ -132,21 +134,21 @@ class FrameTask(Task):
         """Refuse a frame that the robot has not, and what a planar arm has not."""
         self.check_names(robot)
         if self.frame is None and tells_tip(robot) and tip(robot) is None:
-            raise InvalidInput(f"{self.label()}: {robot!r} has no tip; give the task a frame, or the robot a tip")
+            raise InvalidInput(f"{self.full_name()}: {robot!r} has no tip; give the task a frame, or the robot a tip")
         if self.at_rest(robot).frame(self.frame).rotation.ndim == 1:
             if self.spatial:
-                raise InvalidInput(f"{self.label()}: a planar arm turns about z only; give it an OrientationTask")
+                raise InvalidInput(f"{self.full_name()}: a planar arm turns about z only; give it an OrientationTask")
             if self.relative_to is not None:
-                raise InvalidInput(f"{self.label()}: a planar arm knows the axes of the world only")
+                raise InvalidInput(f"{self.full_name()}: a planar arm knows the axes of the world only")
 
     def check_names(self, robot: Robot) -> None:
         """Refuse names of frames that the robot has not; tells the nearest."""
         for what, name in ("frame", self.frame), ("relative_to", self.relative_to):
             if name is not None:
-                check_frame(robot, name, f"{self.label()}: {what}")
+                check_frame(robot, name, f"{self.full_name()}: {what}")
         own = tip(robot) if self.frame is None else self.frame
         if self.relative_to is not None and self.relative_to == own:
-            raise InvalidInput(f"{self.label()}: relative_to = {own!r} is the frame itself; name another one")
+            raise InvalidInput(f"{self.full_name()}: relative_to = {own!r} is the frame itself; name another one")
 
     def _shown(self) -> list[str]:
         options = {"frame": self.frame, "relative_to": self.relative_to}

@@ -94,7 +94,7 @@ class FrameVelocityLimit(Part):
     @number
     def limit(self, value: ArrayLike) -> Array:
         """The largest speed of each coordinate [m/s], [rad/s], shape (rows,)."""
-        what = f"{self.label()}: limit"
+        what = f"{self.full_name()}: limit"
         return per_row(positive(value, what), self.rows, what, "coordinate")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
@@ -104,11 +104,13 @@ class FrameVelocityLimit(Part):
         self.pose_task.check_frames(robot)
         if self.pose_task.seen(self.pose_task.at_rest(robot)).rotation.ndim == 1:
             if not set(self.pose_task.mask) <= {0, 1, 5}:
-                raise InvalidInput(f"{self.label()}: a planar arm has x, y and rz only; give it a mask of these")
+                raise InvalidInput(f"{self.full_name()}: a planar arm has x, y and rz only; give it a mask of these")
             if self.pose_task.reference == "local":
-                raise InvalidInput(f"{self.label()}: a planar arm knows the axes of the world only")
+                raise InvalidInput(f"{self.full_name()}: a planar arm knows the axes of the world only")
         if order == "acceleration" and dt is None:
-            raise InvalidInput(f"{self.label()}: at acceleration order it needs the tick; give the controller dt in s")
+            raise InvalidInput(
+                f"{self.full_name()}: at acceleration order it needs the tick; give the controller dt in s"
+            )
 
     def plan(self, site: Site) -> Plan:
         """One loop; a step of inverse kinematics has no speed."""
@@ -116,7 +118,7 @@ class FrameVelocityLimit(Part):
         from ..rows.plan import Plan, free
         from .kernels import speed as loops
 
-        if site.shared.order == "step":
+        if site.shared.order == "displacement":
             return free(site)
         assert site.A is not None
         call = Call(

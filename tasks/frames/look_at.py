@@ -1,4 +1,4 @@
-r"""Task: an axis of a frame points at a point, as of a camera that follows or a hand that faces its grasp.
+r"""Task: an axis of a frame points at a point, for a camera that follows it or a hand that faces its grasp.
 
 With the point c at the distance :math:`\rho` in the direction :math:`d = (c - p) / \rho`, which turns as the frame
 moves, the axis turns against it by

@@ -77,11 +77,11 @@ class OrientationTask(PlacementTask):
         name: str | None = None,
     ) -> None:
         self._call(name)
-        self._about_z = isinstance(as_rotation(target, self.label()), AboutZ)
+        self._about_z = isinstance(as_rotation(target, self.full_name()), AboutZ)
         if self._about_z and mask is not None:
-            raise InvalidInput(f"{self.label()}: one angle turns about z; a mask needs a rotation of shape (3, 3)")
+            raise InvalidInput(f"{self.full_name()}: one angle turns about z; a mask needs a rotation of shape (3, 3)")
         super().__init__(
-            mask=(2,) if self._about_z else chosen(mask, AXES, self.label()),
+            mask=(2,) if self._about_z else chosen(mask, AXES, self.full_name()),
             reference=reference,
             frame=frame,
             relative_to=relative_to,
@@ -97,12 +97,12 @@ class OrientationTask(PlacementTask):
     @number
     def target(self, value: ArrayLike | RotationTrajectory | Trajectory) -> RotationTrajectory | Trajectory:
         """The rotation, or the angle about z [rad], that the frame is to have; of the kind that it began with."""
-        rotation = as_rotation(value, self.label())
+        rotation = as_rotation(value, self.full_name())
         angle = isinstance(rotation, AboutZ)
         if angle != self._about_z:
             kinds = ("a rotation of shape (3, 3)", "one angle about z")
             raise InvalidInput(
-                f"{self.label()}: target is {kinds[angle]}; it must be {kinds[not angle]}, as it was made with one"
+                f"{self.full_name()}: target is {kinds[angle]}; it must be {kinds[not angle]}, as it was made with one"
             )
         return rotation.angle if isinstance(rotation, AboutZ) else rotation
 

@@ -85,7 +85,7 @@ class PlacementTask(FrameTask, LoopTask):
         name: str | None,
     ) -> None:
         self._call(name)
-        self.reference: Reference = as_reference(reference, self.label())
+        self.reference: Reference = as_reference(reference, self.full_name())
         self.mask, self.rows = mask, len(mask)
         super().__init__(
             frame,
@@ -182,11 +182,11 @@ class PlacementTask(FrameTask, LoopTask):
     def _check_planar(self) -> None:
         """Refuse what a planar arm has not."""
         if self.reference == "local":
-            raise InvalidInput(f"{self.label()}: a planar arm knows the axes of the world only")
+            raise InvalidInput(f"{self.full_name()}: a planar arm knows the axes of the world only")
         if self.position is not None and 2 in self.mask:
-            raise InvalidInput(f"{self.label()}: a planar arm has no z; give x and y")
+            raise InvalidInput(f"{self.full_name()}: a planar arm has no z; give x and y")
         if self.rotation is not None and not isinstance(self.rotation, AboutZ):
-            raise InvalidInput(f"{self.label()}: a planar arm turns about z only; give one angle [rad]")
+            raise InvalidInput(f"{self.full_name()}: a planar arm turns about z only; give one angle [rad]")
 
     def _shown(self) -> list[str]:
         return [*super()._shown(), *([] if self.reference == "world" else [f"reference={self.reference!r}"])]

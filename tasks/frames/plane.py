@@ -95,12 +95,12 @@ class PlaneTask(FrameTask, LoopTask):
     @number
     def normal(self, value: ArrayLike) -> Array:
         """n: a unit vector, of whatever length it is given."""
-        return unit(finite(value, f"{self.label()}: normal"), f"{self.label()}: normal")
+        return unit(finite(value, f"{self.full_name()}: normal"), f"{self.full_name()}: normal")
 
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
         """The distance from the plane [m], or a trajectory of it."""
-        return as_trajectory(value, 1, self.label())
+        return as_trajectory(value, 1, self.full_name())
 
     @property
     def distance(self) -> Trajectory:

@@ -87,13 +87,15 @@ class PoseTask(PlacementTask):
     ) -> None:
         self._call(name)
         if rotation is not None and isinstance(position, PoseSetpoint):
-            raise InvalidInput(f"{self.label()}: a rotation is given beside a PoseSetpoint, which has one; give one")
+            raise InvalidInput(
+                f"{self.full_name()}: a rotation is given beside a PoseSetpoint, which has one; give one"
+            )
         where: Any = position
         how: Any = rotation
         if rotation is None:
-            where, how = _parts(position, f"{self.label()}: target")
+            where, how = _parts(position, f"{self.full_name()}: target")
         super().__init__(
-            mask=chosen(mask, AXES, self.label()),
+            mask=chosen(mask, AXES, self.full_name()),
             reference=reference,
             frame=frame,
             relative_to=relative_to,
@@ -109,12 +111,12 @@ class PoseTask(PlacementTask):
     @number
     def position(self, value: ArrayLike | Trajectory) -> Trajectory:
         """Where its origin is to be [m]."""
-        return as_trajectory(value, 3, f"{self.label()}, position")
+        return as_trajectory(value, 3, f"{self.full_name()}, position")
 
     @number
     def rotation(self, value: ArrayLike | RotationTrajectory) -> RotationTrajectory:
         """How its axes are to stand."""
-        return as_rotation(value, f"{self.label()}, rotation")
+        return as_rotation(value, f"{self.full_name()}, rotation")
 
     @property
     def target(self) -> tuple[Trajectory, RotationTrajectory]:
@@ -123,7 +125,7 @@ class PoseTask(PlacementTask):
 
     @target.setter
     def target(self, value: Any) -> None:
-        self.position, self.rotation = _parts(value, f"{self.label()}: target")
+        self.position, self.rotation = _parts(value, f"{self.full_name()}: target")
 
     @classmethod
     def hold(

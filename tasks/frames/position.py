@@ -8,7 +8,7 @@ from hqp import InvalidInput
 
 from ..base.live import number
 from ..targets.trajectories import Spread, Trajectory, as_trajectory
-from ..targets.turns import place_of
+from ..targets.turns import position_of
 from .placement import Mask, PlacementTask, Reference, as_reference, chosen
 
 AXES = ("x", "y", "z")
@@ -73,9 +73,9 @@ class PositionTask(PlacementTask):
         name: str | None = None,
     ) -> None:
         self._call(name)
-        size, local = _size(target, self.label()), as_reference(reference, self.label()) == "local"
+        size, local = _size(target, self.full_name()), as_reference(reference, self.full_name()) == "local"
         super().__init__(
-            mask=chosen("xy" if mask is None and size == 2 and not local else mask, AXES, self.label()),
+            mask=chosen("xy" if mask is None and size == 2 and not local else mask, AXES, self.full_name()),
             reference=reference,
             frame=frame,
             relative_to=relative_to,
@@ -92,8 +92,8 @@ class PositionTask(PlacementTask):
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
         """Where the frame is to be [m]: three coordinates, or those of the mask; or a trajectory."""
-        what = self.label()
-        trajectory = as_trajectory(place_of(value, what), None, what)
+        what = self.full_name()
+        trajectory = as_trajectory(position_of(value, what), None, what)
         size, local = len(trajectory(0.0)[0]), self.reference == "local"
         sizes = {3} if local else {len(self.mask), 3} | ({2} if self._two else set())
         if size not in sizes or (size != 3 and size != len(self.mask)):
@@ -118,4 +118,4 @@ class PositionTask(PlacementTask):
 
 def _size(target: ArrayLike | Trajectory, what: str) -> int:
     """How many coordinates a target has."""
-    return len(as_trajectory(place_of(target, what), None, what)(0.0)[0])
+    return len(as_trajectory(position_of(target, what), None, what)(0.0)[0])

@@ -85,17 +85,17 @@ class WheelTask(FrameTask, LoopTask):
     @number
     def radius(self, value: float) -> float:
         """Of the wheel [m]."""
-        return positive_scalar(value, f"{self.label()}: radius", unit="m")
+        return positive_scalar(value, f"{self.full_name()}: radius", unit="m")
 
     @number
     def normal(self, value: ArrayLike) -> Array:
         """Of the plane: a unit vector, of whatever length it is given."""
-        return unit(finite(value, f"{self.label()}: normal"), f"{self.label()}: normal")
+        return unit(finite(value, f"{self.full_name()}: normal"), f"{self.full_name()}: normal")
 
     @number
     def floor(self, value: float) -> float:
         """How far the plane is from the origin, along the normal [m]."""
-        return finite_scalar(value, f"{self.label()}: floor")
+        return finite_scalar(value, f"{self.full_name()}: floor")
 
     def _wheel(self) -> Array:
         """What its loop is told; see :mod:`tasks.frames.kernels.rolling`."""
@@ -117,7 +117,7 @@ class WheelTask(FrameTask, LoopTask):
 
     def check_frames(self, robot: Robot) -> None:
         if self.at_rest(robot).frame(self.frame).rotation.ndim == 1:
-            raise InvalidInput(f"{self.label()}: {robot!r} moves in the plane; wheels take robots in space")
+            raise InvalidInput(f"{self.full_name()}: {robot!r} moves in the plane; wheels take robots in space")
         super().check_frames(robot)
 
     def _shown(self) -> list[str]:
@@ -268,12 +268,12 @@ class OmniwheelTask(WheelTask):
     @number
     def axle(self, value: ArrayLike) -> Array:
         """The axis of the wheel in the frame of the hub: a unit vector, of whatever length it is given."""
-        return unit(finite(value, f"{self.label()}: axle"), f"{self.label()}: axle")
+        return unit(finite(value, f"{self.full_name()}: axle"), f"{self.full_name()}: axle")
 
     @number
     def rollers(self, value: float) -> float:
         """From the direction in which the wheel drives to the axes of its rollers [rad]."""
-        return finite_scalar(value, f"{self.label()}: rollers")
+        return finite_scalar(value, f"{self.full_name()}: rollers")
 
     def _wheel(self) -> Array:
         from .kernels import rolling as loops

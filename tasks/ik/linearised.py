@@ -88,12 +88,12 @@ class Linearised:
         self, robot: Robot, stack: Stack, goal: Part | Iterable[Part] | None, tolerance: Array, backend: str
     ) -> None:
         self.robot, self.solves = robot, 0
-        solved, unknowns, _ = stack.expanded(robot, "step")
+        solved, unknowns, _ = stack.expanded(robot, "displacement")
         levels = levels_of_steps(stack, solved)
         wanted = _wanted([part for level in levels for part in level if isinstance(part, JUDGED)], goal)
         self.room = Room(*ranges(robot, solved))
         step = Levels(((self.room,), *map(tuple, levels)), (None,) * (1 + len(levels)))
-        self._rows = HierarchyWriter(Expanded(step, unknowns, {}), robot, "step")
+        self._rows = HierarchyWriter(Expanded(step, unknowns, {}), robot, "displacement")
         self.hierarchy, self._solver = self._rows.hierarchy, hqp.Solver(backend)
         self._still = numbers(np.zeros(robot.nv), "v")
         self.integrate = integration(robot)
@@ -122,7 +122,7 @@ class Linearised:
                     continue
                 calls[part.name] = calls.get(part.name, 0) + 1
                 name = part.name if calls[part.name] == 1 else f"{part.name} {calls[part.name]}"
-                units = [label.unit for label in part.labels(self.robot, "step")]
+                units = [label.unit for label in part.labels(self.robot, "displacement")]
                 kinds = list(dict.fromkeys(units))
                 group += [len(self._names) + kinds.index(unit) for unit in units]
                 for unit in kinds:

@@ -1,6 +1,6 @@
 r"""The rows of one Newton step of a stack, and the bounds of that step.
 
-Its rows are those of order "step" (:mod:`tasks.rows.kernels.law`): a task asks for the whole of its error, an
+Its rows are those of order "displacement" (:mod:`tasks.rows.kernels.law`): a task asks for the whole of its error, an
 inequality leaves what there is to its bounds, whatever the gain and however the target moves. Of the joint limits only
 the ranges count, above all levels and exactly, together with the trust region: how far the linearisation is believed.
 

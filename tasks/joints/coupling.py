@@ -110,16 +110,16 @@ class JointCouplingTask(LoopTask, TargetTask):
     @number
     def factors(self, value: Mapping[str | int, float]) -> Factors:
         """Joint -> factor; other factors of the same joints may be set, among them 0."""
-        given = of_type(value, Mapping, f"{self.label()}: factors")
+        given = of_type(value, Mapping, f"{self.full_name()}: factors")
         factors = Factors(
-            {joint: finite_scalar(f, f"{self.label()}: factor of {joint!r}") for joint, f in given.items()}
+            {joint: finite_scalar(f, f"{self.full_name()}: factor of {joint!r}") for joint, f in given.items()}
         )
         if not any(factors.values()):
-            raise InvalidInput(f"{self.label()}: factors = {factors}; one must not be zero")
+            raise InvalidInput(f"{self.full_name()}: factors = {factors}; one must not be zero")
         before = vars(self).get("factors", factors)
         if factors.keys() != before.keys():
             raise InvalidInput(
-                f"{self.label()}: factors = {factors}; its joints are part of its structure, and stay"
+                f"{self.full_name()}: factors = {factors}; its joints are part of its structure, and stay"
                 f" {', '.join(map(repr, before))}; {self._instead}"
             )
         return factors
@@ -144,14 +144,14 @@ class JointCouplingTask(LoopTask, TargetTask):
         """The factor of every joint of a robot, shape (nv,)."""
         names, row = joint_names(robot), np.zeros(robot.nv)
         for joint, factor in self.factors.items():
-            row[joint_index(names, joint, f"{self.label()}: joint")] += factor
+            row[joint_index(names, joint, f"{self.full_name()}: joint")] += factor
         return row
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         super().check(robot, order, dt)
         if not self._row(robot).any():
-            raise InvalidInput(f"{self.label()}: factors = {self.factors} cancel each other; name each joint once")
-        check_positioned(robot, np.flatnonzero(self._row(robot)), f"{self.label()}: joint")
+            raise InvalidInput(f"{self.full_name()}: factors = {self.factors} cancel each other; name each joint once")
+        check_positioned(robot, np.flatnonzero(self._row(robot)), f"{self.full_name()}: joint")
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:
         units = joint_units(robot)

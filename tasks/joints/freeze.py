@@ -1,4 +1,4 @@
-"""Joints that do not move."""
+"""Constraint: joints that do not move."""
 
 from __future__ import annotations
 
@@ -68,9 +68,9 @@ class Freeze(JointSpeeds):
     ) -> None:
         self.name = of_type(name, str, "name of a Freeze")
         if (joints is None) == (all_but is None):
-            raise InvalidInput(f"{self.label()}: give the joints to hold, or all_but= those that may move")
-        self.joints = named_joints(joints, f"{self.label()}: joints", some=False)
-        self.all_but = named_joints(all_but, f"{self.label()}: all_but", some=False)
+            raise InvalidInput(f"{self.full_name()}: give the joints to hold, or all_but= those that may move")
+        self.joints = named_joints(joints, f"{self.full_name()}: joints", some=False)
+        self.all_but = named_joints(all_but, f"{self.full_name()}: all_but", some=False)
         self.weight = weight
 
     def variables(self, robot: Robot) -> NDArray[np.intp]:
@@ -81,9 +81,11 @@ class Freeze(JointSpeeds):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if not self.size(robot):
-            raise InvalidInput(f"{self.label()}: no joint of {robot!r} is held; name one")
+            raise InvalidInput(f"{self.full_name()}: no joint of {robot!r} is held; name one")
         if order == "acceleration" and dt is None:
-            raise InvalidInput(f"{self.label()}: at acceleration order it needs the tick; give the controller dt in s")
+            raise InvalidInput(
+                f"{self.full_name()}: at acceleration order it needs the tick; give the controller dt in s"
+            )
 
     def plan(self, site: Site) -> Plan:
         return self.speeds(site, np.zeros((2, site.rows)), None)

@@ -72,9 +72,9 @@ class JointMotion(Part):
     @number
     def damping(self, value: float) -> float:
         """The lambda of the pseudoinverse, in the unit of J."""
-        damping = finite_scalar(value, f"{self.label()}: damping")
+        damping = finite_scalar(value, f"{self.full_name()}: damping")
         if damping < 0.0:
-            raise InvalidInput(f"{self.label()}: damping = {damping} must not be negative")
+            raise InvalidInput(f"{self.full_name()}: damping = {damping} must not be negative")
         return damping
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:

@@ -1,4 +1,4 @@
-"""Task: joint speeds that are asked for."""
+"""Task: desired joint velocities."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class JointSpeeds(Part):
 
 
 class JointVelocityTask(JointSpeeds):
-    """Move joints at given speeds: v at velocity order, and what brings them there at acceleration order.
+    """Move joints at given speeds: v itself at velocity order, at acceleration order what brings v there.
 
     ``JointVelocityTask([0.2], joints=["panda_joint1"])`` turns one joint, at 0.2 rad/s, as far as the levels above let
     it. Below other tasks it is a motion to prefer: the speeds of a demonstration, or of the tick before. Of
@@ -108,18 +108,18 @@ class JointVelocityTask(JointSpeeds):
         name: str = "joint velocity",
     ) -> None:
         self.name = of_type(name, str, "name of a JointVelocityTask")
-        self.joints = named_joints(joints, f"{self.label()}: joints")
+        self.joints = named_joints(joints, f"{self.full_name()}: joints")
         self.target, self.gain, self.weight = target, gain, weight
 
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
         """The speeds [rad/s], [m/s]: one for all joints, or one a joint; or a trajectory of them."""
-        return as_trajectory(value, None, self.label())
+        return as_trajectory(value, None, self.full_name())
 
     @number
     def gain(self, value: ArrayLike | None) -> Array | None:
         """K [1/s] of acceleration order, shape () or (joints,); None: within the tick."""
-        return None if value is None else positive(value, f"{self.label()}: gain", unit="1/s")
+        return None if value is None else positive(value, f"{self.full_name()}: gain", unit="1/s")
 
     def decay_rate(self) -> float:
         """Half of K."""
@@ -132,27 +132,29 @@ class JointVelocityTask(JointSpeeds):
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         rows, sample = self.size(robot), self.target(0.0)[0]
         if len(sample) != 1:
-            per_row(sample, rows, f"{self.label()}: target", "joint")
+            per_row(sample, rows, f"{self.full_name()}: target", "joint")
         if self.gain is not None:
-            gain = per_row(self.gain, rows, f"{self.label()}: gain", "joint")
+            gain = per_row(self.gain, rows, f"{self.full_name()}: gain", "joint")
             if order == "acceleration" and dt is not None and gain.max() * dt > 2.0 + 1e-9:
                 raise InvalidInput(
-                    f"{self.label()}: gain = {gain.max():g} 1/s makes the error grow from tick to tick of {dt:g} s;"
+                    f"{self.full_name()}: gain = {gain.max():g} 1/s makes the error grow from tick to tick of {dt:g} s;"
                     f" it must be at most {2.0 / dt:g}"
                 )
         elif order == "acceleration" and dt is None:
-            raise InvalidInput(f"{self.label()}: at acceleration order it needs a gain in 1/s, or the tick, dt in s")
+            raise InvalidInput(
+                f"{self.full_name()}: at acceleration order it needs a gain in 1/s, or the tick, dt in s"
+            )
 
     def plan(self, site: Site) -> Plan:
         from dataclasses import replace
 
         from ..rows.plan import free
 
-        if site.shared.order == "step":
+        if site.shared.order == "displacement":
             return free(site)
         target, rest = np.zeros((2, site.rows)), np.zeros(site.rows)
         moves = kept_up(self.target, *target, rest)
-        gain = None if self.gain is None else per_row(self.gain, site.rows, f"{self.label()}: gain")
+        gain = None if self.gain is None else per_row(self.gain, site.rows, f"{self.full_name()}: gain")
         return replace(self.speeds(site, target, gain), moves=moves)
 
     def __repr__(self) -> str:

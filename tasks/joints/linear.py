@@ -84,7 +84,7 @@ class LinearHolonomicTask(LoopTask, TargetTask):
         self.A = A
         self.rows, self.q0 = len(self.A), q0
         if not callable(b) and np.ndim(b) == 0:
-            b = np.full(self.rows, finite(b, f"{self.label()}: b"))
+            b = np.full(self.rows, finite(b, f"{self.full_name()}: b"))
         super().__init__(
             b, gain=gain, damping_ratio=damping_ratio, weight=weight, cap=cap, deceleration=deceleration, name=name
         )
@@ -92,15 +92,17 @@ class LinearHolonomicTask(LoopTask, TargetTask):
     @number
     def A(self, value: ArrayLike) -> Array:
         """The factor of every joint in every row, shape (rows, nv)."""
-        matrix = finite(value, f"{self.label()}: A")
+        matrix = finite(value, f"{self.full_name()}: A")
         if matrix.ndim != 2 or not matrix.size:
-            raise InvalidInput(f"{self.label()}: A has shape {matrix.shape}; it must be (rows, nv)")
+            raise InvalidInput(f"{self.full_name()}: A has shape {matrix.shape}; it must be (rows, nv)")
         if not matrix.any(axis=1).all():
-            raise InvalidInput(f"{self.label()}: A[{int(np.argmin(matrix.any(axis=1)))}] is zero; it asks for nothing")
+            raise InvalidInput(
+                f"{self.full_name()}: A[{int(np.argmin(matrix.any(axis=1)))}] is zero; it asks for nothing"
+            )
         before = vars(self).get("A", matrix)
         if matrix.shape != before.shape:
             raise InvalidInput(
-                f"{self.label()}: A has shape {matrix.shape}; its rows are part of its structure, and stay"
+                f"{self.full_name()}: A has shape {matrix.shape}; its rows are part of its structure, and stay"
                 f" {before.shape}; {self._instead}"
             )
         return matrix
@@ -108,12 +110,12 @@ class LinearHolonomicTask(LoopTask, TargetTask):
     @number
     def q0(self, value: ArrayLike | None) -> Array | None:
         """The configuration that ways are counted from, shape (nq,); None for the neutral one."""
-        return None if value is None else finite(value, f"{self.label()}: q0")
+        return None if value is None else finite(value, f"{self.full_name()}: q0")
 
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
         """b, shape (rows,), or a trajectory of it."""
-        return as_trajectory(value, self.rows, self.label())
+        return as_trajectory(value, self.rows, self.full_name())
 
     @property
     def b(self) -> Trajectory:
@@ -146,15 +148,17 @@ class LinearHolonomicTask(LoopTask, TargetTask):
 
         if self.A.shape[1] != robot.nv:
             raise InvalidInput(
-                f"{self.label()}: A has shape {self.A.shape}; it must be (rows, {robot.nv}) on {robot!r}"
+                f"{self.full_name()}: A has shape {self.A.shape}; it must be (rows, {robot.nv}) on {robot!r}"
             )
         if self._start(robot).shape != (robot.nq,):
-            raise InvalidInput(f"{self.label()}: q0 has shape {self._start(robot).shape}; it must be ({robot.nq},)")
+            raise InvalidInput(f"{self.full_name()}: q0 has shape {self._start(robot).shape}; it must be ({robot.nq},)")
         own = np.flatnonzero(self.A.any(axis=0))
         kinds = joint_kinds(Workspace(robot, order, dt), own)[loops.KIND]
         if (kinds == loops.MANIFOLD).any():
             joint = joint_names(robot)[own[int(np.argmax(kinds == loops.MANIFOLD))]]
-            raise InvalidInput(f"{self.label()}: A counts joint {joint!r}, which has no single position; it must be 0")
+            raise InvalidInput(
+                f"{self.full_name()}: A counts joint {joint!r}, which has no single position; it must be 0"
+            )
         super().check(robot, order, dt)
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:

@@ -81,7 +81,7 @@ class PostureTask(LoopTask, TargetTask):
         name: str | None = None,
     ) -> None:
         self._call(name)
-        self.joints = named_joints(joints, f"{self.label()}: joints")
+        self.joints = named_joints(joints, f"{self.full_name()}: joints")
         if self.joints is not None:
             self.rows = len(self.joints)
         self.target = target
@@ -92,11 +92,11 @@ class PostureTask(LoopTask, TargetTask):
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
         """A configuration, or the positions of the named joints [rad], [m]; or a trajectory."""
-        trajectory = as_trajectory(value, None, self.label())
+        trajectory = as_trajectory(value, None, self.full_name())
         size = len(trajectory(0.0)[0])
         if self.joints is not None and size < len(self.joints):
             raise InvalidInput(
-                f"{self.label()}: target has shape ({size},); it must be ({len(self.joints)},), one number a joint,"
+                f"{self.full_name()}: target has shape ({size},); it must be ({len(self.joints)},), one number a joint,"
                 " or a configuration of the robot"
             )
         return trajectory
@@ -146,7 +146,7 @@ class PostureTask(LoopTask, TargetTask):
         told[loops.RATE] = -1 if stands_still(self.target) else rows if size == len(own) else own
         if positions:
             places = shared.position_indices[own]
-            check_positioned(shared.robot, own[places < 0], f"{self.label()}: joint")
+            check_positioned(shared.robot, own[places < 0], f"{self.full_name()}: joint")
             told[loops.KIND], told[loops.PLACE], told[loops.GOAL] = loops.LINE, places, rows
         return told
 
@@ -165,10 +165,12 @@ class PostureTask(LoopTask, TargetTask):
                 shapes = (
                     f"trajectories of {(rows,)}: its {robot.nq} positions have {robot.nv} velocities; name the joints"
                 )
-                raise InvalidInput(f"{self.label()}: target has shape {size}; the robot takes {shapes}")
-            raise InvalidInput(f"{self.label()}: target has shape {size}; the robot takes {shapes}, one angle a joint")
+                raise InvalidInput(f"{self.full_name()}: target has shape {size}; the robot takes {shapes}")
+            raise InvalidInput(
+                f"{self.full_name()}: target has shape {size}; the robot takes {shapes}, one angle a joint"
+            )
         if self.joints is not None and size == (rows,):
-            check_positioned(robot, self.variables(robot), f"{self.label()}: joint")
+            check_positioned(robot, self.variables(robot), f"{self.full_name()}: joint")
         super().check(robot, order, dt)
 
     def _shown(self) -> list[str]:

@@ -1,4 +1,4 @@
-"""All limits of the joints as one level of plain bounds: one row a joint, where each limit alone has rows of its own.
+"""All joint limits as one level of plain bounds: one row a joint, where single limits have a row each.
 
 Both say the same, as the limits never exclude each other (:mod:`tasks.rows.envelope`), but one row a joint is what a
 solver likes best.
@@ -78,7 +78,8 @@ class JointLimits(Part):
         own = tuple(part for part in self._each if limit_of(robot, part.quantity) is not None)
         if not own:
             raise InvalidInput(
-                f"{self.label()}: the robot has no limits of its own; give them: JointLimits(JointVelocityLimit(3.0))"
+                f"{self.full_name()}: the robot has no limits of its own; give them:"
+                " JointLimits(JointVelocityLimit(3.0))"
             )
         return own
 
@@ -100,7 +101,9 @@ class JointLimits(Part):
         limits = self.of(robot)
         own = next((limit for limit in limits if limit.quantity == order), None)
         others = [
-            limit.quantity for limit in limits if limit is not own and (order != "step" or limit.quantity == "position")
+            limit.quantity
+            for limit in limits
+            if limit is not own and (order != "displacement" or limit.quantity == "position")
         ]
         rest = f"{' or '.join(others)} limit" if others else "limit"
         return [

@@ -54,7 +54,7 @@ class JointLimit(Part):
         raise NotImplementedError
 
     def claim(self, site: Site) -> None:
-        site.shared.envelope.claim(self.label(), self.quantity, self.ends(site.shared.robot), site)
+        site.shared.envelope.claim(self.full_name(), self.quantity, self.ends(site.shared.robot), site)
 
     def plan(self, site: Site) -> Plan:
         """An empty plan: the loop of all joint limits writes its rows."""
@@ -65,10 +65,10 @@ class JointLimit(Part):
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if type(self).write is not Part.write:
             raise InvalidInput(
-                f"{self.label()}: one loop writes all joint limits, and never calls write(); define ends(robot)"
+                f"{self.full_name()}: one loop writes all joint limits, and never calls write(); define ends(robot)"
             )
-        if dt is None and order not in (self.quantity, "step"):
-            raise InvalidInput(f"{self.label()}: at {order} order it needs the tick; give the controller dt in s")
+        if dt is None and order not in (self.quantity, "displacement"):
+            raise InvalidInput(f"{self.full_name()}: at {order} order it needs the tick; give the controller dt in s")
 
 
 class SymmetricLimit(JointLimit):
@@ -96,7 +96,7 @@ class SymmetricLimit(JointLimit):
     def limit(self, value: ArrayLike | None) -> Array | None:
         """The largest value in each joint, shape () or (nv,), in the unit of the class; None for the robot's own."""
         checked = not_negative if self.zero_holds else positive
-        return None if value is None else checked(value, f"{self.label()}: limit", unit=self.unit)
+        return None if value is None else checked(value, f"{self.full_name()}: limit", unit=self.unit)
 
     def ends(self, robot: Robot) -> Array:
         largest = self.largest(robot)
@@ -131,7 +131,7 @@ def largest(part: Part, given: Array | None, robot: Robot, quantity: Quantity, u
     limit = given if given is not None else limit_of(robot, quantity)
     if limit is None:
         raise InvalidInput(
-            f"{part.label()}: the robot has no {quantity} limit of its own;"
+            f"{part.full_name()}: the robot has no {quantity} limit of its own;"
             f" give one in {unit}: {type(part).__name__}(3.0)"
         )
-    return per_row(np.asarray(limit), robot.nv, f"{part.label()}: limit", "joint")
+    return per_row(np.asarray(limit), robot.nv, f"{part.full_name()}: limit", "joint")

@@ -103,25 +103,27 @@ class JointPositionLimit(JointLimit):
     @number
     def lower(self, value: ArrayLike | None) -> Array | None:
         """Lowest positions [rad], [m], shape () or (nv,); None for the robot's own."""
-        return None if value is None else numbers(value, f"{self.label()}: lower")
+        return None if value is None else numbers(value, f"{self.full_name()}: lower")
 
     @number
     def upper(self, value: ArrayLike | None) -> Array | None:
         """Highest positions."""
-        return None if value is None else numbers(value, f"{self.label()}: upper")
+        return None if value is None else numbers(value, f"{self.full_name()}: upper")
 
     @number
     def return_speed(self, value: float) -> float:
         """How fast, at most, the limit itself drives a joint back [rad/s]."""
-        return positive_scalar(value, f"{self.label()}: return speed", unit="rad/s")
+        return positive_scalar(value, f"{self.full_name()}: return speed", unit="rad/s")
 
     def _renew(self) -> None:
         lower, upper = self.lower, self.upper
         if lower is not None and upper is not None:
-            position_range((lower, upper), max(lower.size, upper.size), f"{self.label()}: range")
+            position_range((lower, upper), max(lower.size, upper.size), f"{self.full_name()}: range")
         elif lower is not None or upper is not None:
             missing = "upper" if upper is None else "lower"
-            raise InvalidInput(f"{self.label()}: {missing} is missing; give both in rad, infinite where a side is free")
+            raise InvalidInput(
+                f"{self.full_name()}: {missing} is missing; give both in rad, infinite where a side is free"
+            )
 
     def range(self, robot: Robot) -> Array:
         """Lowest and highest position of each joint of this robot [rad], shape (2, nv).
@@ -137,10 +139,10 @@ class JointPositionLimit(JointLimit):
             own = kept[0], kept[1]
         else:
             raise InvalidInput(
-                f"{self.label()}: the robot has no position limit of its own;"
+                f"{self.full_name()}: the robot has no position limit of its own;"
                 f" give one in {self.unit}: {type(self).__name__}(-2.0, 2.0)"
             )
-        what = f"{self.label()}: range"
+        what = f"{self.full_name()}: range"
         return position_range(own, robot.nv, what, positioned(robot), joint_units(robot), joint_names(robot))
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
@@ -153,7 +155,7 @@ class JointPositionLimit(JointLimit):
 
     def claim(self, site: Site) -> None:
         values = self.ends(site.shared.robot)
-        site.shared.envelope.claim(self.label(), "position", values, site, return_speed=self.return_speed)
+        site.shared.envelope.claim(self.full_name(), "position", values, site, return_speed=self.return_speed)
 
     def __repr__(self) -> str:
         parts = [] if self.lower is None or self.upper is None else [str(self.lower.tolist()), str(self.upper.tolist())]

@@ -87,14 +87,14 @@ class JointTorqueLimit(Part):
     @number
     def limit(self, value: ArrayLike | None) -> Array | None:
         """The largest torque of each joint [N m], [N], shape () or (nv,); None for the robot's own."""
-        return None if value is None else positive(value, f"{self.label()}: limit", unit="N m")
+        return None if value is None else positive(value, f"{self.full_name()}: limit", unit="N m")
 
     @number
     def speeds(self, value: tuple[ArrayLike, ArrayLike] | None) -> tuple[Array, Array] | None:
         """Joint speeds up to which motors give all of their torque, and from which on none [rad/s], [m/s]."""
         if value is None:
             return None
-        what = f"{self.label()}: speeds"
+        what = f"{self.full_name()}: speeds"
         full, none = (not_negative(speed, what, unit="rad/s") for speed in pair(value, what, "all and no torque"))
         if not np.all(full < none):
             raise InvalidInput(f"{what} = {full.tolist()}, {none.tolist()}; the first must be below the second")
@@ -116,8 +116,8 @@ class JointTorqueLimit(Part):
     def companions(self, setting: Setting) -> Companions:
         if setting.order == "acceleration" and base(setting.robot) and not setting.has_dynamics:
             raise InvalidInput(
-                f"{self.label()}: {setting.robot!r} has a floating base, which no joint torque drives; add Dynamics()"
-                " and contacts to the stack"
+                f"{self.full_name()}: {setting.robot!r} has a floating base, which no joint torque drives; add"
+                " Dynamics() and contacts to the stack"
             )
         return super().companions(setting)
 
@@ -129,24 +129,25 @@ class JointTorqueLimit(Part):
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if order == "velocity":
             raise InvalidInput(
-                f"{self.label()}: velocities tell no torques; the order of the controller must be 'torque' or"
+                f"{self.full_name()}: velocities tell no torques; the order of the controller must be 'torque' or"
                 " 'acceleration'"
             )
-        if order == "step":  # which takes none
+        if order == "displacement":  # which takes none
             return
-        check_dynamics(robot, self.label())
+        check_dynamics(robot, self.full_name())
         self._speeds(robot)
         largest = self.largest(robot)[base(robot) :]
         if np.isinf(largest).all():
             raise InvalidInput(
-                f"{self.label()}: the model of {robot!r} has no effort limits; give some in N m: JointTorqueLimit(50.0)"
+                f"{self.full_name()}: the model of {robot!r} has no effort limits; give some in N m:"
+                " JointTorqueLimit(50.0)"
             )
 
     def _speeds(self, robot: Robot) -> Array:
         """Both speeds of every joint [rad/s], [m/s], shape (2, nv); infinite where torques do not fade."""
         if self.speeds is None:
             return np.full((2, robot.nv), np.inf)
-        return np.array([per_row(speed, robot.nv, f"{self.label()}: speeds", "joint") for speed in self.speeds])
+        return np.array([per_row(speed, robot.nv, f"{self.full_name()}: speeds", "joint") for speed in self.speeds])
 
     def plan(self, site: Site) -> Plan:
         """One loop, from the mass matrix and the bias of the tick; a step of inverse kinematics takes no torques."""
@@ -154,7 +155,7 @@ class JointTorqueLimit(Part):
         from ..rows.plan import Plan, free
         from . import kernels as loops
 
-        if site.shared.order == "step":
+        if site.shared.order == "displacement":
             return free(site)
         shared = site.shared
         blocks, first = shared.blocks, base(shared.robot)

@@ -89,27 +89,27 @@ class AvoidanceTask(Part):
         name: str = "avoidance",
     ) -> None:
         self.name = of_type(name, str, "name of an AvoidanceTask")
-        self.pairs = Pairs(links, obstacles, self.label())
+        self.pairs = Pairs(links, obstacles, self.full_name())
         self.influence, self.speed, self.gain, self.weight = influence, speed, gain, weight
         self._renew()
 
     @number
     def influence(self, value: float) -> float:
         """d_i: the distance at which it begins [m]."""
-        return positive_scalar(value, f"{self.label()}: influence", unit="m")
+        return positive_scalar(value, f"{self.full_name()}: influence", unit="m")
 
     @number
     def speed(self, value: float) -> float:
         """v_0: how fast it moves away where it touches [m/s]."""
-        return positive_scalar(value, f"{self.label()}: speed", unit="m/s")
+        return positive_scalar(value, f"{self.full_name()}: speed", unit="m/s")
 
     @number
     def gain(self, value: float) -> float:
         """At acceleration order, the rate [1/s] at which that speed is reached."""
-        return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
+        return positive_scalar(value, f"{self.full_name()}: gain", unit="1/s")
 
     def _renew(self) -> None:
-        per_row(self.weight, 1, f"{self.label()}: weight")
+        per_row(self.weight, 1, f"{self.full_name()}: weight")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         return [Label(self.name, "nearest", "m" + PER[order])]

@@ -67,15 +67,15 @@ class CollisionLimit(ShapesLimit):
         name: str = "collision",
     ) -> None:
         self.name = of_type(name, str, "name of a CollisionLimit")
-        self.obstacles = tuple(listed(obstacles, f"{self.label()}: obstacles", "Box and Polyhedron"))
+        self.obstacles = tuple(listed(obstacles, f"{self.full_name()}: obstacles", "Box and Polyhedron"))
         wrong = [value for value in self.obstacles if not isinstance(value, Solid)]
         if wrong or not self.obstacles:
             got = brief(wrong[0]) if wrong else "none"
-            raise InvalidInput(f"{self.label()}: got {got}; it takes at least one Box or Polyhedron in a list")
+            raise InvalidInput(f"{self.full_name()}: got {got}; it takes at least one Box or Polyhedron in a list")
         self.bodies = None
         if bodies is not None:
-            names = listed(bodies, f"{self.label()}: bodies", "names")
-            self.bodies = tuple(of_type(body, str, f"{self.label()}: body") for body in names)
+            names = listed(bodies, f"{self.full_name()}: bodies", "names")
+            self.bodies = tuple(of_type(body, str, f"{self.full_name()}: body") for body in names)
         super().__init__(margin=margin, gain=gain, rows=rows, name=name)
 
     def numbers(self) -> tuple[Any, ...]:
@@ -84,14 +84,14 @@ class CollisionLimit(ShapesLimit):
     def found(self, robot: Robot) -> Shapes:
         import pinocchio as pin
 
-        geometry = pin.GeometryModel(shapes_of(robot, self.label()))
+        geometry = pin.GeometryModel(shapes_of(robot, self.full_name()))
         bodies = bodies_of(robot, geometry)
         moving = [k for k, shape in enumerate(geometry.geometryObjects) if shape.parentJoint > 0]
         if self.bodies is not None:
-            known(self.bodies, [bodies[k] for k in moving], self.label())
+            known(self.bodies, [bodies[k] for k in moving], self.full_name())
             moving = [k for k in moving if bodies[k] in self.bodies]
         if not moving:
-            raise InvalidInput(f"{self.label()}: no body of {robot!r} that moves has a shape")
+            raise InvalidInput(f"{self.full_name()}: no body of {robot!r} that moves has a shape")
         first = geometry.ngeoms
         for k, solid in enumerate(self.obstacles):
             name = f"{solid.name} {k + 1}" if len(self.obstacles) > 1 else solid.name

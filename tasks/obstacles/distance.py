@@ -109,27 +109,27 @@ class DistanceLimit(Part):
         name: str = "distance",
     ) -> None:
         self.name = of_type(name, str, "name of a DistanceLimit")
-        self.pairs = Pairs(links, obstacles, self.label())
+        self.pairs = Pairs(links, obstacles, self.full_name())
         self.margin, self.gain = margin, gain
         self.rows = len(self.pairs)
         if nearest is not None:
-            self.rows = min(whole_number(nearest, f"{self.label()}: nearest", least=1), self.rows)
+            self.rows = min(whole_number(nearest, f"{self.full_name()}: nearest", least=1), self.rows)
         self.weight = weight
         self._renew()
 
     @number
     def margin(self, value: float) -> float:
         """The least distance of the surfaces [m]; not negative."""
-        return scalar(not_negative(value, f"{self.label()}: margin", unit="m"), f"{self.label()}: margin")
+        return scalar(not_negative(value, f"{self.full_name()}: margin", unit="m"), f"{self.full_name()}: margin")
 
     @number
     def gain(self, value: float) -> float:
         """K [1/s]: the rate at which the margin is neared."""
-        return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
+        return positive_scalar(value, f"{self.full_name()}: gain", unit="1/s")
 
     def _renew(self) -> None:
         assert self.rows is not None
-        per_row(self.weight, self.rows, f"{self.label()}: weight")
+        per_row(self.weight, self.rows, f"{self.full_name()}: weight")
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         whole = self.rows == len(self.pairs)
@@ -137,24 +137,24 @@ class DistanceLimit(Part):
         return [Label(self.name, row, "m" + PER[order]) for row in rows]
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        check_rate(self.label(), self.gain, order, dt)
+        check_rate(self.full_name(), self.gain, order, dt)
         self.pairs.bind(robot)
 
     def check_beside(self, tick: Tick) -> None:
-        if tick.order == "step":
+        if tick.order == "displacement":
             return
         assert tick.envelope is not None
         rate = tick.envelope.braking_rate()
         if rate < np.inf and any(obstacle.moves for obstacle in self.pairs.obstacles):
             tell(
-                f"{self.label()}: an obstacle moves, and the joints take up to {1.0 / rate:.3g} s to stop: where it"
+                f"{self.full_name()}: an obstacle moves, and the joints take up to {1.0 / rate:.3g} s to stop: where it"
                 f" comes nearer by 1 m/s the margin may be passed by up to {0.5 / rate:.3g} m"
             )
         lower, upper = np.zeros((2, len(self.pairs)))
         write_alone(self, tick, np.zeros((len(lower), tick.robot.nv)), lower, upper)
         if np.isnan(lower).any():
             raise InvalidInput(
-                f"{self.label()}: nothing keeps the joints from turning a link by a quarter within a tick of"
+                f"{self.full_name()}: nothing keeps the joints from turning a link by a quarter within a tick of"
                 f" {tick.dt:g} s; add a JointVelocityLimit(2.0), in rad/s, to the stack, above it or on its level"
             )
 
@@ -214,7 +214,7 @@ def check_rate(what: str, gain: float, order: Order, dt: float | None) -> None:
     ------
     InvalidInput
     """
-    if order == "step":
+    if order == "displacement":
         return
     if dt is None:
         raise InvalidInput(f"{what}: it needs the tick; give the controller dt in s")

@@ -64,7 +64,7 @@ class LinkCapsule(Live):
     @number
     def radius(self, value: float) -> float:
         """About the segment [m]; not negative."""
-        return scalar(not_negative(value, f"{self.label()}: radius", unit="m"), f"{self.label()}: radius")
+        return scalar(not_negative(value, f"{self.full_name()}: radius", unit="m"), f"{self.full_name()}: radius")
 
     def bind(self, robot: Robot) -> Array:
         """Where the segment ends in the coordinates of the frame, shape (3,) [m].

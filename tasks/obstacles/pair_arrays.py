@@ -94,7 +94,9 @@ def _follow(obstacle: Obstacle, shape: Array, dt: float | None, rates: bool) -> 
     def move(t: float) -> None:
         points = np.asarray(obstacle.core(t))
         if points.shape not in {(1, 3), (2, 3)}:
-            raise InvalidInput(f"{obstacle.label()}: core({t:g}) has shape {points.shape}; it must be (1, 3) or (2, 3)")
+            raise InvalidInput(
+                f"{obstacle.full_name()}: core({t:g}) has shape {points.shape}; it must be (1, 3) or (2, 3)"
+            )
         shape[of.RADIUS], core[:] = obstacle.radius, points  # one point stands for both ends
         if dt is not None:
             with np.errstate(invalid="ignore", over="ignore"):  # the solver tells of it

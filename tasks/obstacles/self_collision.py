@@ -70,14 +70,14 @@ class SelfCollisionLimit(ShapesLimit):
         self.name = of_type(name, str, "name of a SelfCollisionLimit")
         self.asked = None if pairs is None else self._pairs(pairs, "pairs")
         if isinstance(without, str | PathLike):
-            self.without = disabled(Path(without), f"{self.label()}: without = {str(without)!r}")
+            self.without = disabled(Path(without), f"{self.full_name()}: without = {str(without)!r}")
             self._strict = False  # files name bodies that have no shape
         else:
             self.without, self._strict = self._pairs(without, "without"), True
         super().__init__(margin=margin, gain=gain, rows=rows, name=name)
 
     def _pairs(self, pairs: Iterable[Both], option: str) -> tuple[Both, ...]:
-        what, found = f"{self.label()}: {option}", list[Both]()
+        what, found = f"{self.full_name()}: {option}", list[Both]()
         for given in listed(pairs, what, "pairs of bodies"):
             first, second = pair(given, what, "two bodies")
             found.append((of_type(first, str, f"{what}: body"), of_type(second, str, f"{what}: body")))
@@ -86,10 +86,10 @@ class SelfCollisionLimit(ShapesLimit):
     def found(self, robot: Robot) -> Shapes:
         from ..robots.geometry import neighbours
 
-        geometry, model = shapes_of(robot, self.label()), robot.model  # type: ignore[attr-defined]
+        geometry, model = shapes_of(robot, self.full_name()), robot.model  # type: ignore[attr-defined]
         bodies, carriers = bodies_of(robot, geometry), [shape.parentJoint for shape in geometry.geometryObjects]
         for named in (*(self.asked or ()), *(self.without if self._strict else ())):
-            known(named, bodies, self.label())
+            known(named, bodies, self.full_name())
         pairs = [(own.first, own.second) for own in geometry.collisionPairs] if self.asked is None else []
         pairs = pairs or [(i, j) for i in range(len(bodies)) for j in range(i + 1, len(bodies))]
         if self.asked is None:
@@ -103,7 +103,7 @@ class SelfCollisionLimit(ShapesLimit):
         if self.asked is None and len(shapes):
             shapes.leave_out(self.margin)
         if not len(shapes):
-            raise InvalidInput(f"{self.label()}: no pair of {robot!r} is left to be kept apart; name some in pairs")
+            raise InvalidInput(f"{self.full_name()}: no pair of {robot!r} is left to be kept apart; name some in pairs")
         return shapes
 
 

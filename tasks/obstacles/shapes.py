@@ -31,7 +31,7 @@ class Obstacle(Live):
     @number
     def radius(self, value: float) -> float:
         """About the core [m]; not negative."""
-        return scalar(not_negative(value, f"{self.label()}: radius", unit="m"), f"{self.label()}: radius")
+        return scalar(not_negative(value, f"{self.full_name()}: radius", unit="m"), f"{self.full_name()}: radius")
 
     @property
     def moves(self) -> bool:
@@ -81,12 +81,12 @@ class Sphere(Obstacle):
     @number
     def radius(self, value: float) -> float:
         """[m]."""
-        return positive_scalar(value, f"{self.label()}: radius", unit="m")
+        return positive_scalar(value, f"{self.full_name()}: radius", unit="m")
 
     @number
     def centre(self, value: ArrayLike | Trajectory) -> Trajectory:
         """Where it is [m]."""
-        what = f"{self.label()}: centre"
+        what = f"{self.full_name()}: centre"
         trajectory = as_trajectory(value if callable(value) else _point(value, what, flat=True), None, what)
         _point(trajectory(0.0)[0], what, flat=True)
         return trajectory
@@ -136,17 +136,17 @@ class Capsule(Obstacle):
     @number
     def radius(self, value: float) -> float:
         """[m]."""
-        return positive_scalar(value, f"{self.label()}: radius", unit="m")
+        return positive_scalar(value, f"{self.full_name()}: radius", unit="m")
 
     @number
     def start(self, value: ArrayLike) -> Array:
         """Where the segment begins [m], shape (3,)."""
-        return _point(value, f"{self.label()}: start")
+        return _point(value, f"{self.full_name()}: start")
 
     @number
     def end(self, value: ArrayLike) -> Array:
         """Where it ends [m], shape (3,)."""
-        return _point(value, f"{self.label()}: end")
+        return _point(value, f"{self.full_name()}: end")
 
     @property
     def moves(self) -> bool:

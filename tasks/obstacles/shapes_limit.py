@@ -53,19 +53,19 @@ class ShapesLimit(Part):
     def __init__(self, *, margin: float, gain: float, rows: int, name: str) -> None:
         self.name = of_type(name, str, f"name of a {type(self).__name__}")
         self.margin, self.gain = margin, gain
-        self.rows = whole_number(rows, f"{self.label()}: rows", least=1)
+        self.rows = whole_number(rows, f"{self.full_name()}: rows", least=1)
         self.weight = 1.0
         self._bound: tuple[Robot, tuple[Any, ...], Shapes] | None = None
 
     @number
     def margin(self, value: float) -> float:
         """The least distance [m]; not negative."""
-        return scalar(not_negative(value, f"{self.label()}: margin", unit="m"), f"{self.label()}: margin")
+        return scalar(not_negative(value, f"{self.full_name()}: margin", unit="m"), f"{self.full_name()}: margin")
 
     @number
     def gain(self, value: float) -> float:
         """K [1/s]: the rate at which the margin is neared."""
-        return positive_scalar(value, f"{self.label()}: gain", unit="1/s")
+        return positive_scalar(value, f"{self.full_name()}: gain", unit="1/s")
 
     def found(self, robot: Robot) -> Shapes:
         """The pairs of this robot, looked for anew.
@@ -102,7 +102,7 @@ class ShapesLimit(Part):
         return [Label(self.name, row, "m" + PER[order]) for row in rows]
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        check_rate(self.label(), self.gain, order, dt)
+        check_rate(self.full_name(), self.gain, order, dt)
         self.shapes(robot)
 
     def distances(self, robot: Robot, state: RobotState) -> Array:

@@ -38,7 +38,7 @@ class Solid(Live):
     def at(self, value: Any) -> Array:
         """Where it is in the world, shape (4, 4); set it to move it from one tick to the next."""
         place = np.eye(4)
-        place[:3, 3], place[:3, :3] = transform(value, f"{self.label()}: at")
+        place[:3, 3], place[:3, :3] = transform(value, f"{self.full_name()}: at")
         return place
 
     def numbers(self) -> tuple[Any, ...]:
@@ -83,9 +83,9 @@ class Box(Solid):
     @number
     def size(self, value: ArrayLike) -> Array:
         """Its edges [m], shape (3,)."""
-        size = positive(value, f"{self.label()}: size", unit="m")
+        size = positive(value, f"{self.full_name()}: size", unit="m")
         if size.shape != (3,):
-            raise InvalidInput(f"{self.label()}: size has shape {size.shape}; it must be (3,)")
+            raise InvalidInput(f"{self.full_name()}: size has shape {size.shape}; it must be (3,)")
         return size
 
     def numbers(self) -> tuple[Any, ...]:
@@ -130,11 +130,11 @@ class Polyhedron(Solid):
     @number
     def points(self, value: ArrayLike) -> Array:
         """Whose hull it is [m], shape (k, 3)."""
-        points = finite(value, f"{self.label()}: points")
+        points = finite(value, f"{self.full_name()}: points")
         if points.ndim != 2 or points.shape[1] != 3:
-            raise InvalidInput(f"{self.label()}: points has shape {points.shape}; it must be (k, 3)")
+            raise InvalidInput(f"{self.full_name()}: points has shape {points.shape}; it must be (k, 3)")
         if is_flat(points):
-            raise InvalidInput(f"{self.label()}: points lie in a plane; they must enclose a volume")
+            raise InvalidInput(f"{self.full_name()}: points lie in a plane; they must enclose a volume")
         return points
 
     def numbers(self) -> tuple[Any, ...]:
@@ -143,7 +143,7 @@ class Polyhedron(Solid):
     def shape(self) -> Any:
         from ..robots.convexity import hull
 
-        return hull(self.points, f"{self.label()}: points")
+        return hull(self.points, f"{self.full_name()}: points")
 
     def __repr__(self) -> str:
         return f"Polyhedron({len(self.points)} points)"

@@ -48,7 +48,7 @@ def told_by(block: Array) -> FixedFrame:
 
 
 def relative(root: Frame, frame: Frame, v: Array) -> FixedFrame:
-    """`frame` as an observer sees it who rides on `root`; see :func:`tasks.robots.kernels.frames.relative_frame`."""
+    """`frame` relative to a moving `root`, in its axes; see :func:`tasks.robots.kernels.frames.relative_frame`."""
     from ..base.loops import Call
     from .kernels.frames import relative_frame
 

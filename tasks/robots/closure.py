@@ -1,4 +1,4 @@
-"""What a file says of a closed chain: two frames of a robot that are held together."""
+"""A closed chain as a model file describes it: two frames of a robot that are held together."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What robots say about configurations: whether they are within the limits, and what is between two of them."""
+"""Checks configurations against the joint limits, and interpolates between two of them."""
 
 from __future__ import annotations
 

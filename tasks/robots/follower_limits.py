@@ -1,4 +1,4 @@
-"""The range and speed that mimic joints leave to the joint they follow."""
+"""The range and speed that mimic joints leave to the joint that they follow."""
 
 from __future__ import annotations
 

@@ -139,7 +139,7 @@ def _limited(described: Description, named: Mapping[str, Any], what: str) -> Des
     """The description with the limits of these joints in the place of the file's, before joints are tied or held."""
     import pinocchio as pin
 
-    from .axes import NONE, axes
+    from .joint_axes import NONE, joint_axes
     from .pinocchio import SPEED, TORQUE
     from .ranges import HELD, largest, position_limit
 
@@ -147,7 +147,7 @@ def _limited(described: Description, named: Mapping[str, Any], what: str) -> Des
         return described
     model = pin.Model(described.model)
     ranges = position_limit(model, named.get("position"), what, zero_is_none=False)
-    for i, axis in enumerate(axes(model)):
+    for i, axis in enumerate(joint_axes(model)):
         if axis.q_index != NONE and ranges is not None:
             model.lowerPositionLimit[axis.q_index], model.upperPositionLimit[axis.q_index] = ranges[:, i]
     for key, upper, lower, units in (
@@ -164,9 +164,9 @@ def _limited(described: Description, named: Mapping[str, Any], what: str) -> Des
 
 def _check_named(model: Any, named: Mapping[str, Any], what: str) -> None:
     """Refuse a limit of a joint that is held, and has no use for it."""
-    from .axes import axes
+    from .joint_axes import joint_axes
 
-    moving = {name for axis in axes(model) for name in (axis.name, axis.joint)} | set(model.names)
+    moving = {name for axis in joint_axes(model) for name in (axis.name, axis.joint)} | set(model.names)
     for key, limits in named.items():
         for name in limits:
             if isinstance(name, str) and name not in moving:

@@ -28,8 +28,8 @@ try:
 except ImportError as error:  # pragma: no cover
     raise MissingPackage("spatial robots need Pinocchio: pip install 'hqp[robots]'") from error
 
-from .axes import NONE
 from .configurations import Configurations
+from .joint_axes import NONE
 from .keeping import Kept, Recipe
 from .kinematics import Kinematics
 from .pinocchio_model import PinocchioModel

@@ -42,7 +42,7 @@ def inverse_dynamics(model: pin.Model, data: pin.Data, q: Array, v: Array, a: Ar
     return np.array(torques).reshape(a.shape)
 
 
-def rows_of(robot: Any, **values: ArrayLike) -> list[Array]:
+def batches_of(robot: Any, **values: ArrayLike) -> list[Array]:
     """Configurations q, and velocities and accelerations of any other name, with the same leading axes.
 
     Raises

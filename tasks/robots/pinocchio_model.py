@@ -18,10 +18,10 @@ from hqp.guard import Guard
 from ..base.checks import Array, suggestion
 from ..base.live import Live, structure
 from . import pinocchio_dynamics as dynamics
-from .axes import NONE, axes, base_of, sequence, unit_parts
 from .chain import APART
 from .closure import Closure
 from .frame_names import frame_numbers
+from .joint_axes import NONE, base_of, joint_axes, sequence, unit_parts
 from .kinematics import Kinematics
 from .state import RobotState
 from .verification import tell_of_inertias, verify
@@ -66,7 +66,7 @@ class PinocchioModel(Live):
         tell_of_inertias(model, repr(self))
         self.kinematics = Kinematics(model, repr(self))
         self._base, self.base = base_of(model)
-        self._axes = axes(model)
+        self._axes = joint_axes(model)
         self.joint_names = tuple(axis.name for axis in self._axes)
         self.joint_units = tuple(axis.unit for axis in self._axes)
         self._units = unit_parts(model)
@@ -220,15 +220,15 @@ class PinocchioModel(Live):
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         """M(q) [kg m^2; kg m and kg where joints slide], symmetric, shape (..., nv, nv)."""
-        return dynamics.mass_matrix(self.model, self.kinematics.apart, *dynamics.rows_of(self, q=q))
+        return dynamics.mass_matrix(self.model, self.kinematics.apart, *dynamics.batches_of(self, q=q))
 
     def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
         """What torques [N m], forces [N] hold without acceleration: Coriolis, centripetal, gravity, shape (..., nv)."""
-        return dynamics.bias(self.model, self.kinematics.apart, *dynamics.rows_of(self, q=q, v=v))
+        return dynamics.bias(self.model, self.kinematics.apart, *dynamics.batches_of(self, q=q, v=v))
 
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
         """Joint torques [N m], forces [N] for accelerations a, gravity included, shape (..., nv)."""
-        return dynamics.inverse_dynamics(self.model, self.kinematics.apart, *dynamics.rows_of(self, q=q, v=v, a=a))
+        return dynamics.inverse_dynamics(self.model, self.kinematics.apart, *dynamics.batches_of(self, q=q, v=v, a=a))
 
     def momentum(self, q: Array, v: Array) -> Array:
         """Linear [kg m/s] before angular momentum [kg m^2/s] about the centre of mass, along the axes of the world."""

@@ -12,8 +12,8 @@ from hqp import InvalidInput
 
 from ..base.checks import LARGEST, Array, not_negative, per_joint, position_range, positive, scalar
 from ..base.telling import tell
-from .axes import NONE, Axis, axes, kind
 from .follower_limits import FollowerLimits
+from .joint_axes import NONE, JointAxis, joint_axes, kind
 from .refusals import joint_index
 
 #: What a model is told of a joint that is held by a speed of 0: by 0 it says that it knows nothing.
@@ -22,10 +22,12 @@ HELD = 1e-300
 SAME = 1e-9
 
 
-def unknown_ranges(model: pin.Model, what: str) -> list[Axis]:
+def unknown_ranges(model: pin.Model, what: str) -> list[JointAxis]:
     """The joints whose range is from 0 to 0, by which files say that they know none; told once."""
     low, high = model.lowerPositionLimit, model.upperPositionLimit
-    found = [axis for axis in axes(model) if axis.q_index != NONE and low[axis.q_index] == high[axis.q_index] == 0.0]
+    found = [
+        axis for axis in joint_axes(model) if axis.q_index != NONE and low[axis.q_index] == high[axis.q_index] == 0.0
+    ]
     if found:
         names = ", ".join(axis.name for axis in found)
         tell(f"{what}: joints whose range is from 0 to 0 are taken to have none: {names}")
@@ -90,7 +92,7 @@ def position_limit(model: pin.Model, given: Any, what: str, *, zero_is_none: boo
     InvalidInput
         If a joint is unknown, has no position of its own, or its lowest is above its highest.
     """
-    own = axes(model)
+    own = joint_axes(model)
     has = np.array([axis.q_index != NONE for axis in own])
     if given is None or isinstance(given, Mapping):
         limits = _of_model(model, own, what, zero_is_none)
@@ -105,14 +107,14 @@ def position_limit(model: pin.Model, given: Any, what: str, *, zero_is_none: boo
     return limits if np.isfinite(limits).any() else None
 
 
-def no_position(axis: Axis) -> str:
+def no_position(axis: JointAxis) -> str:
     """Why this axis has no position of its own."""
     if axis.circle != NONE and axis.name == axis.joint:
         return "it turns without end, and has an angle on a circle"
     return "it is one of several of a base, a ball or a plane, and has no position of its own"
 
 
-def _of_model(model: pin.Model, own: Sequence[Axis], what: str, zero_is_none: bool) -> Array:
+def _of_model(model: pin.Model, own: Sequence[JointAxis], what: str, zero_is_none: bool) -> Array:
     _tell_of_bases(model, what)
     limits = np.array([[-np.inf], [np.inf]]).repeat(len(own), axis=1)
     unknown = {axis.q_index for axis in unknown_ranges(model, what)} if zero_is_none else set()
@@ -163,7 +165,7 @@ def largest(
     InvalidInput
         If a joint is unknown, or a limit is not positive.
     """
-    all_of, checked = axes(model), not_negative if zero_holds else positive
+    all_of, checked = joint_axes(model), not_negative if zero_holds else positive
     if given is None or isinstance(given, Mapping):
         limits = np.full(len(all_of), np.inf) if own is None else np.array(own)
         for i, value in _named(all_of, given or {}, f"{what} of"):
@@ -173,7 +175,7 @@ def largest(
     return limits if np.isfinite(limits).any() else None
 
 
-def _named(own: Sequence[Axis], given: Mapping[str, Any], what: str) -> Iterator[tuple[int, Any]]:
+def _named(own: Sequence[JointAxis], given: Mapping[str, Any], what: str) -> Iterator[tuple[int, Any]]:
     names = [axis.name for axis in own]
     for name, value in given.items():
         yield joint_index(names, name, f"{what} joint"), value

@@ -12,8 +12,8 @@ import pinocchio as pin
 from hqp import InvalidInput
 
 from ..base.telling import tell
-from .axes import axes, kind
 from .frame_names import by_kind
+from .joint_axes import joint_axes, kind
 
 #: How far the length of an axis, or a rotation, may be off.
 EXACT = 1e-9
@@ -32,7 +32,7 @@ def verify(model: pin.Model, what: str) -> None:
             f"{what} has 0 degrees of freedom: no joint that moves; of a robot that flies, base='floating' gives six"
         )
     _verify_sizes(model, what)
-    everything = {"joint": list(model.names), "axis": [axis.name for axis in axes(model)], **_frames(model)}
+    everything = {"joint": list(model.names), "axis": [axis.name for axis in joint_axes(model)], **_frames(model)}
     for place, names in everything.items():
         twice = [name for name, count in Counter(names).items() if count > 1]
         if twice:
@@ -135,7 +135,7 @@ def _single(joint: Any, q: np.ndarray) -> Iterator[tuple[Any, np.ndarray]]:
 
 
 def _verify_limits(model: pin.Model, what: str) -> None:
-    for i, axis in enumerate(axes(model)):
+    for i, axis in enumerate(joint_axes(model)):
         if axis.q_index >= 0:
             low, high = float(model.lowerPositionLimit[axis.q_index]), float(model.upperPositionLimit[axis.q_index])
             if not low <= high:

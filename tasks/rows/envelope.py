@@ -3,7 +3,7 @@ r"""The joint limits of one stack reconciled with each other, so that all can be
 Each limit alone bounds x to an interval that is never empty. Two of them may contradict each other: a joint that
 comes too fast cannot keep both its range and its acceleration limit. The limits are therefore taken in an order of
 hardness, whatever their levels: acceleration, position, velocity; those of one kind as they stand in
-the stack. A softer limit is relaxed just so far that it meets what the harder ones leave,
+the stack. The bounds of a softer limit are widened just so far that they meet what the harder ones leave,
 
 .. math::
 
@@ -12,7 +12,7 @@ the stack. A softer limit is relaxed just so far that it meets what the harder o
 
 beginning with :math:`[L, U] = \pm a_{max}` at acceleration order and :math:`v \pm a_{max} dt` at velocity order.
 Every intersection is nonempty, so all limits together can be kept at every tick, from any state. From a state
-within the velocity limit in which the joint can still stop inside its range, nothing is relaxed.
+within the velocity limit in which the joint can still stop inside its range, nothing is widened.
 
 *Braking.* From any motion of the joints, all of them can be slowed together, each by no more than its limit: along the
 same way, in the time :math:`T = \max_j v_j / a_j`, at first at the rate 1/T. A frame whose speed towards a bound is at
@@ -70,8 +70,8 @@ class Claim(NamedTuple):
         Lowest and highest value [rad], [rad/s], [rad/s^2].
     lower, upper : array, shape (nv,)
         The bounds where it counts. Claims on the same ones are kept together.
-    label : str
-        Whose it is, for messages.
+    part : str
+        Full name of the limit, for messages.
     return_speed : float
         The most that a joint outside its range is driven back with [rad/s].
     """
@@ -81,7 +81,7 @@ class Claim(NamedTuple):
     high: Array
     lower: Array
     upper: Array
-    label: str
+    part: str
     return_speed: float
 
 
@@ -113,7 +113,7 @@ class Envelope:
         Parameters
         ----------
         part : str
-            Its label.
+            Its full name.
         kind : {"position", "velocity", "acceleration"}
         values : array, shape (2, nv)
             Lowest and highest.
@@ -139,7 +139,7 @@ class Envelope:
         limited = np.any([np.isfinite(claim.low) | np.isfinite(claim.high) for claim in ranges], axis=0)
         if ranges and shared.order == "acceleration" and np.isinf(self.acceleration[limited]).any():
             raise InvalidInput(
-                f"{ranges[0].label}: at acceleration order it needs to know how hard the joints can"
+                f"{ranges[0].part}: at acceleration order it needs to know how hard the joints can"
                 " brake; add a JointAccelerationLimit(20.0), in rad/s^2, to the stack, or give the robot a limit"
             )
         self._braking = shared.braking

@@ -24,7 +24,7 @@ class Setting:
     Attributes
     ----------
     robot : Robot
-    order : {"velocity", "acceleration", "step"}
+    order : {"velocity", "acceleration", "displacement"}
     parts : tuple of Part
         All that the stack declares.
     """

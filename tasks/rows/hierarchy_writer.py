@@ -103,7 +103,7 @@ class HierarchyWriter:
             changed = self._views[k][0]
             changed.check(self._robot, self._order, self._dt)
             if _row_names(changed, self._robot, self._order) != self._names[k]:
-                raise InvalidInput(f"{changed.label()}: with another {name} it has other rows; {changed._instead}")
+                raise InvalidInput(f"{changed.full_name()}: with another {name} it has other rows; {changed._instead}")
         if any(type(self._views[k][0]).claim is not RowWriter.claim for k in own):
             self._take_up()  # which others go by
         else:
@@ -244,7 +244,7 @@ class HierarchyWriter:
         levels = (k for k, parts in enumerate(self.levels.parts) for _ in parts)
         return Description(
             tuple(
-                WrittenPart.of(level, part.label(), tuple(part.labels(robot, order)), plan, envelope.loops(site))
+                WrittenPart.of(level, part.full_name(), tuple(part.labels(robot, order)), plan, envelope.loops(site))
                 for level, (part, plan), (_, site) in zip(levels, self.plans, self._views, strict=True)
             )
         )

@@ -55,12 +55,12 @@ class Inequality(Part):
     @number
     def below(self, value: ArrayLike) -> Array:
         """How far below its target the value may be, as a number that is not positive, shape () or (rows,)."""
-        return numbers(value, f"{self.label()}: below")
+        return numbers(value, f"{self.full_name()}: below")
 
     @number
     def above(self, value: ArrayLike) -> Array:
         """How far above its target it may be, shape () or (rows,)."""
-        return numbers(value, f"{self.label()}: above")
+        return numbers(value, f"{self.full_name()}: above")
 
     @property
     def weight(self) -> Array:
@@ -75,11 +75,11 @@ class Inequality(Part):
         shapes = {side.shape for side in (self.below, self.above)} - {()}
         if len(shapes) > 1 or any(len(shape) > 1 for shape in shapes):
             raise InvalidInput(
-                f"{self.label()}: below has shape {self.below.shape}, above {self.above.shape}; each must be one"
+                f"{self.full_name()}: below has shape {self.below.shape}, above {self.above.shape}; each must be one"
                 " number, or one a row"
             )
         if not (self.below <= self.above).all():
-            raise InvalidInput(f"{self.label()}: below = {self.below!r} must not exceed above = {self.above!r}")
+            raise InvalidInput(f"{self.full_name()}: below = {self.below!r} must not exceed above = {self.above!r}")
 
     def size(self, robot: Robot) -> int:
         return self.task.size(robot)
@@ -99,16 +99,16 @@ class Inequality(Part):
         for word in "cap", "deceleration":
             if getattr(self.task, word) is not None:
                 raise InvalidInput(
-                    f"{self.label()}: {word} of its task must be None: far from its bound an inequality moves freely;"
-                    " lower the gain, or take FrameVelocityLimit"
+                    f"{self.full_name()}: {word} of its task must be None: far from its bound an inequality moves"
+                    " freely; lower the gain, or take FrameVelocityLimit"
                 )
         rows = self.size(robot)
         for what, value in ("below", self.below), ("above", self.above):
-            per_row(value, rows, f"{self.label()}: {what}")
+            per_row(value, rows, f"{self.full_name()}: {what}")
         fastest = float(self.task.gain.max())
         if dt is not None and order == "velocity" and fastest * dt > 1.0 + 1e-9:
             raise InvalidInput(
-                f"{self.label()}: gain = {fastest:g} 1/s passes the bound within a tick of {dt:g} s;"
+                f"{self.full_name()}: gain = {fastest:g} 1/s passes the bound within a tick of {dt:g} s;"
                 f" it must be at most {1.0 / dt:g}"
             )
 
@@ -119,15 +119,15 @@ class Inequality(Part):
             return
         if tick.envelope.brakes_blindly:
             tell(
-                f"{self.label()}: the joints brake by an acceleration limit, and no velocity limit says for how long;"
-                " it may be passed; add JointVelocityLimit(2.0), in rad/s, to the stack"
+                f"{self.full_name()}: the joints brake by an acceleration limit, and no velocity limit says for how"
+                " long; it may be passed; add JointVelocityLimit(2.0), in rad/s, to the stack"
             )
         if self._moves():
             units = {unit for _, unit in self.task.row_names(tick.robot)}
             unit = units.pop() if len(units) == 1 else "unit"
             tell(
-                f"{self.label()}: its bound moves, and the joints take up to {1.0 / rate:.3g} s to stop: where it comes"
-                f" nearer by 1 {unit}/s more than it told, it may be passed by up to {0.5 / rate:.3g} {unit}"
+                f"{self.full_name()}: its bound moves, and the joints take up to {1.0 / rate:.3g} s to stop: where it"
+                f" comes nearer by 1 {unit}/s more than it told, it may be passed by up to {0.5 / rate:.3g} {unit}"
             )
 
     def _moves(self) -> bool:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from typing import get_args
+from warnings import warn
 
 from hqp import InvalidInput
 from hqp.checks import one_of
@@ -27,6 +28,8 @@ from .tick import Order as Order
 from .tick import Tick as Tick
 from .unknowns import Unknowns
 
+#: Former names of orders -> what they are now; each warns, for one version.
+_FORMER_ORDERS: dict[str, Order] = {"step": "displacement"}
 #: One level, and how it is damped.
 Ruled = tuple[tuple["Part", ...], Rule]
 
@@ -112,7 +115,7 @@ class Stack(Live):
         seen: set[int] = set()
         for part in self:
             if id(part) in seen:
-                raise InvalidInput(f"{part.label()} is in the stack twice; make a second one if both are meant")
+                raise InvalidInput(f"{part.full_name()} is in the stack twice; make a second one if both are meant")
             seen.add(id(part))
 
     def __rshift__(self, lower: Part | Stack) -> Stack:
@@ -220,8 +223,8 @@ class Stack(Live):
         Parameters
         ----------
         robot : Robot
-        order : {"velocity", "acceleration", "step"}
-            Whether x is the joint velocities [rad/s], accelerations [rad/s^2], or a step of the joints [rad].
+        order : {"velocity", "acceleration", "displacement"}
+            Whether x is the joint velocities [rad/s], accelerations [rad/s^2], or displacements [rad].
         dt : float, optional
             Tick [s]; needed by limits of the other order.
         memory : dict, optional
@@ -239,6 +242,9 @@ class Stack(Live):
             none of them, or dt not positive.
         """
         robot = as_robot(robot)
+        if isinstance(order, str) and order in _FORMER_ORDERS:
+            warn(f"order {order!r} is {_FORMER_ORDERS[order]!r} now", DeprecationWarning, stacklevel=2)
+            order = _FORMER_ORDERS[order]
         one_of(order, get_args(Order), "order")
         tick = None if dt is None else positive_scalar(dt, "dt", unit="s")
         return HierarchyWriter(self.expanded(robot, order), robot, order, tick, memory)

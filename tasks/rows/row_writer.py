@@ -60,15 +60,15 @@ class RowWriter(Live):
     @number
     def weight(self, value: ArrayLike) -> Array:
         """Weight of the rows inside their level, shape () or (rows,); a row of weight 0 asks for nothing."""
-        return not_negative(value, f"{self.label()}: weight")
+        return not_negative(value, f"{self.full_name()}: weight")
 
     def size(self, robot: Robot) -> int:
         """Number of rows on this robot."""
-        return robot.nv if self.rows is None else whole_number(self.rows, f"{self.label()}: rows", least=1)
+        return robot.nv if self.rows is None else whole_number(self.rows, f"{self.full_name()}: rows", least=1)
 
     def weights(self, robot: Robot) -> Array:
         """Weight of every row on this robot."""
-        return per_row(self.weight, self.size(robot), f"{self.label()}: weight")
+        return per_row(self.weight, self.size(robot), f"{self.full_name()}: weight")
 
     def variables(self, robot: Robot) -> NDArray[np.intp]:
         """The joint velocities that plain rows bound, shape (rows,)."""

@@ -48,7 +48,7 @@ class Governed(Protocol):
     @property
     def plain(self) -> bool: ...
 
-    def label(self) -> str: ...
+    def full_name(self) -> str: ...
 
 
 class Workspace:
@@ -57,7 +57,7 @@ class Workspace:
     Attributes
     ----------
     robot : Robot
-    order : {"velocity", "acceleration", "step"}
+    order : {"velocity", "acceleration", "displacement"}
     dt : float or None
         [s].
     q, v : array, shapes (nq,) and (nv,)
@@ -204,7 +204,7 @@ class Site:
         from ..base.loops import Table
         from .kernels import law as of
 
-        rows, what, shared = self.rows, task.label(), self.shared
+        rows, what, shared = self.rows, task.full_name(), self.shared
         gain = per_row(task.gain, rows, f"{what}: gain")
         numbers = np.empty((of.FIELDS, rows))
         numbers[of.GAIN], numbers[of.C1], numbers[of.C2] = gain, 2.0 * task.damping_ratio * gain, gain**2
@@ -228,7 +228,7 @@ class Site:
             self.bounds and not task.plain,
             self.drifts,
             longest,
-            self.shortens and shared.order != "step" and not (cap is None and brakes is None),
+            self.shortens and shared.order != "displacement" and not (cap is None and brakes is None),
         )
 
 

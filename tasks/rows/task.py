@@ -93,34 +93,34 @@ class Task(Part):
     @number
     def gain(self, value: ArrayLike) -> Array:
         """K [1/s], shape () or (rows,)."""
-        return positive(value, f"{self.label()}: gain", unit="1/s")
+        return positive(value, f"{self.full_name()}: gain", unit="1/s")
 
     @number
     def damping_ratio(self, value: float) -> float:
         """The zeta of acceleration order."""
-        return positive_scalar(value, f"{self.label()}: damping ratio")
+        return positive_scalar(value, f"{self.full_name()}: damping ratio")
 
     @number
     def cap(self, value: ArrayLike | None) -> Array | None:
         """The longest error that counts [m], [rad], shape () or (rows,); None for any."""
-        return None if value is None else positive(value, f"{self.label()}: cap", unit="m or rad")
+        return None if value is None else positive(value, f"{self.full_name()}: cap", unit="m or rad")
 
     @number
     def deceleration(self, value: float | None) -> float | None:
         """At which it comes to rest at its target [m/s^2], [rad/s^2]; None where that does not matter."""
-        what = f"{self.label()}: deceleration"
+        what = f"{self.full_name()}: deceleration"
         return None if value is None else positive_scalar(value, what, unit="m/s^2 or rad/s^2")
 
     def _renew(self) -> None:
         if self.rows is not None:
-            whole_number(self.rows, f"{self.label()}: rows", least=1)
-            per_row(self.gain, self.rows, f"{self.label()}: gain")
-            per_row(self.weight, self.rows, f"{self.label()}: weight")
+            whole_number(self.rows, f"{self.full_name()}: rows", least=1)
+            per_row(self.gain, self.rows, f"{self.full_name()}: gain")
+            per_row(self.weight, self.rows, f"{self.full_name()}: weight")
             self._check_cap(self.rows)
 
     def _check_cap(self, rows: int) -> None:
         if self.cap is not None:
-            per_row(self.cap, rows, f"{self.label()}: cap")
+            per_row(self.cap, rows, f"{self.full_name()}: cap")
 
     def _call(self, name: str | None) -> None:
         """Take this name, before anything is refused in it."""
@@ -185,7 +185,7 @@ class Task(Part):
         return robot.at(neutral(robot), np.zeros(robot.nv))
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        per_row(self.gain, self.size(robot), f"{self.label()}: gain")
+        per_row(self.gain, self.size(robot), f"{self.full_name()}: gain")
         self._check_cap(self.size(robot))
         self.check_gain(order, dt)
         if self.in_python:
@@ -201,7 +201,9 @@ class Task(Part):
         rows, state = self.size(robot), self.at_rest(robot)
         feedforward = self.rates(state, 0.0)
         if not (isinstance(feedforward, tuple) and len(feedforward) == 2):
-            raise InvalidInput(f"{self.label()}: feedforward = {brief(feedforward)} must be (velocity, acceleration)")
+            raise InvalidInput(
+                f"{self.full_name()}: feedforward = {brief(feedforward)} must be (velocity, acceleration)"
+            )
         spread: list[tuple[int, ...]] = [(rows,), ()]  # one number a row, or one for all
         parts: list[tuple[str, Any, list[tuple[int, ...]]]] = [
             ("error", self.error(state, 0.0), [(rows,)]),
@@ -212,10 +214,10 @@ class Task(Part):
         if order == "acceleration":
             parts.append(("drift", self.drift(state), spread))
         for what, value, allowed in parts:
-            shape = numbers(value, f"{self.label()}: {what}").shape
+            shape = numbers(value, f"{self.full_name()}: {what}").shape
             if shape not in allowed:
                 shapes = " or ".join(map(str, allowed))
-                raise InvalidInput(f"{self.label()}: {what} has shape {shape}; with this robot it must be {shapes}")
+                raise InvalidInput(f"{self.full_name()}: {what} has shape {shape}; with this robot it must be {shapes}")
 
     def check_gain(self, order: Order, dt: float | None) -> None:
         r"""Refuse a gain that makes the error grow from tick to tick, and tell once of one that passes the target.
@@ -227,19 +229,19 @@ class Task(Part):
         ------
         InvalidInput
         """
-        if dt is None or order == "step":  # which is taken as a whole, whatever the gain
+        if dt is None or order == "displacement":  # which is taken as a whole, whatever the gain
             return
         fastest, zeta = float(self.gain.max()), self.damping_ratio
         most = 2.0 if order == "velocity" else min(1.0 / zeta, 4.0 * zeta)
         if fastest * dt > most * (1.0 + 1e-9):
             raise InvalidInput(
-                f"{self.label()}: gain = {fastest:g} 1/s makes the error grow from tick to tick of {dt:g} s at {order}"
-                f" order; it must be at most {most / dt:g}"
+                f"{self.full_name()}: gain = {fastest:g} 1/s makes the error grow from tick to tick of {dt:g} s at"
+                f" {order} order; it must be at most {most / dt:g}"
             )
         if order == "velocity" and fastest * dt > 1.0 + 1e-9:
             tell(
-                f"{self.label()}: gain = {fastest:g} 1/s passes the target in every tick of {dt:g} s and comes back;"
-                f" above {1.0 / dt:g} it is not reached sooner"
+                f"{self.full_name()}: gain = {fastest:g} 1/s passes the target in every tick of {dt:g} s and comes"
+                f" back; above {1.0 / dt:g} it is not reached sooner"
             )
 
     def __repr__(self) -> str:
@@ -303,7 +305,7 @@ class TargetTask(Task):
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
         """The desired value [m], [rad]: numbers, shape (rows,), or a trajectory."""
-        return as_trajectory(value, self.rows, self.label())
+        return as_trajectory(value, self.rows, self.full_name())
 
     def measure(self, state: RobotState) -> Array:
         """The actual value r, shape (rows,)."""

@@ -8,13 +8,13 @@ from typing import Literal
 from ..robots.robot import Robot, RobotState
 from .envelope import Envelope
 
-#: What the unknown x of the hierarchy is: joint velocities [rad/s], joint accelerations [rad/s^2], or a step of the
-#: joints [rad], as inverse kinematics takes it.
-Order = Literal["velocity", "acceleration", "step"]
+#: What the unknown x of the hierarchy is: joint velocities [rad/s], joint accelerations [rad/s^2], or joint
+#: displacements [rad], the Newton step of inverse kinematics.
+Order = Literal["velocity", "acceleration", "displacement"]
 #: What a controller commands. Torques [N m] are those of the accelerations: below them the order is "acceleration".
 Command = Literal["velocity", "acceleration", "torque"]
 #: What follows the unit of a position, in the unit of x.
-PER: dict[str, str] = {"velocity": "/s", "acceleration": "/s^2", "step": ""}
+PER: dict[str, str] = {"velocity": "/s", "acceleration": "/s^2", "displacement": ""}
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,7 @@ class Tick:
         The robot at (q, v).
     t : float
         The time [s].
-    order : {"velocity", "acceleration", "step"}
+    order : {"velocity", "acceleration", "displacement"}
         What x is.
     dt : float or None
         The time between two calls [s].

@@ -261,7 +261,7 @@ def _checked(robot: Robot, contacts: tuple[Contact, ...]) -> Any:
     ):
         raise InvalidInput(f"MujocoPlant: the base of {robot!r} must be its first joint, and float about the origin")
     for contact in contacts:
-        check_frame(robot, contact.frame, f"{contact.label()}: frame")
+        check_frame(robot, contact.frame, f"{contact.full_name()}: frame")
     return robot
 
 

@@ -70,9 +70,9 @@ class RigidContactPlant:
         self._robot: Any = robot
         self.contacts = tuple(of_type(each, Contact, "a contact") for each in listed(contacts, "contacts", "Contact"))
         for contact in self.contacts:
-            check_frame(robot, contact.frame, f"{contact.label()}: frame")
+            check_frame(robot, contact.frame, f"{contact.full_name()}: frame")
             if contact.shape.motions not in KINDS:
-                raise InvalidInput(f"{contact.label()}: is a line; a RigidContactPlant takes points and planes")
+                raise InvalidInput(f"{contact.full_name()}: is a line; a RigidContactPlant takes points and planes")
         check_names(self.contacts)
         names = tuple(contact.name for contact in self.contacts)
         self._holding = (lambda: names) if holding is None else function(holding, "holding")

@@ -225,7 +225,7 @@ class Turn:
         return f"Turn of {np.linalg.norm(self._vector):.4g} rad in {self.duration:g} s"
 
 
-def place_of(target: Any, what: str) -> Any:
+def position_of(target: Any, what: str) -> Any:
     """Of a target that has a rotation too, a transform or a PoseSetpoint, the position; any other target itself."""
     if isinstance(target, PoseSetpoint):
         return target.position

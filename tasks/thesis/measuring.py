@@ -77,13 +77,13 @@ def digits(value: float) -> str:
     return f"{float(f'{value:.2g}'):g}"
 
 
-def to_csv(findings: Sequence[RunResult]) -> str:
+def to_csv(results: Sequence[RunResult]) -> str:
     """All numbers with full precision, one header line; empty where a number means nothing."""
     out = StringIO()
     writer = csv.writer(out, lineterminator="\n")
     names = [field.name for field in fields(RunResult)]
     writer.writerow(names)
-    for found in findings:
+    for found in results:
         values = [getattr(found, name) for name in names]
         writer.writerow(["" if isinstance(value, float) and isnan(value) else value for value in values])
     return out.getvalue()

@@ -38,7 +38,7 @@ def report(
     animated: bool = False,
     processes: int = -1,
 ) -> list[RunResult]:
-    """Reproduce figures of the thesis into a folder, and print the table of claims against findings.
+    """Reproduce figures of the thesis into a folder, and print the table of claims against results.
 
     Parameters
     ----------
@@ -88,20 +88,20 @@ def report(
     with _progress() as progress:
         _simulate_all(missing, store, parallel, progress)
         found, made = _draw_all(shown, store, drawn, parallel, progress)
-    findings, studies = _told(shown, found)
+    results, studies = _told(shown, found)
 
     store.forget_other_versions()
     printer = console(140)  # give every row its line
-    if findings or studies:
-        told = to_markdown(findings, studies, [*left_out, *ASSUMPTIONS])
+    if results or studies:
+        told = to_markdown(results, studies, [*left_out, *ASSUMPTIONS])
         (out / "claims.md").write_text(told, encoding="utf-8")
-        (out / "claims.csv").write_text(to_csv(findings), encoding="utf-8")
-    if findings:
-        printer.print(to_terminal(findings))
+        (out / "claims.csv").write_text(to_csv(results), encoding="utf-8")
+    if results:
+        printer.print(to_terminal(results))
     for why in left_out:
         printer.print(why)
     printer.print(f"runs simulated: {len(missing)}, pictures drawn: {made}, all in {out}", soft_wrap=True)
-    return findings
+    return results
 
 
 def _check(laws: Collection[str], form: str, processes: int) -> None:
@@ -153,14 +153,14 @@ def _draw_all(
 
 def _told(shown: Sequence[Picture], found: Sequence[list[RunResult]]) -> tuple[list[RunResult], list[Section]]:
     """What figures show, a row a run, and what studies show, a table each."""
-    findings: list[RunResult] = []
+    results: list[RunResult] = []
     studies: list[Section] = []
     for picture, rows in zip(shown, found, strict=True):
         if isinstance(picture.subject, Study):
             studies.append(picture.subject.section(picture.jobs, rows))
         else:
-            findings += rows
-    return findings, studies
+            results += rows
+    return results, studies
 
 
 def _simulate(job: Job, path: Path) -> None:

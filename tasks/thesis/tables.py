@@ -114,25 +114,25 @@ class Section:
         return "\n".join([*lines, *([f"\n{self.legend}"] if self.legend else []), ""])
 
 
-def against_claims(findings: Sequence[RunResult]) -> list[list[str]]:
+def against_claims(results: Sequence[RunResult]) -> list[list[str]]:
     """A row a claim: figure, phi, what the text says, and a cell a law: its number and whether the claim holds."""
     rows = []
-    for figure in dict.fromkeys(found.figure for found in findings):
+    for figure in dict.fromkeys(found.figure for found in results):
         item = SCENARIOS[figure]
         for claim in item.claims:
-            runs = [_shown(laws, figure, findings) for laws in COLUMNS.values()]
+            runs = [_shown(laws, figure, results) for laws in COLUMNS.values()]
             rows.append([figure, angle(item), claim.says, *(verdict(item, claim, found) for found in runs)])
     return rows
 
 
-def unconverged(findings: Sequence[RunResult]) -> list[list[str]]:
+def unconverged(results: Sequence[RunResult]) -> list[list[str]]:
     """A row a motion of which a run hangs on the tick: figure, and a cell a law, empty where it does not."""
     motions: dict[Scenario, str] = {}
-    for found in findings:
+    for found in results:
         motions.setdefault(SCENARIOS[found.figure], found.figure)
     rows = []
     for figure in motions.values():
-        runs = [_shown(laws, figure, findings) for laws in COLUMNS.values()]
+        runs = [_shown(laws, figure, results) for laws in COLUMNS.values()]
         cells = [digits(found.tick_deg) if found and found.tick_deg > CONVERGED else "" for found in runs]
         if any(cells):
             rows.append([figure, *cells])
@@ -144,10 +144,10 @@ def angle(item: Scenario) -> str:
     return "" if item.phi is None else f"{np.degrees(item.phi):.0f}°"
 
 
-def _shown(laws: Sequence[Law], figure: str, findings: Sequence[RunResult]) -> RunResult | None:
+def _shown(laws: Sequence[Law], figure: str, results: Sequence[RunResult]) -> RunResult | None:
     """The run that speaks for a law: the backend's, which comes after the formula's."""
     titles = {law.title for law in laws}
-    return next((found for found in reversed(findings) if found.figure == figure and found.law in titles), None)
+    return next((found for found in reversed(results) if found.figure == figure and found.law in titles), None)
 
 
 def verdict(item: Scenario, claim: Claim, found: RunResult | None) -> str:
@@ -164,13 +164,13 @@ def verdict(item: Scenario, claim: Claim, found: RunResult | None) -> str:
     return f"{number} {mark} {TURNS}{digits(found.end_speed)}" if found.turning else f"{number} {mark}"
 
 
-def to_markdown(findings: Sequence[RunResult], studies: Sequence[Section] = (), remarks: Sequence[str] = ()) -> str:
-    """All tables to read: claims against findings, studies, what has not converged, every run; and remarks."""
+def to_markdown(results: Sequence[RunResult], studies: Sequence[Section] = (), remarks: Sequence[str] = ()) -> str:
+    """All tables to read: claims against results, studies, what has not converged, every run; and remarks."""
     sections = [
-        Section("Claims against findings", ("figure", "φ", "the text", *COLUMNS), against_claims(findings), LEGEND),
+        Section("Claims against results", ("figure", "φ", "the text", *COLUMNS), against_claims(results), LEGEND),
         *studies,
-        Section("Not converged in the tick", ("figure", *COLUMNS), unconverged(findings), CONVERGENCE, left=1),
-        every_run("Every run", findings),
+        Section("Not converged in the tick", ("figure", *COLUMNS), unconverged(results), CONVERGENCE, left=1),
+        every_run("Every run", results),
     ]
     texts = [section.to_markdown() for section in sections if section.rows]
     if remarks:
@@ -178,15 +178,15 @@ def to_markdown(findings: Sequence[RunResult], studies: Sequence[Section] = (), 
     return "\n".join(texts)
 
 
-def every_run(title: str, findings: Sequence[RunResult], names: Sequence[str] = (), legend: str = "") -> Section:
+def every_run(title: str, results: Sequence[RunResult], names: Sequence[str] = (), legend: str = "") -> Section:
     """A row a run: these numbers of it, or all."""
-    names = names or [name for name in HEADINGS if name != "note" or any(found.note for found in findings)]
-    rows = [[_text(found, name) for name in names] for found in findings]
+    names = names or [name for name in HEADINGS if name != "note" or any(found.note for found in results)]
+    rows = [[_text(found, name) for name in names] for found in results]
     return Section(title, tuple(HEADINGS[name] for name in names), rows, legend, sum(name in TEXT for name in names))
 
 
-def to_terminal(findings: Sequence[RunResult]) -> Table:
-    """Claims against findings, a line a figure where the terminal is wide enough."""
+def to_terminal(results: Sequence[RunResult]) -> Table:
+    """Claims against results, a line a figure where the terminal is wide enough."""
     from rich import box
     from rich.table import Table
     from rich.text import Text
@@ -194,7 +194,7 @@ def to_terminal(findings: Sequence[RunResult]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), caption=LEGEND, caption_justify="left")
     for name in ("fig.", "φ", "the text", *COLUMNS):
         table.add_column(name, justify="right" if name in COLUMNS else "left")
-    for row in against_claims(findings):
+    for row in against_claims(results):
         table.add_row(*row[:3], *(Text(cell, style="red" if FAILS in cell else "") for cell in row[3:]))
     return table
 

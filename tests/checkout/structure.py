@@ -1,10 +1,10 @@
-"""Counts of the structure: rooms, import circles, imports that run back up, long functions, long files.
+"""Counts of the structure: files and folders, import circles, upward imports, long functions, long files.
 
 ``python tests/checkout/structure.py hqp tasks benchmarks`` prints a line a package.
 
-A room is a file or folder directly inside a package. A circle is a largest set of modules that all reach each other by
-imports, those inside functions and for type checkers included. An import runs back up where it leads to a room that
-stands higher in the package's import contract of pyproject.toml, or beside it.
+Files and folders are those directly inside a package. A circle is a largest set of modules that all reach each other by
+imports, those inside functions and for type checkers included. An import is upward where it leads to a file or folder
+of a higher layer, or of the same one, in the package's import contract of pyproject.toml.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ LONGEST_FUNCTION, LONGEST_FILE = 80, 350
 
 @dataclass(frozen=True)
 class Structure:
-    """What was found in one package; `upward` is None where no contract names its floors."""
+    """What was found in one package; `upward` is None where no contract names its layers."""
 
-    rooms: list[str]
+    entries: list[str]  # files and folders
     circles: list[list[str]]
     upward: list[tuple[str, str]] | None
     long_functions: list[tuple[str, int]]
@@ -33,8 +33,8 @@ class Structure:
     def __str__(self) -> str:
         upward = "no contract" if self.upward is None else len(self.upward)
         return (
-            f"{len(self.rooms)} rooms, {len(self.circles)} circles of {sum(map(len, self.circles))} modules,"
-            f" imports back up: {upward}, {len(self.long_functions)} functions over {LONGEST_FUNCTION} lines,"
+            f"{len(self.entries)} files and folders, {len(self.circles)} circles of {sum(map(len, self.circles))}"
+            f" modules, upward imports: {upward}, {len(self.long_functions)} functions over {LONGEST_FUNCTION} lines,"
             f" {len(self.long_files)} files over {LONGEST_FILE}"
         )
 
@@ -45,8 +45,8 @@ def structure(package: str, root: Path = ROOT) -> Structure:
     trees = {module: ast.parse(path.read_text()) for module, path in sources.items()}
     graph = {module: set(_imports(module, sources[module], tree, sources)) for module, tree in trees.items()}
     lengths = {module: len(path.read_text().splitlines()) for module, path in sources.items()}
-    floor = floors(package, root)
-    upward = [(a, b) for a in graph for b in sorted(graph[a]) if _is_upward(a, b, floor)] if floor else None
+    layer = layers(package, root)
+    upward = [(a, b) for a in graph for b in sorted(graph[a]) if _is_upward(a, b, layer)] if layer else None
     return Structure(
         sorted({module.split(".")[1] for module in sources if "." in module}),
         _circles(graph),
@@ -76,20 +76,20 @@ def _imports(module: str, path: Path, tree: ast.Module, known: dict[str, Path]) 
                     yield found
 
 
-def floors(package: str, root: Path) -> dict[str, int]:
-    """The room -> how far down it stands, as the import contract of the package says; empty where there is none."""
+def layers(package: str, root: Path) -> dict[str, int]:
+    """The layer of every file and folder in the import contract of the package, 0 the highest; empty without one."""
     settings = tomllib.loads((root / "pyproject.toml").read_text())
     for contract in settings["tool"]["importlinter"]["contracts"]:
         if contract.get("containers") == [package]:
-            return {room.strip(): floor for floor, layer in enumerate(contract["layers"]) for room in layer.split("|")}
+            return {entry.strip(): k for k, layer in enumerate(contract["layers"]) for entry in layer.split("|")}
     return {}
 
 
-def _is_upward(importer: str, imported: str, floor: dict[str, int]) -> bool:
+def _is_upward(importer: str, imported: str, layer: dict[str, int]) -> bool:
     if "." not in importer or "." not in imported:  # the package itself
         return "." not in imported
     a, b = importer.split(".")[1], imported.split(".")[1]
-    return a != b and floor[a] >= floor[b]
+    return a != b and layer[a] >= layer[b]
 
 
 def _circles(graph: dict[str, set[str]]) -> list[list[str]]:

@@ -1,4 +1,4 @@
-"""The structure that the project keeps: few rooms, no circle, nothing that runs back up, functions on one screen."""
+"""The structure that the project keeps: few files and folders, no circle, no upward import, functions on one screen."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ import re
 from pathlib import Path
 
 import pytest
-from structure import ROOT, floors, structure
+from structure import ROOT, layers, structure
 
-MOST_ROOMS, ONE_SCREEN = 20, 60
+MOST_ENTRIES, ONE_SCREEN = 20, 60
 LAYOUT = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("package", ["hqp", "tasks"])
-def test_few_rooms_in_one_direction(package: str) -> None:
+def test_few_files_and_folders_in_one_direction(package: str) -> None:
     found = structure(package)
-    assert len(found.rooms) <= MOST_ROOMS
+    assert len(found.entries) <= MOST_ENTRIES
     assert found.upward == []
 
 
@@ -30,10 +30,10 @@ def test_no_circles_and_functions_on_one_screen(package: str) -> None:
 def test_the_source_layout_has_all_folders_in_the_order_of_the_contract(package: str) -> None:
     section = LAYOUT.split(f"## {package}/", 1)[1].split("## ", 1)[0]
     cells = re.findall(r"^\| (`[^|]*`) \|", section, re.MULTILINE)
-    named = [room for cell in cells for room in re.findall(r"`(\w+)`", cell)]
+    named = [name for cell in cells for name in re.findall(r"`(\w+)`", cell)]
     folders = [path.name for path in (ROOT / package).iterdir() if (path / "__init__.py").exists()]
     assert sorted(named) == sorted(folders)
-    down = [floors(package, ROOT)[room] for room in named]
+    down = [layers(package, ROOT)[name] for name in named]
     assert down == sorted(down)
 
 
@@ -61,7 +61,7 @@ def test_faults_are_found(tmp_path: Path) -> None:
     for name, text in files.items():
         (house / f"{name}.py").write_text(text)
     found = structure("house", tmp_path)
-    assert found.rooms == ["floor", "left", "right", "roof"]
+    assert found.entries == ["floor", "left", "right", "roof"]
     assert found.circles == [["house.left", "house.roof"]]
     assert found.upward == [("house.left", "house.roof"), ("house.right", "house.left")]
     assert found.long_functions == [("house.floor.long", 81)]

@@ -18,7 +18,7 @@ from tasks.thesis.studies import STUDIES
 from tasks.thesis.tables import COLUMNS, UNDECIDED, against_claims, to_markdown
 
 CLAIMS, LINES, STACKS, TICKS = (
-    "Claims against findings",
+    "Claims against results",
     "Other lines, finer ticks",
     "Other stacks",
     "Not converged in the tick",

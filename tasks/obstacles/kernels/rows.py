@@ -125,7 +125,7 @@ def least(told, address, found, shape, row, w):
 def write_limit(here):
     """Rows of a distance limit: one a pair, in the order of the pairs, so that rows seldom change places."""
     told = ints(here, 0, 15)
-    n, rows, step = told[N], told[ROWS], told[ORDER] == of.STEP
+    n, rows, step = told[N], told[ROWS], told[ORDER] == of.DISPLACEMENT
     near.measure(told[PAIRS])
     scene = ints(told[PAIRS], 0, near.LENGTH)
     obstacles = scene[near.OBSTACLES]
@@ -212,7 +212,7 @@ def write_bodies(here):
         gradient(first, n, normal, contact[FIRST:], 1.0, row)
         gradient(second, n, normal, contact[SECOND:], -1.0, row)
         room, upper[r] = contact[DISTANCE] - number[0], math.inf
-        if order == of.STEP:
+        if order == of.DISPLACEMENT:
             lower[r] = -room
             continue
         drift = 0.0

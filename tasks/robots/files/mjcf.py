@@ -27,8 +27,8 @@ from hqp import InvalidInput
 
 from ...base.checks import LARGEST, Array
 from ...base.quiet import caught, reason
-from ..axes import kind
 from ..choices import Base
+from ..joint_axes import kind
 from .closures import closed_chains
 from .couplings import couplings, moves
 from .description import BASE_JOINT, BASES, Description

@@ -10,8 +10,8 @@ import pinocchio as pin
 from hqp import InvalidInput
 
 from ...base.checks import Array, finite_scalar, suggestion
-from ..axes import NONE, axes
 from ..frame_names import KINDS
+from ..joint_axes import NONE, joint_axes
 from ..ranges import SAME
 
 #: What a frame is called, by its type.
@@ -34,7 +34,7 @@ def reduced(
     """
     q, held = np.array(neutral), []
     names = list(model.names)[1:]
-    single = {axis.joint: axis for axis in axes(model) if axis.name == axis.joint}
+    single = {axis.joint: axis for axis in joint_axes(model) if axis.name == axis.joint}
     for name, position in positions.items():
         if name not in names:
             raise InvalidInput(f"{what}: {name!r} is no joint{suggestion(str(name), names)}")

@@ -1,4 +1,4 @@
-"""Robots from URDF, read by Pinocchio; what it passes over in silence is refused here, or told."""
+"""Robots from URDF, read by Pinocchio; what Pinocchio ignores in silence is refused here, or told."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-r"""The loop that writes all joint limits of one stack, each relaxed to what the harder ones leave.
+r"""The loop that writes all joint limits of one stack, each widened to meet what the harder ones leave.
 
 See :mod:`tasks.rows.envelope` for how they get on with each other, :mod:`tasks.limits.position` for how a joint keeps
 its range.
@@ -54,7 +54,7 @@ def largest_velocity(room, acceleration, dt):
 @inner
 def kept_range(order, q, v, low, high, return_speed, speed, acceleration, dt):
     """Least and most x of a joint that keeps its range, or comes back to it."""
-    if order == of.STEP:
+    if order == of.DISPLACEMENT:
         return low - q, high - q
     if order == of.ACCELERATION:
         q = q + 0.5 * dt * v
@@ -75,7 +75,7 @@ def claimed(kind, order, v, low, high, dt):
         return v + low * dt, v + high * dt
     if kind == SPEED and order == of.ACCELERATION:
         return (low - v) / dt, (high - v) / dt
-    if order == of.STEP:
+    if order == of.DISPLACEMENT:
         return -math.inf, math.inf
     return low, high
 
@@ -119,7 +119,7 @@ def braking_rate(told):
     v, speed, acceleration = floats(told[V], 0, n), floats(told[VELOCITY], 0, n), floats(told[ACCELERATION], 0, n)
     longest = -math.inf
     for j in range(n):
-        if acceleration[j] < math.inf and told[ORDER] != of.STEP:
+        if acceleration[j] < math.inf and told[ORDER] != of.DISPLACEMENT:
             from_speed = speed[j] if speed[j] < math.inf else abs(v[j]) + acceleration[j] * dt
             longest = max(longest, from_speed / acceleration[j])
     return 1.0 / (longest + dt) if longest + dt > 0.0 else math.inf

@@ -6,7 +6,7 @@ With the error e, its feed-forwards r', r'' and the drift J' v of a row, and the
 
     \text{velocity}\quad & J v = r' + K e \\
     \text{acceleration}\quad & J a = r'' - J' v + c_1 (r' - J v) + c_2 e \\
-    \text{step}\quad & J\,dq = e
+    \text{displacement}\quad & J\,dq = e
 
 and for an inequality the same of e + below and e + above. Of an equality, e is shortened first, to
 :func:`share_of` its length: to a cap, and to what comes to rest at the target by a deceleration. Where the joints brake
@@ -26,8 +26,8 @@ from hqp.kernels.memory import floats, ints
 ORDER, ROWS, N, MATRIX, LOWER, UPPER, NUMBERS, MEASURED, V, TICK, BOUNDS, DRIFTS, LONGEST, SHORTENS = range(14)
 LENGTH = 14
 #: The orders, and their names.
-VELOCITY, ACCELERATION, STEP = range(3)
-ORDERS = ("velocity", "acceleration", "step")
+VELOCITY, ACCELERATION, DISPLACEMENT = range(3)
+ORDERS = ("velocity", "acceleration", "displacement")
 #: Numbers of every row: K [1/s], c1 [1/s], c2 [1/s^2]; how far below and above the target; the largest error.
 GAIN, C1, C2, BELOW, ABOVE, CAP = range(6)
 FIELDS = 6
@@ -47,12 +47,12 @@ def law(table):
         share = share_of(order, rows, number, measured, floats(told[LONGEST], 0, 2))
         for r in range(rows):
             measured[r] *= share
-    in_time = told[BOUNDS] != 0 and tick[0] < math.inf and order != STEP
+    in_time = told[BOUNDS] != 0 and tick[0] < math.inf and order != DISPLACEMENT
     for r in range(rows):
         e, rate, change = measured[r], measured[rows + r], measured[2 * rows + r]
         drift, now = measured[3 * rows + r], measured[4 * rows + r]
         K, below, above = number[r], number[BELOW * rows + r], number[ABOVE * rows + r]
-        if order == STEP:
+        if order == DISPLACEMENT:
             lower[r], upper[r] = e + below, e + above
         elif in_time:
             lower[r], upper[r] = kept_in_time(order, e, rate, drift, now, min(K, tick[0]), below, above, tick[1])

@@ -1,4 +1,4 @@
-"""The axes of a Pinocchio model: what each velocity is called, its unit, and which number of q is its position."""
+"""The joint axes of a Pinocchio model, one a velocity: name, unit, and which number of q is the position."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ BASES = ("FreeFlyer", "Planar")
 NONE = -1
 
 
-class Axis(NamedTuple):
-    """One velocity of a model.
+class JointAxis(NamedTuple):
+    """One axis of a joint, which one velocity of the model turns or slides about or along.
 
     Attributes
     ----------
@@ -54,13 +54,13 @@ def kind(joint: Any) -> str:
     return str(joint.shortname()).removeprefix("JointModel")
 
 
-def axes(model: pin.Model) -> tuple[Axis, ...]:
-    """All axes of a model, in the order of its velocities; a joint that follows another one has none."""
+def joint_axes(model: pin.Model) -> tuple[JointAxis, ...]:
+    """All joint axes of a model, in the order of its velocities; a joint that follows another one has none."""
     found = []
     for joint, name in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):  # the first is the universe
-        own = list(_axes(joint))
+        own = list(_axes_of(joint))
         several = len(own) > 1
-        found += [Axis(f"{name}[{i}]" if several else name, name, *axis) for i, axis in enumerate(own)]
+        found += [JointAxis(f"{name}[{i}]" if several else name, name, *axis) for i, axis in enumerate(own)]
     return tuple(found)
 
 
@@ -100,14 +100,14 @@ def base_of(model: pin.Model) -> tuple[int, int]:
     return 0, 0
 
 
-def _axes(joint: Any) -> Iterator[tuple[str, int, int]]:
+def _axes_of(joint: Any) -> Iterator[tuple[str, int, int]]:
     """Unit, index in q and circle of every velocity of a joint."""
     what = kind(joint)
     if what == "Mimic":
         return
     if what == "Composite":
         for part in _parts(joint):
-            yield from _axes(part)
+            yield from _axes_of(part)
     elif what.startswith(("RUB", "RevoluteUnbounded")):
         yield "rad", NONE, joint.idx_q
     elif what in MANIFOLDS:
