@@ -95,7 +95,7 @@ def test_rows_say_what_slips(tmp_path) -> None:
     robot = two_wheels(tmp_path, "planar")
     stack = rolling() >> JointVelocityTask([0.0, 1.0, 0.0], joints=[0, 1, 2])  # aside, which wheels do not go
     told = str(Controller(robot, stack, dt=0.01)(robot.home).solution.explain())
-    assert "joint velocity short by 1 m/s: left" in told
+    assert "joint velocity short by 1 m/s: left, then right" in told
     assert [label.row for label in next(iter(Controller(robot, stack, dt=0.01).describe())).rows][:2] == [
         "slip 1",
         "slip 2",

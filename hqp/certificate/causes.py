@@ -66,7 +66,7 @@ class Cause:
 def causes_of(
     hierarchy: Hierarchy, labels: list[Label], rows: RowStates, dense: Array, multipliers: Array
 ) -> tuple[Cause, ...]:
-    """What pushes with these multipliers, the strongest first."""
+    """What pushes with these multipliers, the strongest first; of those alike up to round-off, in the order of rows."""
     groups: dict[tuple[int, str, str, Side, int], list[int]] = {}
     for row in map(int, np.flatnonzero(multipliers)):
         (k, _), label, side = hierarchy.locate(row), labels[row], Side(rows.sides[row])
@@ -85,7 +85,7 @@ def causes_of(
         for k, part, row, side, _ in [name]
         for own in [tuple(groups[name])]
     ]
-    return tuple(sorted(causes, key=lambda cause: -cause.strength))
+    return tuple(sorted(causes, key=lambda cause: -round(cause.share, 6)))
 
 
 def _where(hierarchy: Hierarchy, labels: list[Label], part: str, own: tuple[int, ...]) -> str:
