@@ -189,7 +189,7 @@ def test_what_is_said() -> None:
     assert str(solve(reach()).explain()).splitlines() == [
         "joint limit met (3 of 3 rows at a bound)",
         "reach short by 1.5 m/s: joint0 velocity limit (upper), then joint1 position limit (upper)",
-        "posture short by 3.5: joint2 velocity limit (upper), then joint1 position limit (upper)",
+        "posture short by 3.5: joint1 position limit (upper), then joint2 velocity limit (upper)",
     ]
 
 
