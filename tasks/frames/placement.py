@@ -105,7 +105,7 @@ class PlacementTask(FrameTask, LoopTask):
         from .kernels import placement as loops
 
         target, law = np.zeros(loops.TARGET_SIZE), site.law(self)
-        moves = self._keep_up(target)
+        moves = site.follow(self, ("target", "position", "rotation"), lambda: self._keep_up(target), self._goals)
         call = Call(
             loops.write_placement,
             law,
@@ -119,6 +119,10 @@ class PlacementTask(FrameTask, LoopTask):
             np.array(self.mask, dtype=np.int64),
         )
         return Plan((call,), moves, curvature=self._curvature(site, law))
+
+    def _goals(self) -> tuple[object, ...]:
+        """What it is to come to: its position, its rotation, or both."""
+        return tuple(goal for goal in (self.position, self.rotation) if goal is not None)
 
     def _curvature(self, site: Site, law: Table) -> Call | None:
         """One loop more, for whoever asks."""

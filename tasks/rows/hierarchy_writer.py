@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from .description import Description, WrittenPart
 from .envelope import Envelope
 from .expansion import Expanded
 from .own_limits import OwnLimits
-from .plan import Plan, plan_of
+from .plan import Plan, overridden, plan_of
 from .row_writer import RowWriter
 from .site import Memory, Site, Workspace
 from .tick import Order, Tick
@@ -27,6 +27,10 @@ from .unknowns import Unknowns
 
 if TYPE_CHECKING:
     from ..base.loops import Call
+
+
+#: What a part is asked when it is planned, beside its plan.
+ASKED = ("check", "check_beside", "labels", "row_names", "size", "variables", "weights", "decay_rate")
 
 
 class HierarchyWriter:
@@ -46,8 +50,9 @@ class HierarchyWriter:
         Whether loops write all of them.
     envelope : Envelope
         The joint limits of the stack.
-    planned : int
-        How often rows have been planned: whoever knows plans by their addresses looks at them again.
+    planned, tuned : int
+        How often rows have been planned: whoever knows plans by their addresses looks at them again. And how often the
+        numbers of a law have changed since: whoever goes by gains looks at those.
     aims : dict of int to array, shape (nv,), or None
         What each damped level is damped towards at this tick, ``-2 zeta K v`` by the fastest of its tasks; None at
         other orders than that of accelerations, where it is zero, and where no level is damped.
@@ -55,7 +60,7 @@ class HierarchyWriter:
         The same of all levels, zero where there is none.
     """
 
-    planned = 0
+    planned = tuned = 0
 
     def __init__(
         self,
@@ -99,15 +104,69 @@ class HierarchyWriter:
             self._take_up()
             return
         own = self._owners.get(id(part), [])
+        if self._renumber(part, own):
+            return
         for k in own:
             changed = self._views[k][0]
             changed.check(self._robot, self._order, self._dt)
             if _row_names(changed, self._robot, self._order) != self._names[k]:
                 raise InvalidInput(f"{changed.label()}: with another {name} it has other rows; {changed._instead}")
-        if any(type(self._views[k][0]).claim is not RowWriter.claim for k in own):
-            self._take_up()  # which others go by
-        else:
+        if not any(type(self._views[k][0]).claim is not RowWriter.claim for k in own):
             self._plan(own)
+        elif not self._reclaim(own):  # by which others go
+            self._take_up()
+
+    def _renumber(self, part: Live, own: list[int]) -> bool:
+        """Write numbers of a part that have changed where its plans have put them; False where it takes new plans.
+
+        It does if more has changed than its plans know the places of, if Python writes its rows, or if a subclass has
+        its own say in what a plan is asked for.
+        """
+        before, now = self._known.get(id(part), {}), vars(part)
+        changed = [name for name, value in now.items() if before.get(name, self) is not value]
+        if not changed or len(now) != len(before):
+            return False
+        keys, tunes = [(id(part), name) for name in changed], False
+        for k in own:
+            view, site = self._views[k]
+            if not all(key in site.targets or key in site.numbers for key in keys):
+                return False
+            if self.plans[k][1].python or overridden(type(view), ASKED) or overridden(type(part), ASKED):
+                return False
+            tunes = tunes or any(key in site.numbers for key in keys)
+            if tunes or view is not part:
+                view.check(self._robot, self._order, self._dt)
+        for k in own:
+            site = self._views[k][1]
+            if not all((site.targets.get(key) or site.numbers[key])() for key in keys):
+                return False
+        if tunes:
+            self.tuned += 1
+            self._weigh(own)
+            self._take_rates()
+        self._known[id(part)] = dict(now)
+        return True
+
+    def _reclaim(self, own: list[int]) -> bool:
+        """Have the envelope take the limits of these parts as they are now; False if more than numbers has changed."""
+        shared, views = self.shared, [self._views[k] for k in own]
+        braked = np.isfinite(shared.braking[0])
+
+        def ask() -> None:
+            for part, site in views:
+                part.claim(site)
+
+        if any(self.plans[k][1] != Plan() for k in own):
+            return False
+        if not shared.envelope.renew(shared, [site for _, site in views], ask):
+            return False
+        if np.isfinite(shared.braking[0]) != braked:  # by which plans differ
+            return False
+        self._check_beside(range(len(self._views)))
+        self._weigh(own)
+        for k in own:
+            self._watch(k)
+        return True
 
     def _check(self) -> None:
         for part in self.levels.all_parts:
@@ -121,6 +180,7 @@ class HierarchyWriter:
         self._views: list[tuple[RowWriter, Site]] = []
         self._weights: list[tuple[Array, NDArray[np.intp]]] = []  # and which rows ask for nothing
         self._owners: dict[int, list[int]] = {}  # of all that is reachable from a part: the parts
+        self._known: dict[int, dict[str, Any]] = {}  # and its attributes, as they were planned with
         for level, (view, parts) in enumerate(zip(self.hierarchy.levels, self.levels.parts, strict=True)):
             row, rate = 0, self._rates[level : level + 1]
             for part in parts:
@@ -160,35 +220,53 @@ class HierarchyWriter:
     def _plan(self, which: Iterable[int]) -> None:
         """Plan how these parts write their rows."""
 
-        robot, shared = self._robot, self.shared
         self.planned += 1
-        rest = Tick(robot, self._rest, 0.0, self._order, self._dt, shared.envelope)
+        self._check_beside(which)
         for k in which:
             part, site = self._views[k]
-            with np.errstate(all="ignore"):  # what is infinite is refused in words
-                part.check_beside(rest)
-            site.off.clear()
+            site.forget()
             self.plans[k] = part, plan_of(part, site)
-            weights = part.weights(robot)
-            without = np.flatnonzero(weights == 0.0)
-            view, _ = self._weights[k]
-            view[:], view[without] = weights, 1.0
-            self._weights[k] = view, without
-            for held in reachable(part):  # also what came with the change
-                watch_alone(held, self)
-                owners = self._owners.setdefault(id(held), [])
-                if k not in owners:
-                    owners.append(k)
+            self._watch(k)
+        self._weigh(which)
         for part, joints, rows in self._joints:
             if part.plain:  # whose rows stay as they are
                 rows[:, : self.unknowns.nv] = joints
-        if self._order == "acceleration":
-            self._rates[:] = [max(part.decay_rate() for part in level) for level in self.levels.parts]
-        pairs = zip(self._views, self._weights, strict=True)
-        self._unweighted = [(site.lower, site.upper, without) for (_, site), (_, without) in pairs if without.size]
+        self._take_rates()
         self._moves = [move for _, plan in self.plans for move in plan.moves]
         self._python = [plan.python for _, plan in self.plans if plan.python is not None]
         self._chain()
+
+    def _check_beside(self, which: Iterable[int]) -> None:
+        """Ask parts whether they can work with the joint limits of the stack."""
+        rest = Tick(self._robot, self._rest, 0.0, self._order, self._dt, self.shared.envelope)
+        with np.errstate(all="ignore"):  # what is infinite is refused in words
+            for k in which:
+                self._views[k][0].check_beside(rest)
+
+    def _watch(self, k: int) -> None:
+        """Be told of changes in all that a part holds, also in what came with the last one."""
+        for held in reachable(self._views[k][0]):
+            watch_alone(held, self)
+            self._known[id(held)] = dict(vars(held))
+            owners = self._owners.setdefault(id(held), [])
+            if k not in owners:
+                owners.append(k)
+
+    def _weigh(self, which: Iterable[int]) -> None:
+        """Take the weights of these parts."""
+        for k in which:
+            part, (view, _) = self._views[k][0], self._weights[k]
+            weights = part.weights(self._robot)
+            without = np.flatnonzero(weights == 0.0)
+            view[:], view[without] = weights, 1.0
+            self._weights[k] = view, without
+        pairs = zip(self._views, self._weights, strict=True)
+        self._unweighted = [(site.lower, site.upper, without) for (_, site), (_, without) in pairs if without.size]
+
+    def _take_rates(self) -> None:
+        """Take how fast the tasks of each level decay: at acceleration order what is damped goes by it."""
+        if self._order == "acceleration":
+            self._rates[:] = [max(part.decay_rate() for part in level) for level in self.levels.parts]
 
     def _chain(self) -> None:
         """What runs all loops of a tick."""
