@@ -50,17 +50,23 @@ def linearised(rows: HierarchyWriter, dt: float | None, curved: tuple[int, ...],
             loop = compiled(plan.curvature.kernel)
             contractions.append(Contraction(loop, address(table), weights, row))
     kept = tables, work
-    scales, shares = paces(rows, dt, len(curved))
+    scales, shares = paces(gains_of(rows), rows.hierarchy.m, dt, len(curved))
     return Linearisation(curved, errors, contractions, S, scales, shares, rows.every_aim, last, STRAIGHT, kept)
 
 
-def paces(rows: HierarchyWriter, dt: float | None, levels: int) -> tuple[Array, Array]:
+def gains_of(rows: HierarchyWriter) -> list[tuple[slice, Task]]:
+    """The rows that follow the law of a task, and whose gain that is."""
+    parts = [
+        (slice(row, row + site.rows), getattr(part, "task", part)) for _, row, part, _, site in rows.work if site.off
+    ]
+    return [(own, task) for own, task in parts if isinstance(task, Task)]
+
+
+def paces(tasks: list[tuple[slice, Task]], rows: int, dt: float | None, levels: int) -> tuple[Array, Array]:
     """How fast each row is to go, relative to the fastest, and what share of its error a level takes away in a tick."""
-    gains = np.zeros(rows.hierarchy.m)
-    for _, row, part, _, site in rows.work:
-        task = getattr(part, "task", part)
-        if isinstance(task, Task) and site.off:
-            gains[row : row + site.rows] = task.gain
+    gains = np.zeros(rows)
+    for own, task in tasks:
+        gains[own] = task.gain
     fastest = float(gains.max())
     return gains / (fastest or 1.0), np.full(levels, fastest * dt if dt and fastest else 1.0)
 
@@ -87,7 +93,7 @@ class CalmSolver:
         rows.brake(k for k, kind in enumerate(curved) if kind == 1)
         self._linearisation = linearised(rows, dt, curved, self._last)
         self._solver = CurvedSolver(rows.hierarchy, self._linearisation, backend, settings)
-        self._planned, self._tuned = rows.planned, rows.tuned
+        self._planned, self._tuned, self._gains = rows.planned, rows.tuned, gains_of(rows)
 
     def solve(self, hierarchy: Hierarchy, last: Array | None = None) -> Solution:
         """Solve the rows as they are filled now; `last` is the x of the tick before, None or NaN where nobody knows."""
@@ -95,10 +101,10 @@ class CalmSolver:
         if self._planned != rows.planned:
             self._linearisation = linearised(rows, self._dt, self._curved, self._last)
             self._solver.relinearise(self._linearisation)
-            self._planned, self._tuned = rows.planned, rows.tuned
+            self._planned, self._tuned, self._gains = rows.planned, rows.tuned, gains_of(rows)
         elif self._tuned != rows.tuned:
             told = self._linearisation
-            told.scales[:], told.shares[:] = paces(rows, self._dt, len(self._curved))
+            told.scales[:], told.shares[:] = paces(self._gains, hierarchy.m, self._dt, len(self._curved))
             self._tuned = rows.tuned
         known = last is not None and self._dt is not None and (np.abs(last) <= FASTEST).all()
         self._last[:] = last if known else np.nan

@@ -26,7 +26,6 @@ from ..base.checks import Array
 from ..base.live import structure
 from ..robots.robot import Robot
 from ..rows.loop_task import LoopTask
-from ..rows.part import Order
 from ..rows.site import Move, kept_up
 from ..targets.trajectories import Spread
 from ..targets.turns import AboutZ
@@ -177,14 +176,7 @@ class PlacementTask(FrameTask, LoopTask):
             names += [(f"r{axis}" if names else axis, "rad") for axis in "xyz"]
         return [names[i] for i in self.mask]
 
-    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        self.check_frames(robot)
-        if self.seen(self.at_rest(robot)).rotation.ndim == 1:
-            self._check_planar()
-        super().check(robot, order, dt)
-
-    def _check_planar(self) -> None:
-        """Refuse what a planar arm has not."""
+    def check_planar(self) -> None:
         if self.reference == "local":
             raise InvalidInput(f"{self.label()}: a planar arm knows the axes of the world only")
         if self.position is not None and 2 in self.mask:

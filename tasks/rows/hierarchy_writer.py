@@ -3,27 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hqp import Hierarchy, InvalidInput, Label, Level
-from hqp.checks import of_type
+from hqp import Hierarchy, InvalidInput, Level
 
 from ..base.checks import Array
-from ..base.live import Live, reachable, watch_alone
+from ..base.live import Live, watch_alone
 from ..robots.answers import at_rest
 from ..robots.robot import Robot, RobotState
 from .description import Description, WrittenPart
+from .empty import empty_level, row_names
 from .envelope import Envelope
 from .expansion import Expanded
+from .ledger import Ledger
 from .own_limits import OwnLimits
 from .plan import Plan, overridden, plan_of
 from .row_writer import RowWriter
 from .site import Memory, Site, Workspace
 from .tick import Order, Tick
-from .unknowns import Unknowns
 
 if TYPE_CHECKING:
     from ..base.loops import Call
@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 
 #: What a part is asked when it is planned, beside its plan.
 ASKED = ("check", "check_beside", "labels", "row_names", "size", "variables", "weights", "decay_rate")
+
+
+#: That of a part whose rows others write.
+NO_PLAN = Plan()
 
 
 class HierarchyWriter:
@@ -76,10 +80,10 @@ class HierarchyWriter:
         self._memory: Memory = {} if memory is None else memory
         self._check()
         self._rest = at_rest(robot)
-        empty = [_empty_level(level, robot, order, unknowns) for level in levels.parts]
+        empty = [empty_level(level, robot, order, unknowns) for level in levels.parts]
         self.hierarchy = Hierarchy(empty, n=unknowns.n)
         self._own_limits = None if isinstance(robot, Live) else OwnLimits(robot)
-        self._names = [_row_names(part, robot, order) for part in levels.all_parts]
+        self._names = [row_names(part, robot, order) for part in levels.all_parts]
         self._rates = np.zeros(len(levels.parts))
         self.every_aim = np.zeros((len(levels.parts), unknowns.n))
         self._take_note([k for k, rule in enumerate(levels.damping) if rule])
@@ -103,17 +107,17 @@ class HierarchyWriter:
             self._check()
             self._take_up()
             return
-        own = self._owners.get(id(part), [])
+        own = self._ledger.owners(part)
         if self._renumber(part, own):
             return
         for k in own:
             changed = self._views[k][0]
             changed.check(self._robot, self._order, self._dt)
-            if _row_names(changed, self._robot, self._order) != self._names[k]:
+            if row_names(changed, self._robot, self._order) != self._names[k]:
                 raise InvalidInput(f"{changed.label()}: with another {name} it has other rows; {changed._instead}")
         if not any(type(self._views[k][0]).claim is not RowWriter.claim for k in own):
             self._plan(own)
-        elif not self._reclaim(own):  # by which others go
+        elif not self._reclaim(part, own):  # by which others go
             self._take_up()
 
     def _renumber(self, part: Live, own: list[int]) -> bool:
@@ -122,9 +126,8 @@ class HierarchyWriter:
         It does if more has changed than its plans know the places of, if Python writes its rows, or if a subclass has
         its own say in what a plan is asked for.
         """
-        before, now = self._known.get(id(part), {}), vars(part)
-        changed = [name for name, value in now.items() if before.get(name, self) is not value]
-        if not changed or len(now) != len(before):
+        changed = self._ledger.changes(part)
+        if not changed:
             return False
         keys, tunes = [(id(part), name) for name in changed], False
         for k in own:
@@ -133,7 +136,7 @@ class HierarchyWriter:
                 return False
             if self.plans[k][1].python or overridden(type(view), ASKED) or overridden(type(part), ASKED):
                 return False
-            tunes = tunes or any(key in site.numbers for key in keys)
+            tunes = tunes or any(key in site.numbers for key in keys if key[1] != "weight")
             if tunes or view is not part:
                 view.check(self._robot, self._order, self._dt)
         for k in own:
@@ -142,12 +145,13 @@ class HierarchyWriter:
                 return False
         if tunes:
             self.tuned += 1
-            self._weigh(own)
             self._take_rates()
-        self._known[id(part)] = dict(now)
+        if "weight" in changed:
+            self._weigh(own)
+        self._ledger.keep(part)
         return True
 
-    def _reclaim(self, own: list[int]) -> bool:
+    def _reclaim(self, changed: Live, own: list[int]) -> bool:
         """Have the envelope take the limits of these parts as they are now; False if more than numbers has changed."""
         shared, views = self.shared, [self._views[k] for k in own]
         braked = np.isfinite(shared.braking[0])
@@ -156,7 +160,7 @@ class HierarchyWriter:
             for part, site in views:
                 part.claim(site)
 
-        if any(self.plans[k][1] != Plan() for k in own):
+        if any(self.plans[k][1] != NO_PLAN for k in own):
             return False
         if not shared.envelope.renew(shared, [site for _, site in views], ask):
             return False
@@ -164,8 +168,10 @@ class HierarchyWriter:
             return False
         self._check_beside(range(len(self._views)))
         self._weigh(own)
-        for k in own:
-            self._watch(k)
+        self._ledger.keep(changed)
+        if self._ledger.holds_others(changed):
+            for k in own:
+                self._ledger.enter(k, self._views[k][0], self)
         return True
 
     def _check(self) -> None:
@@ -179,8 +185,7 @@ class HierarchyWriter:
         self._joints: list[tuple[RowWriter, Array, Array]] = []  # of wide rows: the joints' part
         self._views: list[tuple[RowWriter, Site]] = []
         self._weights: list[tuple[Array, NDArray[np.intp]]] = []  # and which rows ask for nothing
-        self._owners: dict[int, list[int]] = {}  # of all that is reachable from a part: the parts
-        self._known: dict[int, dict[str, Any]] = {}  # and its attributes, as they were planned with
+        self._ledger = Ledger()
         for level, (view, parts) in enumerate(zip(self.hierarchy.levels, self.levels.parts, strict=True)):
             row, rate = 0, self._rates[level : level + 1]
             for part in parts:
@@ -226,7 +231,7 @@ class HierarchyWriter:
             part, site = self._views[k]
             site.forget()
             self.plans[k] = part, plan_of(part, site)
-            self._watch(k)
+            self._ledger.enter(k, part, self)
         self._weigh(which)
         for part, joints, rows in self._joints:
             if part.plain:  # whose rows stay as they are
@@ -242,15 +247,6 @@ class HierarchyWriter:
         with np.errstate(all="ignore"):  # what is infinite is refused in words
             for k in which:
                 self._views[k][0].check_beside(rest)
-
-    def _watch(self, k: int) -> None:
-        """Be told of changes in all that a part holds, also in what came with the last one."""
-        for held in reachable(self._views[k][0]):
-            watch_alone(held, self)
-            self._known[id(held)] = dict(vars(held))
-            owners = self._owners.setdefault(id(held), [])
-            if k not in owners:
-                owners.append(k)
 
     def _weigh(self, which: Iterable[int]) -> None:
         """Take the weights of these parts."""
@@ -345,24 +341,3 @@ class HierarchyWriter:
         for lower, upper, rows in self._unweighted:
             lower[rows], upper[rows] = -np.inf, np.inf
         return self.hierarchy
-
-
-def _empty_level(parts: tuple[RowWriter, ...], robot: Robot, order: Order, unknowns: Unknowns) -> Level:
-    """One level without numbers yet: plain bounds if all its parts are plain, rows otherwise."""
-    name = " + ".join(of_type(part.name, str, f"name of a {type(part).__name__}") for part in parts)
-    weights = np.ones(sum(part.size(robot) for part in parts))
-
-    def labels() -> list[Label]:
-        return [label for part in parts for label in part.labels(robot, order)]
-
-    zeros = np.zeros(len(weights))
-    if all(part.plain for part in parts):
-        indices = np.concatenate([p.columns(unknowns, robot) for p in parts])
-        return Level.bounds(zeros, zeros, indices=indices, weights=weights, name=name, labels=labels)
-    identity = np.eye(unknowns.n)
-    A = [identity[p.columns(unknowns, robot)] if p.plain else np.zeros((p.size(robot), unknowns.n)) for p in parts]
-    return Level(np.concatenate(A), zeros, zeros, weights=weights, name=name, labels=labels)
-
-
-def _row_names(part: RowWriter, robot: Robot, order: Order) -> list[str]:
-    return [label.row for label in part.labels(robot, order)]
