@@ -152,6 +152,8 @@ class Envelope:
 
     def _settle(self, shared: Shared) -> None:
         """Find the tightest limits, and refuse positions without any to brake with."""
+        if not self._claims:
+            return
         ranges = [claim for claim in self._claims if claim.kind == "position"]
         self.has_velocity, self.has_acceleration = (self._has(kind) for kind in ("velocity", "acceleration"))
         self.velocity[:] = self._tightest("velocity", shared.robot)

@@ -40,6 +40,18 @@ NO_PLAN = Plan()
 class HierarchyWriter:
     """Writes the hierarchy of a stack on one robot, every tick.
 
+    Parameters
+    ----------
+    expanded : Expanded
+    robot : Robot
+    order : {"velocity", "acceleration", "step"}
+    dt : float, optional
+        Tick [s].
+    memory : dict, optional
+        What parts keep from tick to tick.
+    live : bool
+        Whether it takes up what changes in the parts and the robot; without, nobody is watched.
+
     Attributes
     ----------
     levels : Levels
@@ -73,6 +85,8 @@ class HierarchyWriter:
         order: Order,
         dt: float | None = None,
         memory: Memory | None = None,
+        *,
+        live: bool = True,
     ) -> None:
         self._robot, self._order, self._dt = robot, order, dt
         levels, unknowns, self._meant = expanded
@@ -82,13 +96,14 @@ class HierarchyWriter:
         self._rest = at_rest(robot)
         empty = [empty_level(level, robot, order, unknowns) for level in levels.parts]
         self.hierarchy = Hierarchy(empty, n=unknowns.n)
-        self._own_limits = None if isinstance(robot, Live) else OwnLimits(robot)
-        self._names = [row_names(part, robot, order) for part in levels.all_parts]
+        self._own_limits = None if isinstance(robot, Live) or not live else OwnLimits(robot)
+        self._live = live
+        self._names = [row_names(part, robot, order) for part in levels.all_parts] if live else []
         self._rates = np.zeros(len(levels.parts))
         self.every_aim = np.zeros((len(levels.parts), unknowns.n))
         self._take_note([k for k, rule in enumerate(levels.damping) if rule])
         self._take_up()
-        if isinstance(robot, Live):
+        if isinstance(robot, Live) and live:
             watch_alone(robot, self)
 
     def brake(self, levels: Iterable[int]) -> None:
@@ -231,7 +246,8 @@ class HierarchyWriter:
             part, site = self._views[k]
             site.forget()
             self.plans[k] = part, plan_of(part, site)
-            self._ledger.enter(k, part, self)
+            if self._live:
+                self._ledger.enter(k, part, self)
         self._weigh(which)
         for part, joints, rows in self._joints:
             if part.plain:  # whose rows stay as they are
