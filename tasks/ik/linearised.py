@@ -39,7 +39,7 @@ class Visit:
     q : array, shape (nq,)
     found : array
         What :func:`tasks.ik.kernels.steps.judge` has found there; nobody else may write into it.
-    small : array
+    small : list of float
         The tolerance of each level.
 
     Attributes
@@ -60,16 +60,17 @@ class Visit:
 
     __slots__ = ("_rank", "_small", "error", "levels", "q", "reached", "squares")
 
-    def __init__(self, q: Array, found: Array, small: Array) -> None:
-        self.q, self.reached, self.error = q, found[0] != 0.0, found.item(1)
+    def __init__(self, q: Array, found: Array, small: list[float]) -> None:
+        self.q, self.reached, self.error = q, bool(found.item(0)), found.item(1)
         self.squares, self.levels = found[2 : -len(small)], found[-len(small) :]
         self._small, self._rank = small, tuple[Any, ...]()
 
     @property
     def rank(self) -> tuple[Any, ...]:
         if not self._rank:
-            levels = self.levels
-            self._rank = (not self.reached, *(levels // self._small).tolist(), *levels.tolist())
+            levels = self.levels.tolist()
+            whole = [norm // small for norm, small in zip(levels, self._small, strict=True)]
+            self._rank = (not self.reached, *whole, *levels)
         return self._rank
 
     def __lt__(self, other: Visit) -> bool:
@@ -123,7 +124,7 @@ class Linearised:
 
         group, level_of, goal = list[int](), list[int](), list[bool]()
         self._names: list[tuple[str, str]] = []
-        most, small, self._levels = [], [], list[int]()
+        most, small, self._levels = list[float](), list[float](), list[int]()
         calls = dict[str, int]()
         for k, level in enumerate(levels):
             allowed = []
@@ -147,7 +148,7 @@ class Linearised:
             small.append(min(allowed, default=1.0))
         nv, h = self.robot.nv, self.hierarchy
         self._below, self._above, squared = h.lower[nv:], h.upper[nv:], h.weights[nv:] ** 2
-        self._most, self.small = np.array(most), np.array(small)
+        self._most, self.small, self._allowed = np.array(most), np.array(small), small
         self._found = np.zeros(2 + len(most) + len(small))
         of, at, of_goal = (np.array(own, dtype=np.int64) for own in (group, level_of, goal))
         numbers = (self._below, self._above, of, at, of_goal, squared, self._most, self._found)
@@ -174,7 +175,7 @@ class Linearised:
         """Linearise at q, and judge it; there is nothing to do where the last visit was there."""
         if self._here is None or self._here.q is not q:
             self._linearise(q)
-            self._here = Visit(q, self._found.copy(), self.small)
+            self._here = Visit(q, self._found.copy(), self._allowed)
         return self._here
 
     def nearest(self, candidates: Iterable[Array]) -> Array:
@@ -201,7 +202,7 @@ class Linearised:
 
     def left(self, step: Array) -> Array:
         """The weighted norm of the errors of each level that the linearised rows leave after a step."""
-        moved = self.hierarchy.dense()[self.robot.nv :] @ step
+        moved = self.hierarchy.product(step)[self.robot.nv :]
         missing = np.maximum(self._below - moved, 0.0) + np.minimum(self._above - moved, 0.0)
         return np.asarray(np.sqrt(self._sums @ (missing * missing)))
 
