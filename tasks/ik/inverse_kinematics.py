@@ -46,7 +46,7 @@ PATIENCE, FALL = 6, 0.8
 #: An attempt that has no successor is given so many times the patience.
 LAST = 4
 #: The random configurations of which the best begins the next attempt.
-CANDIDATES = 3
+CANDIDATES = 20
 #: What is kept for settling while the goal is not reached: one iteration in so many.
 RESERVE = 5
 #: A level that a step promises less than this share of the tolerance is at rest; the first that is not decides.
