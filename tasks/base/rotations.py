@@ -169,7 +169,7 @@ def is_transform(value: Any) -> bool:
     """Whether a value is meant as a transform, and not as a point or a rotation."""
     value = matrix_of(value)
     if isinstance(value, np.ndarray):
-        return value.shape == (4, 4)
+        return bool(value.shape == (4, 4))
     if isinstance(value, list | tuple):
         return len(value) == 4 and all(isinstance(row, list | tuple | np.ndarray) and len(row) == 4 for row in value)
     return isinstance(value, RigidTransform)
