@@ -12,6 +12,7 @@ from live_work import DT
 from hqp import InvalidInput
 from tasks import (
     AtMost,
+    Controller,
     Fixed,
     JointAccelerationLimit,
     JointLimits,
@@ -201,3 +202,27 @@ def test_a_wrong_number_is_refused_at_once_and_nothing_has_changed(name: str) ->
                 setattr(part, name, value)
             assert getattr(part, name) is old
             np.testing.assert_array_equal(numbers(rows, setting), first)
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_damping_by_curvature_goes_by_the_gains_of_now(order: Any) -> None:
+    """Out of reach, where levels give way by how fast each is to go."""
+    setting = SETTINGS["arm"]()
+
+    def made(gain: float) -> tuple[PositionTask, Controller]:
+        task = PositionTask(setting.point(4.0, 1.0, 0.5), gain=gain)
+        stack = JointVelocityLimit(2.0) >> task >> OrientationTask(0.3, gain=2.0) >> PostureTask(setting.q, gain=0.5)
+        return task, Controller(setting.robot, stack, order=order, dt=DT)
+
+    def commands(controller: Controller) -> np.ndarray:
+        steps = [controller(0.01 * np.ones_like(q) + 0.02 * q, v, t) for q, v, t in setting.states]
+        assert any(step.relaxed for step in steps)
+        return np.array([step.v if order == "velocity" else step.a for step in steps])
+
+    task, controller = made(2.0)
+    before = commands(controller)
+    task.gain = 6.0
+    _, fresh = made(6.0)
+    expected = commands(fresh)
+    assert not np.allclose(before, expected, atol=1e-3)
+    np.testing.assert_allclose(commands(controller), expected, rtol=1e-8, atol=1e-8)
