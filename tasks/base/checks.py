@@ -42,26 +42,23 @@ def own_numbers(value: ArrayLike, what: str) -> Array:
 def finite(value: ArrayLike, what: str) -> Array:
     """`value` as an array of finite numbers, none beyond `LARGEST` in size."""
     array = numbers(value, what)
+    if (np.abs(array) <= LARGEST).all():  # which no NaN is
+        return array
     if not np.isfinite(array).all():
         raise InvalidInput(f"{_first(what, array, ~np.isfinite(array))} must be finite")
-    wrong = np.abs(array) > LARGEST
-    if wrong.any():
-        raise InvalidInput(f"{_first(what, array, wrong)} must be at most {LARGEST:g} in size")
-    return array
+    raise InvalidInput(f"{_first(what, array, np.abs(array) > LARGEST)} must be at most {LARGEST:g} in size")
 
 
 def positive(value: ArrayLike, what: str, *, unit: str = "") -> Array:
     """`value` as an array of positive numbers from `LEAST` to `LARGEST`."""
     array = numbers(value, what)
+    wrong = ~((array >= LEAST) & (array <= LARGEST))
+    if not wrong.any():
+        return array
     tiny = (array > 0) & (array < LEAST)
     if tiny.any():
         raise InvalidInput(f"{_first(what, array, tiny)}{unit and ' ' + unit} must be at least {LEAST:g}")
-    wrong = ~((array > 0) & (array <= LARGEST))
-    if wrong.any():
-        raise InvalidInput(
-            f"{_first(what, array, wrong)}{unit and ' ' + unit} must be positive and at most {LARGEST:g}"
-        )
-    return array
+    raise InvalidInput(f"{_first(what, array, wrong)}{unit and ' ' + unit} must be positive and at most {LARGEST:g}")
 
 
 def not_negative(value: ArrayLike, what: str, *, unit: str = "") -> Array:

@@ -62,6 +62,8 @@ class Call:
 
 def address(entry: Entry) -> int:
     """Where an array is, or that of a table; a size is itself."""
+    if type(entry) is int:
+        return entry
     if isinstance(entry, Table):
         entry = entry.numbers
     if not isinstance(entry, np.ndarray):

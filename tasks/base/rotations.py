@@ -168,9 +168,11 @@ class RigidTransform(Protocol):
 def is_transform(value: Any) -> bool:
     """Whether a value is meant as a transform, and not as a point or a rotation."""
     value = matrix_of(value)
+    if isinstance(value, np.ndarray):
+        return bool(value.shape == (4, 4))
     if isinstance(value, list | tuple):
         return len(value) == 4 and all(isinstance(row, list | tuple | np.ndarray) and len(row) == 4 for row in value)
-    return isinstance(value, RigidTransform) or np.shape(value if isinstance(value, np.ndarray) else 0) == (4, 4)
+    return isinstance(value, RigidTransform)
 
 
 def matrix_of(value: Any) -> Any:

@@ -23,7 +23,6 @@ from ..base.live import number, structure
 from ..robots.robot import Robot, at_rest, center_of_mass
 from ..rows.expansion import Companions, Setting
 from ..rows.part import PER, Order, Part
-from ..rows.site import kept_up
 from ..targets.trajectories import Trajectory, as_trajectory
 from .contact import Contact
 
@@ -159,7 +158,7 @@ class CaptureRows(_Balance):
         from .kernels.balance import write_capture_point
 
         shared, target = site.shared, np.zeros((3, 2))
-        moves = kept_up(self.task.target, *target)
+        moves = site.keep_up(self.task, "target", *target)
         count, support = self.support(shared)
         assert site.A is not None
         told = ORDERS.index(shared.order), shared.n, site.center_of_mass(), count, support

@@ -15,7 +15,6 @@ from ..base.live import number, structure
 from ..robots.robot import Robot
 from ..rows.expansion import Companions, Setting
 from ..rows.part import Order, Part
-from ..rows.site import kept_up
 from ..targets.trajectories import Trajectory, as_trajectory
 from .contact import Contact
 from .forces import OfForces
@@ -185,7 +184,7 @@ class ForceSum(_ForceRows):
         for i in range(points):
             site.A[:, first + 3 * i : first + 3 * i + 3] = np.eye(3)[-rows:]
         target = np.zeros((3, rows))
-        moves = kept_up(self.task.target, *target)
+        moves = site.keep_up(self.task, "target", *target)
         slot = contact.slot(site.shared)
         return Plan((Call(write_force_sum, slot.numbers, rows, target, site.lower, site.upper),), moves)
 
@@ -264,6 +263,6 @@ class PressureRows(_ForceRows):
         site.A[:] = 0.0
         points = numbers([shape.centre] if contact.wrench else shape.points, "points")
         target = np.zeros((3, 2))
-        moves = kept_up(self.task.target, *target)
+        moves = site.keep_up(self.task, "target", *target)
         told = contact.wrench, len(points), points, target, unknowns.n, unknowns.of(contact).start
         return Plan((Call(write_pressure, *told, site.A, site.lower, site.upper),), moves)

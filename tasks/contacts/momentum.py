@@ -22,7 +22,6 @@ from ..robots import abilities as able
 from ..robots.robot import Robot
 from ..rows.loop_task import LoopTask
 from ..rows.part import Order
-from ..rows.site import kept_up
 from ..targets.trajectories import Trajectory, as_trajectory
 
 if TYPE_CHECKING:
@@ -111,7 +110,7 @@ class MomentumTask(LoopTask):
         from .kernels.balance import write_momentum
 
         target = np.zeros((3, site.rows))
-        moves = kept_up(self.target, *target)
+        moves = site.keep_up(self, "target", *target)
         map_of, drift = site.shared.blocks.momentum()
         return Plan((Call(write_momentum, site.law(self), map_of, drift, self._first, target),), moves)
 

@@ -15,7 +15,6 @@ from ..base.live import number
 from ..robots.robot import Robot, base, check_dynamics, joint_names, joint_units
 from ..rows.expansion import Companions, Setting
 from ..rows.part import Order, Part
-from ..rows.site import kept_up
 from ..targets.trajectories import Trajectory, as_trajectory
 
 if TYPE_CHECKING:
@@ -95,7 +94,7 @@ class TorqueTask(Part):
         from .kernels.forces import write_torques
 
         shared, target = site.shared, np.zeros((3, site.rows))
-        moves = kept_up(self.target, *target)
+        moves = site.keep_up(self, "target", *target)
         M, b, first = shared.blocks.mass_matrix(), shared.blocks.bias(), base(shared.robot)
         assert site.A is not None
         told = shared.n, shared.unknowns.n, first, site.rows, M, b, shared.wrenches, site.A

@@ -38,24 +38,37 @@ def linearised(rows: HierarchyWriter, dt: float | None, curved: tuple[int, ...],
     """What the rows of a stack are the linearisation of, as they are planned now; `last` is x of the tick before."""
     from ..base.loops import Table, address, compiled
 
-    work, n, levels = rows.work, rows.hierarchy.n, len(curved)
-    S, tables, gains = np.zeros((n, n)), list[Table](), np.zeros(rows.hierarchy.m)
+    work, n = rows.work, rows.hierarchy.n
+    S, tables = np.zeros((n, n)), list[Table]()
     contractions, errors = list[Contraction](), list[Errors]()
-    for _, row, part, plan, site in work:
+    for _, row, _, plan, site in work:
         errors += [Errors(*off, row) for off in site.off]
-        task = getattr(part, "task", part)
-        if isinstance(task, Task) and site.off:
-            gains[row : row + site.rows] = task.gain
         if plan.curvature is not None:
             weights = np.zeros(site.rows)
             table = Table(weights, S, *plan.curvature.table.told[2:])
             tables.append(table)
             loop = compiled(plan.curvature.kernel)
             contractions.append(Contraction(loop, address(table), weights, row))
-    fastest = float(gains.max())
-    shares, scales = np.full(levels, fastest * dt if dt and fastest else 1.0), gains / (fastest or 1.0)
     kept = tables, work
+    scales, shares = paces(gains_of(rows), rows.hierarchy.m, dt, len(curved))
     return Linearisation(curved, errors, contractions, S, scales, shares, rows.every_aim, last, STRAIGHT, kept)
+
+
+def gains_of(rows: HierarchyWriter) -> list[tuple[slice, Task]]:
+    """The rows that follow the law of a task, and whose gain that is."""
+    parts = [
+        (slice(row, row + site.rows), getattr(part, "task", part)) for _, row, part, _, site in rows.work if site.off
+    ]
+    return [(own, task) for own, task in parts if isinstance(task, Task)]
+
+
+def paces(tasks: list[tuple[slice, Task]], rows: int, dt: float | None, levels: int) -> tuple[Array, Array]:
+    """How fast each row is to go, relative to the fastest, and what share of its error a level takes away in a tick."""
+    gains = np.zeros(rows)
+    for own, task in tasks:
+        gains[own] = task.gain
+    fastest = float(gains.max())
+    return gains / (fastest or 1.0), np.full(levels, fastest * dt if dt and fastest else 1.0)
 
 
 class CalmSolver:
@@ -78,14 +91,21 @@ class CalmSolver:
         self.backend = backend
         self._rows, self._dt, self._curved, self._last = rows, dt, curved, np.full(rows.hierarchy.n, np.nan)
         rows.brake(k for k, kind in enumerate(curved) if kind == 1)
-        self._solver = CurvedSolver(rows.hierarchy, linearised(rows, dt, curved, self._last), backend, settings)
-        self._planned = rows.planned
+        self._linearisation = linearised(rows, dt, curved, self._last)
+        self._solver = CurvedSolver(rows.hierarchy, self._linearisation, backend, settings)
+        self._planned, self._tuned, self._gains = rows.planned, rows.tuned, gains_of(rows)
 
     def solve(self, hierarchy: Hierarchy, last: Array | None = None) -> Solution:
         """Solve the rows as they are filled now; `last` is the x of the tick before, None or NaN where nobody knows."""
-        if self._planned != self._rows.planned:
-            self._solver.relinearise(linearised(self._rows, self._dt, self._curved, self._last))
-            self._planned = self._rows.planned
+        rows = self._rows
+        if self._planned != rows.planned:
+            self._linearisation = linearised(rows, self._dt, self._curved, self._last)
+            self._solver.relinearise(self._linearisation)
+            self._planned, self._tuned, self._gains = rows.planned, rows.tuned, gains_of(rows)
+        elif self._tuned != rows.tuned:
+            told = self._linearisation
+            told.scales[:], told.shares[:] = paces(self._gains, hierarchy.m, self._dt, len(self._curved))
+            self._tuned = rows.tuned
         known = last is not None and self._dt is not None and (np.abs(last) <= FASTEST).all()
         self._last[:] = last if known else np.nan
         return self._solver.solve(hierarchy)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import nullcontext
 from typing import TYPE_CHECKING, Any, Generic, Literal, Unpack, get_args, overload
 
 import numpy as np
@@ -29,10 +28,6 @@ from .transition import Limits, Transition
 
 if TYPE_CHECKING:
     from ..contacts.contact import Contact
-
-
-#: Where nothing warns.
-QUIET = nullcontext()
 
 
 class Controller(Live, Generic[Velocity, Acceleration, Torque]):
@@ -249,8 +244,11 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
 
     def unchecked(self, q: Array, v: Array | None, t: float) -> Step[Velocity, Acceleration, Torque]:
         """The command for this tick, for a loop which knows that q and v are float arrays of the right shape."""
-        with self._states.guard, QUIET if self._rows.compiled else np.errstate(all="ignore"):
-            return self._step(q, v, t)
+        with self._states.guard:
+            if self._rows.compiled:
+                return self._step(q, v, t)
+            with np.errstate(all="ignore"):
+                return self._step(q, v, t)
 
     def _step(self, q: Array, v: Array | None, t: float) -> Step[Velocity, Acceleration, Torque]:
         state, fault = self._states.read(q, self._rest if v is None else v)

@@ -21,7 +21,6 @@ from ..base.live import number
 from ..base.rotations import perpendicular
 from ..robots.robot import Robot
 from ..rows.loop_task import LoopTask
-from ..rows.site import kept_up
 from ..targets.trajectories import Trajectory, as_trajectory
 from .frame_task import FrameTask, Reading
 
@@ -60,7 +59,7 @@ class PointingTask(FrameTask, LoopTask):
         from .kernels.directions import work_size
 
         target, axis, law = np.zeros((3, 3)), np.vstack([self.axis, self._across]), site.law(self)
-        moves = kept_up(self.target, *target)
+        moves = site.keep_up(self, "target", *target)
         call = Call(kernel, law, self.block(site), target, axis, np.zeros(work_size(site.shared.n)))
         curvature = bending(site, bends.bend_direction, self.bends(site), bends.WORK_SIZE, law, target, axis, at_point)
         return Plan((call,), moves, curvature=curvature)

@@ -97,7 +97,7 @@ class CenterOfMassTask(PositionTask):
     def reading(self) -> None:
         """No joint carries the centre of mass as it carries a frame."""
 
-    def check_frames(self, robot: Robot) -> None:
+    def check_frames(self, robot: Robot) -> bool:
         state = self.at_rest(robot)
         point = center_of_mass(state)
         if point is None:
@@ -105,3 +105,4 @@ class CenterOfMassTask(PositionTask):
         if not np.isfinite(point.position).all():
             raise InvalidInput(f"{self.full_name()}: nothing that {robot!r} moves has a mass; it has no centre")
         self.check_names(robot)
+        return point.rotation.ndim == 1

@@ -127,19 +127,25 @@ class FrameTask(Task):
         raise NotImplementedError(f"{type(self).__name__} must define desired_velocity(t), as it has a reading()")
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        self.check_frames(robot)
+        if self.check_frames(robot):
+            self.check_planar()
         super().check(robot, order, dt)
 
-    def check_frames(self, robot: Robot) -> None:
-        """Refuse a frame that the robot has not, and what a planar arm has not."""
+    def check_planar(self) -> None:
+        """Refuse coordinates that a planar arm has not."""
+
+    def check_frames(self, robot: Robot) -> bool:
+        """Refuse a frame that the robot has not, and what a planar arm has not; whether it is one of a planar arm."""
         self.check_names(robot)
         if self.frame is None and tells_tip(robot) and tip(robot) is None:
             raise InvalidInput(f"{self.full_name()}: {robot!r} has no tip; give the task a frame, or the robot a tip")
-        if self.at_rest(robot).frame(self.frame).rotation.ndim == 1:
+        planar = self.at_rest(robot).frame(self.frame).rotation.ndim == 1
+        if planar:
             if self.spatial:
                 raise InvalidInput(f"{self.full_name()}: a planar arm turns about z only; give it an OrientationTask")
             if self.relative_to is not None:
                 raise InvalidInput(f"{self.full_name()}: a planar arm knows the axes of the world only")
+        return planar
 
     def check_names(self, robot: Robot) -> None:
         """Refuse names of frames that the robot has not; tells the nearest."""

@@ -101,8 +101,7 @@ class FrameVelocityLimit(Part):
         return [Label(f"{self.name} limit", row, unit + PER[order]) for row, unit in self.pose_task.row_names(robot)]
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        self.pose_task.check_frames(robot)
-        if self.pose_task.seen(self.pose_task.at_rest(robot)).rotation.ndim == 1:
+        if self.pose_task.check_frames(robot):
             if not set(self.pose_task.mask) <= {0, 1, 5}:
                 raise InvalidInput(f"{self.full_name()}: a planar arm has x, y and rz only; give it a mask of these")
             if self.pose_task.reference == "local":

@@ -26,7 +26,6 @@ from ..base.checks import Array
 from ..base.live import structure
 from ..robots.robot import Robot
 from ..rows.loop_task import LoopTask
-from ..rows.part import Order
 from ..rows.site import Move, kept_up
 from ..targets.trajectories import Spread
 from ..targets.turns import AboutZ
@@ -105,7 +104,7 @@ class PlacementTask(FrameTask, LoopTask):
         from .kernels import placement as loops
 
         target, law = np.zeros(loops.TARGET_SIZE), site.law(self)
-        moves = self._keep_up(target)
+        moves = site.follow(self, ("target", "position", "rotation"), lambda: self._keep_up(target), self._goals)
         call = Call(
             loops.write_placement,
             law,
@@ -119,6 +118,10 @@ class PlacementTask(FrameTask, LoopTask):
             np.array(self.mask, dtype=np.int64),
         )
         return Plan((call,), moves, curvature=self._curvature(site, law))
+
+    def _goals(self) -> tuple[object, ...]:
+        """What it is to come to: its position, its rotation, or both."""
+        return tuple(goal for goal in (self.position, self.rotation) if goal is not None)
 
     def _curvature(self, site: Site, law: Table) -> Call | None:
         """One loop more, for whoever asks."""
@@ -173,14 +176,7 @@ class PlacementTask(FrameTask, LoopTask):
             names += [(f"r{axis}" if names else axis, "rad") for axis in "xyz"]
         return [names[i] for i in self.mask]
 
-    def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        self.check_frames(robot)
-        if self.seen(self.at_rest(robot)).rotation.ndim == 1:
-            self._check_planar()
-        super().check(robot, order, dt)
-
-    def _check_planar(self) -> None:
-        """Refuse what a planar arm has not."""
+    def check_planar(self) -> None:
         if self.reference == "local":
             raise InvalidInput(f"{self.full_name()}: a planar arm knows the axes of the world only")
         if self.position is not None and 2 in self.mask:

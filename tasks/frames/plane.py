@@ -11,7 +11,6 @@ from ..base.checks import Array, finite
 from ..base.live import number
 from ..robots.robot import Robot
 from ..rows.loop_task import LoopTask
-from ..rows.site import kept_up
 from ..targets.trajectories import Trajectory, as_trajectory
 from .axis import unit
 from .frame_task import FrameTask
@@ -124,7 +123,7 @@ class PlaneTask(FrameTask, LoopTask):
         from .kernels.directions import write_plane
 
         target = np.zeros((3, 1))
-        moves = kept_up(self.target, *target)
+        moves = site.keep_up(self, "target", *target)
         call = Call(write_plane, site.law(self), self.block(site), target, self.normal)
         curvature = bending(site, bends.bend_plane, self.bends(site), bends.WORK_SIZE, self.normal)
         return Plan((call,), moves, curvature=curvature)

@@ -115,10 +115,10 @@ class WheelTask(FrameTask, LoopTask):
         told = site.law(self), self.block(site), self._wheel(), site.rows - 1, site.shared.work
         return Plan((Call(write_rolling, *told),))
 
-    def check_frames(self, robot: Robot) -> None:
+    def check_frames(self, robot: Robot) -> bool:
         if self.at_rest(robot).frame(self.frame).rotation.ndim == 1:
             raise InvalidInput(f"{self.full_name()}: {robot!r} moves in the plane; wheels take robots in space")
-        super().check_frames(robot)
+        return super().check_frames(robot)
 
     def _shown(self) -> list[str]:
         return [f"{self.radius:g}", *super()._shown()]

@@ -212,8 +212,7 @@ def _search(
         if idle >= patience:
             if not restarts:
                 break
-            tries = [problem.visit(q) for q in problem.random(start, rng, CANDIDATES)]
-            here = problem.visit(min(tries, key=lambda visit: visit.error).q)
+            here = problem.visit(problem.nearest(problem.random(start, rng, CANDIDATES)))
             best = min(best, here)
             radius, least, idle, begun = RADIUS, here.error, 0, begun + 1
     return best, begun

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -32,9 +31,16 @@ JUDGED = (Task, Inequality)
 HALF_TURN = np.pi
 
 
-@dataclass(frozen=True, eq=False, slots=True)
 class Visit:
     """A configuration of the search, with its errors.
+
+    Parameters
+    ----------
+    q : array, shape (nq,)
+    found : array
+        What :func:`tasks.ik.kernels.steps.judge` has found there; nobody else may write into it.
+    small : list of float
+        The tolerance of each level.
 
     Attributes
     ----------
@@ -52,12 +58,20 @@ class Visit:
         tolerances, then what is left of them.
     """
 
-    q: Array
-    squares: Array
-    reached: bool
-    error: float
-    levels: Array
-    rank: tuple[Any, ...]
+    __slots__ = ("_rank", "_small", "error", "levels", "q", "reached", "squares")
+
+    def __init__(self, q: Array, found: Array, small: list[float]) -> None:
+        self.q, self.reached, self.error = q, bool(found.item(0)), found.item(1)
+        self.squares, self.levels = found[2 : -len(small)], found[-len(small) :]
+        self._small, self._rank = small, tuple[Any, ...]()
+
+    @property
+    def rank(self) -> tuple[Any, ...]:
+        if not self._rank:
+            levels = self.levels.tolist()
+            whole = [norm // small for norm, small in zip(levels, self._small, strict=True)]
+            self._rank = (not self.reached, *whole, *levels)
+        return self._rank
 
     def __lt__(self, other: Visit) -> bool:
         return self.rank < other.rank
@@ -93,10 +107,11 @@ class Linearised:
         wanted = _wanted([part for level in levels for part in level if isinstance(part, JUDGED)], goal)
         self.room = Room(*ranges(robot, solved))
         step = Levels(((self.room,), *map(tuple, levels)), (None,) * (1 + len(levels)))
-        self._rows = HierarchyWriter(Expanded(step, unknowns, {}), robot, "displacement")
+        self._rows = HierarchyWriter(Expanded(step, unknowns, {}), robot, "displacement", live=False)
         self.hierarchy, self._solver = self._rows.hierarchy, hqp.Solver(backend)
         self._still = numbers(np.zeros(robot.nv), "v")
         self.integrate = integration(robot)
+        self._here: Visit | None = None
         self._measure(levels, wanted, tolerance)
         low, high = self.room.low, self.room.high
         self._from = np.maximum(low, np.minimum(high - 2.0 * HALF_TURN, -HALF_TURN))
@@ -109,7 +124,7 @@ class Linearised:
 
         group, level_of, goal = list[int](), list[int](), list[bool]()
         self._names: list[tuple[str, str]] = []
-        most, small, self._levels = [], [], list[int]()
+        most, small, self._levels = list[float](), list[float](), list[int]()
         calls = dict[str, int]()
         for k, level in enumerate(levels):
             allowed = []
@@ -133,7 +148,7 @@ class Linearised:
             small.append(min(allowed, default=1.0))
         nv, h = self.robot.nv, self.hierarchy
         self._below, self._above, squared = h.lower[nv:], h.upper[nv:], h.weights[nv:] ** 2
-        self._most, self.small = np.array(most), np.array(small)
+        self._most, self.small, self._allowed = np.array(most), np.array(small), small
         self._found = np.zeros(2 + len(most) + len(small))
         of, at, of_goal = (np.array(own, dtype=np.int64) for own in (group, level_of, goal))
         numbers = (self._below, self._above, of, at, of_goal, squared, self._most, self._found)
@@ -157,13 +172,27 @@ class Linearised:
         return [self.integrate(q, step) for step in steps]
 
     def visit(self, q: Array) -> Visit:
-        """Linearise at q, and judge it."""
+        """Linearise at q, and judge it; there is nothing to do where the last visit was there."""
+        if self._here is None or self._here.q is not q:
+            self._linearise(q)
+            self._here = Visit(q, self._found.copy(), self._allowed)
+        return self._here
+
+    def nearest(self, candidates: Iterable[Array]) -> Array:
+        """The configuration with the least error of the goal, of several."""
+        least, best = np.inf, None
+        for q in candidates:
+            self._linearise(q)
+            error = self._found.item(1)
+            if best is None or error < least:
+                least, best = error, q
+        self._here = None
+        assert best is not None
+        return best
+
+    def _linearise(self, q: Array) -> None:
         self._rows.fill(self.robot.at(q, self._still), 0.0)
         self._judge()
-        found, k = self._found.copy(), 2 + len(self._most)
-        levels = found[k:]
-        rank = (found[0] == 0.0, *(levels // self.small).tolist(), *levels.tolist())
-        return Visit(q, found[2:k], bool(found[0]), float(found[1]), levels, rank)
 
     def solve(self, radius: float, share: float = 1.0) -> Solution:
         """The step from where the last visit was, within the radius and a share of the way to every limit."""
@@ -173,7 +202,7 @@ class Linearised:
 
     def left(self, step: Array) -> Array:
         """The weighted norm of the errors of each level that the linearised rows leave after a step."""
-        moved = self.hierarchy.dense()[self.robot.nv :] @ step
+        moved = self.hierarchy.product(step)[self.robot.nv :]
         missing = np.maximum(self._below - moved, 0.0) + np.minimum(self._above - moved, 0.0)
         return np.asarray(np.sqrt(self._sums @ (missing * missing)))
 

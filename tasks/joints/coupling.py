@@ -17,7 +17,6 @@ from ..robots.robot import Robot, RobotState, check_positioned, joint_index, joi
 from ..rows.alone import robot_of
 from ..rows.loop_task import LoopTask
 from ..rows.part import Order
-from ..rows.site import kept_up
 from ..rows.task import TargetTask
 from ..targets.trajectories import Trajectory
 
@@ -134,7 +133,7 @@ class JointCouplingTask(LoopTask, TargetTask):
         from .kernels import joints as loops
 
         shared, target = site.shared, np.zeros((3, 1))
-        moves = kept_up(self.target, *target)
+        moves = site.keep_up(self, "target", *target)
         row, q = self._row(shared.robot), shared.positions
         return Plan(
             (Call(loops.write_coupling, site.law(self), q, len(q), target, row, shared.position_indices),), moves

@@ -16,7 +16,6 @@ from ..base.live import number, structure
 from ..robots.robot import Robot, RobotState, base, joint_names, joint_units
 from ..rows.alone import robot_of
 from ..rows.part import PER, Order, Part
-from ..rows.site import kept_up
 from ..targets.trajectories import Trajectory, as_trajectory
 from .posture import columns, named_joints
 
@@ -153,7 +152,7 @@ class JointVelocityTask(JointSpeeds):
         if site.shared.order == "displacement":
             return free(site)
         target, rest = np.zeros((2, site.rows)), np.zeros(site.rows)
-        moves = kept_up(self.target, *target, rest)
+        moves = site.keep_up(self, "target", *target, rest)
         gain = None if self.gain is None else per_row(self.gain, site.rows, f"{self.full_name()}: gain")
         return replace(self.speeds(site, target, gain), moves=moves)
 

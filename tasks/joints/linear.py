@@ -14,7 +14,7 @@ from ..base.live import number
 from ..robots.robot import Robot, joint_names, joint_units, neutral
 from ..rows.loop_task import LoopTask
 from ..rows.part import Order
-from ..rows.site import Workspace, kept_up
+from ..rows.site import Workspace
 from ..rows.task import TargetTask
 from ..targets.trajectories import Trajectory, as_trajectory
 from .coupling import MIXED
@@ -133,7 +133,7 @@ class LinearHolonomicTask(LoopTask, TargetTask):
         from .kernels import joints as loops
 
         shared, target = site.shared, np.zeros((3, site.rows))
-        moves = kept_up(self.target, *target)
+        moves = site.keep_up(self, "target", *target)
         assert site.A is not None
         site.A[:] = self.A
         start, q = self._start(shared.robot), shared.positions

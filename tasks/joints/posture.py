@@ -18,7 +18,6 @@ from ..base.live import number, structure
 from ..robots.robot import Robot, base, check_positioned, joint_index, joint_names, joint_units, towards
 from ..rows.loop_task import LoopTask
 from ..rows.part import Order, Tick
-from ..rows.site import kept_up
 from ..rows.task import TargetTask, Task
 from ..targets.trajectories import Trajectory, as_trajectory
 from ..targets.turns import stands_still
@@ -117,7 +116,7 @@ class PostureTask(LoopTask, TargetTask):
         if site.A is not None:
             site.A[:] = np.eye(shared.n)[own]
         target, steps = np.zeros((3, len(self.target(0.0)[0]))), np.zeros(site.rows)
-        moves, joints = kept_up(self.target, *target), self._joints(shared, own)
+        moves, joints = site.keep_up(self, "target", *target), self._joints(shared, own)
         call = Call(
             loops.write_posture,
             site.law(self),

@@ -113,6 +113,8 @@ def check_joints(robot: Robot, q: Array, v: Array) -> None:
     ------
     InvalidInput
     """
+    if q.shape == (robot.nq,) and v.shape == (robot.nv,):
+        return
     for what, value, size in ("q", q, robot.nq), ("v", v, robot.nv):
         if value.shape != (size,):
             raise InvalidInput(f"{what} has shape {value.shape}; the robot takes ({size},), one number a joint")

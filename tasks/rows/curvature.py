@@ -55,14 +55,21 @@ def bending(site: Site, kernel: Any, seen: Table | None, size: int, *told: Entry
 
 
 def frame_bends(shared: Workspace, name: str | None, relative_to: str | None = None) -> Table | None:
-    """The curvature of the motion of a frame, for loops; None if the robot does not tell which joint carries which."""
+    """The curvature of the motion of a frame, for loops.
+
+    None if the robot does not tell which joint carries which, or nobody will ask.
+    """
+    if not shared.bends:
+        return None
     places = chain_order(shared.robot, name)
     block = shared.blocks.frame(name)
     return _seen(shared, _of_block(shared, block, places), shared.blocks.frame(name, relative_to), relative_to)
 
 
 def center_bends(shared: Workspace, relative_to: str | None = None) -> Table | None:
-    """The curvature of the motion of the centre of mass."""
+    """The curvature of the motion of the centre of mass; None where :func:`frame_bends` gives none."""
+    if not shared.bends:
+        return None
     axes, robot = shared.blocks.axes(), shared.robot
     tree = robot.tree_order() if isinstance(robot, Branched) else None
     if axes is None or tree is None:

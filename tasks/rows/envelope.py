@@ -22,6 +22,7 @@ there is none the velocity within reach.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
@@ -84,6 +85,16 @@ class Claim(NamedTuple):
     part: str
     return_speed: float
 
+    @property
+    def form(self) -> tuple[object, ...]:
+        """What the loop knows of it beside its numbers."""
+        return self.kind, id(self.lower), id(self.upper), self.part
+
+    @property
+    def numbers(self) -> Array:
+        """Its numbers, as the loop reads them."""
+        return np.concatenate([self.low, self.high, [self.return_speed]])
+
 
 class Envelope:
     """The joint limits of one stack on one robot, reconciled and written by one loop.
@@ -105,6 +116,7 @@ class Envelope:
         #: Writes the rows of all limits, and how fast the joints brake; every tick, before whoever asks for it.
         self.calls: tuple[Call, ...] = ()
         self._claims: list[Claim] = []
+        self._numbers: list[Array] = []
         self._braking = np.array([np.inf])
 
     def claim(self, part: str, kind: Quantity, values: Array, site: Bounded, *, return_speed: float = np.inf) -> None:
@@ -132,6 +144,16 @@ class Envelope:
         InvalidInput
             If a position limit at acceleration order has nothing to brake with.
         """
+        self._settle(shared)
+        self._braking = shared.braking
+        if self._claims:
+            self.calls = (self._loop(shared),)
+            self.calls[0].run()
+
+    def _settle(self, shared: Shared) -> None:
+        """Find the tightest limits, and refuse positions without any to brake with."""
+        if not self._claims:
+            return
         ranges = [claim for claim in self._claims if claim.kind == "position"]
         self.has_velocity, self.has_acceleration = (self._has(kind) for kind in ("velocity", "acceleration"))
         self.velocity[:] = self._tightest("velocity", shared.robot)
@@ -142,10 +164,41 @@ class Envelope:
                 f"{ranges[0].part}: at acceleration order it needs to know how hard the joints can"
                 " brake; add a JointAccelerationLimit(20.0), in rad/s^2, to the stack, or give the robot a limit"
             )
-        self._braking = shared.braking
-        if self._claims:
-            self.calls = (self._loop(shared),)
-            self.calls[0].run()
+
+    def renew(self, shared: Shared, sites: Sequence[Bounded], ask: Callable[[], None]) -> bool:
+        """Take the claims that there are in the rows of some parts as they are now, where the loop has them.
+
+        Parameters
+        ----------
+        shared : Workspace
+        sites : sequence of Site
+            Where these rows are.
+        ask : callable
+            Has the parts make their claims.
+
+        Returns
+        -------
+        bool
+            False if other limits are claimed than before, and the loop has to be made anew.
+
+        Raises
+        ------
+        InvalidInput
+            As :meth:`close` does.
+        """
+        before, self._claims = self._claims, []
+        ask()
+        new, own = self._claims, [k for k, old in enumerate(before) if any(old.lower is site.lower for site in sites)]
+        self._claims = before
+        if [each.form for each in new] != [before[k].form for k in own]:
+            return False
+        for k, each in zip(own, new, strict=True):
+            before[k] = each
+            self._numbers[k][:] = each.numbers
+        self._settle(shared)
+        shared.v[:] = 0.0
+        self.calls[0].run()
+        return True
 
     def loops(self, site: Bounded) -> tuple[str, ...]:
         """The name of the loop that writes the rows of a part, if there are limits in them."""
@@ -181,13 +234,13 @@ class Envelope:
         from .kernels import envelope as loop
         from .kernels.law import ORDERS
 
-        claims = sorted(self._claims, key=lambda claim: loop.KINDS.index(claim.kind))
-        numbers = [np.concatenate([claim.low, claim.high, [claim.return_speed]]) for claim in claims]
+        self._numbers = [claim.numbers for claim in self._claims]
+        pairs = zip(self._claims, self._numbers, strict=True)
+        claims = sorted(pairs, key=lambda pair: loop.KINDS.index(pair[0].kind))
         told_of: list[tuple[Entry, ...]] = [
-            (loop.KINDS.index(claim.kind), own, claim.lower, claim.upper)
-            for claim, own in zip(claims, numbers, strict=True)
+            (loop.KINDS.index(claim.kind), numbers, claim.lower, claim.upper) for claim, numbers in claims
         ]
-        rows = {address(claim.lower): (claim.lower, claim.upper) for claim in claims}.values()
+        rows = {address(claim.lower): (claim.lower, claim.upper) for claim, _ in claims}.values()
         told: dict[int, Entry] = {
             loop.ORDER: ORDERS.index(shared.order),
             loop.N: shared.n,

@@ -8,29 +8,50 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from hqp import Hierarchy, InvalidInput, Label, Level
-from hqp.checks import of_type
+from hqp import Hierarchy, InvalidInput, Level
 
 from ..base.checks import Array
-from ..base.live import Live, reachable, watch_alone
+from ..base.live import Live, watch_alone
 from ..robots.answers import at_rest
 from ..robots.robot import Robot, RobotState
 from .description import Description, WrittenPart
+from .empty import empty_level, row_names
 from .envelope import Envelope
 from .expansion import Expanded
+from .ledger import Ledger
 from .own_limits import OwnLimits
-from .plan import Plan, plan_of
+from .plan import Plan, overridden, plan_of
 from .row_writer import RowWriter
 from .site import Memory, Site, Workspace
 from .tick import Order, Tick
-from .unknowns import Unknowns
 
 if TYPE_CHECKING:
     from ..base.loops import Call
 
 
+#: What a part is asked when it is planned, beside its plan.
+ASKED = ("check", "check_beside", "labels", "row_names", "size", "variables", "weights", "decay_rate")
+
+
+#: That of a part whose rows others write.
+NO_PLAN = Plan()
+
+
 class HierarchyWriter:
     """Writes the hierarchy of a stack on one robot, every tick.
+
+    Parameters
+    ----------
+    expanded : Expanded
+    robot : Robot
+    order : {"velocity", "acceleration", "displacement"}
+    dt : float, optional
+        Tick [s].
+    memory : dict, optional
+        What parts keep from tick to tick.
+    live : bool
+        Whether it takes up what changes in the parts and the robot, and tells how rows bend. Without, it is made
+        faster: for one call, in which nothing changes.
 
     Attributes
     ----------
@@ -46,8 +67,9 @@ class HierarchyWriter:
         Whether loops write all of them.
     envelope : Envelope
         The joint limits of the stack.
-    planned : int
-        How often rows have been planned: whoever knows plans by their addresses looks at them again.
+    planned, tuned : int
+        How often rows have been planned: whoever knows plans by their addresses looks at them again. And how often the
+        numbers of a law have changed since: whoever goes by gains looks at those.
     aims : dict of int to array, shape (nv,), or None
         What each damped level is damped towards at this tick, ``-2 zeta K v`` by the fastest of its tasks; None at
         other orders than that of accelerations, where it is zero, and where no level is damped.
@@ -55,7 +77,7 @@ class HierarchyWriter:
         The same of all levels, zero where there is none.
     """
 
-    planned = 0
+    planned = tuned = 0
 
     def __init__(
         self,
@@ -64,6 +86,8 @@ class HierarchyWriter:
         order: Order,
         dt: float | None = None,
         memory: Memory | None = None,
+        *,
+        live: bool = True,
     ) -> None:
         self._robot, self._order, self._dt = robot, order, dt
         levels, unknowns, self._meant = expanded
@@ -71,15 +95,16 @@ class HierarchyWriter:
         self._memory: Memory = {} if memory is None else memory
         self._check()
         self._rest = at_rest(robot)
-        empty = [_empty_level(level, robot, order, unknowns) for level in levels.parts]
+        empty = [empty_level(level, robot, order, unknowns) for level in levels.parts]
         self.hierarchy = Hierarchy(empty, n=unknowns.n)
-        self._own_limits = None if isinstance(robot, Live) else OwnLimits(robot)
-        self._names = [_row_names(part, robot, order) for part in levels.all_parts]
+        self._own_limits = None if isinstance(robot, Live) or not live else OwnLimits(robot)
+        self._live = live
+        self._names = [row_names(part, robot, order) for part in levels.all_parts] if live else []
         self._rates = np.zeros(len(levels.parts))
         self.every_aim = np.zeros((len(levels.parts), unknowns.n))
         self._take_note([k for k, rule in enumerate(levels.damping) if rule])
         self._take_up()
-        if isinstance(robot, Live):
+        if isinstance(robot, Live) and live:
             watch_alone(robot, self)
 
     def brake(self, levels: Iterable[int]) -> None:
@@ -98,16 +123,72 @@ class HierarchyWriter:
             self._check()
             self._take_up()
             return
-        own = self._owners.get(id(part), [])
+        own = self._ledger.owners(part)
+        if self._renumber(part, own):
+            return
         for k in own:
             changed = self._views[k][0]
             changed.check(self._robot, self._order, self._dt)
-            if _row_names(changed, self._robot, self._order) != self._names[k]:
+            if row_names(changed, self._robot, self._order) != self._names[k]:
                 raise InvalidInput(f"{changed.full_name()}: with another {name} it has other rows; {changed._instead}")
-        if any(type(self._views[k][0]).claim is not RowWriter.claim for k in own):
-            self._take_up()  # which others go by
-        else:
+        if not any(type(self._views[k][0]).claim is not RowWriter.claim for k in own):
             self._plan(own)
+        elif not self._reclaim(part, own):  # by which others go
+            self._take_up()
+
+    def _renumber(self, part: Live, own: list[int]) -> bool:
+        """Write numbers of a part that have changed where its plans have put them; False where it takes new plans.
+
+        It does if more has changed than its plans know the places of, if Python writes its rows, or if a subclass has
+        its own say in what a plan is asked for.
+        """
+        changed = self._ledger.changes(part)
+        if not changed:
+            return False
+        keys, tunes = [(id(part), name) for name in changed], False
+        for k in own:
+            view, site = self._views[k]
+            if not all(key in site.targets or key in site.numbers for key in keys):
+                return False
+            if self.plans[k][1].python or overridden(type(view), ASKED) or overridden(type(part), ASKED):
+                return False
+            tunes = tunes or any(key in site.numbers for key in keys if key[1] != "weight")
+            if tunes or view is not part:
+                view.check(self._robot, self._order, self._dt)
+        for k in own:
+            site = self._views[k][1]
+            if not all((site.targets.get(key) or site.numbers[key])() for key in keys):
+                return False
+        if tunes:
+            self.tuned += 1
+            self._take_rates()
+        if "weight" in changed:
+            self._weigh(own)
+        self._ledger.keep(part)
+        return True
+
+    def _reclaim(self, changed: Live, own: list[int]) -> bool:
+        """Have the envelope take the limits of these parts as they are now; False if more than numbers has changed."""
+        shared, views = self.shared, [self._views[k] for k in own]
+        braked = np.isfinite(shared.braking[0])
+
+        def ask() -> None:
+            for part, site in views:
+                part.claim(site)
+
+        if any(self.plans[k][1] != NO_PLAN for k in own):
+            return False
+        if not shared.envelope.renew(shared, [site for _, site in views], ask):
+            return False
+        if np.isfinite(shared.braking[0]) != braked:  # by which plans differ
+            return False
+        self._check_beside(range(len(self._views)))
+        self._weigh(own)
+        self._ledger.keep(changed)
+        if self._ledger.holds_others(changed):
+            for k in own:
+                self._ledger.enter(k, self._views[k][0], self)
+        return True
 
     def _check(self) -> None:
         for part in self.levels.all_parts:
@@ -117,10 +198,11 @@ class HierarchyWriter:
         """Begin anew with the numbers that all parts and the robot have now."""
         robot, order, dt = self._robot, self._order, self._dt
         self.shared = shared = Workspace(robot, order, dt, self.unknowns, self._memory)
+        shared.bends = self._live
         self._joints: list[tuple[RowWriter, Array, Array]] = []  # of wide rows: the joints' part
         self._views: list[tuple[RowWriter, Site]] = []
         self._weights: list[tuple[Array, NDArray[np.intp]]] = []  # and which rows ask for nothing
-        self._owners: dict[int, list[int]] = {}  # of all that is reachable from a part: the parts
+        self._ledger = Ledger()
         for level, (view, parts) in enumerate(zip(self.hierarchy.levels, self.levels.parts, strict=True)):
             row, rate = 0, self._rates[level : level + 1]
             for part in parts:
@@ -160,35 +242,45 @@ class HierarchyWriter:
     def _plan(self, which: Iterable[int]) -> None:
         """Plan how these parts write their rows."""
 
-        robot, shared = self._robot, self.shared
         self.planned += 1
-        rest = Tick(robot, self._rest, 0.0, self._order, self._dt, shared.envelope)
+        self._check_beside(which)
         for k in which:
             part, site = self._views[k]
-            with np.errstate(all="ignore"):  # what is infinite is refused in words
-                part.check_beside(rest)
-            site.off.clear()
+            site.forget()
             self.plans[k] = part, plan_of(part, site)
-            weights = part.weights(robot)
-            without = np.flatnonzero(weights == 0.0)
-            view, _ = self._weights[k]
-            view[:], view[without] = weights, 1.0
-            self._weights[k] = view, without
-            for held in reachable(part):  # also what came with the change
-                watch_alone(held, self)
-                owners = self._owners.setdefault(id(held), [])
-                if k not in owners:
-                    owners.append(k)
+            if self._live:
+                self._ledger.enter(k, part, self)
+        self._weigh(which)
         for part, joints, rows in self._joints:
             if part.plain:  # whose rows stay as they are
                 rows[:, : self.unknowns.nv] = joints
-        if self._order == "acceleration":
-            self._rates[:] = [max(part.decay_rate() for part in level) for level in self.levels.parts]
-        pairs = zip(self._views, self._weights, strict=True)
-        self._unweighted = [(site.lower, site.upper, without) for (_, site), (_, without) in pairs if without.size]
+        self._take_rates()
         self._moves = [move for _, plan in self.plans for move in plan.moves]
         self._python = [plan.python for _, plan in self.plans if plan.python is not None]
         self._chain()
+
+    def _check_beside(self, which: Iterable[int]) -> None:
+        """Ask parts whether they can work with the joint limits of the stack."""
+        rest = Tick(self._robot, self._rest, 0.0, self._order, self._dt, self.shared.envelope)
+        with np.errstate(all="ignore"):  # what is infinite is refused in words
+            for k in which:
+                self._views[k][0].check_beside(rest)
+
+    def _weigh(self, which: Iterable[int]) -> None:
+        """Take the weights of these parts."""
+        for k in which:
+            part, (view, _) = self._views[k][0], self._weights[k]
+            weights = part.weights(self._robot)
+            without = np.flatnonzero(weights == 0.0)
+            view[:], view[without] = weights, 1.0
+            self._weights[k] = view, without
+        pairs = zip(self._views, self._weights, strict=True)
+        self._unweighted = [(site.lower, site.upper, without) for (_, site), (_, without) in pairs if without.size]
+
+    def _take_rates(self) -> None:
+        """Take how fast the tasks of each level decay: at acceleration order what is damped goes by it."""
+        if self._order == "acceleration":
+            self._rates[:] = [max(part.decay_rate() for part in level) for level in self.levels.parts]
 
     def _chain(self) -> None:
         """What runs all loops of a tick."""
@@ -267,24 +359,3 @@ class HierarchyWriter:
         for lower, upper, rows in self._unweighted:
             lower[rows], upper[rows] = -np.inf, np.inf
         return self.hierarchy
-
-
-def _empty_level(parts: tuple[RowWriter, ...], robot: Robot, order: Order, unknowns: Unknowns) -> Level:
-    """One level without numbers yet: plain bounds if all its parts are plain, rows otherwise."""
-    name = " + ".join(of_type(part.name, str, f"name of a {type(part).__name__}") for part in parts)
-    weights = np.ones(sum(part.size(robot) for part in parts))
-
-    def labels() -> list[Label]:
-        return [label for part in parts for label in part.labels(robot, order)]
-
-    zeros = np.zeros(len(weights))
-    if all(part.plain for part in parts):
-        indices = np.concatenate([p.columns(unknowns, robot) for p in parts])
-        return Level.bounds(zeros, zeros, indices=indices, weights=weights, name=name, labels=labels)
-    identity = np.eye(unknowns.n)
-    A = [identity[p.columns(unknowns, robot)] if p.plain else np.zeros((p.size(robot), unknowns.n)) for p in parts]
-    return Level(np.concatenate(A), zeros, zeros, weights=weights, name=name, labels=labels)
-
-
-def _row_names(part: RowWriter, robot: Robot, order: Order) -> list[str]:
-    return [label.row for label in part.labels(robot, order)]

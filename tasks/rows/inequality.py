@@ -142,7 +142,7 @@ class Inequality(Part):
 
     def plan(self, site: Site) -> Plan:
         """The law of the task, of its error between both bounds."""
-        return plan_of(self.task, site.within(self.below, self.above))
+        return plan_of(self.task, site.within(self))
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.task!r})"

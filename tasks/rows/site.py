@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -13,7 +13,7 @@ from ..robots import abilities as able
 from ..robots.answers import at_rest, joint_reader
 from ..robots.robot import Robot, RobotState, is_flat
 from ..robots.source import Source
-from ..targets.turns import stands_still
+from ..targets.turns import constant
 from .blocks import Blocks, StateSource
 from .envelope import Envelope
 from .tick import Order
@@ -28,6 +28,8 @@ Move = Callable[[float], None]
 Memory = dict[int, tuple[object, Any]]
 #: What is measured of every row of a task: see :mod:`tasks.rows.kernels.law`.
 KINDS = 5
+#: The numbers of a task that its law goes by.
+OF_THE_LAW = ("gain", "damping_ratio", "cap", "deceleration")
 
 
 class Governed(Protocol):
@@ -49,6 +51,16 @@ class Governed(Protocol):
     def plain(self) -> bool: ...
 
     def full_name(self) -> str: ...
+
+
+class Band(Protocol):
+    """How far from its target a task may be, as an inequality tells it."""
+
+    @property
+    def below(self) -> Array: ...
+
+    @property
+    def above(self) -> Array: ...
 
 
 class Workspace:
@@ -76,6 +88,8 @@ class Workspace:
         The joint limits of the stack.
     work : array, shape (64,)
         For loops to work in.
+    bends : bool
+        Whether plans tell how rows bend, for who asks.
     n : int
         Velocities of the joints.
     unknowns : Unknowns
@@ -114,7 +128,7 @@ class Workspace:
             self.positions, self._joints = np.zeros(robot.nv), joint_reader(at_rest(robot))
         self.blocks = Blocks(source, self.n)
         self.envelope = Envelope(self.n)
-        self.work = np.zeros(64)
+        self.work, self.bends = np.zeros(64), True
         if order == "acceleration":
             self.blocks.drifts[0] = 1
 
@@ -152,14 +166,17 @@ class Site:
     A : array, shape (rows, nv), or None
         Its rows, None where they are plain; of a part that is `wide`, (rows, n) of all unknowns.
     lower, upper : array, shape (rows,)
-    below, above : array, shape (rows,), or float
-        How far from its target a task may be; 0 where it is to be met.
+    band : Band or None
+        How far from its target a task may be; None where it is to be met.
     bounds : bool
         Whether the task only bounds.
     shortens : bool
         Whether errors are shortened as the task says; else they are measured as they are.
     off : list of (array, array, array)
         Of those who follow the law: the error, and how far from it below and above a task may be, shape (rows,) each.
+    targets, numbers : dict of (int, str) to callable
+        What writes an attribute of a part, by the id of the part and its name, where the plan has put it: targets, and
+        other numbers. False where it takes a new plan.
     rate : array, shape (1,)
         The largest :meth:`tasks.Part.decay_rate` on its level [1/s], at acceleration order; else 0.
     """
@@ -170,22 +187,28 @@ class Site:
         self.shared, self.A, self.lower, self.upper = shared, A, lower, upper
         self.rate: Array = np.zeros(1) if rate is None else rate
         self.rows = len(lower)
-        self.below: Array = np.zeros(())
-        self.above: Array = np.zeros(())
+        self.band: Band | None = None
         self.bounds, self.shortens = False, True
         self.measured = np.zeros((KINDS, self.rows))
         self.off: list[tuple[Array, Array, Array]] = []
+        self.targets: dict[tuple[int, str], Callable[[], bool]] = {}
+        self.numbers: dict[tuple[int, str], Callable[[], bool]] = {}
 
     @property
     def drifts(self) -> bool:
         """Whether drifts and speeds are to be measured: accelerations need them, and what has to brake in time."""
         return self.shared.order == "acceleration" or (self.bounds and np.isfinite(self.shared.braking[0]))
 
-    def within(self, below: Array, above: Array) -> Site:
+    def within(self, band: Band) -> Site:
         """A site of the same rows as an inequality: the error between -above and -below."""
         site = Site(self.shared, self.A, self.lower, self.upper, self.rate)
-        site.below, site.above, site.bounds, site.off = below, above, True, self.off
+        site.band, site.bounds, site.off, site.targets, site.numbers = band, True, self.off, self.targets, self.numbers
         return site
+
+    def forget(self) -> None:
+        """Forget what the last plan left here."""
+        for left in self.off, self.targets, self.numbers:
+            left.clear()
 
     def frame(self, name: str | None, relative_to: str | None = None) -> Array:
         """The block of a frame, kept up to date."""
@@ -200,21 +223,18 @@ class Site:
         return self.shared.blocks.center_of_mass(relative_to)
 
     def law(self, task: Governed) -> Table:
-        """The arguments of the law of a task; see :mod:`tasks.rows.kernels.law`."""
+        """The arguments of the law of a task; see :mod:`tasks.rows.kernels.law`.
+
+        Its gain, damping ratio, cap, deceleration and weight, and the band of an inequality, may then change without a
+        new plan, which therefore is to copy none of them by itself.
+        """
         from ..base.loops import Table
         from .kernels import law as of
 
-        rows, what, shared = self.rows, task.full_name(), self.shared
-        gain = per_row(task.gain, rows, f"{what}: gain")
-        numbers = np.empty((of.FIELDS, rows))
-        numbers[of.GAIN], numbers[of.C1], numbers[of.C2] = gain, 2.0 * task.damping_ratio * gain, gain**2
-        cap, brakes = task.cap, task.deceleration
-        numbers[of.CAP] = np.inf if cap is None or cap.ndim == 0 else per_row(cap, rows, f"{what}: cap")
-        longest = np.array([np.inf if cap is None or cap.ndim else float(cap), np.inf if brakes is None else brakes])
-        numbers[of.BELOW] = per_row(self.below, rows, f"{what}: below")
-        numbers[of.ABOVE] = per_row(self.above, rows, f"{what}: above")
+        rows, shared, band = self.rows, self.shared, self.band
+        numbers, longest = np.empty((of.FIELDS, rows)), np.empty(2)
         self.off.append((self.measured[of.ERROR], numbers[of.BELOW], numbers[of.ABOVE]))
-        return Table(
+        table = Table(
             of.ORDERS.index(shared.order),
             rows,
             shared.n,
@@ -228,8 +248,62 @@ class Site:
             self.bounds and not task.plain,
             self.drifts,
             longest,
-            self.shortens and shared.order != "displacement" and not (cap is None and brakes is None),
+            False,
         )
+        shortens = self.shortens and shared.order != "displacement"
+
+        def write() -> bool:
+            what, gain, cap, brakes = task.full_name(), task.gain, task.cap, task.deceleration
+            numbers[of.GAIN] = gain = per_row(gain, rows, f"{what}: gain")
+            numbers[of.C1], numbers[of.C2] = 2.0 * task.damping_ratio * gain, gain**2
+            numbers[of.CAP] = np.inf if cap is None or cap.ndim == 0 else per_row(cap, rows, f"{what}: cap")
+            longest[0] = np.inf if cap is None or cap.ndim else cap
+            longest[1] = np.inf if brakes is None else brakes
+            table.numbers[of.SHORTENS] = shortens and not (cap is None and brakes is None)
+            numbers[of.BELOW] = 0.0 if band is None else per_row(band.below, rows, f"{what}: below")
+            numbers[of.ABOVE] = 0.0 if band is None else per_row(band.above, rows, f"{what}: above")
+            return True
+
+        write()
+        self.numbers |= {(id(task), name): write for name in OF_THE_LAW}
+        self.numbers |= {(id(band), name): write for name in ("below", "above") if band is not None}
+        self.numbers[id(task), "weight"] = lambda: True  # it stands beside the rows
+        return table
+
+    def keep_up(self, part: object, name: str, *places: Array) -> tuple[Move, ...]:
+        """Write what the trajectory in this attribute of a part gives into these arrays; see :meth:`follow`."""
+        return self.follow(part, (name,), lambda: kept_up(getattr(part, name), *places), lambda: (getattr(part, name),))
+
+    def follow(
+        self,
+        part: object,
+        names: Iterable[str],
+        write: Callable[[], tuple[Move, ...]],
+        goals: Callable[[], tuple[object, ...]],
+    ) -> tuple[Move, ...]:
+        """Write targets where a plan wants them, now, every tick if they move, and when other constants are set.
+
+        A constant of the same form is then taken without a new plan, and :meth:`tasks.Part.check` is not asked again.
+
+        Parameters
+        ----------
+        part : Part
+        names : iterable of str
+            Its attributes that the targets are in.
+        write : callable
+            Writes them as they are now, and gives what keeps up with those that move.
+        goals : callable
+            The targets.
+        """
+        form = tuple(map(constant, goals()))
+
+        def renew() -> bool:
+            alike = tuple(map(constant, goals())) == form
+            return alike and not write()
+
+        if None not in form:
+            self.targets |= {(id(part), name): renew for name in names}
+        return write()
 
 
 def kept_up(trajectory: Callable[[float], Any], *places: Array) -> tuple[Move, ...]:
@@ -240,4 +314,4 @@ def kept_up(trajectory: Callable[[float], Any], *places: Array) -> tuple[Move, .
             place[:] = part
 
     move(0.0)
-    return () if stands_still(trajectory) else (move,)
+    return () if constant(trajectory) is not None else (move,)

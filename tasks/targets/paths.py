@@ -157,10 +157,9 @@ class Circle(Path):
         super().__init__(duration, timing)
 
     def curve(self, s: float) -> tuple[Array, Array, Array]:
-        angle = self.start + s * self.turn
-        x, y = self.radius * cos(angle), self.radius * sin(angle)
-        arm = np.array([x, y])
-        return self.center + arm, self.turn * np.array([-y, x]), -self.turn * self.turn * arm
+        turn, angle = self.turn, self.start + s * self.turn
+        x, y, bend = self.radius * cos(angle), self.radius * sin(angle), -turn * turn
+        return self.center + np.array([x, y]), np.array([-turn * y, turn * x]), np.array([bend * x, bend * y])
 
     def __repr__(self) -> str:
         arc = f", start={self.start:g}, turn={self.turn:g}"

@@ -44,7 +44,7 @@ class Fixed:
         self.target = np.atleast_1d(finite(target, "target"))
         if self.target.ndim != 1:
             raise InvalidInput(f"target has shape {self.target.shape}; it must have one axis")
-        self._sample = (self.target, np.zeros(len(self.target)), np.zeros(len(self.target)))
+        self._sample = (self.target, *np.zeros((2, len(self.target))))
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
         return self._sample
@@ -131,23 +131,24 @@ def as_trajectory(target: ArrayLike | Trajectory, rows: int | None, what: str) -
         given = finite(target, f"{what}: target")
         if given.ndim > 1:
             raise InvalidInput(f"{what}: target has shape {given.shape}; it must have one axis")
-        trajectory: Trajectory = Fixed(given)
-    else:
-        trajectory = target
+        still = Fixed(given)
+        if rows not in (None, len(still.target)):
+            raise InvalidInput(f"{what}: target has shape {still.target.shape}; it must be ({rows},)")
+        return still
     try:
-        sample = tuple(trajectory(0.0))
+        sample = tuple(target(0.0))
     except Exception as error:
         raise InvalidInput(f"{what}: target(0.0) raised {type(error).__name__}: {error}") from error
     shapes = [numbers(part, f"{what}: target(0.0)").shape for part in sample]
     size = rows if rows is not None else int(np.prod(shapes[0])) if shapes else 1
     if shapes != [(size,)] * 3:
-        if isinstance(trajectory, Fixed):
+        if isinstance(target, Fixed):
             raise InvalidInput(f"{what}: target has shape {shapes[0]}; it must be ({size},)")
         raise InvalidInput(
             f"{what}: target(0.0) gives shapes {shapes};"
             f" it must give position, velocity and acceleration, each ({size},)"
         )
-    return trajectory
+    return target
 
 
 class Spread:

@@ -281,8 +281,17 @@ KNOWN = (FixedRotation, RotationSetpoint, Turn, Watched)
 
 def stands_still(target: object) -> bool:
     """Whether a target is constant: numbers, not a function of time."""
+    return constant(target) is not None
+
+
+def constant(target: object) -> tuple[object, ...] | None:
+    """The form of a constant target, the same for all that differ by their numbers alone; None of what may move."""
     if isinstance(target, Spread):
-        return stands_still(target.trajectory)
+        inner = constant(target.trajectory)
+        return None if inner is None else (Spread, target.columns.start, target.columns.stop, *inner)
     if isinstance(target, AboutZ):
-        return stands_still(target.angle)
-    return isinstance(target, Fixed | FixedRotation)
+        inner = constant(target.angle)
+        return None if inner is None else (AboutZ, *inner)
+    if isinstance(target, Fixed):
+        return type(target), len(target.target)
+    return (type(target),) if isinstance(target, FixedRotation) else None

@@ -15,8 +15,8 @@ def reasons() -> Iterator[set[str]]:
     """Why Python writes parts of the stacks that are made meanwhile: none, where loops write all."""
     found, begin = set[str](), HierarchyWriter.__init__
 
-    def watched(self: HierarchyWriter, *args: Any) -> None:
-        begin(self, *args)
+    def watched(self: HierarchyWriter, *args: Any, **options: Any) -> None:
+        begin(self, *args, **options)
         found.update(part.why for part in self.describe().in_python)
 
     with mock.patch.object(HierarchyWriter, "__init__", watched):
