@@ -77,7 +77,8 @@ def test_groups_by_joints_links_chains_and_groups(srdf) -> None:
     robot = PANDA.with_srdf(
         srdf(
             ARM
-            + '<group name="wrist"><link name="panda_link7"/><joint name="panda_joint6"/><link name="panda_hand"/></group>'
+            + '<group name="wrist"><link name="panda_link7"/><joint name="panda_joint6"/>'
+            + '<link name="panda_hand"/></group>'
             + '<group name="upper"><chain base_link="panda_link0" tip_link="panda_link3"/></group>'
             + '<group name="both"><group name="upper"/><group name="wrist"/></group>'
             + '<group name="fingers"><joint name="panda_finger_joint1"/></group>'

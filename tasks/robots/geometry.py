@@ -25,16 +25,18 @@ from .frame import WORLD
 
 
 def read_geometry(robot: Any, kind: Literal["collision", "visual"]) -> pin.GeometryModel:
-    """The shapes of the file that a robot was loaded from: of a URDF, and of an MJCF those that collide.
+    """The shapes of the file that a robot was loaded from, URDF or MJCF.
 
     Raises
     ------
     InvalidInput
         If there is no such file, or a shape cannot be read.
     """
-    if kind == "collision" and robot.scene is not None:
-        from .files.mjcf_shapes import mjcf_geometry
+    if robot.scene is not None:
+        from .files.mjcf_shapes import mjcf_geometry, mjcf_visuals
 
+        if kind == "visual":
+            return mjcf_visuals(robot.model, robot.scene)
         return mjcf_geometry(robot.model, robot.scene, f"the collision shapes of {robot!r}")
     if robot.source is None or root_of(robot.source, repr(robot)) != "robot":
         beside = ", or give it some by robot.with_geometry" if kind == "collision" else ""

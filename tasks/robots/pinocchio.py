@@ -202,9 +202,9 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
         return self._inside(np.array(self.model.referenceConfigurations[name]))
 
     def configuration(self, joints: str | Mapping[str, float]) -> Array:
-        """A configuration that has a name, see :attr:`configurations`, or the neutral one with these joints at these positions [rad], [m].
+        """A configuration that has a name, or the neutral one with these joints at these positions [rad], [m].
 
-        Named ones are moved into the position limits where they lie outside.
+        :attr:`configurations` lists the names. Named ones are moved into the position limits where they lie outside.
 
         Raises
         ------

@@ -73,7 +73,7 @@ class Shaped:
         Raises
         ------
         InvalidInput
-            If there is no URDF file, or a mesh of it cannot be read.
+            If there is no file, or a mesh of it cannot be read.
         """
         if self._visuals is None:
             from .geometry import read_geometry
