@@ -92,7 +92,7 @@ def ik(
         Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=path)
     ] = None,
 ) -> None:
-    """Solve for random poses that are in reach, by ours and by Pink, Mink and OInK, interleaved in one run."""
+    """Solve for random poses that are in reach, by ours and by Pink, mink and OInK, interleaved in one run."""
     for name in robot or ():
         if name not in MACHINES:
             raise InvalidInput(f"unknown robot {name!r}; there are {', '.join(MACHINES)}")

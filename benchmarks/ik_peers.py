@@ -1,8 +1,8 @@
 """What solves for a pose in ``python -m benchmarks ik``: the step of another library, repeated.
 
-Pink, Mink and OInK solve one weighted QP a step and leave the loop to their users. Here it is that of their examples: a
+Pink, mink and OInK solve one weighted QP a step and leave the loop to their users. Here it is that of their examples: a
 FrameTask of cost 1 [m] and 1 [rad], the limit of the configuration, and q integrated by the velocity; DAQP below Pink
-and Mink, where OInK has a ProxQP of its own. What they leave open is set to what solved most of some hundred poses:
+and mink, where OInK has a ProxQP of its own. What they leave open is set to what solved most of some hundred poses:
 full steps (gain 1, dt 1), `lm_damping` 1e-3, of OInK 1e-2 (tried: 0 to 1), limits neared by half of what is left
 (tried: 0.3, 0.5, 0.95, 1), and no PostureTask beside the pose, which pulls it out of its tolerance; a second row of two
 of them has the posture of their examples, of cost 1e-3. What serves all targets is made before the clock runs, where
@@ -128,7 +128,7 @@ class PinkPosture(Pink):
 
 
 class Mink(Peer):
-    """Mink's ``solve_ik``, on the same URDF in MuJoCo."""
+    """mink's ``solve_ik``, on the same URDF in MuJoCo."""
 
     name, package, cost = "mink", "mink", 0.0
 

@@ -48,7 +48,7 @@ from .limits.velocity import JointVelocityLimit
 from .obstacles.avoidance import AvoidanceTask
 from .obstacles.collision import CollisionLimit
 from .obstacles.distance import DistanceLimit
-from .obstacles.links import LinkCapsule, planar_links
+from .obstacles.links import LinkCapsule, link_capsules, planar_links
 from .obstacles.self_collision import SelfCollisionLimit
 from .obstacles.shapes import Capsule, Sphere
 from .obstacles.solids import Box, Polyhedron
@@ -188,6 +188,7 @@ __all__ = [
     "from_rpy",
     "from_xyzw",
     "harmonic",
+    "link_capsules",
     "live",
     "load_robot",
     "loop",

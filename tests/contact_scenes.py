@@ -87,6 +87,16 @@ def humanoid(**options: object) -> Scene:
     return Scene(robot, q, state.center_of_mass.position.copy(), state.frame("pelvis").rotation.copy(), feet)
 
 
+def talos() -> Scene:
+    """A Talos on both soles, on bent legs."""
+    robot = load_robot("talos", acceleration_limit=200.0)
+    q = np.array(robot.home)
+    state = robot.at(q, np.zeros(robot.nv))
+    soles = [(x, y, 0.0) for x in (-0.1, 0.1) for y in (-0.06, 0.06)]
+    feet = tuple(Contact(f"{side}_sole_link", points=soles, friction=0.6, name=side) for side in ("left", "right"))
+    return Scene(robot, q, state.center_of_mass.position.copy(), state.frame("base_link").rotation.copy(), feet)
+
+
 def quadruped() -> Scene:
     """A Go2 on four points."""
     robot = load_robot("go2", acceleration_limit=500.0)

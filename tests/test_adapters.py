@@ -450,12 +450,31 @@ def test_a_configuration_of_other_joints_is_refused() -> None:
     configuration = pink.Configuration(other, other.createData(), np.zeros(3))
     with pytest.raises(InvalidInput, match="has joint 'c' where the robot has 'b'"):
         Controller(robot, from_pink(pink.tasks.DampingTask(cost=1.0), configuration), dt=DT)
+    for made in other, robot.model:
+        made.upperPositionLimit[:], made.lowerPositionLimit[:] = [1.0, 2.0, 3.0], [-1.0, -2.0, -3.0]
+    with pytest.raises(InvalidInput, match="its model has joint 'c' where the robot has 'b'"):
+        Controller(robot, from_pink(pink.limits.ConfigurationLimit(other)), dt=DT)
+    Controller(robot, from_pink(pink.limits.ConfigurationLimit(robot.model)), dt=DT)(np.zeros(3))
 
 
 def test_limits_of_another_model_and_names_that_are_none(panda, twin) -> None:
     robot, model = twin
     other = mujoco.MjModel.from_xml_string(SCENE.format(free="").replace('<joint name="turn" axis="1 0 0"/>', ""))
-    with pytest.raises(InvalidInput, match="ConfigurationLimit 'configurationlimit' raised"):
+    with pytest.raises(InvalidInput, match="of the model that it was made of is"):
         Controller(robot, from_mink(mink.ConfigurationLimit(other), mink.Configuration(model)), dt=DT)
     with pytest.raises(InvalidInput, match="must be a str"):
         from_pink(pink.tasks.DampingTask(cost=1.0), name=3)
+
+
+TWO = """<mujoco><worldbody><body><joint name="{}" axis="0 0 1" range="-1 1"/><geom size=".1"/>
+<body pos=".3 0 0"><joint name="{}" axis="0 0 1" range="-2 2"/><geom size=".1"/></body></body></worldbody></mujoco>"""
+
+
+def test_limits_of_a_model_with_its_joints_in_another_order_are_refused_by_name() -> None:
+    mujoco = pytest.importorskip("mujoco")
+    model, other = (mujoco.MjModel.from_xml_string(TWO.format(*names)) for names in ("ab", "ba"))
+    robot, configuration = load_robot(model, velocity_limit=1.0), mink.Configuration(model)
+    for made in model, mujoco.MjModel.from_xml_string(TWO.format("a", "b")):
+        Controller(robot, from_mink(mink.ConfigurationLimit(made), configuration), dt=DT)(robot.home)
+    with pytest.raises(InvalidInput, match="joint 0 of the model that it was made of is 'b', of the configuration 'a'"):
+        Controller(robot, from_mink(mink.ConfigurationLimit(other), configuration), dt=DT)(robot.home)

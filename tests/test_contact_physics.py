@@ -14,6 +14,7 @@ from contact_scenes import DT, FEET, Scene, humanoid, moved, quadruped
 from hqp import InvalidInput
 from tasks import (
     CenterOfMassTask,
+    Change,
     Contact,
     Controller,
     Dynamics,
@@ -119,17 +120,18 @@ def test_free_fall_under_torques_is_that_of_the_model() -> None:
     assert np.allclose(there[0], here.robot.integrate(q, h * v + 0.5 * h * h * a), atol=1e-9)
 
 
-def test_a_push_is_momentum() -> None:
+@pytest.mark.parametrize(("start", "duration"), [(0.01, 0.02), (0.0103, 0.0004), (0.01012, 0.00007), (0.0118, 0.0101)])
+def test_a_push_is_momentum_whether_it_begins_with_ticks_or_between(start, duration) -> None:
     here = scene("quadruped")
     plant, (q, v) = MujocoPlant(here.robot), (here.q, here.v)
-    plant.push("base", [0.0, 60.0, 0.0], 0.02, start=0.01)
+    plant.push("base", [0.0, 60.0, 0.0], duration, start=start)
     mass = sum(inertia.mass for inertia in here.robot.model.inertias)
     speeds = []
     for _ in range(25):
         q, v = plant.advance(q, v, np.zeros(12), DT)
         speeds.append((here.robot.at(q, v).center_of_mass.linear @ v)[1])
     assert np.allclose(speeds[:5], 0.0, atol=1e-9)
-    assert np.allclose(speeds[-10:], 60.0 * 0.02 / mass, rtol=1e-6)
+    assert np.allclose(speeds[-10:], 60.0 * duration / mass, rtol=1e-4)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -292,6 +294,37 @@ def test_twenty_seconds_of_walking_in_place() -> None:
 def test_refusals(make, named: str) -> None:
     with pytest.raises(InvalidInput, match=named):
         make(scene("quadruped"))
+
+
+@pytest.mark.parametrize(
+    ("switches", "named"),
+    [
+        ([(0.05, "left", True)], "t = 0.05 s: .*'left' is on already by then; it can be released"),
+        ([(0.05, "left", False), (0.02, "left", False)], "t = 0.05 s: .*'left' is off already by then"),
+        ([(0.02, "left", False), (0.04, "left", True), (0.06, "left", True)], "t = 0.06 s"),
+    ],
+)
+def test_a_switch_to_where_a_contact_is_already_is_refused_before_the_run(switches, named: str) -> None:
+    controller, here = standing("humanoid"), scene("humanoid")
+    ticks: list[float] = []
+    changes = [Switch(t, name, on=on) for t, name, on in switches]
+    with pytest.raises(InvalidInput, match=named):
+        simulate(controller, here.q, duration=0.1, changes=changes, progress=ticks.append)
+    assert not ticks
+    assert controller.bears("left")
+
+
+def test_a_switch_is_judged_by_the_stack_that_is_solved_by_then() -> None:
+    controller, here = standing("humanoid"), scene("humanoid")
+    other = Change(0.02, Stack(PostureTask(here.q, gain=1.0)), duration=0.0)
+    with pytest.raises(InvalidInput, match=r"t = 0.04 s, by when another stack is solved: 'left' is no contact"):
+        simulate(controller, here.q, duration=0.1, changes=[Switch(0.04, "left", on=False), other])
+    controller.release("left")
+    assert not controller.bears("left")
+    with pytest.raises(InvalidInput, match="'left' is off already"):
+        simulate(controller, here.q, duration=0.1, changes=[Switch(0.04, "left", on=False)])
+    with pytest.raises(InvalidInput, match="'lift' is no contact"):
+        controller.bears("lift")
 
 
 def test_a_switch_names_a_contact_of_the_stack() -> None:

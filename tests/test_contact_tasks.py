@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from contact_scenes import DT, FEET, Scene, advanced, g1, humanoid, moved
+from contact_scenes import DT, FEET, Scene, advanced, g1, humanoid, moved, talos
 
 from tasks import (
     AtMost,
@@ -134,13 +134,20 @@ def test_least_forces_share_the_weight() -> None:
     assert abs(left - right) < 0.01 * weight
 
 
-@pytest.mark.parametrize("way", [(0.12, 0.0), (-0.3, 0.0), (0.0, 0.3)])
-def test_with_the_support_polygon_a_robot_stands(way) -> None:
+@pytest.mark.parametrize(
+    ("make", "pelvis", "way"),
+    [
+        *((humanoid, "pelvis", way) for way in [(0.12, 0.0), (0.3, 0.0), (-0.3, 0.0), (0.0, 0.3)]),
+        (talos, "base_link", (0.3, 0.0)),
+        *(pytest.param(talos, "base_link", way, marks=pytest.mark.sweep) for way in [(0.12, 0.0), (0.0, 0.3)]),
+    ],
+)
+def test_with_the_support_polygon_a_robot_stands(make, pelvis, way) -> None:
     """A target that none can reach: all limits are kept, the robot comes to rest, and the polygon is named."""
-    scene = humanoid()
+    scene = make()
     target = scene.com + np.array([*way, 0.0])
     reach = CenterOfMassTask(target[:2], mask="xy", gain=4.0)
-    stack = scene.limits >> SupportLimit(0.01) >> reach >> scene.rest()
+    stack = scene.limits >> SupportLimit(0.01) >> reach >> scene.rest(pelvis)
     controller, q, v = Controller(scene.robot, stack, order="torque", dt=4e-3, damping=None), scene.q, scene.v
     for k in range(750):
         step = controller(q, v, 4e-3 * k)
@@ -153,7 +160,8 @@ def test_with_the_support_polygon_a_robot_stands(way) -> None:
     state = scene.robot.at(q, v)
     c = state.center_of_mass
     assert np.linalg.norm(c.linear @ v) < 0.02
-    corners = [state.frame(f).position + state.frame(f).rotation @ p for f in FEET for p in scene.feet[0].shape.points]
+    soles = [(state.frame(foot.frame), foot.shape.points) for foot in scene.feet]
+    corners = np.concatenate([sole.position + points @ sole.rotation.T for sole, points in soles])
     low, high = np.min(corners, axis=0)[:2], np.max(corners, axis=0)[:2]
     assert (c.position[:2] > low).all()
     assert (c.position[:2] < high).all()

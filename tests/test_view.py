@@ -390,6 +390,43 @@ def test_meshes_hang_on_the_joints_that_are_left_when_others_are_locked():
     np.testing.assert_allclose(places, wanted, atol=1e-12)
 
 
+GEOMS = """<mujoco><asset><mesh name="wedge" vertex="0 0 0 .2 0 0 0 .1 0 0 0 .1"/>
+<material name="red" rgba=".8 .1 .1 1"/></asset><worldbody><geom type="plane" size="1 1 1"/>
+<body name="one" pos="0 0 .5" euler="0 30 0"><joint name="a" axis="0 1 0"/>
+<geom type="capsule" size=".04" fromto=".05 0 .02 .4 .1 0" rgba="0 0 1 .5"/><geom type="sphere" size=".3" group="3"/>
+<geom type="sphere" size=".3" rgba="0 0 0 0"/><body name="two" pos=".4 0 0"><joint name="b" axis="0 0 1"/>
+<geom type="box" size=".2 .04 .03" pos=".2 0 0" material="red" contype="0" conaffinity="0"/>
+<geom type="mesh" mesh="wedge" pos="0 .1 0"/></body></body></worldbody></mujoco>"""
+
+
+def test_geoms_of_an_mjcf_are_drawn_as_they_are_and_where_mujoco_has_them():
+    pytest.importorskip("trimesh")
+    mujoco = pytest.importorskip("mujoco")
+    mj = mujoco.MjModel.from_xml_string(GEOMS)
+    robot, data = load_robot(mj), mujoco.MjData(mj)
+    meshes, note = meshes_of(robot)
+    assert note == "drawn by the visual shapes of the file"
+    assert [mesh.joint for mesh in meshes] == [1, 2, 2]  # no floor, nothing of group 3, nothing that is not seen
+    assert [mesh.color for mesh in meshes] == [
+        pytest.approx(color, abs=1e-6) for color in ((0, 0, 1), (0.8, 0.1, 0.1), (0.5, 0.5, 0.5))
+    ]
+    assert meshes[0].opacity == pytest.approx(0.5)
+    data.qpos[:] = 0.4, -0.7
+    mujoco.mj_kinematics(mj, data)
+    pin.forwardKinematics(robot.model, robot.data, data.qpos)
+    seen = []
+    for geom, mesh in zip((1, 4, 5), meshes, strict=True):
+        place = robot.data.oMi[mesh.joint]
+        world = mesh.vertices @ place.rotation.T + place.translation
+        seen.append((world - data.geom_xpos[geom]) @ data.geom_xmat[geom].reshape(3, 3))
+    radius, half = mj.geom_size[1, :2]
+    off = seen[0] - np.clip(seen[0][:, 2:], -half, half) * [0.0, 0.0, 1.0]
+    np.testing.assert_allclose(np.linalg.norm(off, axis=1), radius, atol=1e-6)  # it is the capsule, and no other
+    assert np.ptp(seen[0][:, 2]) == pytest.approx(2.0 * (half + radius), abs=1e-6)
+    np.testing.assert_allclose(np.abs(seen[1]), np.broadcast_to(mj.geom_size[4], seen[1].shape), atol=1e-9)
+    np.testing.assert_allclose(seen[2], mj.mesh_vert, atol=1e-6)
+
+
 def test_a_model_without_shapes_is_drawn_as_capsules_and_says_so():
     pytest.importorskip("trimesh")
     robot = PinocchioRobot(pin.buildSampleModelManipulator(), tip="effector_body", velocity_limit=2.0)

@@ -27,6 +27,12 @@ def told(
 
     Parameters
     ----------
+    damping : dict of int or str to DampingRule
+        The damped levels, by number or name, and the rule of each.
+    solve : callable
+        Solves a stage that was not asked: a hierarchy, and the reference of its norms, shape (n,).
+    solution : Solution
+        The answer, whose x and counts these stages have.
     points : array, shape (damped, 2 + 2 n)
         Of every damped level lambda, whether the levels above were solved alone, their x, and its own.
     aims : array, shape (damped, n), or None
@@ -58,6 +64,10 @@ def retold(
 
     Parameters
     ----------
+    damping, solve, solution
+        See :func:`told`.
+    x_ref : array, shape (n,)
+        From which the norms of the hierarchy count.
     answers : mapping
         What every stage answered, by what was asked of it, see :class:`.staged.Ask`.
     aims : array, shape (damped, n), or None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -86,6 +87,27 @@ class MujocoJoints:
             if kind == "free":
                 T[row : row + 3, column : column + 3] = _rotation(q[at + 3 : at + 7])
         return T
+
+
+def check_same_joints(own: Any, model: Any, what: str) -> None:
+    """Refuse a MuJoCo model, of which an object was made, whose joints are not those of another one by name and place.
+
+    Raises
+    ------
+    InvalidInput
+        Names the first that differs.
+    """
+    import mujoco
+
+    if own is model or not isinstance(own, mujoco.MjModel):
+        return
+    joints = ([(one.joint(i).name, int(one.jnt_type[i])) for i in range(one.njnt)] for one in (own, model))
+    for number, (made, measured) in enumerate(zip_longest(*joints)):
+        if made != measured:
+            raise InvalidInput(
+                f"{what}: joint {number} of the model that it was made of is {made and made[0]!r}, of the configuration"
+                f" {measured and measured[0]!r}; make it of configuration.model"
+            )
 
 
 #: What MuJoCo calls 0 to 3: free, ball, slide, hinge.

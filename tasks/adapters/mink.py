@@ -12,7 +12,7 @@ from hqp.errors import brief
 
 from ..base.checks import Array
 from ..robots.robot import Robot
-from .joints import MujocoJoints
+from .joints import MujocoJoints, check_same_joints
 from .part import Adapted, Rows, Source, damped, least_squares
 
 
@@ -40,7 +40,9 @@ def from_mink(given: Any, configuration: Any, *, name: str | None = None) -> Ada
     Raises
     ------
     InvalidInput
-        If it is none of these; at work, if no target is set, or a joint of the robot is not in mink's model.
+        If it is none of these; at work, if no target is set, a joint of the robot is not in mink's model, or a limit
+        was made of a model whose joints are others, or in another order. (Objects that keep no model, such as
+        ``mink.VelocityLimit``, are refused where their sizes do not fit.)
     MissingPackage
         If mink is not installed.
 
@@ -73,6 +75,7 @@ class _Measured(Source):
     def at(self, robot: Robot, q: Array) -> tuple[Any, Array]:
         """The configuration, brought to q, and how its velocities follow those of the robot, shape (nv there, nv)."""
         if self._joints is None or self._joints[0] is not robot:
+            check_same_joints(getattr(self.given, "model", None), self._configuration.model, self.kind)
             self._joints = robot, MujocoJoints(robot, self._configuration.model, self.kind)
         joints, configuration = self._joints[1], self._configuration
         qpos = joints.qpos(q, configuration.data.qpos)

@@ -121,12 +121,14 @@ class _Measured(Source):
         """Refuse a model of other joints, or of the same in another order: Pink takes them by number."""
         if self._matched is robot:
             return
-        for ours, theirs in zip_longest(_joints(robot.model), _joints(model)):
-            if ours != theirs:
-                raise InvalidInput(
-                    f"{self.kind}: its configuration has joint {theirs and theirs[0]!r} where the robot has"
-                    f" {ours and ours[0]!r}; make it of robot.model"
-                )
+        own = getattr(self.given, "model", None)  # limits keep the one that they were made of
+        for whose, other in ("configuration", model), ("model", own if isinstance(own, type(robot.model)) else model):
+            for ours, theirs in zip_longest(_joints(robot.model), _joints(other)):
+                if ours != theirs:
+                    raise InvalidInput(
+                        f"{self.kind}: its {whose} has joint {theirs and theirs[0]!r} where the robot has"
+                        f" {ours and ours[0]!r}; make it of robot.model"
+                    )
         self._matched = robot
 
 

@@ -189,6 +189,12 @@ def make(stack: Stack, rows: HierarchyWriter, contact: Contact | str, duration: 
     slot.make(weight_of(rows) if found in rows.unknowns else np.inf, time)
 
 
+def bears(stack: Stack, rows: HierarchyWriter, contact: Contact | str) -> bool:
+    """See :meth:`tasks.Controller.bears`; a contact itself may be one of another stack of the controller."""
+    found = contact if isinstance(contact, Contact) else find_contact(stack, contact)
+    return found.slot(rows.shared).bears
+
+
 def off(stack: Stack, rows: HierarchyWriter) -> list[Contact]:
     """The contacts that are off, or being released."""
     return [part for part in stack if isinstance(part, Contact) and not part.slot(rows.shared).bears]

@@ -311,6 +311,16 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         """The names of the contacts that may bear forces at present: those that are on, unless all theirs are gone."""
         return of.loaded(self.stack, self._rows)
 
+    def bears(self, contact: Contact | str) -> bool:
+        """Whether a contact of the stack is one to rely on: on, and not being released.
+
+        Raises
+        ------
+        InvalidInput
+            If it is no contact of the stack.
+        """
+        return of.bears(self.stack, self._rows, contact)
+
     def change(self, stack: Stack | Part, *, duration: float, law: Timing = cubic) -> None:
         """Go over to another stack without a jump, from the next tick on; see :mod:`tasks.control.transition`.
 

@@ -53,7 +53,7 @@ class Mesh:
 def meshes_of(robot: PinocchioRobot) -> tuple[list[Mesh], str]:
     """The meshes of a robot, and in words where they are from.
 
-    Those of its URDF; where there are none, or they cannot be read, capsules from joint to joint.
+    Those of its file; where there are none, or they cannot be read, capsules from joint to joint.
     """
     try:
         shapes = robot.visuals()

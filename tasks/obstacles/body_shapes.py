@@ -11,10 +11,8 @@ import numpy as np
 from hqp import InvalidInput
 
 from ..base.checks import Array, suggestion
+from ..robots.frame import WORLD
 from ..robots.robot import RobotState, on_pinocchio
-
-#: The frame of what stands in the world.
-WORLD = "universe"
 
 
 class Shapes:
@@ -125,7 +123,9 @@ def shapes_of(robot: Any, what: str) -> Any:
 
 def bodies_of(robot: Any, geometry: Any) -> list[str]:
     """The frame that carries each shape."""
-    return [str(robot.model.frames[shape.parentFrame].name) for shape in geometry.geometryObjects]
+    from ..robots import geometry as of_robots
+
+    return of_robots.bodies_of(robot.model, geometry)
 
 
 def known(names: Iterable[str], bodies: Iterable[str], what: str) -> None:

@@ -71,7 +71,7 @@ class PairArrays:
 
         blocks = Table(*(block(link.frame) for link in pairs.links))
         ends = zip(pairs.bind(robot), pairs.links, strict=True)
-        capsules = np.array([[*end, link.radius] for end, link in ends])
+        capsules = np.array([[*segment.ravel(), link.radius] for segment, link in ends])
         shapes, work = np.zeros((len(pairs.obstacles), of.SHAPE)), np.zeros(21)
         self.found = np.zeros((len(pairs), of.PAIR))
         followed = [_follow(*own, dt, rates) for own in zip(pairs.obstacles, shapes, strict=True)]

@@ -56,7 +56,7 @@ class Pairs(Live):
         return [f"{link.name} - obstacle {j + 1}" for link in self.links for j in range(len(self.obstacles))]
 
     def bind(self, robot: Robot) -> list[Array]:
-        """Where the links end, in the coordinates of their frames; refuses what the robot has not.
+        """Where the links begin and end, in the coordinates of their frames; refuses what the robot has not.
 
         It hangs on structure alone, which stays, and is computed once a robot.
         """

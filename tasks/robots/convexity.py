@@ -1,10 +1,12 @@
-"""Convex shapes of Coal, which tells distances between them: by name, and the hull of points."""
+"""Shapes of Coal, which tells distances between the convex ones: by name, the hull of points, and triangles."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import coal
+import numpy as np
+from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 
@@ -40,3 +42,14 @@ def hull(points: Array, what: str) -> Any:
     for point in points:
         vertices.append(point)
     return coal.ConvexBase.convexHull(vertices, True, "Qt")
+
+
+def triangles(points: ArrayLike, faces: ArrayLike) -> Any:
+    """A mesh as it is: its corners, shape (k, 3) [m], and three of them a triangle, shape (m, 3)."""
+    vertices, corners = np.array(points, dtype=np.float64), np.array(faces, dtype=np.int64)
+    mesh = coal.BVHModelOBBRSS()
+    mesh.beginModel(len(corners), len(vertices))
+    mesh.addVertices(vertices)
+    mesh.addTriangles(corners)
+    mesh.endModel()
+    return mesh

@@ -16,6 +16,9 @@ import numpy as np
 from ..base.checks import Array
 from .kernels.block import NOTHING
 
+#: The frame of what stands in the world.
+WORLD = "universe"
+
 
 class Frame(Protocol):
     """One frame at one instant.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Literal
 from xml.etree.ElementTree import Element
@@ -12,25 +13,30 @@ import numpy as np
 import pinocchio as pin
 
 from hqp import InvalidInput
-from hqp.checks import of_type
+from hqp.checks import listed, of_type
+from hqp.errors import brief
 
+from ..base.checks import suggestion
 from ..base.quiet import caught, reason
 from .convexity import check_volume
 from .files.urdf import rename, rename_shared
 from .files.xml import parsed, root_of, written
+from .frame import WORLD
 
 
 def read_geometry(robot: Any, kind: Literal["collision", "visual"]) -> pin.GeometryModel:
-    """The shapes of the file that a robot was loaded from: of a URDF, and of an MJCF those that collide.
+    """The shapes of the file that a robot was loaded from, URDF or MJCF.
 
     Raises
     ------
     InvalidInput
         If there is no such file, or a shape cannot be read.
     """
-    if kind == "collision" and robot.scene is not None:
-        from .files.mjcf_shapes import mjcf_geometry
+    if robot.scene is not None:
+        from .files.mjcf_shapes import mjcf_geometry, mjcf_visuals
 
+        if kind == "visual":
+            return mjcf_visuals(robot.model, robot.scene)
         return mjcf_geometry(robot.model, robot.scene, f"the collision shapes of {robot!r}")
     if robot.source is None or root_of(robot.source, repr(robot)) != "robot":
         beside = ", or give it some by robot.with_geometry" if kind == "collision" else ""
@@ -154,6 +160,31 @@ def convex(shape: coal.CollisionGeometry, what: str) -> coal.CollisionGeometry:
     check_volume(np.array(shape.vertices()).reshape(-1, 3), what)
     shape.buildConvexHull(True, "Qt")
     return shape.convex
+
+
+def bodies_of(model: pin.Model, geometry: pin.GeometryModel) -> list[str]:
+    """The frame that carries each shape."""
+    return [str(model.frames[shape.parentFrame].name) for shape in geometry.geometryObjects]
+
+
+def bodies_with_shapes(robot: Any, asked: Iterable[str] | None, what: str) -> list[str]:
+    """The frames that carry shapes, each once, without the world: all of them, or those asked for.
+
+    Raises
+    ------
+    InvalidInput
+        If one that is asked for carries none, tells the nearest; or none is asked for.
+    """
+    carriers = [body for body in dict.fromkeys(bodies_of(robot.model, robot.geometry())) if body != WORLD]
+    if asked is None:
+        return carriers
+    named = list(dict.fromkeys(listed(asked, f"{what}: bodies", "frames of bodies")))
+    for body in named:
+        if not isinstance(body, str) or body not in carriers:
+            raise InvalidInput(f"{what}: {brief(body)} is no body with a shape{suggestion(str(body), carriers)}")
+    if not named:
+        raise InvalidInput(f"{what}: bodies is empty; leave it out for all bodies with shapes")
+    return named
 
 
 def neighbours(model: pin.Model, first: int, second: int) -> bool:

@@ -37,6 +37,7 @@ from .pinocchio_source import PinocchioSource
 from .pinocchio_state import PinocchioState
 from .ranges import SAME, both_ways, largest, no_faster, no_position, within
 from .ranges import position_limit as limits_of
+from .semantics import Semantic
 from .shapes import Shaped
 
 #: The unit of a limit for a joint that turns, and for one that slides.
@@ -50,7 +51,7 @@ Limit = ArrayLike | Mapping[str, float]
 Range = tuple[ArrayLike, ArrayLike] | Mapping[str, tuple[float, float]]
 
 
-class PinocchioRobot(Configurations, Shaped, PinocchioModel):
+class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
     """A robot with a Pinocchio model. One robot serves one thread; copies share the model.
 
     Parameters
@@ -195,18 +196,15 @@ class PinocchioRobot(Configurations, Shaped, PinocchioModel):
         q.flags.writeable = False
         return q
 
-    @property
-    def configurations(self) -> tuple[str, ...]:
-        """The names of the configurations that the model has, such as the keyframes of an MJCF."""
-        return tuple(str(entry.key()) for entry in self.model.referenceConfigurations)
-
     def _named(self, name: str) -> Array:
+        if name in self._states:
+            return self._inside(self._put(self.neutral, self._states[name], name))
         return self._inside(np.array(self.model.referenceConfigurations[name]))
 
     def configuration(self, joints: str | Mapping[str, float]) -> Array:
-        """A configuration that the model names, or the neutral one with these joints at these positions [rad], [m].
+        """A configuration that has a name, or the neutral one with these joints at these positions [rad], [m].
 
-        Named ones are moved into the position limits where they lie outside.
+        :attr:`configurations` lists the names. Named ones are moved into the position limits where they lie outside.
 
         Raises
         ------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from copy import copy
 from typing import Self
 
@@ -45,13 +46,34 @@ class Shaped:
         other._geometry_is_given = True
         return other
 
+    def with_capsules(self, bodies: Iterable[str] | None = None) -> Self:
+        """The same robot with a capsule a body in place of its collision shapes: the smallest that holds them all.
+
+        Capsules are round, so that nearest points do not jump, and quick; they are larger than what they hold.
+
+        Parameters
+        ----------
+        bodies : iterable of str, optional
+            Frames of the bodies that become capsules; others keep their shapes (default: all bodies that have shapes).
+
+        Raises
+        ------
+        InvalidInput
+            If there are no shapes, a frame carries none, or a shape has no end, such as a plane.
+        """
+        from .capsules import capsule_geometry
+        from .geometry import bodies_with_shapes
+
+        asked = bodies_with_shapes(self, bodies, f"{self!r}: with_capsules")
+        return self.with_geometry(capsule_geometry(self.model, self.geometry(), asked))
+
     def visuals(self) -> pin.GeometryModel:
         """What its file says it looks like, read when first asked for.
 
         Raises
         ------
         InvalidInput
-            If there is no URDF file, or a mesh of it cannot be read.
+            If there is no file, or a mesh of it cannot be read.
         """
         if self._visuals is None:
             from .geometry import read_geometry

@@ -37,6 +37,10 @@ if TYPE_CHECKING:
     import mujoco
 
 
+#: A share of a step that is round-off of the clock.
+NEGLIGIBLE = 1e-6
+
+
 class Push(NamedTuple):
     """A force in the axes of the world [N], at a point of a body, from one time to another [s]."""
 
@@ -128,8 +132,7 @@ class MujocoPlant:
         data = self.data
         data.qfrc_applied[:] = 0.0
         data.qfrc_applied[self.dofs] = tau
-        self._apply_pushes()
-        self._mujoco.mj_step(self.model, data, steps)
+        self._step(steps)
         if not np.isfinite(data.qacc).all():  # it would begin the next step with them
             data.qacc[:] = data.qacc_warmstart[:] = 0.0
         return self.state()
@@ -153,7 +156,10 @@ class MujocoPlant:
         return q, np.concatenate([data.qvel[:3] @ _rotation(q), data.qvel[3:6], v])
 
     def push(self, frame: str, force: ArrayLike, duration: float, *, start: float | None = None) -> None:
-        """Push a frame at its origin, in all ticks that begin within a time.
+        """Push a frame at its origin for a time, whether it begins and ends with ticks of the controller or between.
+
+        A step of the physics that it covers in part is pushed by the mean force, so that the momentum is F times the
+        duration, however short.
 
         Parameters
         ----------
@@ -232,18 +238,27 @@ class MujocoPlant:
         self.model.geom("ground").pos[2] += lowest
         self._laid = True
 
-    def _apply_pushes(self) -> None:
-        now = self.time + 1e-9
-        self._pushes = [push for push in self._pushes if now < push.end]
-        acting = [push for push in self._pushes if push.start <= now]
-        if not acting:
+    def _step(self, steps: int) -> None:
+        """So many steps of the physics, one by one while something pushes; where one is pushed in part, by the mean."""
+        data, mujoco, step = self.data, self._mujoco, self.model.opt.timestep
+        self._pushes = [push for push in self._pushes if push.end > self.time]
+        if not any(push.start < self.time + steps * step for push in self._pushes):
+            mujoco.mj_step(self.model, data, steps)
             return
-        data, mujoco = self.data, self._mujoco
-        mujoco.mj_kinematics(self.model, data)
-        mujoco.mj_comPos(self.model, data)
-        for push in acting:
-            at = data.xpos[push.body] + data.xmat[push.body].reshape(3, 3) @ push.point
-            mujoco.mj_applyFT(self.model, data, push.force, np.zeros(3), at, push.body, data.qfrc_applied)
+        unpushed = data.qfrc_applied.copy()
+        for _ in range(steps):
+            data.qfrc_applied[:] = unpushed
+            now = self.time
+            shares = [(push, (min(push.end, now + step) - max(push.start, now)) / step) for push in self._pushes]
+            acting = [(push, share) for push, share in shares if share > NEGLIGIBLE]
+            if acting:
+                mujoco.mj_kinematics(self.model, data)
+                mujoco.mj_comPos(self.model, data)
+            for push, share in acting:
+                at = data.xpos[push.body] + data.xmat[push.body].reshape(3, 3) @ push.point
+                pull = share * push.force
+                mujoco.mj_applyFT(self.model, data, pull, np.zeros(3), at, push.body, data.qfrc_applied)
+            mujoco.mj_step(self.model, data)
 
     def __repr__(self) -> str:
         return f"MujocoPlant({self.model.nv} degrees of freedom, step={self.step:g})"

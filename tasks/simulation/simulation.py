@@ -40,6 +40,7 @@ from ..targets.timing import Timing, as_timing, cubic
 from .log import Log
 from .motion import check_moved, follow
 from .record import Record, Stop
+from .schedule import check_switches
 
 #: Joint speed [rad/s] beyond which a run counts as diverged: 16 turns a second.
 SPEED_CAP = 100.0
@@ -150,7 +151,8 @@ def simulate(
     proof : callable, optional
         The judge of the solutions of those ticks (default: ``solution.certify().ok``).
     changes : iterable of Change and Switch
-        Stacks to go over to on the way, of which the controller keeps the last; contacts to make and to release.
+        Stacks to go over to on the way, of which the controller keeps the last; contacts to make and to release, each
+        of which must be in the other state by then.
     progress : callable, optional
         Told the share of the run that is done, about a hundred times.
     plant : Plant, optional
@@ -231,6 +233,7 @@ class _Run:
         given = listed(changes, "changes", "Change or Switch")
         given = [_checked(change, controller, given) for change in given]
         self._waiting = deque(sorted(given, key=lambda change: change.t))
+        check_switches(controller, self._waiting)
         stacks = [controller.stack, *(change.stack for change in self._waiting if isinstance(change, Change))]
         parts = {id(part): part for stack in stacks for part in stack}
         self.log = Log(controller, self.ticks, robot.at(self._q, self._v), parts.values())

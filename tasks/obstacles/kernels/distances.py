@@ -15,8 +15,8 @@ from ...robots.kernels import block as at
 #: Of all pairs: how many links, obstacles; the addresses of the links' blocks; the links, obstacles and pairs.
 LINKS, OBSTACLES, BLOCKS, CAPSULES, SHAPES, FOUND, WORK = range(7)
 LENGTH = 7
-#: Of a link: where its segment ends in the coordinates of its frame (3,), and its radius.
-END, LINK_RADIUS, CAPSULE = 0, 3, 4
+#: Of a link: where its segment begins and ends in the coordinates of its frame (3,), and its radius.
+START, END, LINK_RADIUS, CAPSULE = 0, 3, 6, 7
 #: Of an obstacle: radius, the two points of its core; its velocity, acceleration, and way within the next tick (3,).
 RADIUS, CORE, VELOCITY, ACCELERATION, SHIFT, SHAPE = 0, 1, 7, 10, 13, 16
 #: Of a pair: the distance of the surfaces [m], negative where they overlap; the unit normal from the obstacle to the
@@ -87,7 +87,7 @@ def measure(here):
     for i in range(links):
         block, own = floats(blocks[i], 0, at.JACOBIAN), CAPSULE * i
         for r in range(3):
-            segment[r] = block[r]
+            segment[r] = block[r] + dot(block, at.ROTATION + 3 * r, capsules, own + START)
             segment[3 + r] = block[r] + dot(block, at.ROTATION + 3 * r, capsules, own + END)
         for o in range(obstacles):
             found = floats(told[FOUND], PAIR * (i * obstacles + o), PAIR)

@@ -16,12 +16,12 @@ import pinocchio as pin
 from hqp import InvalidInput
 
 from ..closure import Closure
+from ..frame import WORLD
 from .couplings import active
 from .mujoco_numbers import pose
 from .scene import Scene
 
 KINDS = {mujoco.mjtEq.mjEQ_CONNECT: "connect", mujoco.mjtEq.mjEQ_WELD: "weld"}
-WORLD = "universe"
 
 
 def closed_chains(

@@ -1,6 +1,9 @@
-"""The collision shapes of an MJCF: what MuJoCo compiled of the geoms, on the bodies of a model."""
+"""The shapes of an MJCF, those that collide and those that are seen: its compiled geoms on the bodies of a model."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -8,10 +11,16 @@ import pinocchio as pin
 
 from hqp import InvalidInput
 
-from ..convexity import hull, shape_of
+from ..convexity import hull, shape_of, triangles
 from .mujoco_numbers import pose
 
 GEOM = mujoco.mjtGeom
+#: The geoms that can be drawn, and the last group of those that MuJoCo's viewer shows at first.
+SEEN = (
+    *(GEOM.mjGEOM_SPHERE, GEOM.mjGEOM_CAPSULE, GEOM.mjGEOM_CYLINDER),
+    *(GEOM.mjGEOM_ELLIPSOID, GEOM.mjGEOM_BOX, GEOM.mjGEOM_MESH),
+)
+LAST_SHOWN = 2
 
 
 def mjcf_geometry(model: pin.Model, mj: mujoco.MjModel, what: str) -> pin.GeometryModel:
@@ -25,18 +34,10 @@ def mjcf_geometry(model: pin.Model, mj: mujoco.MjModel, what: str) -> pin.Geomet
         If a geom of the robot is a plane or a field, which no body carries, or a mesh has no volume.
     """
     geometry, carriers = pin.GeometryModel(), list[int]()
-    for i in range(mj.ngeom):
-        body = int(mj.geom_bodyid[i])
-        name = mj.body(body).name
-        if body == 0 or not (mj.geom_contype[i] or mj.geom_conaffinity[i]) or not model.existBodyName(name):
-            continue
-        frame = model.frames[model.getFrameId(name, pin.FrameType.BODY)]
-        label = mj.geom(i).name or f"{name} {i - int(mj.body_geomadr[body])}"
-        shape = _shape(mj, i, f"{what}: geom {label!r}")
-        placement = frame.placement * pose(mj.geom_pos[i], mj.geom_quat[i])
-        number = model.getFrameId(name, pin.FrameType.BODY)
-        geometry.addGeometryObject(pin.GeometryObject(label, frame.parentJoint, number, placement, shape))
-        carriers.append(body)
+    for i in _carried(model, mj):
+        if mj.geom_contype[i] or mj.geom_conaffinity[i]:
+            geometry.addGeometryObject(_placed(model, mj, i, _shape(mj, i, f"{what}: geom {_label(mj, i)!r}")))
+            carriers.append(int(mj.geom_bodyid[i]))
     excluded = {frozenset((int(pair) >> 16, int(pair) & 0xFFFF)) for pair in mj.exclude_signature}
     for i, first in enumerate(carriers):
         for j in range(i + 1, len(carriers)):
@@ -45,7 +46,53 @@ def mjcf_geometry(model: pin.Model, mj: mujoco.MjModel, what: str) -> pin.Geomet
     return geometry
 
 
-def _shape(mj: mujoco.MjModel, i: int, what: str) -> object:
+def mjcf_visuals(model: pin.Model, mj: mujoco.MjModel) -> pin.GeometryModel:
+    """The geoms that MuJoCo's own viewer shows at first, those of the groups 0 to 2, with their colours.
+
+    Meshes are as they are. If a file has none in these groups, all are shown.
+    """
+    geometry, seen = pin.GeometryModel(), [i for i in _carried(model, mj) if GEOM(mj.geom_type[i]) in SEEN]
+    for i in [i for i in seen if mj.geom_group[i] <= LAST_SHOWN] or seen:
+        material = int(mj.geom_matid[i])
+        color = mj.geom_rgba[i] if material < 0 else mj.mat_rgba[material]
+        if color[3] > 0.0:
+            shape = _mesh(mj, i) if GEOM(mj.geom_type[i]) == GEOM.mjGEOM_MESH else _shape(mj, i, "")
+            shown = _placed(model, mj, i, shape)
+            shown.meshColor, shown.overrideMaterial = np.array(color, dtype=np.float64), True
+            geometry.addGeometryObject(shown)
+    return geometry
+
+
+def _carried(model: pin.Model, mj: mujoco.MjModel) -> Iterator[int]:
+    """MuJoCo's numbers of the geoms on bodies of the model."""
+    for i in range(mj.ngeom):
+        body = int(mj.geom_bodyid[i])
+        if body and model.existBodyName(mj.body(body).name):
+            yield i
+
+
+def _label(mj: mujoco.MjModel, i: int) -> str:
+    body = mj.body(int(mj.geom_bodyid[i]))
+    return str(mj.geom(i).name or f"{body.name} {i - int(body.geomadr[0])}")
+
+
+def _placed(model: pin.Model, mj: mujoco.MjModel, i: int, shape: Any) -> pin.GeometryObject:
+    """A shape where its geom is, on the joint that carries its body."""
+    number = model.getFrameId(mj.body(int(mj.geom_bodyid[i])).name, pin.FrameType.BODY)
+    frame = model.frames[number]
+    placement = frame.placement * pose(mj.geom_pos[i], mj.geom_quat[i])
+    return pin.GeometryObject(_label(mj, i), frame.parentJoint, number, placement, shape)
+
+
+def _mesh(mj: mujoco.MjModel, i: int) -> Any:
+    """The triangles of a mesh."""
+    mesh = int(mj.geom_dataid[i])
+    corners, faces = int(mj.mesh_vertadr[mesh]), int(mj.mesh_faceadr[mesh])
+    vertices = mj.mesh_vert[corners : corners + int(mj.mesh_vertnum[mesh])]
+    return triangles(vertices, mj.mesh_face[faces : faces + int(mj.mesh_facenum[mesh])])
+
+
+def _shape(mj: mujoco.MjModel, i: int, what: str) -> Any:
     kind, (a, b, c) = GEOM(mj.geom_type[i]), (float(size) for size in mj.geom_size[i])
     if kind == GEOM.mjGEOM_MESH:
         mesh = int(mj.geom_dataid[i])

@@ -31,6 +31,8 @@ ELEMENTS = {
     "inertial": ("origin", "mass", "inertia"),
     "collision": ("origin", "geometry"),
 }
+#: What an SRDF has.
+SRDF = ("group", "group_state", "disable_collisions")
 #: Elements of others, which may have joints and links of their own.
 FOREIGN = ("gazebo", "transmission", "ros2_control", "drake", "sensor")
 ONCE = (*ELEMENTS["joint"], *ELEMENTS["inertial"], "inertial", "geometry")
@@ -124,6 +126,8 @@ def _check_elements(root: Element, path: Path, what: str) -> None:
     unexpanded = any("xacro" in str(element.tag).split("}")[0] for element in root.iter())
     if unexpanded or any("${" in value for element in root.iter() for value in element.attrib.values()):
         raise InvalidInput(f"{what} is to be expanded by xacro first: xacro {path.name} > {stem}.urdf")
+    if root.find("link") is None and any(root.find(tag) is not None for tag in SRDF):
+        raise InvalidInput(f"{what} is an SRDF; load the URDF beside it, and robot.with_srdf({path.name!r})")
     for element in [root, *(own for child in root if child.tag in ELEMENTS["robot"] for own in child.iter())]:
         known = ELEMENTS.get(str(element.tag), ())
         for child in element:

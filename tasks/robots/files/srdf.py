@@ -1,0 +1,151 @@
+"""Reads what an SRDF says of a robot beside its URDF: groups of joints, and configurations by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree.ElementTree import Element
+
+import numpy as np
+import pinocchio as pin
+
+from hqp import InvalidInput
+
+from ...base.checks import Array, suggestion
+from .xml import parsed
+
+
+@dataclass(frozen=True, eq=False)
+class Semantics:
+    """What an SRDF says.
+
+    Attributes
+    ----------
+    groups : dict of str to list of str
+        The joints of each group, in the order of the model.
+    states : dict of str to dict of str to array
+        The configurations, by name: of each joint the numbers of its position.
+    unknown : list of str
+        Joints, links and groups that it names, and that are not there.
+    """
+
+    groups: Mapping[str, list[str]]
+    states: Mapping[str, Mapping[str, Array]]
+    unknown: list[str]
+
+
+def read_srdf(path: Path, model: pin.Model, what: str) -> Semantics:
+    """The groups and the configurations of an SRDF, for a model.
+
+    Configurations that groups have under one name are one, where none says another position of a joint; else each is
+    called ``"group/name"``.
+
+    Raises
+    ------
+    InvalidInput
+        If the file cannot be read or has neither, an element has no name, a group holds itself, or a position is no
+        number.
+    """
+    root = parsed(path, what)
+    elements: dict[str, list[Element]] = {}
+    for own in root.findall("group"):
+        elements.setdefault(_text(own, "name", what), []).extend(own)
+    reader = _Groups(elements, model, what)
+    groups = {name: reader.joints(name) for name in elements}
+    states: dict[str, dict[str, Array]] = {}
+    found = [
+        (_text(one, "name", what), one.get("group", ""), _positions(one, what)) for one in root.iter("group_state")
+    ]
+    for name in dict.fromkeys(name for name, _, _ in found):
+        alike = [(group, positions) for other, group, positions in found if other == name]
+        joined = {joint: q for _, positions in alike for joint, q in positions.items()}
+        if all(np.array_equal(joined[joint], q) for _, positions in alike for joint, q in positions.items()):
+            states[name] = {reader.told(joint): q for joint, q in joined.items()}
+        else:
+            states |= {f"{group}/{name}": positions for group, positions in alike}
+    if not (groups or states):
+        raise InvalidInput(f"{what} has no group and no group_state; it must be an SRDF that has one")
+    return Semantics(groups, states, list(dict.fromkeys(reader.unknown)))
+
+
+class _Groups:
+    """The joints of groups, which may name joints, links, chains, and groups."""
+
+    def __init__(self, elements: Mapping[str, list[Element]], model: pin.Model, what: str) -> None:
+        self._elements, self._model, self._what = elements, model, what
+        self._order = list(model.names)[1:]
+        self.unknown: list[str] = []
+
+    def joints(self, group: str, within: tuple[str, ...] = ()) -> list[str]:
+        """The joints of a group that the model has, each once, in the order of the model."""
+        if group in within:
+            raise InvalidInput(f"{self._what}: group {group!r} is a part of itself")
+        found: set[str] = set()
+        for element in self._elements[group]:
+            if element.tag == "joint":
+                found.add(self.told(_text(element, "name", self._what)))
+            elif element.tag == "link":
+                found |= self._above(_text(element, "name", self._what))
+            elif element.tag == "chain":
+                ends = [_text(element, end, self._what) for end in ("base_link", "tip_link")]
+                base, tip = (self._carriers(end) for end in ends)
+                found |= {self._model.names[joint] for joint in tip - base}
+            elif element.tag == "group":
+                name = _text(element, "name", self._what)
+                if name not in self._elements:
+                    told = suggestion(name, self._elements)
+                    raise InvalidInput(f"{self._what}: group {group!r} holds {name!r}, which is no group{told}")
+                found |= set(self.joints(name, (*within, group)))
+        return [name for name in self._order if name in found]
+
+    def told(self, joint: str) -> str:
+        """The joint, noted where the model neither moves nor holds it."""
+        if joint not in self._order and not self._model.existFrame(joint, pin.FrameType.FIXED_JOINT):
+            self.unknown.append(joint)
+        return joint
+
+    def _above(self, link: str) -> set[str]:
+        """The joint that moves a link; none where it is fixed to another."""
+        frame = self._frame(link)
+        if frame is None:
+            return set()
+        before = self._model.frames[frame.parentFrame]
+        return {before.name} if before.type == pin.FrameType.JOINT else set()
+
+    def _carriers(self, link: str) -> set[int]:
+        """The numbers of all joints that move a link; none of a link that is not there, which is the world."""
+        frame = self._frame(link)
+        return set() if frame is None else set(list(self._model.supports[frame.parentJoint])[1:])
+
+    def _frame(self, link: str) -> pin.Frame | None:
+        number = self._model.getFrameId(link, pin.FrameType.BODY)
+        if number < self._model.nframes:
+            return self._model.frames[number]
+        self.unknown.append(link)
+        return None
+
+
+def _positions(state: Element, what: str) -> dict[str, Array]:
+    name, found = _text(state, "name", what), dict[str, Array]()
+    for joint, value in _joints(state, what):
+        try:
+            numbers = np.array([float(number) for number in value.split()])
+        except ValueError:
+            numbers = np.array([np.nan])
+        if not (len(numbers) and np.isfinite(numbers).all()):
+            raise InvalidInput(f"{what}: group_state {name!r} puts {joint!r} at {value!r}; it must be numbers")
+        found[joint] = numbers
+    return found
+
+
+def _joints(state: Element, what: str) -> Iterator[tuple[str, str]]:
+    for joint in state.findall("joint"):
+        yield _text(joint, "name", what), _text(joint, "value", what)
+
+
+def _text(element: Element, attribute: str, what: str) -> str:
+    text = element.get(attribute)
+    if not text:
+        raise InvalidInput(f"{what}: a {element.tag} has no {attribute}")
+    return text

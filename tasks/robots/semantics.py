@@ -1,0 +1,94 @@
+"""What a robot calls its configurations and its joints together: keyframes, and the names of an SRDF."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from copy import copy
+from os import PathLike
+from pathlib import Path
+from types import MappingProxyType
+from typing import Self
+
+import numpy as np
+import pinocchio as pin
+
+from hqp import InvalidInput
+from hqp.errors import brief
+
+from ..base.checks import Array
+from ..base.telling import tell
+from .axes import NONE, Axis
+
+
+class Semantic:
+    """A base of :class:`tasks.PinocchioRobot`."""
+
+    model: pin.Model
+    _axes: tuple[Axis, ...]
+    #: Joints by group, and positions by configuration and joint.
+    _groups: Mapping[str, tuple[str, ...]] = MappingProxyType({})
+    _states: Mapping[str, Mapping[str, Array]] = MappingProxyType({})
+
+    @property
+    def groups(self) -> dict[str, tuple[str, ...]]:
+        """Joints that an SRDF names together, see :meth:`with_srdf`: for tasks, where they take names of joints."""
+        return dict(self._groups)
+
+    @property
+    def configurations(self) -> tuple[str, ...]:
+        """The names of the configurations that it has: keyframes of an MJCF, group states of an SRDF."""
+        keyframes = (str(entry.key()) for entry in self.model.referenceConfigurations)
+        return tuple(dict.fromkeys((*keyframes, *self._states)))
+
+    def with_srdf(self, file: str | PathLike[str]) -> Self:
+        """The same robot with the groups and the group states of an SRDF.
+
+        ``robot.configuration("ready")`` is then a group state, with all other joints where neutral, and
+        ``robot.groups["arm"]`` the joints of a group, as for ``Freeze(all_but=robot.groups["arm"])``. Joints that the
+        robot holds are left out; what the file names and the robot has not is told, by logging. Where two groups have
+        states of one name that contradict each other, each is called ``"group/name"``. A state that is called like a
+        keyframe takes its place; home stays.
+
+        Parameters
+        ----------
+        file : str or path
+
+        Raises
+        ------
+        InvalidInput
+            If the file cannot be read, has no group and no group state, or puts a joint at other than its numbers.
+        """
+        from .files.srdf import read_srdf
+
+        if not isinstance(file, str | PathLike):
+            raise InvalidInput(f"with_srdf: file = {brief(file)} is a {type(file).__name__}; it must be a path")
+        path = Path(file)
+        what = f"{self!r}: with_srdf: {brief(str(path))}"
+        read, other = read_srdf(path, self.model, what), copy(self)
+        if read.unknown:
+            tell(f"{what}: names what the robot has not: {', '.join(read.unknown)}")
+        other._groups = {
+            name: tuple(axis.name for axis in self._axes if axis.joint in joints)
+            for name, joints in read.groups.items()
+        }
+        other._states = read.states
+        for name, positions in read.states.items():
+            other._put(pin.neutral(self.model), positions, f"{what}: configuration {name!r}")
+        return other
+
+    def _put(self, q: Array, positions: Mapping[str, Array], what: str) -> Array:
+        """q with these joints at these positions; those that are no joints of the model stay."""
+        q = np.array(q)
+        for name, numbers in positions.items():
+            if not self.model.existJointName(name):
+                continue
+            joint = self.model.joints[self.model.getJointId(name)]
+            own = [axis for axis in self._axes if axis.joint == name]
+            if len(own) == 1 and own[0].circle != NONE and len(numbers) == 1:
+                q[own[0].circle : own[0].circle + 2] = np.cos(numbers[0]), np.sin(numbers[0])
+            elif own and len(numbers) == joint.nq:
+                q[joint.idx_q : joint.idx_q + joint.nq] = numbers
+            elif own:
+                raise InvalidInput(f"{what}: joint {name!r} has {len(numbers)} numbers; it must have {joint.nq}")
+        pin.normalize(self.model, q)
+        return q

@@ -1,0 +1,142 @@
+"""Groups and configurations of an SRDF: Pinocchio reads the same positions, and what is wrong is said."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from hqp import InvalidInput
+from tasks import Controller, Freeze, JointLimits, PositionTask, load_robot
+
+PANDA = load_robot("panda", lock=["panda_finger_joint1"])
+TALOS = load_robot("talos")
+
+
+@pytest.fixture
+def srdf(tmp_path):
+    def written(text: str):
+        path = tmp_path / "robot.srdf"
+        path.write_text(f'<?xml version="1.0"?><robot name="robot">{text}</robot>')
+        return path
+
+    return written
+
+
+ARM = '<group name="arm"><chain base_link="panda_link0" tip_link="panda_hand"/></group>'
+READY = '<group_state name="ready" group="arm"><joint name="panda_joint4" value="-1.5"/></group_state>'
+
+
+def test_a_group_state_is_a_configuration_by_name(srdf) -> None:
+    robot = PANDA.with_srdf(srdf(ARM + READY))
+    assert robot.configurations == ("ready",)
+    np.testing.assert_array_equal(robot.configuration("ready"), PANDA.configuration({"panda_joint4": -1.5}))
+    np.testing.assert_array_equal(robot.home, PANDA.home)
+    assert PANDA.configurations == ()
+    for other in copy.copy(robot), copy.deepcopy(robot), pickle.loads(pickle.dumps(robot)), robot.with_capsules():
+        np.testing.assert_array_equal(other.configuration("ready"), robot.configuration("ready"))
+        assert other.groups == robot.groups
+
+
+def test_positions_are_those_that_pinocchio_reads(srdf) -> None:
+    """Of a floating base, of joints, and of a state in two parts."""
+    path = srdf(
+        '<group_state name="half" group="a"><joint name="root_joint" value="0. 0. 1.02 0. 0. 0.6 0.8"/>'
+        '<joint name="leg_left_4_joint" value="0.8"/><joint name="leg_right_4_joint" value="0.7"/></group_state>'
+    )
+    model = pin.Model(TALOS.model)
+    pin.loadReferenceConfigurations(model, str(path), False)
+    theirs = np.array(model.referenceConfigurations["half"])
+    np.testing.assert_allclose(TALOS.with_srdf(path).configuration("half"), theirs, atol=1e-12)
+
+
+def test_a_joint_without_end_stands_at_its_angle(srdf) -> None:
+    robot = load_robot("double_pendulum_continuous")
+    name = robot.joint_names[0]
+    path = srdf(f'<group_state name="up" group="all"><joint name="{name}" value="2.5"/></group_state>')
+    expected = robot.configuration({name: 2.5})
+    np.testing.assert_allclose(robot.with_srdf(path).configuration("up"), expected, atol=1e-12)
+
+
+def test_states_of_two_groups_are_one_unless_they_contradict_each_other(srdf) -> None:
+    other = '<group_state name="ready" group="wrist"><joint name="panda_joint6" value="2"/></group_state>'
+    robot = PANDA.with_srdf(srdf(READY + other))
+    expected = PANDA.configuration({"panda_joint4": -1.5, "panda_joint6": 2.0})
+    np.testing.assert_array_equal(robot.configuration("ready"), expected)
+    against = '<group_state name="ready" group="elbow"><joint name="panda_joint4" value="-1"/></group_state>'
+    robot = PANDA.with_srdf(srdf(READY + against))
+    assert robot.configurations == ("arm/ready", "elbow/ready")
+    with pytest.raises(InvalidInput, match="did you mean 'arm/ready'"):
+        robot.configuration("ready")
+
+
+def test_groups_by_joints_links_chains_and_groups(srdf) -> None:
+    robot = PANDA.with_srdf(
+        srdf(
+            ARM
+            + '<group name="wrist"><link name="panda_link7"/><joint name="panda_joint6"/>'
+            + '<link name="panda_hand"/></group>'
+            + '<group name="upper"><chain base_link="panda_link0" tip_link="panda_link3"/></group>'
+            + '<group name="both"><group name="upper"/><group name="wrist"/></group>'
+            + '<group name="fingers"><joint name="panda_finger_joint1"/></group>'
+        )
+    )
+    joints = [f"panda_joint{i}" for i in range(1, 8)]
+    assert robot.groups == {
+        "arm": tuple(joints),
+        "wrist": ("panda_joint6", "panda_joint7"),
+        "upper": tuple(joints[:3]),
+        "both": (*joints[:3], *joints[5:]),
+        "fingers": (),
+    }
+    stack = JointLimits() >> Freeze(all_but=robot.groups["wrist"]) >> PositionTask([0.4, 0.1, 0.4], gain=5.0)
+    v = Controller(robot, stack, dt=0.01)(robot.home).v
+    assert np.abs(v[:5]).max() < 1e-9 < np.abs(v[5:]).max()
+
+
+def test_what_the_robot_has_not_is_told(srdf, caplog) -> None:
+    state = '<group_state name="ready" group="arm"><joint name="elbow" value="1"/></group_state>'
+    robot = PANDA.with_srdf(srdf(ARM + state + '<group name="fingers"><joint name="panda_finger_joint1"/></group>'))
+    assert caplog.text.count("names what the robot has not: elbow\n") == 1  # a finger that is held, it has
+    np.testing.assert_array_equal(robot.configuration("ready"), PANDA.neutral)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "no group and no group_state"),
+        ("<group><joint/></group>", "a group has no name"),
+        ('<group name="a"><joint/></group>', "a joint has no name"),
+        ('<group name="a"><chain base_link="panda_link0"/></group>', "a chain has no tip_link"),
+        ('<group name="a"><group name="b"/></group>', "'b', which is no group"),
+        ('<group name="a"><group name="b"/></group><group name="b"><group name="a"/></group>', "part of itself"),
+        ('<group_state name="a"><joint name="panda_joint1" value="nan"/></group_state>', "'nan'; it must be numbers"),
+        ('<group_state name="a"><joint name="panda_joint1" value="up"/></group_state>', "'up'; it must be numbers"),
+        (
+            '<group_state name="a"><joint name="panda_joint1" value="0 0"/></group_state>',
+            "has 2 numbers; it must have 1",
+        ),
+        ('<group_state name="a"><joint name="panda_joint1"/></group_state>', "a joint has no value"),
+        ("<group", "no valid XML"),
+    ],
+)
+def test_what_is_wrong_is_refused_in_words(srdf, text, words) -> None:
+    with pytest.raises(InvalidInput) as refusal:
+        PANDA.with_srdf(srdf(text))
+    assert words in str(refusal.value)
+    assert "robot.srdf" in str(refusal.value)
+
+
+def test_no_file_is_refused(tmp_path) -> None:
+    with pytest.raises(InvalidInput, match="cannot be read"):
+        PANDA.with_srdf(tmp_path / "none.srdf")
+    with pytest.raises(InvalidInput, match="file"):
+        PANDA.with_srdf(3)
+
+
+def test_an_srdf_is_no_robot(srdf) -> None:
+    with pytest.raises(InvalidInput, match="with_srdf"):
+        load_robot(srdf(ARM + READY))
