@@ -1,4 +1,4 @@
-"""``python -m benchmarks``: a small file each command."""
+"""``python -m benchmarks``: one file for each command."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``python -m benchmarks batch``: many hierarchies in one call against a loop over single warm calls."""
+"""``python -m benchmarks batch``: many hierarchies in one call, compared with a loop over single warm calls."""
 
 from __future__ import annotations
 

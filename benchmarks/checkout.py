@@ -9,7 +9,7 @@ HERE = Path(__file__).parents[1]
 
 
 def front(folder: Path, tree: Path) -> dict[str, str]:
-    """The environment of a process that finds the library of a checkout and these benchmarks, by links in a folder."""
+    """The environment of a process that imports these benchmarks and the library of a checkout, by links."""
     folder.mkdir(exist_ok=True)
     for package, source in (("hqp", tree), ("tasks", tree), ("benchmarks", HERE)):
         if not (folder / package).exists():

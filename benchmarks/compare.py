@@ -22,7 +22,7 @@ def compare(
     by: Annotated[Literal["group", "family"], typer.Option("--by", help="Where times are compared.")] = "group",
     everything: Annotated[bool, typer.Option("--all", help="Show times that did not change, too.")] = False,
 ) -> None:
-    """Compare two runs, or the library at two commits, which are measured first, by the benchmarks of now."""
+    """Compare two runs, or the library at two commits, which the present benchmarks measure first."""
     required_packages()
     from .analysis.comparison import ROUND_OFF, UNSTEADY, answers, changes, differences, paired
     from .sweep.store import Store
@@ -70,7 +70,7 @@ def compare(
 
 
 def _folder(what: str, plan: str) -> Path:
-    """The folder of a run, or that of a commit, which is measured now."""
+    """The folder of a run, or that of a commit, which is measured first."""
     from .sweep.commits import run_commit
 
     return Path(what) if Path(what).is_dir() else run_commit(what, plan)

@@ -8,7 +8,7 @@ from hqp import MissingPackage
 
 
 def required_packages() -> None:
-    """Refuse to go on without the packages that keep and read the results.
+    """Raise an error if a package that writes or reads the results is not installed.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""``python -m benchmarks ik``: reachable random poses, from home, against the differential solvers of others."""
+"""``python -m benchmarks ik``: inverse kinematics of random reachable poses, compared with other libraries."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def ik(
         Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=path)
     ] = None,
 ) -> None:
-    """Solve for random poses that are in reach, by ours and by Pink, mink and OInK, interleaved in one run."""
+    """Solve for random reachable poses by this library, Pink, mink and OInK, interleaved in one run."""
     for name in robot or ():
         if name not in MACHINES:
             raise InvalidInput(f"unknown robot {name!r}; there are {', '.join(MACHINES)}")
@@ -138,7 +138,7 @@ def poses(robot: PinocchioRobot, count: int, seed: int) -> list[Target]:
 def measure(
     methods: list[Method], targets: list[Target], budget: int, tick: Callable[[], None] = lambda: None
 ) -> dict[Method, list[tuple[Outcome, float]]]:
-    """Outcome and seconds of the processor of every method on every target, in turn: the machine hits all alike."""
+    """Outcome and CPU seconds of every method on every target, in turn, so that disturbances affect all alike."""
     timed: dict[Method, list[tuple[Outcome, float]]] = {method: [] for method in methods}
     for method in methods:
         method.solve(targets[0], budget)  # what is done once is not timed

@@ -1,4 +1,4 @@
-"""All that solves for a pose in ``python -m benchmarks ik``, and what of it is here."""
+"""The methods of ``python -m benchmarks ik``, and which of them are installed."""
 
 from __future__ import annotations
 

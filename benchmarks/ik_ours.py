@@ -1,4 +1,4 @@
-"""What solves for a pose in ``python -m benchmarks ik``: this library."""
+"""The methods of this library in ``python -m benchmarks ik``."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Target:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a method made of a target: whether it was reached, in how many steps, the largest excess over a limit."""
+    """The result of a method for one target: whether it was reached, steps, largest excess over a limit."""
 
     reached: bool
     steps: int
@@ -58,12 +58,12 @@ class Method(ABC):
 
 
 class Native(Method):
-    """``solve_ik``, the making of the tasks and of the hierarchy included; position and orientation on one level."""
+    """``solve_ik``, construction of tasks and hierarchy included; position and orientation on one level."""
 
     name = "native"
 
     def stack(self, target: Target) -> Stack:
-        """What is wanted, in order of priority."""
+        """The tasks, in order of priority."""
         return Stack(PoseTask(target.position, target.rotation, gain=1.0))
 
     def solve(self, target: Target, budget: int) -> Outcome:

@@ -1,4 +1,4 @@
-"""What solves for a pose in ``python -m benchmarks ik``: the step of another library, repeated.
+"""The methods of other libraries in ``python -m benchmarks ik``: their step, repeated.
 
 Pink, mink and OInK solve one weighted QP a step and leave the loop to their users. Here it is that of their examples: a
 FrameTask of cost 1 [m] and 1 [rad], the limit of the configuration, and q integrated by the velocity; DAQP below Pink
@@ -33,7 +33,7 @@ LM_DAMPING, OINK_DAMPING, LIMIT_GAIN, POSTURE = 1e-3, 1e-2, 0.5, 1e-3
 
 
 class Peer(Method):
-    """A step repeated until the pose is reached, begun anew by the rule of ``solve_ik`` if at all."""
+    """A step repeated until the pose is reached; restarts, if any, follow the rule of ``solve_ik``."""
 
     @abstractmethod
     def aim(self, target: Target) -> None:
@@ -45,7 +45,7 @@ class Peer(Method):
 
     @abstractmethod
     def step(self) -> Array:
-        """One step; where it led."""
+        """Take one step; the configuration after it."""
 
     def error(self, target: Target) -> tuple[float, float]:
         """Distance [m] and angle [rad] to the target."""

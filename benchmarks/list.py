@@ -15,7 +15,7 @@ from .tables import show, terminal
 
 
 def list_() -> None:
-    """List everything that a run can be made of, and what it tells."""
+    """List all plans, families, methods, settings, metrics and columns of results."""
     required_packages()
     from .analysis.metrics import METRICS
     from .sweep.schema import COLUMNS

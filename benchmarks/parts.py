@@ -1,4 +1,4 @@
-"""``python -m benchmarks parts``: what every kind of part costs a tick, as a ratio to the tick with plain tasks."""
+"""``python -m benchmarks parts``: time of a tick with every kind of part, as a ratio to one with plain tasks."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def parts(
         Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=path)
     ] = None,
 ) -> None:
-    """Time a tick of a Panda with every kind of part, against the tick with plain tasks, or another checkout's."""
+    """Time a tick of a Panda with every kind of part, compared with plain tasks, or with another checkout."""
     kinds = [PLAIN, *(kind for kind in select(part, {k.name: k for k in KINDS}, "part") if kind is not PLAIN)]
     orders = select(order, {own: own for own in ORDERS}, "order")
     if out is not None:
@@ -89,7 +89,7 @@ def parts(
 def _measured(
     kinds: list[Kind], orders: list[Order], here: Blocks, there: Blocks | None, ticks: int, rounds: int, poses: int
 ) -> tuple[Times, Times, dict[Key, str]]:
-    """Times of ours and theirs, block by block, and what the other library refuses."""
+    """Times of both checkouts, block by block, and what the other one refuses."""
     calls = list(_calls(kinds, orders, ticks, poses))
     ours, theirs = defaultdict[Key, list[list[int]]](list), defaultdict[Key, list[list[int]]](list)
     refused: dict[Key, str] = {}

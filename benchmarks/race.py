@@ -1,4 +1,4 @@
-"""Methods against each other on the draws of one family: interleaved in one run, every answer certified."""
+"""Timing of several methods on the problems of one family: interleaved in one run, every answer checked."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class Timing:
 
 
 def raced() -> list[Method]:
-    """Those of `RACED` that are here."""
+    """Those of `RACED` that are installed."""
     return [METHODS[name] for name in RACED if not METHODS[name].missing()]
 
 
@@ -92,7 +92,7 @@ def race(
 
 
 def _problem(methods: Sequence[Method], start: str, draw: int, base: Hierarchy, problem: Hierarchy) -> Iterator[Timing]:
-    """All methods on one problem, from one start."""
+    """Timings of all methods on one problem, cold or warm."""
     found: dict[str, tuple[float, Array]] = {}
     for method in methods:
         prepare = partial(method.cold, problem) if start == COLD else partial(method.warm, base, problem)

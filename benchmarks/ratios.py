@@ -13,7 +13,7 @@ from .tables import Row
 
 
 def yardstick(timings: Sequence[Timing]) -> str | None:
-    """The form of DAQP's hierarchy that is faster in most pairs, or None where neither was raced."""
+    """The form of DAQP's hierarchy that is faster in most pairs, or None if neither was timed."""
     forms = {
         form: {(t.draw, t.start): t.seconds for t in timings if t.method == form} for form in (DAQP_ROWS, DAQP_COST)
     }

@@ -15,13 +15,13 @@ T = TypeVar("T")
 
 
 def registered(package: ModuleType, attribute: str) -> Iterator[Any]:
-    """What the modules of a package have in the tuple of this name, module by module in alphabetical order."""
+    """The contents of the tuples of this name in the modules of a package, in alphabetical order of the modules."""
     for module in sorted(pkgutil.iter_modules(package.__path__), key=lambda module: module.name):
         yield from getattr(import_module(f"{package.__name__}.{module.name}"), attribute, ())
 
 
 def select(patterns: Collection[str] | None, among: Mapping[str, T], what: str) -> list[T]:
-    """Those whose key one of the patterns matches (``motion/*``), in their own order; all where there is no pattern.
+    """Those whose key one of the patterns matches (``motion/*``), in their own order; all if there is no pattern.
 
     Raises
     ------

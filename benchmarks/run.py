@@ -1,4 +1,4 @@
-"""``python -m benchmarks run``: measure a plan, on one core or many; what is finished is kept."""
+"""``python -m benchmarks run``: measure a plan, on one core or many; finished cells are kept."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def run(
         Path | None, typer.Option("--out", "-o", help="Where the run is kept, and goes on.", parser=path)
     ] = None,
 ) -> None:
-    """Measure families x methods x settings. Interrupted, it goes on where it was, when called again in the same way.
+    """Measure families x methods x settings. The same call continues an interrupted run.
 
     The picture of the run is put beside its cells; the last line says which backend to use, for what.
     Exit code 1 if a cell could not be measured.
@@ -99,7 +99,7 @@ def run(
 
 
 def _worked(plan: object, cells: Sequence[object], jobs: int, dask: str | None) -> Iterator[tuple[object, object]]:
-    """The cells by whoever is to do the work."""
+    """Measure the cells: in this process, in several, or on a cluster."""
     from hqp import Solver
 
     from .sweep import workers

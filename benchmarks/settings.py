@@ -9,7 +9,7 @@ from hqp import Settings
 
 @dataclass(frozen=True)
 class Setting:
-    """A name, what it stands for, and the settings of a backend."""
+    """A setting: its name, its description, and the settings of a backend."""
 
     name: str
     about: str

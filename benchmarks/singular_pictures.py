@@ -22,7 +22,7 @@ LEAST = 1e-2, 1e-1, 1e-2
 
 
 def draw(path: Path, runs: Mapping[str, Sequence[Run]]) -> None:
-    """A column a scene: the fastest joint, the error of the position, and that of the orientation."""
+    """Draw a column for each scene: largest joint speed, error of the position, error of the orientation."""
     with mpl.rc_context({"font.size": 8, "axes.titlesize": 9, "axes.titlelocation": "left", "legend.frameon": False}):
         figure = Figure(figsize=(11.0, 6.0), layout="constrained")
         grid = figure.subplots(3, len(runs), sharex="col", sharey="row", squeeze=False)

@@ -38,7 +38,7 @@ SHARE = 0.5
 
 @dataclass(frozen=True)
 class Scene:
-    """A robot, where it starts, and a position task above an orientation task which it cannot always meet."""
+    """A robot, its start, and a position task above an orientation task that it cannot always meet."""
 
     name: str
     robot: Robot
@@ -59,7 +59,7 @@ Method = Callable[[Scene], Stack]
 
 @dataclass(frozen=True)
 class Run:
-    """One method on one way: its record, and the largest residual norm reported of each damped task."""
+    """One method on one path: its record, and the largest reported residual norm of each damped task."""
 
     method: str
     record: Record
@@ -73,7 +73,7 @@ class Run:
 
     @property
     def jump(self) -> float:
-        """Largest change of a joint speed from tick to tick, after the first [rad/s]: what chatter is seen by."""
+        """Largest change of a joint speed from tick to tick, after the first [rad/s], a measure of chatter."""
         return float(np.abs(np.diff(self.record.v[1:], axis=0)).max())
 
     def errors(self, task: str) -> np.ndarray:

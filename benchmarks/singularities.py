@@ -1,4 +1,4 @@
-"""``python -m benchmarks singularities``: what each remedy for singularities keeps, and what it costs."""
+"""``python -m benchmarks singularities``: task errors and joint speeds with each remedy for singularities."""
 
 from __future__ import annotations
 

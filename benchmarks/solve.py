@@ -1,4 +1,4 @@
-"""``python -m benchmarks solve``: a controller's problems, cold and warm, against DAQP's own hierarchy."""
+"""``python -m benchmarks solve``: problems of controllers, cold and warm, compared with DAQP's own hierarchy."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def solve(
         Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=path)
     ] = None,
 ) -> None:
-    """Race solvers on what a controller solves: cold, and warm after the targets have moved."""
+    """Time solvers on problems of controllers: cold, and warm after the targets have moved."""
     families = select(family, CONTROL, "family")
     methods = required(select(method, METHODS, "method")) if method else raced()
     shares = list(dict.fromkeys(SHARES if moved is None else moved))

@@ -1,4 +1,4 @@
-"""What lower levels cost the first one: five stacks for arms, most states at a limit, in this library and in others."""
+"""Disturbance of the first level by lower ones: five stacks for arms, in this library and in others."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ METHODS: tuple[Own | Peer, ...] = (
 
 
 def strictness(states: int = STATES) -> tuple[str, list[Row], list[str]]:
-    """In how many states a limit is active, a row a library, and why others are left out.
+    """The number of states with an active limit, one row for each library, and why others are left out.
 
     Columns
     -------
@@ -74,7 +74,7 @@ def strictness(states: int = STATES) -> tuple[str, list[Row], list[str]]:
 
 
 def first_level(stream: Stream) -> Stream:
-    """The same motion, where nothing is asked below the first level."""
+    """The same motion with the first level alone."""
     return replace(stream, scene=replace(stream.scene, levels=stream.scene.levels[:1]))
 
 
@@ -93,7 +93,7 @@ def optima(stream: Stream, ticks: Sequence[int] | Array) -> Iterator[tuple[Hiera
 def missed(
     method: Own | Peer, stream: Stream, ticks: Sequence[int] | Array, best: Sequence[tuple[Hierarchy, Solution]]
 ) -> Array:
-    """By how much two levels of each answer are further off than what is above forces them to be, shape (ticks, 2).
+    """Error of two levels of each answer beyond the one that the levels above cause, shape (ticks, 2).
 
     In m/s and rad/s; infinite where there is no answer.
     """

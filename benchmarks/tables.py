@@ -17,7 +17,7 @@ WORDS, TITLE = ("family", "start", "method", "setting", "name", "about", "faster
 
 
 def terminal(title: str, rows: Sequence[Row], *, group: str = "") -> Table:
-    """A table of these rows; where `group` changes, a line is left free."""
+    """A table of these rows, with an empty line where `group` changes."""
     table = Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
     columns = [column for column in rows[0] if column not in TITLE]
     for column in columns:
@@ -29,7 +29,7 @@ def terminal(title: str, rows: Sequence[Row], *, group: str = "") -> Table:
 
 
 def show(printer: Console, table: Table) -> None:
-    """Print a table whole: where the terminal is narrower, its lines go on below, and no number is cut."""
+    """Print a table completely: lines wider than the terminal are wrapped, and no number is cut."""
     given = printer.width
     if all(column.no_wrap for column in table.columns):
         printer.width = max(given, printer.measure(table, options=printer.options.update(width=1000)).maximum)
@@ -46,7 +46,7 @@ def markdown(rows: Sequence[Row]) -> str:
 
 
 def save(path: Path, rows: Iterable[Row]) -> None:
-    """All rows into one CSV file; what a row does not tell is left empty."""
+    """Write all rows into one CSV file; missing values are left empty."""
     rows = list(rows)
     columns = dict.fromkeys(column for row in rows for column in row)
     with path.open("w", newline="") as file:

@@ -1,4 +1,4 @@
-"""``python -m benchmarks teleop``: a hand leads a robot, which this library and others control in closed loop."""
+"""``python -m benchmarks teleop``: robots follow the hand of an operator, by this library and others."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def teleop(
         Path | None, typer.Option("--plot", help="Draw a picture of each scene into this folder.", parser=path)
     ] = None,
 ) -> None:
-    """Let a hand lead a robot that each library controls by itself, and compare how it moves."""
+    """Compare libraries that each control a robot in closed loop after the hand of an operator."""
     chosen = [
         replace(s, gain=K or s.gain, dt=tick or s.dt)
         for s, K, tick in product(select(scene, {s.name: s for s in SCENES}, "scene"), gain or [0.0], dt or [0.0])
@@ -111,7 +111,7 @@ def _scene(
     printer: Console,
     plot: Path | None,
 ) -> tuple[list[Row], list[Check]]:
-    """Run one scene, and show what came of it."""
+    """Run one scene, and print its results."""
     stream = scene.stream(seconds)
     with Progress(console=Console(stderr=True), transient=True) as progress:
         bar = progress.add_task(title(scene), total=rounds)
@@ -138,5 +138,5 @@ def _scene(
 
 
 def picture_name(scene: Scene) -> str:
-    """Of the file that a scene is drawn into."""
+    """The name of the file that a scene is drawn into."""
     return f"teleop-{title(scene).replace(',', '').replace(' /s', '').replace(' ', '-')}.png"

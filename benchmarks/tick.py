@@ -85,7 +85,7 @@ def tick(
 
 
 def _alone(printer: Console, ticks: int) -> None:
-    """Tables of this library without any other, and of who keeps the first level."""
+    """Tables of this library alone, and of how well each library keeps the first level."""
     from .strictness import LOSS, STATES, strictness
     from .ticks.damping import ratios
     from .ticks.paced import RATE, paced
@@ -110,7 +110,7 @@ def _alone(printer: Console, ticks: int) -> None:
 def _measured(
     scene: Scene, ticks: int, rounds: int, placo: str | None, progress: Callable[[], None]
 ) -> tuple[str, list[Row]]:
-    """How many joints are at a limit in one scene, and the rows of its table."""
+    """The number of joints at a limit in one scene, and the rows of its table."""
     stream = record(scene, ticks)
     drivers = _drivers(stream, placo)
     try:
@@ -121,7 +121,7 @@ def _measured(
 
 
 def _drivers(stream: Stream, placo: str | None) -> list[Driver]:
-    """This library, and the others that are here."""
+    """The drivers of this library, and of the others that are installed."""
     drivers: list[Driver] = [Ours(stream)]
     for name, kind, solver in PEERS:
         if find_spec(name) is not None:

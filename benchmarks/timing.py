@@ -11,7 +11,7 @@ from typing import Any
 
 @contextmanager
 def undisturbed() -> Iterator[None]:
-    """Without the garbage collector."""
+    """A context without the garbage collector."""
     gc.disable()
     try:
         yield

@@ -1,4 +1,4 @@
-"""Which backend to use, for what: one sentence from the rows of a run, and the picture that goes with it."""
+"""A recommendation of a backend for each use: one sentence from the rows of a run, and a picture."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def conclude(printer: Console, store: Store) -> None:
 
 
 def advice(rows: pd.DataFrame) -> str:
-    """The sentence: who is best warm and cold, who for a second opinion, where another is faster, and who misleads.
+    """The sentence: best methods warm, cold and for a second opinion, faster ones, and silently wrong ones.
 
     Best is the least shifted geometric mean of the time, in which an answer that cannot be used counts as 10 ms, of
     those that took part in all families. A second opinion is the one most often certified, of the others.

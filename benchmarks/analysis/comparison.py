@@ -73,7 +73,7 @@ def paired(before: pd.DataFrame, after: pd.DataFrame) -> pd.DataFrame:
 
 
 def differences(pairs: pd.DataFrame) -> dict[str, int]:
-    """Column -> in how many rows it differs, of all that is no time."""
+    """For each column that is not a time: the number of rows in which it differs."""
     unequal = {name: ~_same(pairs[name], pairs[f"{name} after"]) for name in ANSWERS}
     return {name: int(rows.sum()) for name, rows in unequal.items() if rows.any()}
 
@@ -93,7 +93,7 @@ def _close(a: Any, b: Any) -> NDArray[np.bool_]:
 
 
 def answers(pairs: pd.DataFrame) -> list[Row]:
-    """Entrants whose answers differ, and what these are worth before and after."""
+    """Entrants whose answers differ, with the metrics of these before and after."""
     after = pairs[[f"{name} after" for name in ANSWERS]].set_axis(list(ANSWERS), axis="columns")
     found = []
     for (method, setting), mine in pairs.groupby(ENTRANT, sort=False):

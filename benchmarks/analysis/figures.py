@@ -49,7 +49,7 @@ class Styles:
 
 
 def draw_profiles(rows: pd.DataFrame, path: Path) -> None:
-    """Who is within which factor of the fastest, on which share of the problems: certified answers, cold and warm."""
+    """Performance profiles of certified answers: share of the problems over the factor to the fastest method."""
     rows, styles = tight(rows), Styles(rows)
     parts = {"first level feasible": controllable(rows), "all families": general(rows)}
     with _figure(path, (10.0, 6.8), 2, 2) as (figure, grid):
@@ -113,7 +113,7 @@ def draw_accuracy(rows: pd.DataFrame, path: Path) -> None:
 
 
 def draw_tails(rows: pd.DataFrame, path: Path) -> None:
-    """How many problems take longer than so long: the shortest rounds, which are the problem's, not the machine's."""
+    """Share of the problems that take longer than a time; the shortest rounds, to exclude the machine."""
     rows, styles = controllable(tight(rows)), Styles(rows)
     if rows.empty:
         raise InvalidInput("tails are those of families whose first level can be met; there is none in the run")
@@ -162,7 +162,7 @@ def controllable(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def general(rows: pd.DataFrame) -> pd.DataFrame:
-    """Without the methods that took part in some of the families only: they would have other problems."""
+    """The rows without methods that took part in some families only, which would have other problems."""
     families = rows.groupby(ENTRANT, observed=True)["family"].nunique()
     here = set(families.index[families == families.max()])
     mine = [key in here for key in zip(rows["method"], rows["setting"], strict=True)]

@@ -27,7 +27,7 @@ class Profile(NamedTuple):
 
 
 def profiles(rows: pd.DataFrame, good: pd.Series) -> list[Profile]:
-    """Profiles of the rows of one start over the problems that everyone was given; only `good` answers count.
+    """Profiles of the rows of one start over the problems of all methods; only `good` answers count.
 
     Who has no good answer to a problem never solves it, whatever the factor.
     """

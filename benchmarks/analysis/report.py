@@ -68,7 +68,7 @@ _GROWTH = (
 
 
 def _measured_by(store: Store) -> str:
-    """Where and with what."""
+    """The machine, the versions and the settings of the measurement."""
     lines = []
     for machine in store.machines():
         packages = ", ".join(f"{name} {machine[name]}" for name in machine if name not in _NOT_PACKAGES)

@@ -1,4 +1,4 @@
-"""What a controller solves each tick, as seven problem families: limits above tasks above a posture.
+"""Seven families of problems shaped as those of controllers: limits above tasks above a posture.
 
 From three unknowns (P1) and the size of an arm (P2) to that of a humanoid (P4). Every variable lies in -1 .. 1, but
 for P1; the rows of the tasks have random directions and norm one; the last level asks for a posture, so that x is

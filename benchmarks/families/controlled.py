@@ -1,4 +1,4 @@
-"""Random hierarchies of the size of an arm, of which one thing is controlled: rank, conflict, or active bounds.
+"""Random hierarchies of the size of an arm, in which one of rank, conflict and active bounds is varied.
 
 Seven unknowns: bounds on all of them above four equality levels of three, three, two and seven rows, the last one a
 posture. All rows have norm one, so that every method solves the same problem.

@@ -83,7 +83,7 @@ def moved(hierarchy: Hierarchy, rng: np.random.Generator, share: float) -> Hiera
 
 
 def drawn(make: Callable[[np.random.Generator], Hierarchy]) -> Callable[[int, int], Sample]:
-    """The `sample` of a family whose problems are drawn one by one, each after one whose targets were elsewhere."""
+    """The `sample` of a family whose problems are drawn one by one, each after one with moved targets."""
 
     def sample(seed: int, draw: int) -> Sample:
         now = make(np.random.default_rng([seed, draw]))

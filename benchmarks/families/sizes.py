@@ -1,4 +1,4 @@
-"""One thing grows, the rest stays: unknowns, levels, rows. For growth curves.
+"""Families for growth curves: one of unknowns, levels and rows grows, the rest stays the same.
 
 Bounds on every variable above inequalities and tasks above a posture; rows of norm one, so that every method solves
 the same problem.

@@ -1,4 +1,4 @@
-"""What a whole-body controller solves while its robot loses its balance: accelerations and contact forces, saturated.
+"""Saturated whole-body problems: accelerations and contact forces of a robot that loses its balance.
 
 A floating base with 29 joints on two soles, drawn at random: the unknowns are 35 accelerations and the forces of eight
 points. The equations of motion and of the contacts come first, friction cones and torque limits second, and the tasks

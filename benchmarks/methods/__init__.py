@@ -1,4 +1,4 @@
-"""What is measured, by name. A module here that has a tuple `METHODS` adds its own: a new method is one file."""
+"""The measured methods, by name. A module here that has a tuple `METHODS` adds its own: a new method is one file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every backend of the registry, through :class:`hqp.Solver`: ours, the cascades over flat QP solvers, DAQP's own."""
+"""Every backend of the registry, through :class:`hqp.Solver`: native, cascades over flat QP solvers, DAQP."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""DAQP's own hierarchy, called as its users call it: arrays laid out beforehand, nothing of ours in between."""
+"""DAQP's own hierarchy, called as its users call it: arrays are laid out beforehand, without this library."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is measured: something that solves a hierarchy, called as a user would call it.
+"""The measured methods: each solves a hierarchy, called as a user would call it.
 
 A method hands out *calls*: functions of nothing which solve one problem. What a user could have done beforehand is done
 beforehand: a solver of ours is made, the arrays of DAQP are laid out.
@@ -21,7 +21,7 @@ Call = Callable[[], Any]
 
 
 class Outcome(NamedTuple):
-    """What came out of a call.
+    """The result of a call.
 
     Attributes
     ----------
@@ -63,15 +63,15 @@ class Method(ABC):
 
     @abstractmethod
     def missing(self) -> str:
-        """Why it cannot run here, or nothing."""
+        """Why it cannot run here; empty if it can."""
 
     @abstractmethod
     def refusal(self, family: Family) -> str:
-        """Why it has no part in the family, or nothing."""
+        """Why it does not take part in the family; empty if it does."""
 
     @abstractmethod
     def cold(self, problem: Hierarchy, setting: Setting = TIGHT) -> Call:
-        """Solve with nothing remembered but the structure."""
+        """Solve without a warm start; only the structure is known."""
 
     @abstractmethod
     def warm(self, before: Hierarchy, now: Hierarchy, setting: Setting = TIGHT) -> Call:

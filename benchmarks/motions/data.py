@@ -1,4 +1,4 @@
-"""The recorded ticks as files: one a robot, and a table that tells what the families are."""
+"""The recorded ticks as files: one for each robot, and a table of the families."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recorded ticks as hierarchies: what a control loop had to solve there, and what it had solved just before."""
+"""Recorded ticks as pairs of hierarchies: that of the tick, and that of the tick before."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Motions run in closed loop, and what is kept of them: some ticks, each with the tick before it."""
+"""Recording of motions in closed loop; some ticks are kept, each with the tick before it."""
 
 from __future__ import annotations
 

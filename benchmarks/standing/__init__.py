@@ -1,1 +1,1 @@
-"""Robots that stand: accelerations and contact forces tick by tick, here and as other controllers decide them."""
+"""Robots that stand: accelerations and contact forces tick by tick, by this library and by other controllers."""

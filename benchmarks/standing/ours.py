@@ -1,4 +1,4 @@
-"""A robot that stands, decided by this library."""
+"""Drivers of this library for a robot that stands."""
 
 from __future__ import annotations
 

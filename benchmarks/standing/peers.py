@@ -1,4 +1,4 @@
-"""A robot that stands, decided by others, on the rows that this library writes: weighted QPs, and DAQP's hierarchy."""
+"""Other drivers for a robot that stands, with the rows of this library: weighted QPs, and DAQP's hierarchy."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Answer = tuple[Array, Array]
 
 
 class Peer(Standing):
-    """Rows, something else that solves them, and the torques that follow."""
+    """A driver that solves the rows of this library by another solver, and computes the torques."""
 
     def tick(self, k: int) -> Answer:
         *_, x = self._parts(k)

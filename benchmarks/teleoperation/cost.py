@@ -1,4 +1,4 @@
-"""What the default damping costs a tick: the same states for both, in reach and out of it."""
+"""Cost of the default damping: times of strict and damped ticks at the same states, in and out of reach."""
 
 from __future__ import annotations
 

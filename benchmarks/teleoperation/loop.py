@@ -24,7 +24,7 @@ COLD = 5
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """What one library made of a stream of targets.
+    """The motion of one library after a stream of targets.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ def drive(
     rounds: int = 1,
     progress: Callable[[], None] = lambda: None,
 ) -> list[Run]:
-    """Let everyone follow the targets, that often from the beginning; the motions are those of the first round."""
+    """Run all libraries on the targets, for a number of rounds; the motions are those of the first round."""
     with _quiet(), undisturbed():
         _round(stream, [make(stream) for make in makers], min(BLOCK, len(stream)))  # imports, memory, compilers
         all_rounds = []

@@ -1,4 +1,4 @@
-"""One motion, in numbers."""
+"""The metrics of one motion."""
 
 from __future__ import annotations
 

@@ -42,7 +42,7 @@ def fast_share(v: Array, dt: float, above: float = FAST) -> float:
 
 
 def longest(mask: Array) -> int:
-    """The most True in a row."""
+    """Length of the longest sequence of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
     return int((edges[1::2] - edges[::2]).max(initial=0))
 

@@ -1,4 +1,4 @@
-"""One picture a scene: how far the hand is off, and what one joint does to follow, library by library."""
+"""One picture for each scene: the error of the hand, and the motion of one joint, library by library."""
 
 from __future__ import annotations
 

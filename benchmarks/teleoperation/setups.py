@@ -40,11 +40,11 @@ class Own:
     options: Mapping[str, Any] = field(default_factory=dict)
 
     def missing(self) -> str:
-        """Why it cannot be asked: it always can."""
+        """Why it cannot run here: always empty."""
         return ""
 
     def refuses(self, scene: Scene) -> str:
-        """Why it cannot be asked this: it always can."""
+        """Why it cannot take this scene: always empty."""
         return ""
 
     def driver(self, stream: Stream) -> Driver:
@@ -82,14 +82,14 @@ class Peer:
         return " ".join(filter(None, (self.package, self.solver, self.variant)))
 
     def missing(self) -> str:
-        """Why it cannot be asked; empty where it can."""
+        """Why it cannot run here; empty if it can."""
         for package in filter(None, (self.package, {"proxqp": "proxsuite"}.get(self.solver, self.solver))):
             if find_spec(package) is None:
                 return f"{self.name}: left out, {package} is not installed: python -m pip install -e '.[peers,solvers]'"
         return ""
 
     def refuses(self, scene: Scene) -> str:
-        """Why it cannot be asked this; empty where it can."""
+        """Why it cannot take this scene; empty if it can."""
         if self.package == "roboplan" and any(goal.what == "com" for goal in scene.goals):
             return f"{self.name}: left out of {scene.name}, as it has no task for the centre of mass"
         return ""

@@ -1,4 +1,4 @@
-"""By how much the levels below have moved the first task of this library."""
+"""Displacement of the first task of this library by the levels below."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the default stack is to reach, as laws over the rows of a scene."""
+"""The design targets of the default stack, as laws over the rows of a scene."""
 
 from __future__ import annotations
 

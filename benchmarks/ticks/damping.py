@@ -1,4 +1,4 @@
-"""What damped levels cost a solve: the hierarchies of one motion, solved damped and not, one beside the other."""
+"""Cost of damped levels: the hierarchies of one motion, solved damped and undamped in turn."""
 
 from __future__ import annotations
 

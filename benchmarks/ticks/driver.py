@@ -1,4 +1,4 @@
-"""A library at work on a recorded motion: what is timed, and how."""
+"""The base class of drivers: one library on a recorded motion, timed tick by tick."""
 
 from __future__ import annotations
 

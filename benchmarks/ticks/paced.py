@@ -1,4 +1,4 @@
-"""Ticks as a robot asks for them, 200 a second with sleep between, when caches are cold; beside those back to back."""
+"""Ticks at 200 Hz with sleep in between, when caches are cold, compared with ticks back to back."""
 
 from __future__ import annotations
 

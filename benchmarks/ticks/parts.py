@@ -1,4 +1,4 @@
-"""Every kind of part in a stack of a Panda, in place of a plain one or added: what is compared with the plain stack.
+"""Stacks of a Panda with every kind of part, in place of a plain one or added, compared with the plain stack.
 
 Public names of the library only, so that these stacks can be declared in another checkout too.
 """

@@ -1,4 +1,4 @@
-"""What is asked of which robot: scenes, as data that every library can be given."""
+"""Scenes as data that every library can read: a robot, its tasks, and the motion of their targets."""
 
 from __future__ import annotations
 

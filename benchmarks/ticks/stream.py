@@ -1,4 +1,4 @@
-"""One motion, tick by tick, so that every library is given the same: recorded once, in closed loop."""
+"""One motion, tick by tick, recorded once in closed loop, so that every library gets the same one."""
 
 from __future__ import annotations
 

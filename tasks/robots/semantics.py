@@ -17,14 +17,14 @@ from hqp.errors import brief
 
 from ..base.checks import Array
 from ..base.telling import tell
-from .axes import NONE, Axis
+from .joint_axes import NONE, JointAxis
 
 
 class Semantic:
     """A base of :class:`tasks.PinocchioRobot`."""
 
     model: pin.Model
-    _axes: tuple[Axis, ...]
+    _axes: tuple[JointAxis, ...]
     #: Joints by group, and positions by configuration and joint.
     _groups: Mapping[str, tuple[str, ...]] = MappingProxyType({})
     _states: Mapping[str, Mapping[str, Array]] = MappingProxyType({})

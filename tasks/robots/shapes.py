@@ -1,4 +1,4 @@
-"""What a robot collides with and looks like: the shapes of its file, or shapes that are given."""
+"""Collision and visual shapes of a robot: those of its file, or given ones."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Shaped:
         return self.with_geometry(capsule_geometry(self.model, self.geometry(), asked))
 
     def visuals(self) -> pin.GeometryModel:
-        """What its file says it looks like, read when first asked for.
+        """The visual shapes of its file, read at the first use.
 
         Raises
         ------

@@ -22,7 +22,7 @@ SHORT = 1e-9
 
 
 def skeleton(robot: Robot, q: ArrayLike, *, frames: Iterable[str] = ()) -> Array:
-    """Where the links are: one segment from the origin of each joint to that of its parent, without those of length 0.
+    """The links as segments, from the origin of each joint to that of its parent, without those of length 0.
 
     Parameters
     ----------

@@ -40,5 +40,5 @@ class Source(Protocol):
         ...
 
     def update(self, state: RobotState, drifts: bool) -> None:
-        """Have ready what the loops read, at this state."""
+        """Compute the numbers that the loops read, at this state."""
         ...

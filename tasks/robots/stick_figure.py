@@ -30,7 +30,7 @@ def stick_figure(
     position: Array | None = None,
     rotation: Array | None = None,
 ) -> None:
-    """Draw a robot, one of its frames and where that is to be, into a picture.
+    """Draw a robot, one of its frames and the target of that frame into a picture.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Where one frame of a robot is, for an observer on another."""
+"""Transforms between frames: the pose of one frame of a robot relative to another one or to the world."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ class Framed(Protocol):
 
 
 class Transforms:
-    """A base of states: what they say about the places of frames."""
+    """A base of states: the transforms between their frames."""
 
     def transform(self: Framed, frame: str | None = None, relative_to: str | None = None) -> Array:
-        """Where a frame is: the matrix that brings its coordinates into those of the world, or of another frame.
+        """The pose of a frame: the matrix that takes its coordinates to those of the world, or of another frame.
 
         ``robot.at(q).transform("gripper", "base_link")``; a target of :class:`tasks.PoseTask` as it is.
 

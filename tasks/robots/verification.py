@@ -49,7 +49,7 @@ def verify(model: pin.Model, what: str) -> None:
 
 
 def _verify_sizes(model: pin.Model, what: str) -> None:
-    """What would else be read beyond its end."""
+    """Check the sizes of arrays that would otherwise be read beyond their end."""
     count = model.njoints
     lists = {"joints": model.joints, "names": model.names, "parents": model.parents, "inertias": model.inertias}
     for name, own in {**lists, "jointPlacements": model.jointPlacements}.items():
@@ -104,7 +104,7 @@ def _verify_inertia(inertia: pin.Inertia, what: str) -> None:
 
 
 def tell_of_inertias(model: pin.Model, what: str) -> None:
-    """Tell of inertias that no body has: kinematics are right with them, and torques are not."""
+    """Warn of inertias that no body can have: with them kinematics are right, but torques are wrong."""
     wrong = []
     for inertia, name in list(zip(model.inertias, model.names, strict=True))[1:]:
         J = np.array(inertia.inertia)

@@ -63,7 +63,7 @@ class _Alone:
         self._robot, self._numbers = robot, _numbers(task)
 
     def suits(self, task: Task, robot: Robot) -> bool:
-        """Whether it is at work on this robot, with what the task is now."""
+        """Whether these loops are made for this robot and for the present settings of the task."""
         now = _numbers(task)
         return (
             self._robot is robot

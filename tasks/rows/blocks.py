@@ -1,4 +1,4 @@
-"""Frame blocks of one robot, each written once a tick: by loops where the robot has some, else from its states.
+"""Frame blocks of one robot, each written once a tick: by loops if the robot has them, else from its states.
 
 See :mod:`tasks.robots.kernels.block` for what a block holds.
 """
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class StateSource:
-    """Blocks filled from what the states of any robot tell, frame by frame."""
+    """Frame blocks filled from the states of any robot, frame by frame."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -61,7 +61,7 @@ class StateSource:
 
 
 class Blocks:
-    """The blocks that the parts of one stack ask for, each once.
+    """The frame blocks that the parts of one stack need, each kept once.
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 def bending(site: Site, kernel: Any, seen: Table | None, size: int, *told: Entry) -> Call | None:
-    """The call that adds S(w) of the rows of a part; None where nobody tells how its frame bends.
+    """The call that adds S(w) of the rows of a part; None if the curvature of its frame is not known.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def center_bends(shared: Workspace, relative_to: str | None = None) -> Table | N
 
 
 def _of_block(shared: Workspace, block: Array, places: NDArray[np.int64] | None) -> Table | None:
-    """How a frame in the world bends, by its block."""
+    """The curvature of the motion of a frame in the world, by its block."""
     from ..base.loops import Table
 
     if places is None:
@@ -93,7 +93,7 @@ def _of_block(shared: Workspace, block: Array, places: NDArray[np.int64] | None)
 
 
 def _seen(shared: Workspace, bends: Table | None, block: Array, relative_to: str | None) -> Table | None:
-    """How it bends as another frame sees it, by its block there."""
+    """The curvature of its motion relative to another frame, by its block in that frame."""
     from ..base.loops import Table
 
     if bends is None or relative_to is None:

@@ -16,7 +16,7 @@ TITLES = ("level", "part", "rows", "written by")
 
 @dataclass(frozen=True)
 class WrittenPart:
-    """The rows of one part, and who writes them every tick.
+    """The rows of one part, and the loop or Python function that writes them every tick.
 
     Attributes
     ----------

@@ -309,7 +309,7 @@ class HierarchyWriter:
 
     @property
     def work(self) -> list[tuple[int, int, RowWriter, Plan, Site]]:
-        """For every part, from the highest level down: level, first row, the part, its plan and its site."""
+        """Level, first row, part, plan and site of every part, from the highest level down."""
         levels = [k for k, parts in enumerate(self.levels.parts) for _ in parts]
         first = np.cumsum([0, *(site.rows for _, site in self._views)])
         plans = (plan for _, plan in self.plans)

@@ -59,7 +59,7 @@ class Inequality(Part):
 
     @number
     def above(self, value: ArrayLike) -> Array:
-        """How far above its target it may be, shape () or (rows,)."""
+        """How far above its target the value may be, shape () or (rows,)."""
         return numbers(value, f"{self.full_name()}: above")
 
     @property
@@ -136,7 +136,7 @@ class Inequality(Part):
         return any(target is not None and not stands_still(target) for target in targets)
 
     def error(self, state: RobotState, t: float) -> Array:
-        """By how much the value is beyond its bounds, and to which side it has to go, shape (rows,)."""
+        """By how much the value is beyond its bounds, signed towards them, shape (rows,)."""
         e = self.task.error(state, t)
         return np.maximum(e + self.below, 0.0) + np.minimum(e + self.above, 0.0)
 

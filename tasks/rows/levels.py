@@ -29,7 +29,7 @@ class Levels(NamedTuple):
 
     @property
     def all_parts(self) -> Iterator[RowWriter]:
-        """From the highest level down."""
+        """All parts, from the highest level down."""
         return (part for level in self.parts for part in level)
 
     @property

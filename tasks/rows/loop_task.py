@@ -15,7 +15,7 @@ class LoopTask(Task):
         return measured_alone(self, state, t).error
 
     def jacobian(self, state: RobotState, t: float = 0.0) -> Array:
-        """How the actual value follows the joints at time t [s], shape (rows, nv)."""
+        """Derivative of the actual value by the joint motion at time t [s], shape (rows, nv)."""
         return measured_alone(self, state, t).jacobian
 
     def drift(self, state: RobotState, t: float = 0.0) -> Array:

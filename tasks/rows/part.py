@@ -54,7 +54,7 @@ class Part(RowWriter):
     """
 
     def companions(self, setting: Setting) -> Companions:
-        """The parts that it is replaced by when the stack is solved; by default itself.
+        """The parts that replace it when the stack is solved; by default the part itself.
 
         Raises
         ------
@@ -180,7 +180,7 @@ class Stack(Live):
         return of_levels([*levels[:place], *new, *levels[place:]])
 
     def _level(self, part: Part) -> int:
-        """The number of the level of a part."""
+        """The number of the level that a part is on."""
         for k, level in enumerate(self.levels):
             if any(own is part for own in level):
                 return k

@@ -102,12 +102,12 @@ class Task(Part):
 
     @number
     def cap(self, value: ArrayLike | None) -> Array | None:
-        """The longest error that counts [m], [rad], shape () or (rows,); None for any."""
+        """Length to which the error is cut off [m], [rad], shape () or (rows,); None for no limit."""
         return None if value is None else positive(value, f"{self.full_name()}: cap", unit="m or rad")
 
     @number
     def deceleration(self, value: float | None) -> float | None:
-        """At which it comes to rest at its target [m/s^2], [rad/s^2]; None where that does not matter."""
+        """Deceleration with which it comes to rest at its target [m/s^2], [rad/s^2]; None for no bound."""
         what = f"{self.full_name()}: deceleration"
         return None if value is None else positive_scalar(value, what, unit="m/s^2 or rad/s^2")
 
@@ -132,7 +132,7 @@ class Task(Part):
         raise NotImplementedError(f"{type(self).__name__} must define error(state, t)")
 
     def jacobian(self, state: RobotState) -> Array:
-        """How the actual value follows the joints, shape (rows, nv)."""
+        """Derivative of the actual value by the joint motion, shape (rows, nv)."""
         raise NotImplementedError(f"{type(self).__name__} must define jacobian(state)")
 
     def drift(self, state: RobotState) -> Array | float:
@@ -181,7 +181,7 @@ class Task(Part):
 
     @staticmethod
     def at_rest(robot: Robot) -> RobotState:
-        """The state that a task is tried at: neutral, without motion."""
+        """The state at which a task is checked: the neutral configuration, without motion."""
         return robot.at(neutral(robot), np.zeros(robot.nv))
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:

@@ -168,7 +168,7 @@ class Circle(Path):
 
 @runtime_checkable
 class Piece(Trajectory, Protocol):
-    """What a chain is made of: a trajectory from t = 0 to its duration [s]."""
+    """A segment of a chain: a trajectory from t = 0 to its duration [s]."""
 
     duration: float
 

@@ -90,7 +90,7 @@ def quintic(u: float) -> tuple[float, float, float]:
 
 @_at_rest_outside
 def harmonic(u: float) -> tuple[float, float, float]:
-    """``s = (1 - cos(pi u)) / 2``: half a swing of a pendulum. Its acceleration jumps at the ends.
+    """``s = (1 - cos(pi u)) / 2``: half a period of a cosine. Its acceleration jumps at the ends.
 
     Parameters
     ----------

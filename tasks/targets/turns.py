@@ -73,7 +73,7 @@ class RotationSetpoint:
         self._turns = False
 
     def move(self, R: ArrayLike, omega: ArrayLike | None = None, alpha: ArrayLike | None = None) -> None:
-        """Set how it is turned, and how it turns if that is known [rad/s], [rad/s^2] (default: it stands).
+        """Set the rotation and, if known, its angular velocity [rad/s] and acceleration [rad/s^2] (default: 0).
 
         Raises
         ------
@@ -131,7 +131,7 @@ class PoseSetpoint:
         self.position, self.rotation = Setpoint(p), RotationSetpoint(R)
 
     def move(self, T: Any, velocity: ArrayLike | None = None) -> None:
-        """Set where it is and, if that is known, how it moves: linear [m/s] before angular [rad/s], in world axes.
+        """Set the pose and, if known, its velocity: linear [m/s] before angular [rad/s], in world axes.
 
         Raises
         ------
@@ -170,7 +170,7 @@ class Watched:
 
 
 class AboutZ:
-    """A rotation about z by an angle in time: all that a planar arm can do.
+    """A rotation about z by an angle as a function of time: the only rotation of a planar arm.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure of the text which shows a notion rather than a motion.
+    """A figure of the thesis that shows a concept, not a motion.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Three pictures of ideas: the argument for a QP, priorities exchanged, and what position alone can reach."""
+"""Three pictures: the argument for a QP, two priorities exchanged, and the workspace of the position alone."""
 
 from __future__ import annotations
 

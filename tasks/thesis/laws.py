@@ -117,7 +117,7 @@ def strict(scenario: Scenario) -> Stack:
 
 
 def projected(scenario: Scenario) -> Stack:
-    """position >> what the orientation task would do alone."""
+    """position >> the joint motion of the orientation task alone."""
     first = Stack(position(scenario))
     return first if scenario.phi is None else first >> JointMotion(orientation(scenario))
 
@@ -138,7 +138,7 @@ def damped(scenario: Scenario) -> Stack:
 
 
 def coasting(scenario: Scenario) -> Stack:
-    """Joint limits >> position >> orientation beside joints that are accelerated little, and not braked."""
+    """Joint limits >> position >> orientation, with damping of joint accelerations alone, without a velocity term."""
     still = MinimumMotionTask(scenario.damping, gain=COASTING_GAIN)
     return limits(scenario) >> position(scenario) >> orientation(scenario) + still
 
@@ -149,7 +149,7 @@ def resting(scenario: Scenario) -> Stack:
 
 
 def agile(scenario: Scenario) -> Stack:
-    """Joint limits >> position >> its manipulability."""
+    """Joint limits >> position >> manipulability of the position task."""
     tip = position(scenario)
     return limits(scenario) >> tip >> ManipulabilityTask(tip, gain=scenario.orientation_gain)
 

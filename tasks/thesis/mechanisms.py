@@ -41,7 +41,7 @@ def draw_three_links() -> Figure:
 
 
 def draw_two_links() -> Figure:
-    """Fig. 2.1: two links, what joint velocities of norm one make of the hand, and Eq. 2.2 for every bend."""
+    """Fig. 2.1: two links, the velocity-ratio ellipse of the hand, and Eq. 2.2 for every elbow angle."""
     arm = PlanarArm([1.0, 0.85])
     q = np.radians([33.0, 58.0])
     figure = paper(2.1)

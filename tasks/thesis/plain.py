@@ -1,4 +1,4 @@
-"""One figure in the layout of the thesis: the arm along its path under one law, and its caption line."""
+"""One figure in the layout of the thesis: the arm along its path under one law, with a caption."""
 
 from __future__ import annotations
 

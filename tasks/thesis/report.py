@@ -1,4 +1,4 @@
-"""Simulate, draw, tabulate: on all cores, every file kept as soon as it is finished, nothing made twice."""
+"""The report: simulates, draws and tabulates on all cores; finished files are kept and not made again."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ def draw_mapping() -> Figure:
 
 
 def draw_pseudoinverse() -> Figure:
-    """Fig. 3.4: the pseudoinverse goes the way back, and takes what cannot be moved to zero."""
+    """Fig. 3.4: the pseudoinverse maps the range back, and its orthogonal complement to zero."""
     figure, axis = _canvas(2.4)
     joints, task = _two_spaces(axis)
     moving = _blade(axis, joints, UP, MOVES, r"$R(J^{\#})$", LEFT_UP)
@@ -109,7 +109,7 @@ def draw_pseudoinverse() -> Figure:
 
 
 def draw_priority() -> Figure:
-    """Fig. 3.5: what the first task takes of the joint motions, what the second can use, and what is left."""
+    """Fig. 3.5: the joint motions that the first task uses, those that the second can use, and those that remain."""
     from matplotlib.patches import Ellipse
 
     figure, axis = _canvas(2.7, PAGE)

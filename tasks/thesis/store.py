@@ -48,7 +48,7 @@ class Store:
         return self.path(job).exists()
 
     def forget_other_versions(self) -> None:
-        """Remove the records that other sources made: nobody will ask for them again."""
+        """Remove the records made by other versions of the sources: they are never read again."""
         for path in self.folder.glob("*.npz"):
             name = NAME.fullmatch(path.name)
             if name and name[1] != sources(drawing=False)[:8]:
@@ -75,7 +75,7 @@ class Drawn:
         self._write()
 
     def forget(self, names: Iterable[str]) -> None:
-        """These are about to be drawn: until that is done nobody knows what they show."""
+        """Forget these files, which are about to be drawn, until they are complete."""
         for name in names:
             self.keys.pop(name, None)
         self._write()

@@ -79,7 +79,7 @@ def _lines() -> Iterable[tuple[str, Law, str]]:
 
 
 def lines(found: Mapping[Run, RunResult]) -> Section:
-    """A row a claim, law and tick; a column an end of the line: what would be found of it there."""
+    """One row for each claim, law and tick; one column for each end of the line, with the verdict there."""
     rows = []
     for figure, law, tick in _lines():
         items = [on_line(figure, end, tick) for end in ENDS]

@@ -88,7 +88,7 @@ def _ends(mj: mujoco.MjModel, i: int) -> list[tuple[int, pin.SE3]]:
 
 
 def _stands(mj: mujoco.MjModel, body: int) -> bool:
-    """Whether it is part of the world, and nobody moves it by hand."""
+    """Whether a body is fixed to the world, and is not a mocap body."""
     return bool(mj.body_weldid[body] == 0 and mj.body_mocapid[mj.body_rootid[body]] < 0)
 
 

@@ -18,7 +18,7 @@ BASES = {"planar": pin.JointModelPlanar, "floating": pin.JointModelFreeFlyer}
 
 @dataclass
 class Description:
-    """A robot as its file describes it.
+    """The contents of a model file: the Pinocchio model, joints that follow others, closed chains.
 
     Attributes
     ----------

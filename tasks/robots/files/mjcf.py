@@ -226,7 +226,7 @@ class _Reader:
         return low if low > -LARGEST else -np.inf, high if high < LARGEST else np.inf
 
     def _largest_force(self, j: int, name: str) -> float:
-        """What the motors of a joint can do at least in both directions [N m], [N]."""
+        """The largest force that the motors of a joint have in both directions [N m], [N]."""
         if not self.mj.jnt_actfrclimited[j]:
             return np.inf
         low, high = (float(end) for end in self.mj.jnt_actfrcrange[j])
@@ -248,7 +248,7 @@ class _Reader:
                 self._add_frame(name, carrier, own, pin.FrameType.OP_FRAME)
 
     def _unmodelled(self) -> list[str]:
-        """Forces that MuJoCo knows, and torques of the robot do not."""
+        """Forces that MuJoCo models and the torques of the robot do not include."""
         springs = [name for j, name in self.joint_names().items() if self.mj.jnt_stiffness[j]]
         lifted = [self.names[body] for body in self.scene.bodies if self.mj.body_gravcomp[body]]
         tendons = [

@@ -29,7 +29,7 @@ def xyzw(quaternion: Array) -> Array:
 
 
 def yaw_of(rotation: Array) -> float:
-    """How far a body is turned about the vertical [rad]."""
+    """The yaw angle of a body, about the vertical [rad]."""
     return float(np.arctan2(rotation[1, 0], rotation[0, 0]))
 
 

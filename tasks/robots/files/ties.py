@@ -194,7 +194,7 @@ def _column(model: pin.Model, joint: str) -> int:
 
 
 def _left_by_followers(model: pin.Model, driver: Tie, ties: list[Tie]) -> FollowerLimits:
-    """What the ranges and speeds of all others that are tied to it leave to a joint."""
+    """The range and speed of a joint that the ranges and speeds of its followers permit."""
     low, high, speed = -np.inf, np.inf, np.inf
     speeds = known(model.upperVelocityLimit)
     for tie in ties:

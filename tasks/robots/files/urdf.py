@@ -1,4 +1,4 @@
-"""Robots from URDF, read by Pinocchio; what Pinocchio ignores in silence is refused here, or told."""
+"""Robots from URDF, read by Pinocchio; what Pinocchio ignores silently is refused here, or reported."""
 
 from __future__ import annotations
 
