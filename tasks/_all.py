@@ -67,7 +67,8 @@ from .simulation.ground import Ground
 from .simulation.physics import MujocoPlant
 from .simulation.record import Record
 from .simulation.rigid import RigidContactPlant
-from .simulation.simulation import Change, Plant, Switch, simulate
+from .simulation.schedule import Change, Switch
+from .simulation.simulation import Plant, simulate
 from .targets.paths import Chain, Circle, Line, Polygon
 from .targets.polynomial import Polynomial
 from .targets.timing import cubic, cycloid, harmonic, quintic

@@ -1,17 +1,74 @@
-"""What is switched when in a run: checked as a whole before it begins, as a switch that fails would end it midway."""
+"""The schedule of a run: changes of its stack, and switches of its contacts, checked as a whole before it begins."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 from hqp import InvalidInput
 
+from ..contacts.contact import Contact
 from ..control.contacts import find_contact
+from ..control.controller import Controller
+from ..rows.part import Stack
+from ..targets.timing import Timing, cubic
 
-if TYPE_CHECKING:
-    from ..control.controller import Controller
-    from .simulation import Change, Switch
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """A change to another stack at a time of the simulation; see :meth:`tasks.Controller.change`.
+
+    Attributes
+    ----------
+    t : float
+        When [s].
+    stack : Stack
+    duration : float
+        How long it takes [s].
+    law : callable
+        A timing law.
+
+    Examples
+    --------
+    >>> from tasks import Change, Controller, OrientationTask, PlanarArm, PositionTask, simulate
+    >>> arm, place = PlanarArm([0.5, 0.5, 0.5]), PositionTask([1.0, 0.2], gain=5.0)
+    >>> other = Change(0.5, OrientationTask(0.0, gain=5.0) >> place, duration=0.2)
+    >>> record = simulate(Controller(arm, place, dt=0.01), [1.1, -1.3, -0.7], duration=1.0, changes=[other])
+    >>> bool(abs(record.errors["orientation"][-1, 0]) < 0.1)
+    True
+    """
+
+    t: float
+    stack: Stack
+    duration: float
+    law: Timing = cubic
+
+
+@dataclass(frozen=True, eq=False)
+class Switch:
+    """A contact to make or to release, see :meth:`tasks.Controller.make` and :meth:`tasks.Controller.release`.
+
+    Attributes
+    ----------
+    t : float
+        When [s].
+    contact : Contact or its name
+    on : bool
+        Whether it is made, or released.
+    duration : float
+        How long that takes [s].
+
+    Examples
+    --------
+    >>> from tasks import Switch
+    >>> Switch(1.6, "right", on=False, duration=0.2).on
+    False
+    """
+
+    t: float
+    contact: Contact | str
+    on: bool
+    duration: float = 0.0
 
 
 def check_switches(controller: Controller, schedule: Iterable[Change | Switch]) -> None:
@@ -22,8 +79,6 @@ def check_switches(controller: Controller, schedule: Iterable[Change | Switch]) 
     InvalidInput
         Also if the contact is none of the stack that is solved by then.
     """
-    from .simulation import Change
-
     stack, on = controller.stack, dict[int, bool]()
     for change in schedule:
         if isinstance(change, Change):

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -30,77 +30,19 @@ from hqp.checks import listed, of_type, truth, whole_number
 from hqp.errors import brief
 
 from ..base.checks import Array, finite, finite_scalar, function, not_negative, positive_scalar, scalar
-from ..contacts.contact import Contact
 from ..control.contacts import find_contact
 from ..control.controller import Controller
 from ..control.step import Step
 from ..robots.robot import Robot, check_joints, integration, joint_names, joint_units
 from ..rows.part import Part, Stack
-from ..targets.timing import Timing, as_timing, cubic
+from ..targets.timing import as_timing
 from .log import Log
 from .motion import check_moved, follow
 from .record import Record, Stop
-from .schedule import check_switches
+from .schedule import Change, Switch, check_switches
 
 #: Joint speed [rad/s] beyond which a run counts as diverged: 16 turns a second.
 SPEED_CAP = 100.0
-
-
-@dataclass(frozen=True, eq=False)
-class Change:
-    """A change to another stack at a time of the simulation; see :meth:`tasks.Controller.change`.
-
-    Attributes
-    ----------
-    t : float
-        When [s].
-    stack : Stack
-    duration : float
-        How long it takes [s].
-    law : callable
-        A timing law.
-
-    Examples
-    --------
-    >>> from tasks import Change, Controller, OrientationTask, PlanarArm, PositionTask, simulate
-    >>> arm, place = PlanarArm([0.5, 0.5, 0.5]), PositionTask([1.0, 0.2], gain=5.0)
-    >>> other = Change(0.5, OrientationTask(0.0, gain=5.0) >> place, duration=0.2)
-    >>> record = simulate(Controller(arm, place, dt=0.01), [1.1, -1.3, -0.7], duration=1.0, changes=[other])
-    >>> bool(abs(record.errors["orientation"][-1, 0]) < 0.1)
-    True
-    """
-
-    t: float
-    stack: Stack
-    duration: float
-    law: Timing = cubic
-
-
-@dataclass(frozen=True, eq=False)
-class Switch:
-    """A contact to make or to release, see :meth:`tasks.Controller.make` and :meth:`tasks.Controller.release`.
-
-    Attributes
-    ----------
-    t : float
-        When [s].
-    contact : Contact or its name
-    on : bool
-        Whether it is made, or released.
-    duration : float
-        How long that takes [s].
-
-    Examples
-    --------
-    >>> from tasks import Switch
-    >>> Switch(1.6, "right", on=False, duration=0.2).on
-    False
-    """
-
-    t: float
-    contact: Contact | str
-    on: bool
-    duration: float = 0.0
 
 
 #: The longest run: a record of so many ticks fills a gigabyte or two.
