@@ -10,6 +10,7 @@ import tempfile
 from pathlib import Path
 from types import SimpleNamespace
 
+import numba
 import pytest
 
 from hqp import Solver
@@ -82,6 +83,26 @@ def test_another_kernel_changed_is_compiled_anew_though_numba_may_not_see_it(hoo
         told = done.stderr.splitlines()
         assert len(told) == (not hook)
         assert all(line.startswith("kernels are compiled anew by every process: Numba ") for line in told)
+
+
+@pytest.mark.parametrize("missing", compiling.PRIVATE)
+def test_a_numba_without_one_of_the_private_names_keeps_nothing_and_says_which(missing, monkeypatch, caplog) -> None:
+    def double(number):
+        return 2 * number
+
+    names = dict.fromkeys(set(compiling.PRIVATE) - {missing}, "kept")
+    index = SimpleNamespace(**names)
+    kept = SimpleNamespace(
+        stats=SimpleNamespace(cache_path="folder"), _cache=SimpleNamespace(_cache_file=index), py_func=double
+    )
+    monkeypatch.setattr(compiling, "_ENTRIES", [])
+    compiling.tell_unkept.cache_clear()
+    kernel = compiling.stamp(kept)
+    assert kernel is not kept
+    assert kernel(21) == 42
+    assert vars(index) == names  # nothing of it was set
+    assert caplog.text.count(f"compiled anew by every process: Numba {numba.__version__}") == 1
+    assert f"its index has no {missing}\n" in caplog.text
 
 
 def test_a_full_disk_does_not_stop_it(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -121,6 +121,7 @@ def test_what_the_robot_has_not_is_told(srdf, caplog) -> None:
         ),
         ('<group_state name="a"><joint name="panda_joint1"/></group_state>', "a joint has no value"),
         ("<group", "no valid XML"),
+        (READY + READY.replace("-1.5", "-1"), "group 'arm' has two group_states 'ready'"),
     ],
 )
 def test_what_is_wrong_is_refused_in_words(srdf, text, words) -> None:

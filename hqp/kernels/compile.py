@@ -45,6 +45,9 @@ def entry(function):
         return njit(**ENTRY)(function)
 
 
+#: What is set of the index of what Numba keeps: its stamp, its own file, and how it calls the others.
+PRIVATE = ("_source_stamp", "_index_path", "_index_name", "_data_name_pattern")
+
 #: All that Python calls.
 _ENTRIES = []
 
@@ -57,15 +60,16 @@ def entries(package):
 def stamp(kernel):
     """Tie what is kept on disk to the sources of *all* kernels; Numba alone looks at the kernel's own file.
 
-    The place of Numba's own stamp is private. Where a version of Numba has none, what is on disk could be of other
-    sources: nothing is taken from there and nothing kept.
+    The places of Numba's own stamp and names are private. Where a version of Numba has not all of them, what is on disk
+    could be of other sources: nothing is taken from there and nothing kept.
     """
     _ENTRIES.append(kernel)
     if INTERPRETED or kernel.stats.cache_path is None:
         return kernel
     index = getattr(getattr(kernel, "_cache", None), "_cache_file", None)
-    if not hasattr(index, "_source_stamp"):
-        tell_unkept()
+    missing = [name for name in PRIVATE if not hasattr(index, name)]
+    if missing:
+        tell_unkept(", ".join(missing))
         _ENTRIES[-1] = kernel = njit(**ENTRY)(kernel.py_func)
         return kernel
     home = _home(Path(kernel.py_func.__code__.co_filename))
@@ -92,7 +96,7 @@ def _sources(home):
 
 
 @cache
-def tell_unkept():
-    """Say once that every process compiles for itself, and why."""
-    why = f"Numba {numba.__version__} has no stamp of what it keeps that could be replaced"
+def tell_unkept(missing):
+    """Say once that every process compiles for itself, and why: names that the index of what Numba keeps has not."""
+    why = f"Numba {numba.__version__} keeps them in another way than is known here: its index has no {missing}"
     LOG.warning("kernels are compiled anew by every process: %s", why)

@@ -63,7 +63,10 @@ def read_srdf(path: Path, model: pin.Model, what: str) -> Semantics:
         if all(np.array_equal(joined[joint], q) for _, positions in alike for joint, q in positions.items()):
             states[name] = {reader.told(joint): q for joint, q in joined.items()}
         else:
-            states |= {f"{group}/{name}": positions for group, positions in alike}
+            for group, positions in alike:
+                if f"{group}/{name}" in states:
+                    raise InvalidInput(f"{what}: group {group!r} has two group_states {name!r} that are not alike")
+                states[f"{group}/{name}"] = {reader.told(joint): q for joint, q in positions.items()}
     if not (groups or states):
         raise InvalidInput(f"{what} has no group and no group_state; it must be an SRDF that has one")
     return Semantics(groups, states, list(dict.fromkeys(reader.unknown)))
