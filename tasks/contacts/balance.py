@@ -61,7 +61,7 @@ class _Balance(Part):
         return sum(len(contact.shape.points) for contact in self.contacts)
 
     def support(self, shared: Workspace) -> tuple[int, Table]:
-        """The contacts, as loops are told of them: how many, and of each slot, frame, axes and points."""
+        """The contacts as arguments of loops: their number, and of each slot, frame, axes and points."""
         from ..base.loops import Table
 
         told: list[Any] = []

@@ -59,9 +59,9 @@ class PlacementTask(FrameTask, LoopTask):
     Attributes
     ----------
     position : Trajectory or None
-        Where its origin is to be [m]; None if that is free.
+        The target of its origin [m]; None if that is free.
     rotation : RotationTrajectory or None
-        How its axes are to stand; None if they are free.
+        The target rotation; None if it is free.
     """
 
     position: Any = None
@@ -121,7 +121,7 @@ class PlacementTask(FrameTask, LoopTask):
         return Plan((call,), moves, curvature=self._curvature(site, law))
 
     def _curvature(self, site: Site, law: Table) -> Call | None:
-        """One loop more, for whoever asks."""
+        """One loop more, for the curvature."""
         from ..rows.curvature import bending
         from .kernels import curvature as bends
 
@@ -180,7 +180,7 @@ class PlacementTask(FrameTask, LoopTask):
         super().check(robot, order, dt)
 
     def _check_planar(self) -> None:
-        """Refuse what a planar arm has not."""
+        """Refuse coordinates that a planar arm does not have."""
         if self.reference == "local":
             raise InvalidInput(f"{self.full_name()}: a planar arm knows the axes of the world only")
         if self.position is not None and 2 in self.mask:

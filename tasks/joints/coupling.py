@@ -51,7 +51,7 @@ class Factors(Mapping[str | int, float]):
 class JointCouplingTask(LoopTask, TargetTask):
     """Keep a sum of joint positions, each with its factor, at a value.
 
-    ``JointCouplingTask({"left": 1, "right": -1}, gain=5.0)`` makes two joints move alike.
+    ``JointCouplingTask({"left": 1, "right": -1}, gain=5.0)`` makes two joints move by equal angles.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class JointCouplingTask(LoopTask, TargetTask):
     weight : float
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional

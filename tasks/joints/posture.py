@@ -45,7 +45,7 @@ class PostureTask(LoopTask, TargetTask):
     weight : float or array, shape (rows,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
@@ -138,7 +138,7 @@ class PostureTask(LoopTask, TargetTask):
         return Plan((call,), moves, measure, why)
 
     def _joints(self, shared: Workspace, own: NDArray[np.intp]) -> NDArray[np.int64]:
-        """What its loop is told of every row, shape (5, rows); see :mod:`tasks.joints.kernels.joints`."""
+        """The arguments of its loop for every row, shape (5, rows); see :mod:`tasks.joints.kernels.joints`."""
         from .kernels import joints as loops
 
         size, rows, told = len(self.target(0.0)[0]), np.arange(len(own)), joint_kinds(shared, own)
@@ -178,7 +178,7 @@ class PostureTask(LoopTask, TargetTask):
 
 
 def joint_kinds(shared: Workspace, own: NDArray[np.intp]) -> NDArray[np.int64]:
-    """What loops are told of joints whose goals are configurations, shape (5, joints); see the loops of joints."""
+    """The arguments of loops for joints whose goals are configurations, shape (5, joints); see the loops of joints."""
     from .kernels import joints as loops
 
     told = np.full((loops.JOINT_FIELDS, len(own)), -1, dtype=np.int64)

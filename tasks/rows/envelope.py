@@ -102,7 +102,7 @@ class Envelope:
     def __init__(self, n: int) -> None:
         self.velocity, self.acceleration = np.full((2, n), np.inf)
         self.has_velocity = self.has_acceleration = False
-        #: Writes the rows of all limits, and how fast the joints brake; every tick, before whoever asks for it.
+        #: Writes the rows of all limits, and how fast the joints brake; every tick, before the loops that read it.
         self.calls: tuple[Call, ...] = ()
         self._claims: list[Claim] = []
         self._braking = np.array([np.inf])
@@ -176,7 +176,7 @@ class Envelope:
         return np.asarray(np.min([np.full(robot.nv, np.inf), *limits], axis=0))
 
     def _loop(self, shared: Shared) -> Call:
-        """The loop, told of all claims, the harder first."""
+        """The loop with all claims as arguments, the harder ones first."""
         from ..base.loops import Call, Table, address
         from .kernels import envelope as loop
         from .kernels.law import ORDERS

@@ -105,7 +105,7 @@ class Setpoint:
 
 
 def alike(value: Any, model: Array, what: str) -> Array:
-    """`value` as numbers of the shape of `model`, one number standing for itself alone.
+    """`value` as numbers of the shape of `model`, a single number giving an array of one.
 
     Raises
     ------
