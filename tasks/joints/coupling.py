@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ..rows.plan import Plan
     from ..rows.site import Site
 
-#: The unit of a sum over joints that turn and joints that slide.
+#: The unit of a sum over revolute and prismatic joints.
 MIXED = "(rad, m)"
 
 
@@ -58,8 +58,8 @@ class JointCouplingTask(LoopTask, TargetTask):
     factors : dict of name or number to float
         Joint -> factor; not all zero.
     target : float or Trajectory
-        What ``sum(factor * position)`` is to be: in rad where all of these joints turn, in m where all slide; of both
-        kinds, in the unit that the factors give it.
+        The desired ``sum(factor * position)``: in rad if all of these joints are revolute, in m if all are
+        prismatic; of both kinds, in the unit that the factors give it.
     gain : float
         K [1/s]: the rate at which the error decays.
     damping_ratio : float

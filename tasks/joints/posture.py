@@ -108,7 +108,7 @@ class PostureTask(LoopTask, TargetTask):
         return columns(self.joints, joint_names(robot), base(robot))
 
     def plan(self, site: Site) -> Plan:
-        """One loop; Python measures the way of joints whose steps are no differences of numbers."""
+        """One loop; Python measures the error of joints whose configurations cannot be subtracted."""
         from ..base.loops import Call
         from ..rows.plan import Plan
         from .kernels import joints as loops

@@ -69,11 +69,11 @@ class Claim(NamedTuple):
     low, high : array, shape (nv,)
         Lowest and highest value [rad], [rad/s], [rad/s^2].
     lower, upper : array, shape (nv,)
-        The bounds where it counts. Claims on the same ones are kept together.
+        The bounds that it writes. Claims on the same bounds are kept together.
     part : str
         Full name of the limit, for messages.
     return_speed : float
-        The most that a joint outside its range is driven back with [rad/s].
+        The largest speed at which a joint outside its range is driven back [rad/s].
     """
 
     kind: Quantity
@@ -154,7 +154,7 @@ class Envelope:
 
     @property
     def brakes_blindly(self) -> bool:
-        """Whether some acceleration is limited, and not the velocity from which to brake."""
+        """Whether some acceleration is limited, but not the velocity of that joint."""
         return bool((np.isfinite(self.acceleration) & np.isinf(self.velocity)).any())
 
     def braking_rate(self) -> float:

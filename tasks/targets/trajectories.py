@@ -79,7 +79,7 @@ class Setpoint:
     def move(self, value: ArrayLike, velocity: ArrayLike | None = None, acceleration: ArrayLike | None = None) -> None:
         """Set the target and, if known, its velocity and acceleration (default: 0).
 
-        NaN is taken, as a device may send it: the next tick is then INVALID, and moves nothing.
+        NaN is accepted, because a device may send it: the next tick is then INVALID, and moves nothing.
 
         Raises
         ------
