@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 __version__ = "0.2.0"
 
-#: Former names -> what there is instead; each warns, for one version.
+#: Former name -> present name; each warns, for one version.
 _FORMER = {
     "ACCURACY": "backends.ACCURACY",
     "BACKENDS": "backends.BACKENDS",
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name: str) -> object:
-        """Import everything when the first of it is asked for: the command answers at once, and can be interrupted."""
+        """Import everything at the first use of a name, so that the command starts at once and can be interrupted."""
         from importlib import import_module
 
         if name == "families":

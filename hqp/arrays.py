@@ -16,9 +16,9 @@ Indices = NDArray[np.intp]
 
 
 def real_array(value: ArrayLike, what: str) -> Array:
-    """A float array of its own from whatever holds real numbers, or InvalidInput that names `what`.
+    """A new float array from any object that holds real numbers, or InvalidInput that names `what`.
 
-    Nothing is made a number that is none: no string, no date, None, masked entry or imaginary part.
+    Strings, dates, None, masked entries and imaginary parts are refused, not converted.
     """
     if type(value) is np.ndarray and value.dtype == np.float64:  # as it mostly is in a control loop
         return value.copy()

@@ -34,7 +34,7 @@ class MissingPackage(HqpError, ImportError):
 
 
 def brief(value: object) -> str:
-    """`value` as a message shows it: short, and whatever it is."""
+    """`value`, of any type, in short form for a message."""
     try:
         return reprlib.repr(value)
     except ValueError:  # an int of more digits than Python writes

@@ -8,11 +8,11 @@ from .errors import InUse
 
 
 class Guard:
-    """Lets one thread in. It is not waited for: two threads on one object are a mistake, and a wait would hide it.
+    """Lets one thread in. A second one does not wait: two threads on one object are a mistake; waiting would hide it.
 
-    ``with guard: ...`` is the whole use of it. There is one key. Taking it from a list, and putting it back, are steps
-    that no other thread can come between, and cost less than a lock; what is called millions of times takes the steps
-    of :meth:`__enter__` and :meth:`__exit__` itself.
+    Use it as ``with guard: ...``. There is one key. Taking it from a list, and putting it back, are atomic and cost
+    less than a lock; code that is called millions of times does the steps of :meth:`__enter__` and :meth:`__exit__`
+    itself.
 
     Parameters
     ----------

@@ -35,7 +35,7 @@ class Settings:
     polish
         Whether each level of the cascade ends with an equality least squares on its active rows.
     qp_tolerance
-        What is asked of the flat QP solvers, for rows of unit norm and targets of order one.
+        Tolerance of the flat QP solvers, for rows of unit norm and targets of order one.
     qp_iterations
         The most iterations that a flat QP solver may spend on one QP.
 
@@ -78,5 +78,5 @@ class Settings:
             object.__setattr__(self, field.name, value)
 
 
-#: Those of whoever names none.
+#: The default settings.
 DEFAULT = Settings()

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-#: Former names -> what there is instead; each warns, for one version.
+#: Former name -> present name; each warns, for one version.
 _FORMER = {
     "Degrees": "robots.manipulability.Degrees",
     "PlanarState": "robots.planar.PlanarState",
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name: str) -> object:
-        """Everything is imported when the first of it is asked for: the command can then be interrupted meanwhile."""
+        """Import everything at the first use of a name, so that the command can be interrupted meanwhile."""
         from importlib import import_module
 
         if name in _FORMER:

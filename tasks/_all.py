@@ -1,4 +1,4 @@
-"""All that :mod:`tasks` offers, imported at once; the command begins without."""
+"""All names that :mod:`tasks` exports, imported at once; the command starts without them."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ if TYPE_CHECKING:
 
 
 def __getattr__(name: str) -> Any:
-    """What needs Pinocchio is imported when asked for."""
+    """Import what needs Pinocchio at its first use."""
     if name == "PinocchioRobot":
         from .robots.pinocchio import PinocchioRobot
 

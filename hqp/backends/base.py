@@ -12,7 +12,7 @@ from ..solution import NO_COUNTS, Counts, Status
 
 @dataclass(slots=True, eq=False)
 class Answer:
-    """What a backend returns: its x, what it claims of it, and what it did.
+    """The result of a backend: x, the claimed status, and the work done.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ class Answer:
     level : int, optional
         The level at which the backend fell short.
     counts : Counts
-        What the solve was made of.
+        The work of the solve.
     """
 
     x: Array
@@ -43,7 +43,7 @@ class Backend(Protocol):
     """
 
     def solve(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
-        """Solve, from whatever the last call of the same structure left behind; x_ref has shape (n,)."""
+        """Solve, warm from the last call with the same structure; x_ref has shape (n,)."""
         ...
 
     def reset(self) -> None:

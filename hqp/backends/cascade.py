@@ -9,9 +9,9 @@ widened where need be. In the coordinates y of Z the named solver minimises
 
 with y_prev = 0, which makes rank-deficient levels strictly convex. Then one equality least squares on the
 active rows (:mod:`.polish`) takes rho out again, and its answer is checked against the optimality
-conditions. Where it does not meet them, the solver is asked again and again, warm, until y stops moving
+conditions. If it does not meet them, the solver is called again and again, warm, until y stops moving
 (a few proximal steps, which cost no accuracy), and the polish of that is kept only if no level gets worse.
-Such a level is without a proof, and what can be claimed of x is then what the certificate says.
+Such a level has no proof, and the certificate decides the status of x.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ MOST_SOLVERS = 64
 CREDIBLE = 1e-5
 #: What an answer that polish could not verify may leak into the levels above, in units of the QP tolerance.
 LEAK = 1e2
-#: Where a solver gives up on a level, it is asked again with rho larger by these factors.
+#: If a solver gives up on a level, it is called again with rho larger by these factors.
 RETREAT = (1e3, 1e6)
 #: What is said of x where a level failed, or stalled.
 EXACT_ABOVE = "x is optimal for the levels above"
@@ -121,7 +121,7 @@ class Cascade:
         raise AssertionError("the implicit last level always comes last")
 
     def _judged(self, hierarchy: Hierarchy, x_ref: Array, answer: Answer) -> Answer:
-        """What is claimed of an x with a level that was not verified: no more than the certificate says."""
+        """The status of an x with a level that was not verified, by the certificate."""
         failed = certify(hierarchy, answer.x, x_ref).failed
         if failed is None or (answer.level is not None and answer.level <= failed.level):
             return answer
@@ -202,7 +202,7 @@ class Cascade:
         tally["qp_solves"] += 1
         try:
             return solver.solve(load) if isinstance(load, FlatQP) else solver.move(load)
-        except Exception as error:  # a solver's own exception is an outcome of its level, whatever its type
+        except Exception as error:  # an exception of any type in the solver is an outcome of its level
             raise LevelFailed(f"{type(error).__name__}: {error}") from error
 
     def _flat(self, k: int, sizes: Sizes) -> FlatSolver:
@@ -220,7 +220,7 @@ def _level_name(hierarchy: Hierarchy, k: int) -> str:
 
 
 def _nothing_to_do(problem: LevelProblem) -> bool:
-    """Whether y = 0 is optimal without asking anybody: no unknown, or no slope."""
+    """Whether y = 0 is optimal without a QP: no unknown, or no slope."""
     if not problem.B.size:
         return True
     w = np.where(np.abs(problem.still) > problem.slack, problem.still, 0.0)

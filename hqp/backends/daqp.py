@@ -10,8 +10,8 @@ DAQP scales every row to norm one, and then
 level by level, with the levels above as hard rows which the slacks found have widened. So
 
 * a level that cannot be met is met as if its rows had norm one: neither their own norms nor their weights count;
-* its first level is hard. Where that fails, it is asked once more with a level of no rows on top;
-* rows that repeat rows of a level above can make it wrong without a word: the certificate tells.
+* its first level is hard. If that fails, it is called once more with an empty level on top;
+* rows that repeat rows of a level above can make it silently wrong: the certificate detects this.
 
 Rho is ``settings.proximal_weight``, the tolerance of a row, of norm one, is ``settings.tolerance``.
 """
@@ -60,7 +60,7 @@ class DaqpProblem(NamedTuple):
 
     @classmethod
     def of(cls, hierarchy: Hierarchy) -> DaqpProblem:
-        """Out of a hierarchy; free rows, zero rows and empty levels say nothing and are left out."""
+        """Out of a hierarchy; free rows, zero rows and empty levels constrain nothing and are left out."""
         says = (hierarchy.row_norms() > 0) & ~(np.isinf(hierarchy.lower) & np.isinf(hierarchy.upper))
         ends = {int(says[:pointer].sum()) for pointer in hierarchy.pointers}
         columns = hierarchy.columns[says]

@@ -1,4 +1,4 @@
-"""A level as one flat QP, and what the solver's duals say of the rows that went into it.
+"""A level as one flat QP, and the active rows from the duals of the solver.
 
 In the coordinates y of the null space, with one slack a row for the inequality rows of the level,
 

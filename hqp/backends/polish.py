@@ -57,7 +57,7 @@ class Fault(NamedTuple):
 
 
 def polish(problem: LevelProblem, y: Array, pressing: Signs, rank_tolerance: float) -> Polished:
-    """Least squares on the active rows at y, mended until the optimality conditions hold or patience ends."""
+    """Least squares on the active rows at y, mended until the optimality conditions hold or the rounds are used up."""
     problem = problem.reaching(y)
     active = pressing.copy()
     pulled: Signs = np.zeros(len(problem.B), dtype=np.int8)

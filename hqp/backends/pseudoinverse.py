@@ -66,7 +66,7 @@ def norm(J: Array) -> float:
 
 
 def equality_tasks(hierarchy: Hierarchy) -> list[tuple[Array, Array]]:
-    """The levels as weighted tasks (J, r); free rows and zero rows say nothing and are left out.
+    """The levels as weighted tasks (J, r); free rows and zero rows constrain nothing and are left out.
 
     Raises
     ------

@@ -12,7 +12,7 @@ from ..errors import UnknownBackend, brief
 from ..settings import Settings
 from .base import Backend
 
-#: Relative accuracy in x that an accuracy class stands for. The class "none" is no promise: the certificate tells.
+#: Relative accuracy in x that an accuracy class stands for. The class "none" promises nothing: use the certificate.
 ACCURACY = {"exact": 1e-6, "first-order": 1e-3, "none": math.inf}
 
 
@@ -26,8 +26,8 @@ class BackendInfo:
     module : str
         Where its ``make(name, settings)`` lives, relative to ``hqp.backends``.
     accuracy : {"exact", "first-order", "none"}
-        Class of its answers after polish: 1e-6 relative or better, or 1e-3 at worst; or no promise, where there are
-        hierarchies which it takes and answers wrongly without a word.
+        Class of its answers after polish: 1e-6 relative or better, or 1e-3 at worst; or no promise, if there are
+        hierarchies that it answers wrongly while it claims the optimum.
     inequalities
         Whether it takes inequality rows.
     lexicographic

@@ -1,4 +1,4 @@
-"""One level of a sequence of levels: what it may still move, what holds it, and what it leaves to the next."""
+"""One level of a sequence of levels: its subspace, the hard rows that bound it, and the state for the next level."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ class State(NamedTuple):
 
 
 class LevelRows(NamedTuple):
-    """The rows of a level that say anything, weighted; zero rows and free rows do not.
+    """The rows of a level that constrain anything, weighted: without zero rows and free rows.
 
     `unit`, shape (m, n + 2), holds A, lower and upper divided by the norms.
     """

@@ -32,7 +32,7 @@ def run(app: Callable[..., Any], name: str, arguments: Sequence[str] | None = No
     -------
     int
         2 for wrong input, told in one line on stderr; 130 for an interruption (Ctrl-C); 141 where
-        nobody reads stdout any more; otherwise what the command says, also where stdout is closed.
+        stdout is no longer read; otherwise the code of the command, also if stdout is closed.
     """
     _open_what_is_closed()
     with _interruptions() as heard:
@@ -60,7 +60,7 @@ def path(text: str) -> Path:
 
 
 def _ended(name: str, error: BaseException) -> int:
-    """The exit code of what ended a command, told in one line; what is a fault of ours is raised again."""
+    """The exit code for an exception that ended a command, reported in one line; internal errors are raised again."""
     if isinstance(error, KeyboardInterrupt):
         return INTERRUPTED
     # So typer and rich answer a broken pipe.
@@ -118,7 +118,7 @@ def _interruptions() -> Iterator[list[int]]:
 
 
 def _open_what_is_closed() -> None:
-    """Let stdout and stderr go nowhere where the process was given none, or files that it opens would take their place.
+    """Open the null device for a closed stdout or stderr; otherwise files opened later would take their numbers.
 
     Python has None for them then, which is no stream to write to.
     """

@@ -42,7 +42,7 @@ def solve(
 ) -> None:
     """Solve a hierarchy from a file, and certify the answer.
 
-    If the file brings a solution of somebody else, that one too is put to it.
+    If the file holds a solution of another solver, the certificate checks that one too.
 
     Exit code 1 if an answer is not certified.
     """

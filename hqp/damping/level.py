@@ -56,9 +56,9 @@ class DampedLevel:
         return length(level.weights * excess(self._dense() @ x, level.lower, level.upper))
 
     def least_damping(self, settings: Settings) -> float:
-        """Below this, rows of damping are not told from dependent ones, and the level is left strict.
+        """Smallest lambda at which rows of damping count as independent; below it the level is left strict.
 
-        A strict one sees no singular values below the rank tolerance, so that it adds no more.
+        A strict level ignores singular values below the rank tolerance, so that its x is no larger.
         """
         return 0.1 * settings.rank_tolerance * float((self.level.weights * lengths(self._dense())).min(initial=np.inf))
 

@@ -40,17 +40,17 @@ EXEMPT = {"threshold": math.inf, "least": 0.0}
 
 @dataclass(frozen=True)
 class DampingRule(ABC):
-    """What every rule looks like; a subclass with a `damping` of its own is a rule, too.
+    """The base class of all rules; a subclass needs a `damping` of its own.
 
     Attributes
     ----------
     looks : bool
-        Whether it wants to see the singular values; they cost one more stage where inequalities are in play.
+        Whether it uses the singular values; they cost one more stage if there are inequalities.
     mixes : bool
-        Whether it weighs a combination of rows (see `filtering`), which only equality rows permit.
+        Whether it damps a combination of rows (see `filtering`), which only equality rows permit.
     grows : bool
-        Whether its lambda grows with what the level lacks (see `growth`); to know that costs one more stage where
-        levels are above it whose last answer is not known already.
+        Whether its lambda grows with the residual of the level (see `growth`), which costs one more stage if there are
+        levels above it whose answer is not known already.
 
     Raises
     ------
@@ -82,7 +82,7 @@ class DampingRule(ABC):
         return 0.0
 
     def largest_gain(self, rows: int, longest: float) -> float:
-        r"""The largest :math:`\sigma_i / (\sigma_i^2 + \lambda^2)` that can come of this rule.
+        r"""The largest :math:`\sigma_i / (\sigma_i^2 + \lambda^2)` under this rule.
 
         Parameters
         ----------
@@ -94,7 +94,7 @@ class DampingRule(ABC):
         Returns
         -------
         float
-            In the unit of one over that; infinite where the rule promises nothing.
+            In the inverse unit; infinite if the rule gives no bound.
         """
         return math.inf
 
@@ -106,7 +106,7 @@ class DampingRule(ABC):
         rows, longest
             As for `largest_gain`.
         lacking : float
-            What the level lacks where the levels above leave off, :math:`\|r_a\|`.
+            Residual of the level at the answer of the levels above, :math:`\|r_a\|`.
 
         Returns
         -------
@@ -264,8 +264,8 @@ class ErrorDamping(DampingRule):
     r"""Damping by the residual, :math:`\lambda^2 = \lambda_0^2 + \|r_a\|^2 / (2 b)^2`: it adds no more than b to x.
 
     Levenberg-Marquardt damping in a hierarchy, after Sugihara (2011), whose share of the square of the error is
-    :math:`1 / 4 b^2`: next to none where little is asked for, strong where the level is far from what it wants. It
-    looks at no singular values.
+    :math:`1 / 4 b^2`: weak if the residual is small, strong if it is large. It does not
+    use singular values.
 
     Parameters
     ----------
@@ -278,8 +278,8 @@ class ErrorDamping(DampingRule):
     Notes
     -----
     :math:`\|x - x_a\| \le \|r_a\| / 2 \lambda \le b`, however the singular values and :math:`r_a` go to zero together.
-    A lambda that is lost beside the rank tolerance of :class:`hqp.Settings` counts as 0: the level is strict, to which
-    singular values as small do not exist.
+    A lambda that is negligible beside the rank tolerance of :class:`hqp.Settings` counts as 0: the level is strict, and
+    singular values as small count as zero.
 
     Examples
     --------
@@ -301,7 +301,7 @@ class ErrorDamping(DampingRule):
         return 0.5 / self.bound
 
     def largest_gain(self, rows: int, longest: float) -> float:
-        r""":math:`1 / 2 \lambda_0`: of a level that lacks next to nothing."""
+        r""":math:`1 / 2 \lambda_0`: that of a level with nearly no residual."""
         return 0.5 / self.least if self.least else math.inf
 
     def largest_change(self, rows: int, longest: float, lacking: float) -> float:

@@ -72,7 +72,7 @@ class Staging:
         By index or name of the level.
     settings : Settings
     solve : callable
-        Solves one plain hierarchy, for those who ask the answer what strictness would have given.
+        Solves one plain hierarchy; used when the strict residual of an answer is read.
 
     Raises
     ------

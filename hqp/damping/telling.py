@@ -60,7 +60,7 @@ def retold(
     answers: Mapping[tuple[int, bool], Solution],
     aims: Array | None,
 ) -> Stages:
-    """The stages of an answer that was found stage by stage; lambda comes of the rules once more.
+    """The stages of an answer that was found stage by stage; the rules give lambda once more.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def retold(
     x_ref : array, shape (n,)
         From which the norms of the hierarchy count.
     answers : mapping
-        What every stage answered, by what was asked of it, see :class:`.staged.Ask`.
+        The answer of every stage, by the arguments of the call, see :class:`.staged.Ask`.
     aims : array, shape (damped, n), or None
         See :meth:`Staging.run`.
     """

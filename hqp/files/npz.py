@@ -4,8 +4,8 @@
 >>> hqp.save("hard.npz", hierarchy, x_ref)  # doctest: +SKIP
 >>> hierarchy, x_ref = hqp.load("hard.npz")  # doctest: +SKIP
 
-Structure, names and numbers come back to the last bit, and so do NaN and whatever else a solver refuses: it is what
-is to be reported. ``hqp solve hard.npz`` shows what comes out.
+Structure, names and numbers come back to the last bit, including NaN and other numbers that a solver refuses, because
+these are what a bug report is about. ``hqp solve hard.npz`` shows the solution.
 
 The file holds the arrays of :class:`hqp.Hierarchy` under their names (A, lower, upper, weights, columns), x_ref if
 there is one, and ``head``, JSON text: the format, n, and of every level its name, how many rows it has, whether
@@ -123,7 +123,7 @@ def _head(arrays: dict[str, NDArray[Any]]) -> dict[str, Any]:
 
 
 def _described(level: Level) -> dict[str, Any]:
-    """What the head tells of a level; labels only where somebody gave some."""
+    """The entry of a level in the head; with labels only if the level has some."""
     told: dict[str, Any] = {"name": level.name, "rows": len(level), "bounds": level.indices is not None}
     if level.labels is not None:
         told["labels"] = [(label.part, label.row, label.unit) for label in level.labels]

@@ -85,7 +85,7 @@ def writable(folder: Path, files: Iterable[str]) -> None:
 
 @contextmanager
 def arrays_of(path: str | os.PathLike[str], what: str) -> Iterator[dict[str, NDArray[Any]]]:
-    """The arrays of a file, read-only, by name; whatever is found wrong with them inside the block is the file's fault.
+    """The arrays of a file, read-only, by name; an error found inside the block names the file.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def is_archive(path: str | os.PathLike[str]) -> bool:
 
 @contextmanager
 def _blamed(path: str | os.PathLike[str], what: str) -> Iterator[Path]:
-    """The file to read; what goes wrong with it inside the block is told as its fault."""
+    """The file to read; an error inside the block names the file."""
     file = _as_path(path)
     try:
         yield file
@@ -150,7 +150,7 @@ def _as_path(path: str | os.PathLike[str]) -> Path:
 
 @contextmanager
 def _whole_or_nothing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A place beside the file to write to; what stands there in the end takes the place of the file in one stroke."""
+    """A temporary file beside the file to write; at the end it replaces the file in one step."""
     file = _as_path(path)
     part = file.with_name(f".{file.name}.{uuid4().hex}")
     try:

@@ -32,10 +32,10 @@ from ..errors import InvalidInput, brief
 from .label import Label
 from .level import Level
 
-#: Most unknowns that indices alone may tell: beyond, a slip of the pen is likelier than so many.
+#: Most unknowns that indices alone may imply: a larger index is more likely a typing error.
 MOST_GUESSED = 10_000
 
-#: Most unknowns of any hierarchy: whoever solves it needs a dense matrix of them.
+#: Most unknowns of any hierarchy: a solver needs a dense matrix of that size.
 MOST_UNKNOWNS = 1_000_000
 
 #: Numbers beyond this one are refused, and rows shorter than its inverse are zero rows: squares of what lies
@@ -52,8 +52,8 @@ class Hierarchy:
         The highest priority first. Their numbers are copied; change them afterwards through
         ``hierarchy.levels[k]``.
     n : int, optional
-        Number of unknowns, at most a million. Needed only where no level tells (none at all, or only bounds on
-        listed indices).
+        Number of unknowns, at most a million. Needed only if no level determines it (no levels at all, or only
+        bounds on listed indices).
 
     Attributes
     ----------
@@ -244,7 +244,7 @@ class Hierarchy:
         return self.level_name(k)
 
     def label_of(self, row: int) -> Label:
-        """What row number `row` of the whole hierarchy is called; by level and number where nobody gave it a label."""
+        """What row number `row` of the whole hierarchy is called; by level and number if it has no label."""
         k, inside = self.locate(row)
         labels, column = self._labels[k], self.columns[row]
         if labels is not None:
@@ -334,7 +334,7 @@ def _unknowns(levels: Sequence[Level], n: int | None) -> int:
 
 
 def check_told(n: int, numbers: int) -> None:
-    """Refuse more unknowns than the numbers of a file account for: a slip, or meant to fill the memory of its reader.
+    """Refuse more unknowns than the numbers of a file account for: an error, or an attack on memory.
 
     Parameters
     ----------

@@ -14,19 +14,19 @@ from .side import Side
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """What a row is called in explanations.
+    """The name of a row in explanations.
 
     Parameters
     ----------
     part : str
-        What it belongs to, as in ``velocity limit``. Equality rows of one part are one cause.
+        The part that the row belongs to, as in ``velocity limit``. Equality rows of one part are one cause.
     row : str
         The row itself, as in ``panda_joint4``.
     unit : str
         Unit of its slack, as in ``rad/s``.
     bound : callable, optional
-        Where several limits share a row: from the side on which it is active and the value of the bound there, the
-        text that stands for `part`. Such rows are told one by one even where they are equalities. A function of a
+        For a row that several limits share: gives the text in place of `part`, from the active side and the value of
+        the bound there. Such rows are listed one by one even if they are equalities. A function of a
         module can be pickled, a lambda cannot; files keep none.
     place : str
         Where the row is, as in ``point 2``. Inequality rows of one part that have places are one cause, told by how
@@ -35,7 +35,7 @@ class Label:
     Raises
     ------
     InvalidInput
-        If a text is none, or `bound` cannot be called.
+        If a text is not a string, or `bound` cannot be called.
 
     Examples
     --------
@@ -76,12 +76,12 @@ def side_in_words(side: Side) -> str:
     return "equal" if side is Side.EQUALITY else side.name.lower()
 
 
-#: The labels of some rows, or what gives them when they are asked for.
+#: The labels of some rows, or a function that makes them when they are read.
 Labels: TypeAlias = "Iterable[Label] | Callable[[], Iterable[Label]]"
 
 
 class LateLabels(Sequence[Label]):
-    """Labels that are made, and looked at, when first asked for: most hierarchies are solved and never explained.
+    """Labels that are made, and checked, when first read: most hierarchies are solved and never explained.
 
     Parameters
     ----------

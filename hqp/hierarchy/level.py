@@ -27,11 +27,11 @@ class Level:
         ``inf`` leave that side free, ``lower == upper`` makes the row an equality.
     weights : array, shape (m,), optional
         Positive weights of the rows *inside* this level (default: ones). Priorities are never
-        weights: no weight makes a lower level touch this one.
+        weights: no weight makes a lower level change this one.
     name : str
         Used in messages, tables and explanations.
     labels : sequence of Label, or function that gives it, optional
-        What each row is called in explanations. A function is called when the first of them is asked for.
+        Names of the rows in explanations. A function is called when the first label is read.
 
     Attributes
     ----------
@@ -43,8 +43,8 @@ class Level:
     Raises
     ------
     InvalidInput
-        If shapes do not fit, a weight is not positive and finite, or a label is none. The numbers in A, lower and
-        upper are checked when the hierarchy is solved, because a control loop refills them.
+        If shapes do not fit, a weight is not positive and finite, or a label is not a Label. The numbers in A, lower
+        and upper are checked when the hierarchy is solved, because a control loop refills them.
 
     Notes
     -----

@@ -18,7 +18,7 @@ from ..checks import of_type
 from ..errors import InvalidInput
 from .level import Level
 
-#: How far M may be from symmetric, relative to its largest entry: round-off of however it was computed.
+#: How far M may be from symmetric, relative to its largest entry: round-off of its computation.
 SYMMETRY = 1e-10
 
 

@@ -6,18 +6,18 @@
 >>> [solver.solve(hierarchy).certify().ok for hierarchy in hierarchies("infeasible top", 3)]
 [True, True, True]
 
-A case is named by family, seed and number. What is to be expected of a correct solver, whatever the case:
+A case is named by family, seed and number. The expected behaviour of a correct solver is one of:
 
 ``certified``
     ``solution.certify().ok``.
 ``undecidable rank``
     The same where ranks can be told. A singular value of which projection leaves between 1e-12 and 1e-6 of the row
-    norm is a direction to one correct solver and round-off to another: they disagree on x, in double precision
-    nobody can tell who is right, and the certificate accepts either rank. That x may still miss it by the round-off
+    norm is a direction to one correct solver and round-off to another: they disagree on x, double precision
+    cannot decide which is right, and the certificate accepts either rank. That x may still miss it by the round-off
     which so small a singular value magnifies: of 1000 cases each, seed 0, the native solver misses 6 of "algorithmic
     singularity" and 8 of "nearly parallel", most of them with an x of 1e7 and more.
 ``certified or stalled``
-    Numbers so far apart that an honest solver may also say that it came no further, but never claim an x which the
+    Numbers of so different size that a correct solver may also report STALLED, but never claim an x that the
     certificate refutes.
 ``refused``
     Status INVALID, with a message that names level and row; :func:`hqp.solve` raises InvalidInput.

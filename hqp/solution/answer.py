@@ -1,4 +1,4 @@
-"""What stages of damped levels ask of the plain solutions that they are made of."""
+"""The interface that stages of damped levels need of the solutions of plain hierarchies."""
 
 from __future__ import annotations
 

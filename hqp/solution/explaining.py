@@ -1,4 +1,4 @@
-"""Explanations of levels that were damped: each in its own stage, in the words of its own rows.
+"""Explanations of levels that were damped: each in its own stage, by the labels of its own rows.
 
 A stage has rows beside those of its level: of damping, and what levels above leave soft. What these push with is no
 contradiction among the rows of the level. It is told as damping, and as the parts above that give way no further.
@@ -87,7 +87,7 @@ def _why(solution: Answer, staged: Stages, k: int) -> str:
 
 
 def _soft(given: Hierarchy, stage: Hierarchy, x: Array, k: int) -> list[Cause]:
-    """What the levels above that give way push with, in the stage of level k: each level by itself."""
+    """The forces of the softened levels above in the stage of level k: each level separately."""
     level, A, found = stage.levels[k], stage.matrix(k), list[Cause]()
     end, first = len(level) - given.n, len(given.levels[k])
     for j in range(k - 1, -1, -1):

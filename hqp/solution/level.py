@@ -27,12 +27,12 @@ class LevelSolution:
         Directions of x which this level fixes among those that the levels above left open: the
         rank of its equality and violated rows in the null space of theirs.
     smallest : float
-        How clearly: the smallest singular value of those rows there, in units of their norms; 1 if the rank is 0.
+        How clear this rank is: the smallest singular value of those rows, in units of their norms; 1 if the rank is 0.
     active : array of int8, shape (m_k,)
         :class:`hqp.Side` of each row: -1 at (or below) its lower bound, 0 inside, 1 at (or
         above) its upper bound, 2 equality.
     multipliers : array
-        What holds this level back: one number for every row of levels 0..k-1, positive at an
+        The forces that hold this level back: one number for every row of levels 0..k-1, positive at an
         upper bound. Their unit is that of ``D_k^2 w_k A_k`` divided by that of the row's A.
     """
 

@@ -12,7 +12,7 @@ from .softening import Softened
 
 @dataclass(frozen=True, eq=False)
 class Relaxation:
-    """One damped level: what its damping costs it.
+    """One damped level: its damping, and the residual that this costs.
 
     Attributes
     ----------
@@ -24,9 +24,9 @@ class Relaxation:
     aim : array, shape (n,)
         What it is damped towards.
     residual_norm : float
-        ``||D_k w_k||`` as it came out.
+        ``||D_k w_k||`` at the solution.
     moved : float
-        How far the levels below moved the rows of this one, ``||D_k A_k (x - x_k)||``, from what it reached itself.
+        How far the levels below moved the rows of this one from the values that it reached, ``||D_k A_k (x - x_k)||``.
     """
 
     level: int
@@ -40,12 +40,12 @@ class Relaxation:
 
     @cached_property
     def strict_norm(self) -> float:
-        """The residual norm without the damping of this level, below the same levels; solved when first asked for."""
+        """The residual norm without the damping of this level, below the same levels; computed when first read."""
         return self.residual_norm if self.damping == 0.0 else self._strict()
 
     @cached_property
     def softened(self) -> tuple[Softened, ...]:
-        """The directions in which the level gave way, the weakest first, and how much of what is asked each met."""
+        """The directions in which the level was softened, the weakest first, with the share of the target met there."""
         return self._softened()
 
     @property

@@ -1,10 +1,10 @@
-r"""The directions in which a damped level gave way, by the stage that it was solved in.
+r"""The directions in which a damped level was softened, by the stage that it was solved in.
 
-Of a level :math:`G y = b` in what the levels above leave, with rows of damping D beside it, the answer meets
+For a level :math:`G y = b` in the null space of the levels above, with rows of damping D beside it, the answer meets
 
 .. math:: T b, \qquad T = G (G^T G + D^T D)^{-1} G^T,
 
-the eigenvectors of T are directions among its rows, and the eigenvalues the shares of what is asked there that are met.
+the eigenvectors of T are directions among its rows, and the eigenvalues the shares of the target that are met there.
 """
 
 from __future__ import annotations
@@ -30,17 +30,17 @@ NAMED = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Softened:
-    """One direction in which a level gave way.
+    """One direction in which a level was softened.
 
     Attributes
     ----------
     direction : array, shape (rows,)
         Of unit length, among the weighted rows of the level.
     share : float
-        Of what is asked along it, how much is met; the rest is left for calm.
+        The share of the target that is met along it; the rest is given up for smoothness.
     cause : {"singular", "above", "calm"}
-        Whether x hardly moves the level in this direction, or would if the levels above let it; else the damping is for
-        how the rows bend, or leans on the last x.
+        "singular": x hardly moves the level in this direction; "above": it would if the levels above permitted it;
+        "calm": the damping is for the curvature of the rows, or pulls to the last x.
     """
 
     direction: Array
@@ -75,7 +75,7 @@ def softened(stage: Hierarchy, own: int) -> tuple[Softened, ...]:
 
 
 def in_words(soft: Softened, labels: list[Label], singular: str) -> str:
-    """Why a level gave way in its weakest direction, and which one that is, by the labels of its rows."""
+    """Why a level was softened in its weakest direction, with that direction in the labels of its rows."""
     said = {
         "singular": singular,
         "above": "the levels above leave little to move it by in this direction",

@@ -1,4 +1,4 @@
-"""The solution of a hierarchy: x, a status, and whatever is asked of it: levels, proof and explanation."""
+"""The solution of a hierarchy: x and a status; levels, proof and explanation are computed on request."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .status import NO_COUNTS, Counts, Status
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution:
-    """The answer of one backend to one hierarchy. Nothing but x is computed until it is asked for.
+    """The answer of one backend to one hierarchy. Everything but x is computed when it is first read.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Solution:
         Snapshot of the numbers that were solved.
     x_ref : array, shape (n,)
     settings : Settings
-        By whose tolerances `levels` tells sides and ranks.
+        The tolerances by which `levels` decides sides and ranks.
     staged : Stages, or None
         What led to x where levels are damped.
     """
@@ -55,7 +55,7 @@ class Solution:
     staged: Stages | None = field(default_factory=lambda: None)
 
     def __getattr__(self, name: str) -> Any:
-        # A control loop takes x and goes on; what else was noted down is looked up when it is asked for.
+        # A control loop only reads x; everything else is computed when it is first read.
         noted = self.__dict__.get("_noted")
         if noted is None or name not in ("hierarchy", "x_ref", "backend", "settings", "staged"):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
@@ -74,7 +74,7 @@ class Solution:
 
     @cached_property
     def gap(self) -> float:
-        """By how much the residual norm of ``level`` could at most still fall; 0 where the status is OPTIMAL.
+        """Bound on how much the residual norm of ``level`` could still fall; 0 if the status is OPTIMAL.
 
         As ``certify().levels[level].shortfall``: a bound if an optimum is within ``certify().radius`` of x.
         """

@@ -1,4 +1,4 @@
-"""The stages of a solution with damped levels: what they were, how they relaxed strictness, and what they prove."""
+"""The stages of a solution with damped levels: the stages, how they relaxed strictness, and what they prove."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .softening import Softened, softened
 
 @dataclass(frozen=True, eq=False)
 class Stages:
-    """What a solve with damped levels went through, see :mod:`hqp.damping.staged` and :mod:`hqp.solver.curved`.
+    """The stages of a solve with damped levels, see :mod:`hqp.damping.staged` and :mod:`hqp.solver.curved`.
 
     Attributes
     ----------
@@ -34,13 +34,13 @@ class Stages:
     solve : callable
         Solves a plain hierarchy, given x_ref.
     reached : dict of int to array
-        What x was when a level was done, of levels that those below may move a little.
+        The x at the end of the stage of a level, for levels that those below may move a little.
     singular : str
-        What explanations say of a direction in which x hardly moves a level; empty where a rule has chosen lambda.
+        Text in explanations for a direction in which x hardly moves a level; empty if a rule has chosen lambda.
     softened : tuple of int
-        The levels that gave way.
+        The levels that were softened.
     handed : tuple of Handed
-        What levels that gave way hold against those below, where it is not in the last stage.
+        The rows of softened levels that hold against those below, if they are not in the last stage.
     """
 
     solutions: tuple[Any, ...]  # of Solution, which is made of this
@@ -94,13 +94,13 @@ def stage_of(solution: Answer, k: int) -> Answer | None:
 
 
 def softened_in(solution: Answer, k: int) -> tuple[Softened, ...]:
-    """The directions in which level k gave way, by its stage."""
+    """The directions in which level k was softened, by its stage."""
     stage = stage_of(solution, k)
     return () if stage is None else softened(stage.hierarchy, len(solution.hierarchy.levels[k]))
 
 
 def proof(solution: Answer, staged: Stages, unique: bool, tolerance: float) -> Certificate:
-    """That every stage is optimal, and that levels below have left alone what those above hold."""
+    """The proof that every stage is optimal, and that levels below did not move the rows held above."""
     stages: Sequence[Answer] = staged.solutions
     *earlier, last = (stage.certify(unique=unique, tolerance=tolerance) for stage in stages)
     names = [level.name for level in solution.hierarchy.levels]

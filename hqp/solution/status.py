@@ -35,7 +35,7 @@ class Status(Enum):
 
 
 class Counts(NamedTuple):
-    """What the solve was made of.
+    """The work of a solve: sweeps, iterations, QPs.
 
     Attributes
     ----------
@@ -69,5 +69,5 @@ class Counts(NamedTuple):
     levels_polished: int = 0
 
 
-#: What is counted where nothing is.
+#: The counts of a backend that counts nothing.
 NO_COUNTS = Counts()

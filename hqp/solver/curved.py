@@ -1,4 +1,4 @@
-r"""Damping by curvature: levels of a linearised hierarchy damped where the curvature of their rows makes it mislead.
+r"""Damping by curvature: damps levels of a linearised hierarchy where curvature invalidates it.
 
 :mod:`hqp.kernels.bend` decides how much. Each damped level is a stage: a plain hierarchy of the levels above, held
 where they are, and this one with rows of damping; every stage is certified like any hierarchy.
@@ -45,9 +45,9 @@ def warm_up() -> bool:
 
 
 class CurvedSolver:
-    """Solves hierarchies that are linearisations, damped where that misleads, each warm from the last.
+    """Solves hierarchies that are linearisations, damped where these are not valid, each warm from the last.
 
-    The native solver is called by the loops themselves. Any other backend solves stage by stage, and is asked in
+    The native solver is called by the loops themselves. Any other backend solves stage by stage, called from
     Python for the stages that the same loops write.
 
     Parameters
@@ -90,7 +90,7 @@ class CurvedSolver:
         self._always = backend, self.settings, self._tell
 
     def relinearise(self, linearisation: Linearisation) -> None:
-        """Go by another linearisation of the same hierarchy, with the same levels curved."""
+        """Use another linearisation of the same hierarchy, with the same levels curved."""
         self._linearisation = linearisation
         self._work = Work(self._hierarchy, linearisation, self._stages)
         self._head, self._run = self._work.head, partial(door(kernel.solve_curved), self._work.address)
@@ -111,7 +111,7 @@ class CurvedSolver:
 
     def solve(self, hierarchy: Hierarchy) -> Solution:
         """Solve it, as its linearisation is now."""
-        given = hierarchy.numbers.copy()  # what a proof is of, whatever becomes of the numbers from here on
+        given = hierarchy.numbers.copy()  # the proof is about these numbers, even if they are overwritten later
         with self._guard:
             if self._native and self._run(hierarchy.address) == OPTIMAL:
                 return self._solved(hierarchy, given)

@@ -32,9 +32,9 @@ class Declared(NamedTuple):
     opened, last : int
         The first and the last level that had a stage of its own.
     states : array of int, shape (m,)
-        What has become of every row below its level, see :mod:`hqp.kernels.curved_layout`.
+        The state of every row for the levels below its own, see :mod:`hqp.kernels.curved_layout`.
     points : array, shape (levels, n)
-        What x was when a level was done.
+        The x at the end of the stage of each level.
     strengths, norms : array, shape (levels,)
         How strongly it was damped, and the length of its rows, which scales the soft rows beside them.
     stiffness : array, shape (m,)
@@ -146,7 +146,7 @@ def handed(given: Hierarchy, declared: Declared) -> tuple[Handed, ...]:
 
 
 def softened(declared: Declared, pointers: Sequence[int]) -> tuple[int, ...]:
-    """The levels that gave way: those with rows of damping, and those whose rows are soft below them."""
+    """The softened levels: those with rows of damping, and those whose rows are soft for the levels below."""
     return tuple(
         k
         for k in declared.levels

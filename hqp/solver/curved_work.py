@@ -21,7 +21,7 @@ TOLD = at.POINTS, at.STRENGTHS, at.NORMS, at.STIFFNESS, at.COMBINED, at.DAMPED
 
 
 def directory_of(x: Array, sides: NDArray[np.int64]) -> NDArray[np.int64]:
-    """A directory in which nothing is but x, and the sides of rows."""
+    """A directory that holds only x and the sides of rows."""
     directory = np.zeros(plain.HEAD + 3 * (plain.SIDE + 1), dtype=np.int64)
     entries = directory[plain.HEAD :].reshape(-1, 3)
     entries[plain.X], entries[plain.SIDE] = (x.ctypes.data, len(x), 1), (sides.ctypes.data, len(sides), 1)
@@ -46,7 +46,7 @@ def stage_of(hierarchy: Hierarchy, k: int, curved: Sequence[int]) -> Hierarchy:
 
 
 class Work:
-    """What the kernel works in, and the directory of it."""
+    """The work memory of the kernel, and its directory."""
 
     def __init__(self, hierarchy: Hierarchy, linearisation: Linearisation, stages: Sequence[Hierarchy | None]) -> None:
         n, m, levels = hierarchy.n, hierarchy.m, len(hierarchy.levels)
@@ -118,7 +118,7 @@ class Work:
         self._states, self._shapes = made[at.STATE], [made[place].shape for place in TOLD]
 
     def declare(self) -> tuple[int, int, NDArray[np.int64], Array]:
-        """A copy of what tells how levels were softened, to be made :meth:`declared` when it is asked for."""
+        """A copy of the numbers that tell how levels were softened; :meth:`declared` unpacks it when it is read."""
         return self.head.item(at.OPENED), self.head.item(at.STAGE), self._states.copy(), self._told.copy()
 
     def declared(self, opened: int, last: int, states: NDArray[np.int64], told: Array) -> Declared:

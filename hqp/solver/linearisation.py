@@ -15,7 +15,7 @@ class Contraction(NamedTuple):
     Attributes
     ----------
     loop, table : int
-        Its address, and that of what it is told.
+        Its address, and that of its arguments.
     weights : array, shape (rows,)
         Where it finds the weights.
     row : int
@@ -29,7 +29,7 @@ class Contraction(NamedTuple):
 
 
 class Errors(NamedTuple):
-    """How far some rows are from where they are wanted.
+    """The errors of some rows.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Errors(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Linearisation:
-    """What a hierarchy is the linearisation of. All arrays are kept up to date by the caller.
+    """The errors, curvatures and aims behind a linearised hierarchy. All arrays are kept up to date by the caller.
 
     Attributes
     ----------
@@ -59,17 +59,17 @@ class Linearisation:
     curvature : array, shape (n, n)
         What the contractions add to.
     scales : array, shape (m,)
-        How fast the error of each row is to go, relative to the fastest.
+        The rate at which the error of each row is to be reduced, relative to the fastest.
     shares : array, shape (levels,)
-        What share of its error a level takes away in one step.
+        The share of its error that a level removes in one step.
     aims : array, shape (levels, n)
-        Where the damping of a level draws x.
+        The x to which the damping of a level pulls.
     last : array, shape (n,)
         The x of the step before; NaN if it is not known.
     singular : str
-        What explanations say of a direction in which x hardly moves a level.
+        Text in explanations for a direction in which x hardly moves a level.
     kept : tuple
-        What has to live as long as the addresses above mean something.
+        Objects that must live as long as the addresses above are used.
     """
 
     curved: tuple[int, ...]

@@ -30,11 +30,11 @@ new = object.__new__
 
 
 def _nothing(hierarchy: Hierarchy, x_ref: Array | None, aims: Array | None = None) -> None:
-    """The short way of a backend that has none."""
+    """The shortcut of a backend without one: no answer."""
 
 
 def solve_once(backend: str, settings: Settings, hierarchy: Hierarchy, x_ref: Array) -> Solution:
-    """What a solver that is made for it says to one hierarchy: a function that can be pickled."""
+    """The answer of a new solver to one hierarchy, as a function that can be pickled."""
     return Solver(backend, settings).solve(hierarchy, x_ref)
 
 
@@ -97,7 +97,7 @@ class Solver:
         self._zero = np.zeros(0)
         self._guard = Guard("the solver")
         self._take, self._give = self._guard.take, self._guard.give
-        # A time limit counts from the call on, whatever has to be made ready first.
+        # A time limit counts from the call on, preparations included.
         self._began = getattr(self._backend, "began", None) if self.settings.time_limit < math.inf else None
 
     def __reduce__(self) -> tuple[type[Solver], tuple[str, Settings, dict[int | str, DampingRule]]]:
@@ -159,7 +159,7 @@ class Solver:
         if self._began is not None:
             self._began(now)
         proved = fault = own_aims = None
-        numbers = hierarchy.numbers.copy()  # what a proof is of, whatever becomes of the numbers from here on
+        numbers = hierarchy.numbers.copy()  # the proof is about these numbers, even if they are overwritten later
         if aims is not None:
             fault, reference = (None, self._zero) if x_ref is None else self._reference(x_ref)
             own_aims = self._own_aims(hierarchy, aims, reference)
@@ -199,7 +199,7 @@ class Solver:
             self._staged.forget()
 
     def _new_staged(self) -> Staged:
-        """Solvers for one stage each; an answer that outlives this solver has one that is made when asked for."""
+        """Solvers for one stage each; an answer that outlives this solver makes its own when needed."""
         once = partial(solve_once, self.backend, self.settings)
         return Staged(self.damping, self.settings, lambda: Solver(self.backend, self.settings).solve, once)
 
@@ -253,7 +253,7 @@ class Solver:
         return solution
 
     def _answer(self, hierarchy: Hierarchy, reference: Array, fault: str | None) -> Answer:
-        """What the backend says, or why it is not asked."""
+        """The answer of the backend, or why it is not called."""
         if self._prepare is None:
             fault = hierarchy.find_fault() or fault
         if fault is not None:
@@ -262,7 +262,7 @@ class Solver:
             return self._backend.solve(hierarchy, reference)
 
     def _adopt(self, hierarchy: Hierarchy) -> None:
-        """Start afresh if the structure is another one, and not just another object that says the same."""
+        """Start afresh if the structure differs, not only the object that holds it."""
         if not isinstance(hierarchy, Hierarchy):
             raise InvalidInput(f"solve takes a hqp.Hierarchy, not a {type(hierarchy).__name__}")
         if hierarchy.structure != self._structure:

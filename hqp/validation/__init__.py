@@ -1,8 +1,8 @@
-"""Validation of the solvers: their answers against answers found in another way.
+"""Validation of the solvers: their answers compared with answers from another source.
 
 * :mod:`.closed_forms`: random equality stacks in every rank case, against Eq. 3.17 and Eq. 4.8.
 * :mod:`.conditioning`: the same where a singular value goes to zero, decade by decade.
-* :mod:`.two_formulas`: Eq. 4.8 against Eq. 3.17, where they coincide and how far they part.
+* :mod:`.two_formulas`: Eq. 4.8 against Eq. 3.17, where they coincide and how far they differ.
 * :mod:`.hierarchies`: random hierarchies with inequalities, conflicts and weights at every level, against the
   certificate and against each other.
 * :mod:`.known`: hierarchies whose answers are known, by hand or because they were made for them.

@@ -20,7 +20,7 @@ class KnownAnswer:
     ----------
     name : str
     source : str
-        Whose numbers these are.
+        The source of the numbers.
     why : str
         How they follow.
     hierarchy : Hierarchy
@@ -28,7 +28,7 @@ class KnownAnswer:
     residuals : array, shape (levels,)
         Weighted norms.
     multipliers : mapping of int to array
-        Of the levels of which they are known and unique: one number for every row above.
+        For the levels whose multipliers are known and unique: one number for every row above.
     unique : bool
         Whether the levels alone make x unique, or only the implicit last one does.
     stack : Hierarchy, optional
@@ -49,7 +49,7 @@ class KnownAnswer:
     x_ref: Array | None = None
 
     def posed_to(self, info: BackendInfo) -> Hierarchy | None:
-        """What the backend is asked, or None where it takes no such hierarchy."""
+        """The hierarchy given to the backend, or None if the backend does not take it."""
         if not info.lexicographic:
             return self.stack
         equalities = bool(np.all(self.hierarchy.lower == self.hierarchy.upper))

@@ -2,7 +2,7 @@
 
 Two formulas are checked: Eq. 3.17, the optimum of the stack itself, and Eq. 4.8, the optimum of its
 own hierarchy {J1 x = h1} > {x = J2# h2}, see :func:`hqp.backends.pseudoinverse.joint_form`. Rows have random weights,
-and z, the reference of the last level, is random too: where it is zero, nobody can tell who drops the last term.
+and z, the reference of the last level, is random too: if it were zero, a missing last term would not be noticed.
 """
 
 from __future__ import annotations

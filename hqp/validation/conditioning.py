@@ -7,9 +7,9 @@ but for those that are :math:`\sigma`:
 * between the levels, those of :math:`\hat J_2 = J_2 (I - J_1^\# J_1)`: an algorithmic singularity, at which
   :math:`J_2 = T J_1` although both have full rank.
 
-Nobody can do better than :math:`\varepsilon / \sigma` in x, for the numbers of the stack are themselves rounded. Where
-:math:`\sigma` is between 1e-12 and 1e-6 the rank is not decidable, see ``docs/theory.md``: what comes out there is
-shown and not judged.
+No method can be more accurate than :math:`\varepsilon / \sigma` in x, because the numbers of the stack are
+rounded themselves. Where :math:`\sigma` is between 1e-12 and 1e-6 the rank is not decidable, see ``docs/theory.md``:
+results there are shown and not judged.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ UNKNOWNS, ROWS = 7, 3
 
 
 def zone(sigma: float) -> str:
-    """The zone of `ZONES`: every solver has to keep the direction of `sigma`, none has to, or nobody can tell."""
+    """The zone of `ZONES`: every solver has to keep the direction of `sigma`, none has to, or that is undecidable."""
     low, high = UNDECIDABLE
     return ZONES[0] if sigma >= high else ZONES[2] if sigma <= low else ZONES[1]
 
@@ -84,7 +84,7 @@ PLACES: dict[str, Callable[[np.random.Generator, float], tuple[Array, Array]]] =
 
 
 def stream(seed: int, *names: str | float) -> np.random.Generator:
-    """Random numbers that depend on the seed and what they are for, not on who asks: all meet the same stacks."""
+    """Random numbers that depend on seed and purpose, not on the caller: all backends get the same stacks."""
     return np.random.default_rng([seed, zlib.crc32(repr(names).encode())])
 
 

@@ -2,7 +2,7 @@ r"""Backends on random hierarchies with inequalities, conflicts and weights, jud
 
 Inequalities and conflicts at every level, rows of different length, rows that come again further down, weights, and a
 random x_ref: no formula gives these answers, but the certificate can tell whether one is right. Beside that backends
-are compared in pairs, level by level: where residuals part, the one with the larger residual has missed the optimum,
+are compared in pairs, level by level: where residuals differ, the one with the larger residual has missed the optimum,
 whatever a certificate says. An answer is unique, with the implicit last level :math:`\min \|x - x_\text{ref}\|`.
 """
 
@@ -79,7 +79,7 @@ class Judgement:
 
     @property
     def ok(self) -> bool:
-        """Whether no claim is refuted or beaten, and hardly ever given up."""
+        """Whether no claim is refuted or beaten, and failures are rare."""
         right = not self.refuted and not self.beaten and self.failures <= GIVEN_UP * self.count
         return right or math.isinf(self.allowed)
 
@@ -116,7 +116,7 @@ def crowded(n: int, levels: int, rng: np.random.Generator) -> Hierarchy:
 
 
 def judge(names: Sequence[str], size: tuple[int, int], count: int, seed: int, first: int = 0) -> list[Judgement]:
-    """Give `count` random hierarchies of a size to these backends, as far as they take them; a judgement each.
+    """Judge these backends on `count` random hierarchies of a size, as far as they take them.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def judge(names: Sequence[str], size: tuple[int, int], count: int, seed: int, fi
         Unknowns and levels.
     count, seed : int
     first : int
-        The number of the first hierarchy: all with one seed are the same, whoever asks for how many.
+        The number of the first hierarchy: hierarchies depend on seed and number only, not on `count`.
     """
     n, levels = size
     solvers = {name: Solver(name) for name in names if _takes(name)}
@@ -148,7 +148,7 @@ def judge(names: Sequence[str], size: tuple[int, int], count: int, seed: int, fi
 
 
 def beaten(answers: dict[str, Solution]) -> dict[str, tuple[str, ...]]:
-    """Whose answer is not the lexicographic optimum, and whose is better; answers to one hierarchy, by backend."""
+    """The backends whose answer is not the lexicographic optimum, each with a better one; `answers` by backend."""
     attained = {name: _residuals(answer) for name, answer in answers.items()}
     allowed = {name: ACCURACY[backend_info(name).accuracy] for name in answers}
     judges = [name for name in answers if not math.isinf(allowed[name])]

@@ -61,7 +61,7 @@ class Finding:
 
 
 def check(backend: str) -> list[Finding]:
-    """Ask a backend everything that it takes of `KNOWN`.
+    """Compare a backend with all of `KNOWN` that it takes.
 
     Parameters
     ----------

@@ -179,7 +179,7 @@ def misses(findings: Sequence[Finding]) -> Table:
 
 
 def answers() -> Table:
-    """A row a known answer: what it is, and where it comes from."""
+    """A row for each known answer: its description and its source."""
     rows = [
         [
             item.name,

@@ -1,8 +1,8 @@
-r"""Eq. 4.8 against the strict stack {J1} > {J2}: where they coincide, and how far they part elsewhere.
+r"""Eq. 4.8 against the strict stack {J1} > {J2}: where they coincide, and how far they differ elsewhere.
 
 Eq. 4.8 leaves of the second task :math:`J_2 J_1^\# (h_1 - J_1 J_2^\# h_2)` more than the second task alone would. That
 is nothing if :math:`J_1 J_2^T = 0`, or if the motion :math:`J_2^\# h_2` happens to do what the first task asks for; and
-if the rows of J2 lie in the row space of J1, nobody can do anything about it. On the way into an algorithmic
+if the rows of J2 lie in the row space of J1, no method can avoid it. On the way into an algorithmic
 singularity they part without bounds: the strict stack diverges, Eq. 4.8 leaves its second task where it is.
 
 The strict answers are the native solver's, for near singularities the residuals of Eq. 3.17 are not its optimum.
@@ -105,7 +105,7 @@ def compare(relation: str, count: int, seed: int) -> list[Parting]:
 
 
 def part(place: str, count: int, seed: int, sigmas: Sequence[float] = SIGMAS) -> list[Parting]:
-    """Both answers on the way into a singularity: to the stacks of :func:`hqp.validation.approach`, any targets."""
+    """Both answers near a singularity: to the stacks of :func:`hqp.validation.approach`, any targets."""
     partings = []
     for sigma in sigmas:
         rng = stream(seed, place, "any", sigma)

@@ -133,7 +133,7 @@ def _sealing(begin: Callable[..., None]) -> Callable[..., None]:
 class Live:
     """Base class of objects whose attributes may be changed while a controller uses them; see :mod:`tasks.base.live`.
 
-    Copies, by :mod:`copy` or pickle, are watched by nobody.
+    Copies, by :mod:`copy` or pickle, have no watchers.
     """
 
     # What is watched is no part of the state, so that no copy takes it along, whatever its __getstate__ tells.

@@ -26,7 +26,7 @@ from .once import once
 #: Of a loop: the address of what it is told; nothing of interest.
 SIGNATURE = int64(int64)
 WHAT = "the rows of tasks"
-#: What a loop is told of: a size, an address, or by its address an array or a table.
+#: An argument of a loop: a size, an address, or by its address an array or a table.
 Entry: TypeAlias = "int | np.integer[Any] | NDArray[Any] | Table"
 
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 class _Balance(Part):
-    """Base of the rows that know what the robot stands on."""
+    """Base of the rows that depend on the contacts that the robot stands on."""
 
     task: Part = structure()
     contacts: tuple[Contact, ...] = structure()
@@ -56,11 +56,11 @@ class _Balance(Part):
 
     @property
     def points(self) -> int:
-        """How many the robot may stand on."""
+        """The largest number of contact points."""
         return sum(len(contact.shape.points) for contact in self.contacts)
 
     def support(self, shared: Workspace) -> tuple[int, Table]:
-        """The contacts, as loops are told of them: how many, and of each slot, frame, axes and points."""
+        """The contacts as arguments of loops: their number, and of each slot, frame, axes and points."""
         from ..base.loops import Table
 
         told: list[Any] = []
@@ -88,7 +88,7 @@ def standing(part: Part, setting: Setting) -> tuple[Contact, ...]:
 
 
 class CapturePointTask(Part):
-    r"""Bring the capture point to a place: :math:`\dot\xi = \dot\xi^d + K (\xi^d - \xi)`.
+    r"""Bring the capture point to a target: :math:`\dot\xi = \dot\xi^d + K (\xi^d - \xi)`.
 
     At acceleration order the rows are :math:`J_c a = \omega (\dot\xi^d + K e - \dot c) - \dot J_c v`, at velocity order
     :math:`J_c v = \omega (\xi^d - c)`.

@@ -35,7 +35,7 @@ class ForceTask(Part):
     ----------
     target : array, shape (1,) or (3,), or Trajectory, optional
         The sum of the forces on the robot at one contact [N]: along its normal, or along t1, t2 and the normal
-        (default: every force is brought to zero by itself).
+        (default: every force is brought to zero separately).
     contact : Contact, optional
         Default: all contacts of the stack; a target needs one.
     weight : float or array, shape (rows,)

@@ -60,7 +60,7 @@ class Slot:
 
     @property
     def bears(self) -> bool:
-        """Whether it is one to rely on: on, and not being released."""
+        """Whether it counts as support: on, and not being released."""
         return bool(self.numbers[at.BEARS])
 
     def release(self, forces: Array, duration: float, law: Timing = cubic) -> None:
@@ -79,7 +79,7 @@ class Slot:
         self._begin(ramp, duration, 2.0)
 
     def make(self, most: float, duration: float, law: Timing = cubic) -> None:
-        """Hold where it is from the next tick on; their sum may grow to `most` [N] in this time [s]."""
+        """Hold the present position from the next tick on; the normal forces grow to a sum of `most` [N] in this time [s]."""
         self.numbers[[at.ON, at.LOADED, at.BEARS]] = 1.0
         self.numbers[[at.TAKEN, at.OPEN]] = 0.0
 

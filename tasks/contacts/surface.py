@@ -39,7 +39,7 @@ class Surface:
         self.rotation = as_rotation(np.eye(3) if rotation is None else rotation, "Surface: rotation")
 
     def kept_up(self, place: Array) -> tuple[Move, ...]:
-        """Write where it is and how it moves, see :mod:`tasks.contacts.kernels.layout`, now and every tick."""
+        """Write its pose and velocity, see :mod:`tasks.contacts.kernels.layout`, now and every tick."""
 
         def move(t: float) -> None:
             p, velocity, acceleration = self.position(t)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 class TorqueTask(Part):
     """Bring the torques of all joints that have a motor to a target, or to zero: least torque, on the last level.
 
-    Alone it lets freedom swing that nothing else asks for, as :class:`~tasks.MinimumTorqueTask` does: join a posture.
+    Alone it lets joints swing in the null space, as :class:`~tasks.MinimumTorqueTask` does: join a posture.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ def curved_levels(rows: HierarchyWriter) -> tuple[int, ...]:
     """Which levels may be damped by default (1), are below a task but left strict (2), or neither (0).
 
     Of limits above all tasks nothing gives way, and a level with an inequality is left strict. So is all of a stack
-    where no task tells how its value bends, or where forces of contacts are unknown, too.
+    where the curvature of no task is known, or where forces of contacts are unknown, too.
     """
     rules, work = rows.levels.damping, rows.work
     levels = len(rules)
@@ -96,7 +96,7 @@ class CalmSolver:
         self._planned, self._tuned, self._gains = rows.planned, rows.tuned, gains_of(rows)
 
     def solve(self, hierarchy: Hierarchy, last: Array | None = None) -> Solution:
-        """Solve the rows as they are filled now; `last` is the x of the tick before, None or NaN where nobody knows."""
+        """Solve the rows as they are filled now; `last` is the x of the tick before, None or NaN if it is not known."""
         rows = self._rows
         if self._planned != rows.planned:
             self._linearisation = linearised(rows, self._dt, self._curved, self._last)

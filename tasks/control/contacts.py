@@ -103,7 +103,7 @@ def has_dynamics(stack: Stack) -> bool:
 
 
 def check_torques(stack: Stack) -> None:
-    """Refuse contacts whose forces nobody knows, where torques are asked for.
+    """Refuse contacts of unknown forces if torques are asked for.
 
     Raises
     ------

@@ -73,7 +73,7 @@ class PreparedStack:
         state : RobotState
         t : float
         last : array, shape (n,), or None
-            The x of the tick before; None where nobody knows.
+            The x of the tick before; None if it is not known.
         fault : str, optional
             What is wrong with the state: the status is then INVALID, with this message.
         """

@@ -40,7 +40,7 @@ class Beat(NamedTuple):
 
 
 class RateLoop:
-    """A loop at a constant rate, which counts what comes too late; made by :func:`loop`.
+    """A loop at a constant rate, which counts late ticks; made by :func:`loop`.
 
     Attributes
     ----------

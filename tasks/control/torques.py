@@ -48,7 +48,7 @@ def torques_of(robot: Robot, stack: Stack, order: Command) -> Torques:
     Raises
     ------
     InvalidInput
-        If the order gives no accelerations, the robot cannot tell its torques, or nobody knows the forces of a contact.
+        If the order gives no accelerations, the robot cannot tell its torques, or forces of a contact are unknown.
     """
     asked = "order = 'torque'" if order == "torque" else "torque = True"
     if order == "velocity":

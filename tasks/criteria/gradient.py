@@ -93,7 +93,7 @@ class GradientTask(Part):
         return np.arange(base(robot), robot.nv)
 
     def value(self, robot: Robot, q: Array, t: float = 0.0) -> float:
-        """H at the configuration q and time t [s]; NaN for what is not finite, for the solver to report."""
+        """H at the configuration q and time t [s]; NaN if it is not finite, for the solver to report."""
         raise NotImplementedError(f"{type(self).__name__} must define value(robot, q, t)")
 
     def values(self, robot: Robot, q: Array, t: float = 0.0) -> Array:
@@ -101,7 +101,7 @@ class GradientTask(Part):
         return np.array([self.value(robot, one, t) for one in q])
 
     def gradient(self, robot: Robot, q: Array, t: float = 0.0) -> Array:
-        """How H changes with each joint [unit of H per rad, or per m], shape (nv,); 0 where there is no row.
+        """dH/dq [unit of H per rad, or per m], shape (nv,); 0 where there is no row.
 
         By central differences along ``robot.integrate``.
         """
@@ -131,7 +131,7 @@ class GradientTask(Part):
         return Plan((call,), python=measure, why=f"{type(self).__name__} is measured in Python")
 
     def law(self, site: Site) -> tuple[Entry, ...]:
-        """What every loop of a gradient is told first; see :mod:`tasks.criteria.kernels.joints`."""
+        """The first arguments of every loop of a gradient; see :mod:`tasks.criteria.kernels.joints`."""
         from ..rows.kernels.law import ORDERS
 
         own, shared = self.variables(site.shared.robot), site.shared
@@ -143,5 +143,5 @@ class GradientTask(Part):
         return f"{type(self).__name__}({', '.join([*self._shown(), f'gain={self.gain:.4g}'])})"
 
     def _shown(self) -> list[str]:
-        """What the repr tells before the gain."""
+        """The arguments in the repr before the gain."""
         return []

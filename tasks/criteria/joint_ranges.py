@@ -8,8 +8,8 @@ Liegeois (1977): the mean squared distance of the n joints that have a range fro
     m_i = \tfrac12 (\bar q_i + \underline q_i), \quad h_i = \tfrac12 (\bar q_i - \underline q_i), \qquad
     \frac{\partial H}{\partial q_i} = \frac{2}{n} \frac{q_i - m_i}{h_i^2},
 
-is 0 in the middle and 1 where all joints stand at an end. It is a wish, and no limit: a joint may still be led
-beyond its range by the task above, unless :class:`~tasks.JointLimits` stand on top.
+is 0 in the middle and 1 where all joints stand at an end. It is not a limit: the task above may still move a joint
+beyond its range, unless :class:`~tasks.JointLimits` stand on top.
 """
 
 from __future__ import annotations

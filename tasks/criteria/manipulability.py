@@ -9,11 +9,12 @@ Four measures of how well a task can be moved, which its Jacobian J (m rows) and
     r &= (u^T (J J^T)^{-1} u)^{-1/2} && \text{velocity ratio in the direction u (Dubey and Luh 1987)} \\
     \sigma_m &= \min_{\lVert u \rVert = 1} r && \text{minor axis of the velocity ellipsoid (Dubey and Luh 1987)}
 
-w is the volume of what joint velocities of norm one make of the task, but for a constant; w_d that of its
-accelerations by torques of norm one, from rest; and r the length of the ellipsoid of velocities along u, the speed of
-the task per joint speed, of which :math:`\sigma_m`, the least singular value of J, is that of the worst direction.
+w is, up to a constant factor, the volume of the ellipsoid of task velocities that joint velocities of norm one give;
+w_d that of task accelerations that torques of norm one give, from rest; r is the length of the ellipsoid of
+velocities along u, the speed of the task per joint speed; :math:`\sigma_m`, the least singular value of J, is r in the
+worst direction.
 Where J loses rank w, w_d and :math:`\sigma_m` fall to zero, and r does unless u can still be moved.
-A redundant arm can raise them, because motions that the task does not see change them: each is a
+A redundant arm can raise them, because motions in the null space of the task change them: each is a
 :class:`~tasks.GradientTask`, to be put below the task.
 """
 
@@ -84,7 +85,7 @@ class _MeasureOfTask(GradientTask):
         return self._loops(site, told)
 
     def _frame(self, site: Site) -> tuple[Entry, ...] | None:
-        """What its loops are told of the frame of the task; None where the gradient has no closed form."""
+        """The arguments of its loops on the frame of the task; None if the gradient has no closed form."""
         from ..rows.plan import overridden
         from .kernels.measures import work_size
 
@@ -153,7 +154,7 @@ class ManipulabilityTask(_MeasureOfTask):
 
 
 class MinorAxisTask(_MeasureOfTask):
-    """Lengthen the minor axis of the velocity ellipsoid of `task`: raise its speed in the direction that is worst.
+    """Lengthen the minor axis of the velocity ellipsoid of `task`: raise its speed in the worst direction.
 
     ``reach >> MinorAxisTask(reach, gain=5.0)``; of manipulability, which is the product of all axes, the others have a
     share too.

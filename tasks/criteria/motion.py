@@ -7,7 +7,7 @@ Whitney (1969) takes, of the motions that meet a task :math:`J x = h`, the one t
 and with the mass matrix, :math:`W = M(q)`, the one of least kinetic energy :math:`\tfrac12 \dot q^T M \dot q`. With
 :math:`W = L L^T` it is the last level :math:`L^T x = 0`, as in :func:`hqp.nearest`.
 
-At acceleration order that would leave any speed alone that is in the null space: joints once set in motion never
+At acceleration order that would not change speeds in the null space: joints once set in motion would never
 stop. There the rows are :math:`L^T (\ddot q + K \dot q) = 0`, which brake it at the rate K.
 """
 
@@ -45,7 +45,7 @@ class _LeastMotion(Part):
 
     @number
     def gain(self, value: float | None) -> float | None:
-        """K [1/s], at which motion is braked that nothing above asks for; None at velocity order."""
+        """K [1/s], the rate at which motion in the null space is braked; None at velocity order."""
         return None if value is None else positive_scalar(value, f"{self.full_name()}: gain", unit="1/s")
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
@@ -66,21 +66,21 @@ class _LeastMotion(Part):
         return -self.gain * tick.state.v
 
     def _law(self, site: Site) -> tuple[Entry, ...]:
-        """What its loops are told first; see :mod:`tasks.criteria.kernels.joints`."""
+        """The first arguments of its loops; see :mod:`tasks.criteria.kernels.joints`."""
         shared = site.shared
         brakes = shared.order == "acceleration" and self.gain is not None
         braking = np.array([self.gain if brakes else 0.0], dtype=np.float64)
         return shared.n, braking, shared.v, site.lower, site.upper
 
     def _options(self) -> list[str]:
-        """What the repr tells of the gain."""
+        """The gain in the repr."""
         return [] if self.gain is None else [f"gain={self.gain:.4g}"]
 
 
 class MinimumMotionTask(_LeastMotion):
     """Move each joint as little as possible: least ``sum weight_i^2 x_i^2``. Leaves no null space below.
 
-    From a posture to which the joints are to come back it is ``PostureTask(posture, gain=K, weight=...)``.
+    For least motion around a posture, use ``PostureTask(posture, gain=K, weight=...)``.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ class MinimumMotionTask(_LeastMotion):
 
     @number
     def weight(self, value: ArrayLike) -> Array:
-        """How dear each joint is, shape () or (nv,)."""
+        """The cost of moving each joint, shape () or (nv,)."""
         return positive(value, f"{self.full_name()}: weight")
 
     def plan(self, site: Site) -> Plan:

@@ -3,7 +3,7 @@ r"""Task reconstruction: a task is slowed down where its manipulability is small
 After Kim, Marani, Chung and Yuh, Task reconstruction method for real-time singularity avoidance for robotic
 manipulators (Advanced Robotics, 2006), with a share of its own. Let
 :math:`x_a = J_a^\# h_a` be the motion of the task above, if there is one, :math:`\hat J = J (I - J_a^\# J_a)`, and
-:math:`w = \sqrt{\det \hat J \hat J^T}` the measure of what is left for this task, with the gradient
+:math:`w = \sqrt{\det \hat J \hat J^T}` the manipulability that is left for this task, with the gradient
 :math:`g = \nabla w` in the joints. The exact motion changes it by
 
 .. math:: \dot w = g^T (x_a + \hat J^\# r), \qquad r = h - J x_a.
@@ -64,8 +64,9 @@ class Reconstructed(Part):
 
     Notes
     -----
-    Limits above it, and levels below, are not asked: what they do to w is not foreseen. The gradient is taken by
-    central differences, two states of the robot a joint. A run should not start at a singularity: there it sees no way.
+    The effect on w of limits above it, and of levels below, is not taken into account. The gradient is taken by
+    central differences, two states of the robot a joint. A run should not start at a
+    singularity, where it finds no direction out.
 
     Examples
     --------
@@ -124,13 +125,13 @@ class Reconstructed(Part):
         return float(manipulability(self._left(self.task.jacobian(state), state)))
 
     def gradient(self, robot: Robot, q: Array) -> Array:
-        """How w changes with each joint [unit of w per rad], shape (nv,): central differences."""
+        """dw/dq [unit of w per rad], shape (nv,), by central differences."""
         steps = STEP * np.eye(robot.nv)
         ahead, behind = ([self.measure(robot, integrate(robot, q, sign * s)) for s in steps] for sign in (1.0, -1.0))
         return np.asarray(np.subtract(ahead, behind) / (2.0 * STEP))
 
     def plan(self, site: Site) -> Plan:
-        """Both tasks as they plan it; then Python slows the rows of this one."""
+        """The plans of both tasks; then Python slows the rows of this one."""
         from ..base.loops import run_all
         from ..rows.plan import Plan, plan_of
         from ..rows.site import Site

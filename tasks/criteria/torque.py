@@ -1,6 +1,6 @@
 r"""Secondary criterion: the least joint torque that the levels above permit, at acceleration order.
 
-Hollerbach and Suh (1987) spend the freedom that a task leaves on the torques of the same instant,
+Hollerbach and Suh (1987) minimise the torques of the same instant in the null space of a task,
 
 .. math::
 
@@ -13,9 +13,9 @@ a level these are rows :math:`M \ddot q = m - b` of weights 1/h. Below a task :m
 .. math:: \ddot q = \ddot q_0 + W J^T (J W J^T)^{-1} (h_1 - J \ddot q_0), \qquad
     \ddot q_0 = M^{-1} (m - b), \quad W = (M D^2 M)^{-1}, \quad D = \operatorname{diag}(1/h).
 
-What is best at every instant is not best for the motion: torques are saved by letting joints swing, and the speed that
-they gather in the null space has to be paid for later, by centripetal torques that grow with its square. On long
-motions the arm whips up and torques *rise* far above those of least accelerations, which is what Hollerbach and Suh
+The best torque at every instant is not the best for the motion: torques are saved by letting joints swing, and their
+speed in the null space later needs centripetal torques that grow with its square. On long motions joint speeds build
+up, and torques *rise* far above those of least accelerations, which is what Hollerbach and Suh
 found. The remedy is a share of least motion on the same level (a balance as of Ma 1996), with a velocity term:
 
 .. math:: \lVert M \ddot q + b \rVert^2 + \lambda^2 \lVert \ddot q + K v \rVert^2,
@@ -55,7 +55,7 @@ class MinimumTorqueTask(Part):
     ----------
     torque_range : pair of float or array, shape (nv,), optional
         Lowest and highest joint torques [N m], or forces [N]: the torques are brought to its middle, each weighed by
-        the inverse of half its range (default: to zero, all alike).
+        the inverse of half its range (default: to zero, with equal weights).
     weight : float or array, shape (nv,)
         Weight of the rows inside their level, besides.
     name : str, optional

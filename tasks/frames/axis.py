@@ -1,8 +1,8 @@
 r"""Task: the direction of one axis of a frame; the rotation about that axis stays free.
 
 With the axis a and the wanted direction d, unit vectors in the world, the shortest turn from a to d is
-:math:`\vartheta` about :math:`a \times d`. It has no part along a: two rows, U, perpendicular to the axis in the frame
-say all of it,
+:math:`\vartheta` about :math:`a \times d`. It has no component along a: two rows, U, perpendicular to the axis in the
+frame describe it completely,
 
 .. math:: e = U R^T \vartheta \frac{a \times d}{\lVert a \times d \rVert}, \qquad J = U R^T J_\omega.
 """
@@ -37,7 +37,7 @@ class PointingTask(FrameTask, LoopTask):
 
     @number
     def axis(self, value: ArrayLike) -> Array:
-        """The axis, in the frame: a unit vector, of whatever length it is given."""
+        """The axis, in the frame: normalised; any length but 0 may be given."""
         return unit(finite(value, f"{self.full_name()}: axis"), f"{self.full_name()}: axis")
 
     @number
@@ -51,7 +51,7 @@ class PointingTask(FrameTask, LoopTask):
         return perpendicular(self.axis)
 
     def _pointing(self, site: Site, kernel: Any, *, at_point: bool) -> Plan:
-        """One loop, told of the axis and its target, and one for whoever asks how they bend."""
+        """One loop for the rows, from the axis and its target, and one for their curvature."""
         from ..base.loops import Call
         from ..rows.curvature import bending
         from ..rows.plan import Plan
@@ -83,7 +83,7 @@ class AxisTask(PointingTask):
     frame : str, optional
         The name of a frame of the robot (default: its tip).
     relative_to : str, optional
-        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
+        A frame of the robot in place of the world: all coordinates and motions are relative to it.
     gain : float or array, shape (2,)
         K [1/s]: the rate at which the error decays.
     damping_ratio : float
@@ -91,7 +91,7 @@ class AxisTask(PointingTask):
     weight : float or array, shape (2,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional

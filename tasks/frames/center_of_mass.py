@@ -22,16 +22,16 @@ if TYPE_CHECKING:
 
 
 class CenterOfMassTask(PositionTask):
-    """Bring the centre of mass to a point; over its feet, with the mask ``"xy"``, a robot stands.
+    """Bring the centre of mass to a point, such as one above the feet with the mask ``"xy"``.
 
-    It is that of all links that joints move; what is fixed to the world has no part in it.
+    It is that of all links that joints move, without bodies fixed to the world.
 
     Parameters
     ----------
     target : array, shape (3,), or of one number a coordinate of the mask, or Trajectory
         [m].
     relative_to : str, optional
-        A frame of the robot, such as a foot, that stands for the world.
+        A frame of the robot, such as a foot, in place of the world.
     mask : str or sequence of bool, optional
         The coordinates to be controlled.
     gain : float or array, shape (rows,)
@@ -41,7 +41,7 @@ class CenterOfMassTask(PositionTask):
     weight : float or array, shape (rows,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional

@@ -28,9 +28,9 @@ class Reading(NamedTuple):
     Attributes
     ----------
     axes : int
-        Along which its velocity is taken: WORLD, LOCAL or SPATIAL of :mod:`tasks.frames.kernels.placement`.
+        The axes of the velocity: WORLD, LOCAL or SPATIAL of :mod:`tasks.frames.kernels.placement`.
     rows : array, shape (rows, 6)
-        What each row takes of its linear and angular velocity along these axes.
+        The coefficients of each row for the linear and angular velocity along these axes.
     """
 
     axes: int
@@ -45,7 +45,7 @@ class FrameTask(Task):
     frame : str, optional
         The name of a frame of the robot (default: its tip).
     relative_to : str, optional
-        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
+        A frame of the robot in place of the world: all coordinates and motions are relative to it.
     gain : float or array, shape (rows,)
         K [1/s]: the rate at which the error decays.
     damping_ratio : float
@@ -53,7 +53,7 @@ class FrameTask(Task):
     weight : float or array, shape (rows,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
@@ -62,7 +62,7 @@ class FrameTask(Task):
     Attributes
     ----------
     spatial : bool
-        Whether it turns axes out of a plane, which no planar arm does.
+        Whether it needs rotations out of the plane, which no planar arm has.
     """
 
     frame: str | None = structure()
@@ -119,7 +119,7 @@ class FrameTask(Task):
         return frame_bends(site.shared, self.frame, self.relative_to)
 
     def reading(self) -> Reading | None:
-        """What its rows take of the motion of the frame; None where that is no constant."""
+        """The linear map from the motion of the frame to its rows; None if it is not constant."""
         return None
 
     def desired_velocity(self, t: float) -> Array:
@@ -132,10 +132,10 @@ class FrameTask(Task):
         super().check(robot, order, dt)
 
     def check_planar(self) -> None:
-        """Refuse coordinates that a planar arm has not."""
+        """Refuse coordinates that a planar arm does not have."""
 
     def check_frames(self, robot: Robot) -> bool:
-        """Refuse a frame that the robot has not, and what a planar arm has not; whether it is one of a planar arm."""
+        """Refuse a frame that the robot does not have; True if it is a frame of a planar arm."""
         self.check_names(robot)
         if self.frame is None and tells_tip(robot) and tip(robot) is None:
             raise InvalidInput(f"{self.full_name()}: {robot!r} has no tip; give the task a frame, or the robot a tip")
@@ -148,7 +148,7 @@ class FrameTask(Task):
         return planar
 
     def check_names(self, robot: Robot) -> None:
-        """Refuse names of frames that the robot has not; tells the nearest."""
+        """Refuse names of frames that the robot does not have; the message suggests the nearest."""
         for what, name in ("frame", self.frame), ("relative_to", self.relative_to):
             if name is not None:
                 check_frame(robot, name, f"{self.full_name()}: {what}")

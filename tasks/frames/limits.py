@@ -41,7 +41,7 @@ class FrameVelocityLimit(Part):
     frame : str, optional
         The name of a frame of the robot (default: its tip).
     relative_to : str, optional
-        A frame of the robot that stands for the world.
+        A frame of the robot in place of the world.
     mask : str or sequence of bool
         Of x, y, z, rx, ry, rz; by default the three of translation.
     reference : {"local_world_aligned", "local", "world"}
@@ -145,7 +145,7 @@ class BoxLimit(Inequality):
     frame : str, optional
         The name of a frame of the robot (default: its tip).
     relative_to : str, optional
-        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
+        A frame of the robot in place of the world: all coordinates and motions are relative to it.
     gain : float
         The rate [1/s] at which a side is neared.
     name : str, optional
@@ -225,7 +225,7 @@ class PlaneLimit(Inequality):
     frame : str, optional
         The name of a frame of the robot (default: its tip).
     relative_to : str, optional
-        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
+        A frame of the robot in place of the world: all coordinates and motions are relative to it.
     gain : float
         The rate [1/s] at which the plane is neared.
     name : str, optional

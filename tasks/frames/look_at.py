@@ -35,7 +35,7 @@ class LookAtTask(PointingTask):
     frame : str, optional
         The name of a frame of the robot (default: its tip).
     relative_to : str, optional
-        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
+        A frame of the robot in place of the world: all coordinates and motions are relative to it.
     gain : float or array, shape (2,)
         K [1/s]: the rate at which the error decays.
     damping_ratio : float
@@ -43,7 +43,7 @@ class LookAtTask(PointingTask):
     weight : float or array, shape (2,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
@@ -92,7 +92,7 @@ class LookAtTask(PointingTask):
 
     @property
     def point(self) -> Trajectory:
-        """Where to look: the target by its own name."""
+        """The point to look at: the target by its other name."""
         return self.target
 
     @point.setter

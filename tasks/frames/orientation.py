@@ -28,7 +28,7 @@ class OrientationTask(PlacementTask):
     frame : str, optional
         The name of a frame of the robot (default: its tip).
     relative_to : str, optional
-        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
+        A frame of the robot in place of the world: all coordinates and motions are relative to it.
     reference : {"world", "local", "local_world_aligned"}
         The axes of the rows: of the world (or of `relative_to`), or of the frame itself, which turn with it.
         "local_world_aligned" is Pinocchio's name for the former.
@@ -41,7 +41,7 @@ class OrientationTask(PlacementTask):
     weight : float or array, shape (rows,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional

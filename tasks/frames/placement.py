@@ -58,9 +58,9 @@ class PlacementTask(FrameTask, LoopTask):
     Attributes
     ----------
     position : Trajectory or None
-        Where its origin is to be [m]; None if that is free.
+        The target of its origin [m]; None if that is free.
     rotation : RotationTrajectory or None
-        How its axes are to stand; None if they are free.
+        The target rotation; None if it is free.
     """
 
     position: Any = None
@@ -124,7 +124,7 @@ class PlacementTask(FrameTask, LoopTask):
         return tuple(goal for goal in (self.position, self.rotation) if goal is not None)
 
     def _curvature(self, site: Site, law: Table) -> Call | None:
-        """One loop more, for whoever asks."""
+        """One loop more, for the curvature."""
         from ..rows.curvature import bending
         from .kernels import curvature as bends
 

@@ -34,7 +34,7 @@ class PlaneTask(FrameTask, LoopTask):
     frame : str, optional
         The name of a frame of the robot (default: its tip).
     relative_to : str, optional
-        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
+        A frame of the robot in place of the world: all coordinates and motions are relative to it.
     gain : float
         K [1/s]: the rate at which the error decays.
     damping_ratio : float
@@ -42,7 +42,7 @@ class PlaneTask(FrameTask, LoopTask):
     weight : float
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
@@ -93,7 +93,7 @@ class PlaneTask(FrameTask, LoopTask):
 
     @number
     def normal(self, value: ArrayLike) -> Array:
-        """n: a unit vector, of whatever length it is given."""
+        """n: normalised; any length but 0 may be given."""
         return unit(finite(value, f"{self.full_name()}: normal"), f"{self.full_name()}: normal")
 
     @number

@@ -29,7 +29,7 @@ def _parts(target: Any, what: str) -> tuple[Any, Any]:
 
 
 class PoseTask(PlacementTask):
-    """Bring a frame to a point and turn it to a rotation: position and orientation weighed against each other.
+    """Bring a frame to a target pose: position and orientation on one level, weighed against each other.
 
     Where they conflict neither has priority; ``PositionTask(...) >> OrientationTask(...)`` gives it to the first.
 
@@ -42,7 +42,7 @@ class PoseTask(PlacementTask):
     frame : str, optional
         The name of a frame of the robot (default: its tip).
     relative_to : str, optional
-        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
+        A frame of the robot in place of the world: all coordinates and motions are relative to it.
     mask : str or sequence of bool, optional
         The coordinates to be controlled, as in ``"x y rz"``.
     reference : {"local_world_aligned", "local", "world"}
@@ -55,7 +55,7 @@ class PoseTask(PlacementTask):
     weight : float or array, shape (rows,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
@@ -110,17 +110,17 @@ class PoseTask(PlacementTask):
 
     @number
     def position(self, value: ArrayLike | Trajectory) -> Trajectory:
-        """Where its origin is to be [m]."""
+        """The target position of its origin [m]."""
         return as_trajectory(value, 3, f"{self.full_name()}, position")
 
     @number
     def rotation(self, value: ArrayLike | RotationTrajectory) -> RotationTrajectory:
-        """How its axes are to stand."""
+        """The target rotation of its axes."""
         return as_rotation(value, f"{self.full_name()}, rotation")
 
     @property
     def target(self) -> tuple[Trajectory, RotationTrajectory]:
-        """Both; set by a pair, a transform or a PoseSetpoint."""
+        """The target pose; set by a pair, a transform or a PoseSetpoint."""
         return self.position, self.rotation
 
     @target.setter

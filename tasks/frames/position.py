@@ -20,11 +20,11 @@ class PositionTask(PlacementTask):
     Parameters
     ----------
     target : array, shape (3,), or of one number a coordinate of the mask, or Trajectory
-        [m]. Two numbers are x and y: all there is of a planar arm, and a line to stay on for a spatial robot.
+        [m]. Two numbers are x and y: the position of a planar arm, or a vertical line for a spatial robot.
     frame : str, optional
         The name of a frame of the robot (default: its tip).
     relative_to : str, optional
-        A frame of the robot that stands for the world: all coordinates are its own, all motions relative to it.
+        A frame of the robot in place of the world: all coordinates and motions are relative to it.
     reference : {"world", "local", "local_world_aligned"}
         The axes of the rows: of the world (or of `relative_to`), or of the frame itself, which turn with it.
         "local_world_aligned" is Pinocchio's name for the former.
@@ -37,7 +37,7 @@ class PositionTask(PlacementTask):
     weight : float or array, shape (rows,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
@@ -91,7 +91,7 @@ class PositionTask(PlacementTask):
 
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
-        """Where the frame is to be [m]: three coordinates, or those of the mask; or a trajectory."""
+        """The target position of the frame [m]: three coordinates, or those of the mask; or a trajectory."""
         what = self.full_name()
         trajectory = as_trajectory(position_of(value, what), None, what)
         size, local = len(trajectory(0.0)[0]), self.reference == "local"

@@ -45,7 +45,7 @@ class WheelTask(FrameTask, LoopTask):
     weight : float or array, shape (rows,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
@@ -89,7 +89,7 @@ class WheelTask(FrameTask, LoopTask):
 
     @number
     def normal(self, value: ArrayLike) -> Array:
-        """Of the plane: a unit vector, of whatever length it is given."""
+        """Of the plane: normalised; any length but 0 may be given."""
         return unit(finite(value, f"{self.full_name()}: normal"), f"{self.full_name()}: normal")
 
     @number
@@ -98,7 +98,7 @@ class WheelTask(FrameTask, LoopTask):
         return finite_scalar(value, f"{self.full_name()}: floor")
 
     def _wheel(self) -> Array:
-        """What its loop is told; see :mod:`tasks.frames.kernels.rolling`."""
+        """The arguments of its loop; see :mod:`tasks.frames.kernels.rolling`."""
         from .kernels import rolling as loops
 
         wheel = np.zeros(loops.WHEEL_SIZE)
@@ -127,9 +127,9 @@ class WheelTask(FrameTask, LoopTask):
 class RollingTask(WheelTask):
     """Let a wheel, or a ball, roll on a plane without slip, at the height of its radius.
 
-    What touches the plane stands still there: two rows for the slip, along the plane, and one for the height, which is
-    brought to the radius by the law. The wheel stands upright, or is a ball: the point that touches is straight below
-    the hub. ``RollingTask(0.1, frame="left_wheel", gain=10.0)``, for each wheel of a robot with a floating or planar
+    The point of contact has no velocity along the plane: two rows for the slip, and one for the height, which the law
+    brings to the radius. The wheel stands upright, or is a ball: the point of contact is straight below the hub.
+    ``RollingTask(0.1, frame="left_wheel", gain=10.0)``, for each wheel of a robot with a floating or planar
     base, lets its base move as the wheels do.
 
     Parameters
@@ -145,13 +145,13 @@ class RollingTask(WheelTask):
     floor : float
         How far the plane is from the origin, along the normal [m].
     gain : float or array, shape (rows,)
-        K [1/s]: the rate at which the height is neared and, at acceleration order, what slips is stopped.
+        K [1/s]: the rate at which the error of the height decays and, at acceleration order, the slip.
     damping_ratio : float
         The zeta of acceleration order; 1 is critical damping.
     weight : float or array, shape (rows,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
@@ -179,7 +179,7 @@ class RollingTask(WheelTask):
 
 
 class OmniwheelTask(WheelTask):
-    """Let a wheel with rollers on its rim roll on a plane: it slips freely as its rollers turn, and no other way.
+    """Let a wheel with rollers on its rim roll on a plane: it slips freely where its rollers roll, and only there.
 
     One row for the slip and one for the height. Rollers of an omniwheel turn about the direction in which the wheel
     drives, and let it go aside; those of a mecanum wheel stand at 45 degrees to it, ``rollers=np.pi / 4`` or
@@ -208,7 +208,7 @@ class OmniwheelTask(WheelTask):
     weight : float or array, shape (rows,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
@@ -267,7 +267,7 @@ class OmniwheelTask(WheelTask):
 
     @number
     def axle(self, value: ArrayLike) -> Array:
-        """The axis of the wheel in the frame of the hub: a unit vector, of whatever length it is given."""
+        """The axis of the wheel in the frame of the hub: normalised; any length but 0 may be given."""
         return unit(finite(value, f"{self.full_name()}: axle"), f"{self.full_name()}: axle")
 
     @number

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..rows.plan import Plan
     from ..rows.site import Site
 
-#: The unit of a sum over joints that turn and joints that slide.
+#: The unit of a sum over revolute and prismatic joints.
 MIXED = "(rad, m)"
 
 
@@ -50,15 +50,15 @@ class Factors(Mapping[str | int, float]):
 class JointCouplingTask(LoopTask, TargetTask):
     """Keep a sum of joint positions, each with its factor, at a value.
 
-    ``JointCouplingTask({"left": 1, "right": -1}, gain=5.0)`` makes two joints move alike.
+    ``JointCouplingTask({"left": 1, "right": -1}, gain=5.0)`` makes two joints move by equal angles.
 
     Parameters
     ----------
     factors : dict of name or number to float
         Joint -> factor; not all zero.
     target : float or Trajectory
-        What ``sum(factor * position)`` is to be: in rad where all of these joints turn, in m where all slide; of both
-        kinds, in the unit that the factors give it.
+        The desired ``sum(factor * position)``: in rad if all of these joints are revolute, in m if all are
+        prismatic; of both kinds, in the unit that the factors give it.
     gain : float
         K [1/s]: the rate at which the error decays.
     damping_ratio : float
@@ -66,7 +66,7 @@ class JointCouplingTask(LoopTask, TargetTask):
     weight : float
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional

@@ -6,18 +6,18 @@ Beside a task :math:`J x = h` on the same level, rows :math:`\lambda (x - r) = 0
 
 the damped least squares of Wampler (1986) and of Nakamura and Hanafusa (1986), within what the levels
 above leave. Where the task goes out of reach the exact answer jumps, and limits on top make it
-bang-bang; the damped one does not jump, and pays with a small error of its own task only.
+bang-bang; the damped answer does not jump; its price is a small error of its own task only.
 
-At velocity order r = 0. At acceleration order that would let the joints coast: a speed that is there would stay, and
-where the task is weak they would swing on. So there :math:`r = -2 \zeta K \dot q`, by the law
+At velocity order r = 0. At acceleration order that would let the joints coast: their speeds would stay, and
+in weak directions of the task they would keep swinging. So there :math:`r = -2 \zeta K \dot q`, by the law
 :math:`J \ddot q = \ddot r^d - \dot J \dot q + 2 \zeta K \dot e + K^2 e` of the task: along a singular direction of
 value :math:`\sigma`, and for a target at rest,
 
 .. math:: \ddot q = \frac{\sigma}{\sigma^2 + \lambda^2} K^2 e - 2 \zeta K \dot q .
 
-All speed is braked at the one rate, whatever :math:`\lambda`, and only the way back is softer: the damping ratio is
-:math:`\zeta \sqrt{1 + \lambda^2 / \sigma^2}`, never below that of the task. Of several tasks the fastest counts; with
-none there is nothing to go by, and r = 0.
+All speeds are braked at one rate, for any :math:`\lambda`, and only the stiffness is smaller: the damping ratio is
+:math:`\zeta \sqrt{1 + \lambda^2 / \sigma^2}`, never below that of the task. With several tasks the fastest one
+counts; with none, r = 0.
 """
 
 from __future__ import annotations

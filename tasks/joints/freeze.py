@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 
 
 class Freeze(JointSpeeds):
-    """Keep joints from moving, exactly: rows x = 0, above whatever else would use them.
+    """Keep joints from moving, exactly: rows x = 0, to be put above the tasks that would move them.
 
     ``JointLimits() >> Freeze(["torso_lift_joint"]) >> reach`` reaches with all joints but one, and
-    ``Freeze(all_but=left_arm)`` with a group of joints and no others. A joint that moves already stops within a tick,
-    at acceleration order, as far as the levels above let it. What is always held is better left out of the robot:
+    ``Freeze(all_but=left_arm)`` with a group of joints and no others. At acceleration order a moving joint stops within
+    a tick, as far as the levels above permit. Joints that are always held are better left out of the robot:
     ``load_robot(..., lock=[...])``.
 
     Parameters

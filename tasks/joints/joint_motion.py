@@ -6,7 +6,7 @@ The thesis's law, Eq. 4.8,
 
 projects the motion :math:`J_2^\# h_2` that the second task would make on its own. It is the answer of
 the hierarchy {J1 a = h1} > {a = J2# h2}, hence ``PositionTask(...) >> JointMotion(OrientationTask(...))``.
-It has no algorithmic singularities, and pays with accuracy: the strict stack
+It has no algorithmic singularities, at the price of accuracy: the strict stack
 ``PositionTask(...) >> OrientationTask(...)`` meets the second task better wherever both can be met. Where the task
 alone is singular, :math:`J_2^\#` is to be damped, :math:`J_2^T (J_2 J_2^T + \lambda^2 I)^{-1}`: then the joint motion
 is at most :math:`\|h_2\| / 2 \lambda` (Chiaverini 1997: a task priority robust to singularities).
@@ -89,7 +89,7 @@ class JointMotion(Part):
         return self.task.error(state, t)
 
     def plan(self, site: Site) -> Plan:
-        """What the task asks for, as rows of its own; and the motion of least norm that does it."""
+        """The plan of the task, in rows of its own, and the joint motion of least norm that meets them."""
         from ..base.loops import Call
         from ..rows.plan import plan_of
         from ..rows.site import Site

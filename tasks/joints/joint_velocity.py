@@ -64,16 +64,16 @@ class JointSpeeds(Part):
 
 
 class JointVelocityTask(JointSpeeds):
-    """Move joints at given speeds: v itself at velocity order, at acceleration order what brings v there.
+    """Move joints at given speeds: v itself at velocity order, an acceleration towards v at acceleration order.
 
-    ``JointVelocityTask([0.2], joints=["panda_joint1"])`` turns one joint, at 0.2 rad/s, as far as the levels above let
-    it. Below other tasks it is a motion to prefer: the speeds of a demonstration, or of the tick before. Of
-    configurations (inverse kinematics) it asks for nothing.
+    ``JointVelocityTask([0.2], joints=["panda_joint1"])`` turns one joint, at 0.2 rad/s, as far as the levels above
+    permit. Below other tasks it is a preferred motion: the speeds of a demonstration, or of the tick before. In
+    inverse kinematics it asks for nothing.
 
     Parameters
     ----------
     target : float, array, shape (joints,), or Trajectory
-        [rad/s], [m/s]; a trajectory gives speeds, their rates [rad/s^2], and what is not looked at.
+        [rad/s], [m/s]; a trajectory gives speeds, their rates [rad/s^2], and a third value, which is ignored.
     joints : names or numbers, optional
         Default: all but those of a floating base.
     gain : float or array, shape (joints,), optional
@@ -125,7 +125,7 @@ class JointVelocityTask(JointSpeeds):
         return 0.0 if self.gain is None else 0.5 * float(self.gain.max())
 
     def error(self, state: RobotState, t: float) -> Array:
-        """The speeds that are wanted less those that are there, shape (joints,)."""
+        """Desired minus actual speeds, shape (joints,)."""
         return self.target(t)[0] - state.v[self.variables(robot_of(state))]
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class LinearHolonomicTask(LoopTask, TargetTask):
-    r"""Bring :math:`A (q \ominus q_0)` to b: each row a sum of the ways of all joints from a configuration.
+    r"""Bring :math:`A (q \ominus q_0)` to b: each row is a weighted sum of joint displacements from q0.
 
     ``LinearHolonomicTask(np.eye(nv)[[0, 3]], [0.1, -0.2], q0, gain=5.0)`` moves two joints by 0.1 and -0.2 from where
     they are at q0. :class:`JointCouplingTask` is one such row, its joints by name and its q0 zero.
@@ -38,7 +38,7 @@ class LinearHolonomicTask(LoopTask, TargetTask):
     b : float, array, shape (rows,), or Trajectory
         In the unit that A gives it (default: 0).
     q0 : array, shape (nq,), optional
-        Default: the neutral configuration. The way of a joint on a circle is the shorter one.
+        Default: the neutral configuration. The displacement of a joint on a circle is the shorter one.
     gain : float or array, shape (rows,)
         K [1/s]: the rate at which the error decays.
     damping_ratio : float
@@ -46,7 +46,7 @@ class LinearHolonomicTask(LoopTask, TargetTask):
     weight : float or array, shape (rows,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
@@ -109,7 +109,7 @@ class LinearHolonomicTask(LoopTask, TargetTask):
 
     @number
     def q0(self, value: ArrayLike | None) -> Array | None:
-        """The configuration that ways are counted from, shape (nq,); None for the neutral one."""
+        """The configuration from which displacements are measured, shape (nq,); None for the neutral one."""
         return None if value is None else finite(value, f"{self.full_name()}: q0")
 
     @number

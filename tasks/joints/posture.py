@@ -44,7 +44,7 @@ class PostureTask(LoopTask, TargetTask):
     weight : float or array, shape (rows,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional
@@ -107,7 +107,7 @@ class PostureTask(LoopTask, TargetTask):
         return columns(self.joints, joint_names(robot), base(robot))
 
     def plan(self, site: Site) -> Plan:
-        """One loop; Python measures the way of joints whose steps are no differences of numbers."""
+        """One loop; Python measures the error of joints whose configurations cannot be subtracted."""
         from ..base.loops import Call
         from ..rows.plan import Plan
         from .kernels import joints as loops
@@ -137,7 +137,7 @@ class PostureTask(LoopTask, TargetTask):
         return Plan((call,), moves, measure, why)
 
     def _joints(self, shared: Workspace, own: NDArray[np.intp]) -> NDArray[np.int64]:
-        """What its loop is told of every row, shape (5, rows); see :mod:`tasks.joints.kernels.joints`."""
+        """The arguments of its loop for every row, shape (5, rows); see :mod:`tasks.joints.kernels.joints`."""
         from .kernels import joints as loops
 
         size, rows, told = len(self.target(0.0)[0]), np.arange(len(own)), joint_kinds(shared, own)
@@ -177,7 +177,7 @@ class PostureTask(LoopTask, TargetTask):
 
 
 def joint_kinds(shared: Workspace, own: NDArray[np.intp]) -> NDArray[np.int64]:
-    """What loops are told of joints whose goals are configurations, shape (5, joints); see the loops of joints."""
+    """The arguments of loops for joints whose goals are configurations, shape (5, joints); see the loops of joints."""
     from .kernels import joints as loops
 
     told = np.full((loops.JOINT_FIELDS, len(own)), -1, dtype=np.int64)

@@ -1,7 +1,7 @@
 """All joint limits as one level of plain bounds: one row a joint, where single limits have a row each.
 
-Both say the same, as the limits never exclude each other (:mod:`tasks.rows.envelope`), but one row a joint is what a
-solver likes best.
+Both are equivalent, because the limits never exclude each other (:mod:`tasks.rows.envelope`); one row a joint is
+faster to solve.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class JointLimits(Part):
             raise InvalidInput(f"JointLimits{self.limits}: there are two of a kind; one of each is taken")
 
     def of(self, robot: Robot) -> tuple[JointLimit, ...]:
-        """The limits that count on this robot."""
+        """The limits that apply to this robot."""
         if self.limits:
             return self.limits
         own = tuple(part for part in self._each if limit_of(robot, part.quantity) is not None)
@@ -127,7 +127,7 @@ class Which:
     Attributes
     ----------
     constant : float or callable
-        The former, or what tells it: it may be set while the limit is at work. A copy has it as it was.
+        The constant limit, or a function that gives it, as it may be set at any time. A copy keeps its present value.
     name, rest : str
     """
 
@@ -147,5 +147,5 @@ class Which:
 
 
 def _largest(limit: JointLimit, robot: Robot, joint: int) -> float:
-    """What a limit leaves one joint."""
+    """The largest value that a limit permits in one joint."""
     return float(limit.ends(robot)[1, joint])

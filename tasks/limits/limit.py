@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 class JointLimit(Part):
     """Base of the joint limits: one row a joint, without a matrix.
 
-    The limits of one stack know of each other, see :mod:`tasks.rows.envelope`, and one loop writes all of them.
+    The limits of one stack are made consistent, see :mod:`tasks.rows.envelope`, and one loop writes all of them.
 
     Attributes
     ----------

@@ -53,7 +53,7 @@ class JointPositionLimit(JointLimit):
 
     Velocity order: :math:`-p_{max}(D_{lower}) \le x \le p_{max}(D_{upper})`. Acceleration order:
     :math:`(-p_{max}(D_{lower}) - v)/dt \le a \le (p_{max}(D_{upper}) - v)/dt`. See :mod:`tasks.limits.position`
-    for :math:`p_{max}`, and :mod:`tasks.rows.envelope` for how the limits of one stack get on with each other.
+    for :math:`p_{max}`, and :mod:`tasks.rows.envelope` for how the limits of one stack are made consistent.
 
     The braking a_max is that of the acceleration limits in the stack, else the robot's own. With neither,
     braking is unlimited at velocity order, and refused at acceleration order.

@@ -1,21 +1,21 @@
 r"""Joint torque limits.
 
-The torques that accelerations a take are :math:`\tau = M(q)\,a + b(q, v)` (Eq. 4.1), with b the Coriolis, centrifugal
+The torques needed for accelerations a are :math:`\tau = M(q)\,a + b(q, v)` (Eq. 4.1), with b the Coriolis, centrifugal
 and gravity torques. A limit on them is a limit on all accelerations together, one dense row a joint:
 
 .. math:: -\tau_{max} - b(q, v) \;\le\; M(q)\,a \;\le\; \tau_{max} - b(q, v).
 
-M is invertible: some a always keeps all rows, alone. Beside other limits it may not, and then the levels decide.
+M is invertible, so that torque limits alone can always be kept. Beside other limits they may not: priorities decide.
 
 With contacts and :class:`~tasks.Dynamics` in the stack, whose forces f are unknowns too,
 :math:`\tau = M a + b - G^T f`: the rows are :math:`(M, -G^T)`, and a base that floats, which no motor drives, has none.
 
 ``JointTorqueLimit() >> JointLimits() >> tasks``
-    What motors can do stands first, as in nature. A joint whose motors are too weak to brake overshoots its range, and
+    The limits of the motors have priority, as in reality. A joint whose motors are too weak to brake leaves its range;
     ``explain()`` names the torque limit that held the joint limits back.
 ``JointLimits() >> JointTorqueLimit() >> tasks``
     The joints keep their ranges in the plan, which then asks for torques that no motor has: the command is to be cut,
-    and the motion differs from the plan. For planning, where a torque limit is a wish.
+    and the motion differs from the plan. For planning, where a torque limit is not a hard one.
 """
 
 from __future__ import annotations

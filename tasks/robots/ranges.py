@@ -16,7 +16,7 @@ from .follower_limits import FollowerLimits
 from .joint_axes import NONE, JointAxis, joint_axes, kind
 from .refusals import joint_index
 
-#: What a model is told of a joint that is held by a speed of 0: by 0 it says that it knows nothing.
+#: The largest speed in a model for a joint that is held by a speed of 0: 0 itself means that it is unknown.
 HELD = 1e-300
 #: Two joint positions as near as this are one [rad], [m].
 SAME = 1e-9
@@ -43,7 +43,7 @@ def open_ranges(model: pin.Model, what: str) -> None:
 
 
 def known(limits: Array) -> Array:
-    """Largest speeds or torques, shape (nv,); infinite where a model writes 0, as it knows nothing."""
+    """Largest speeds or torques, shape (nv,); infinite where a model has 0, which means unknown."""
     own = np.array(limits)
     own[(own == 0.0) | (own > LARGEST)] = np.inf
     return own

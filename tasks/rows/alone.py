@@ -85,7 +85,7 @@ class _Alone:
 
 
 def _numbers(task: Task) -> dict[str, object]:
-    """Its attributes: those that it declares are never written into, but replaced."""
+    """The attributes of a task: declared ones are never changed in place, only replaced."""
     return {name: value for name, value in vars(task).items() if name[0] != "_"}
 
 
@@ -108,7 +108,7 @@ def _at_work(task: Task, robot: Robot, drifts: bool) -> _Alone:
 
 
 class Unknown:
-    """A stand-in for the robot where a state does not name it: its sizes alone."""
+    """A placeholder for the robot of a state that does not name it: only its sizes."""
 
     def __init__(self, nq: int, nv: int) -> None:
         self.nq, self.nv = nq, nv
@@ -119,7 +119,7 @@ class Unknown:
 
 
 def robot_of(state: RobotState) -> Robot:
-    """Whose state it is."""
+    """The robot of a state."""
     robot = owner(state)
     return _unknown(len(state.q), len(state.v)) if robot is None else robot
 

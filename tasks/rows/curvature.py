@@ -42,7 +42,7 @@ def bending(site: Site, kernel: Any, seen: Table | None, size: int, *told: Entry
     kernel : callable
         A loop of :mod:`tasks.frames.kernels.curvature`.
     seen : Table or None
-        How the frame bends.
+        The curvature of the frame's motion.
     size : int
         Numbers of work space.
     *told : int, array or Table

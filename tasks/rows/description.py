@@ -9,7 +9,7 @@ from hqp import Label
 
 from .plan import Plan
 
-#: Rows whose names are all told; of more, the first and the last.
+#: Up to so many rows all names are shown; of more, the first and the last.
 FEW = 4
 TITLES = ("level", "part", "rows", "written by")
 
@@ -23,7 +23,7 @@ class WrittenPart:
     level : int
         0 is the highest.
     part : str
-        What messages call it.
+        Its name in messages.
     rows : tuple of hqp.Label
     loops : tuple of str
         The compiled loops, by name, in the order in which they run. None where Python writes all, or where the part

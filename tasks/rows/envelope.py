@@ -70,11 +70,11 @@ class Claim(NamedTuple):
     low, high : array, shape (nv,)
         Lowest and highest value [rad], [rad/s], [rad/s^2].
     lower, upper : array, shape (nv,)
-        The bounds where it counts. Claims on the same ones are kept together.
+        The bounds that it writes. Claims on the same bounds are kept together.
     part : str
         Full name of the limit, for messages.
     return_speed : float
-        The most that a joint outside its range is driven back with [rad/s].
+        The largest speed at which a joint outside its range is driven back [rad/s].
     """
 
     kind: Quantity
@@ -113,7 +113,7 @@ class Envelope:
     def __init__(self, n: int) -> None:
         self.velocity, self.acceleration = np.full((2, n), np.inf)
         self.has_velocity = self.has_acceleration = False
-        #: Writes the rows of all limits, and how fast the joints brake; every tick, before whoever asks for it.
+        #: Writes the rows of all limits, and how fast the joints brake; every tick, before the loops that read it.
         self.calls: tuple[Call, ...] = ()
         self._claims: list[Claim] = []
         self._numbers: list[Array] = []
@@ -207,7 +207,7 @@ class Envelope:
 
     @property
     def brakes_blindly(self) -> bool:
-        """Whether some acceleration is limited, and not the velocity from which to brake."""
+        """Whether some acceleration is limited, but not the velocity of that joint."""
         return bool((np.isfinite(self.acceleration) & np.isinf(self.velocity)).any())
 
     def braking_rate(self) -> float:
@@ -229,7 +229,7 @@ class Envelope:
         return np.asarray(np.min([np.full(robot.nv, np.inf), *limits], axis=0))
 
     def _loop(self, shared: Shared) -> Call:
-        """The loop, told of all claims, the harder first."""
+        """The loop with all claims as arguments, the harder ones first."""
         from ..base.loops import Call, Table, address
         from .kernels import envelope as loop
         from .kernels.law import ORDERS

@@ -1,7 +1,7 @@
 """Expansion of the declared stack into the levels that are solved: a part may stand for several, on several levels.
 
-A contact, for one, is a bound on its forces, which stands above all else, a motion that it forbids, which stands where
-the contact does, and friction, which stands with the limits. Most parts stand for themselves.
+A contact, for example, becomes three parts: bounds on its forces, above all other levels; rows of its motion, on the
+level of the contact; and friction, on the level of the limits. Most parts are not expanded.
 """
 
 from __future__ import annotations

@@ -131,7 +131,7 @@ class Inequality(Part):
             )
 
     def _moves(self) -> bool:
-        """Whether the bound may be somewhere else at another time: whatever is no number that stands still."""
+        """Whether the bound may change with time: anything but constant numbers."""
         targets = [getattr(self.task, name, None) for name in ("target", "position", "rotation")]
         return any(target is not None and not stands_still(target) for target in targets)
 

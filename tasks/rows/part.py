@@ -1,6 +1,6 @@
 """Parts, which are tasks and limits, and stacks of parts in order of priority.
 
-``a >> b`` puts b below a, and ``a + b`` both on one level: an operation of parts that gives stacks, and of stacks.
+``a >> b`` puts b below a, and ``a + b`` both on one level: both operators take parts and stacks, and give stacks.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class Part(RowWriter):
         return Companions((self,))
 
     def __rshift__(self, lower: Part | Stack) -> Stack:
-        """``self >> lower``: `lower` may only use what this part leaves free."""
+        """``self >> lower``: `lower` may only use the null space of this part."""
         return Stack(self) >> lower
 
     def __add__(self, other: Part | Stack) -> Stack:
@@ -142,7 +142,7 @@ class Stack(Live):
         return self._declared.damps
 
     def swapped(self, first: Part, second: Part) -> Stack:
-        """The stack with two parts exchanged, each with the damping of a level that it has for itself.
+        """The stack with two parts exchanged, each with the damping of its level, if it is alone there.
 
         Raises
         ------

@@ -36,9 +36,9 @@ class Plan:
     why : str
         Why Python does.
     curvature : Call, optional
-        Adds ``S(w)`` of :mod:`tasks.rows.curvature`, when somebody asks, at the state of the last tick. The first two
+        Adds ``S(w)`` of :mod:`tasks.rows.curvature`, on request, at the state of the last tick. The first two
         entries of its table are where the weights (rows,) are, and the sum (nv, nv); whoever runs it may put other
-        addresses there. Without one the rows are straight, or nobody tells how they bend.
+        addresses there. Without one the rows are linear, or their curvature is not known.
     """
 
     calls: tuple[Call, ...] = ()

@@ -79,7 +79,7 @@ class Workspace:
     circles : array of int, shape (nv,)
         Where in q the cosine of each joint on a circle is, the sine being the next; -1 for all others.
     numbered : bool
-        Whether these tell how the joints come from one configuration to another; else only the robot knows.
+        Whether these suffice to subtract configurations; else only the robot can.
     braking : array, shape (2,)
         The largest rate [1/s] at which a bound may be neared, if the joints are to stop in time: infinite where nothing
         limits their accelerations; and dt.
@@ -93,7 +93,7 @@ class Workspace:
     n : int
         Velocities of the joints.
     unknowns : Unknowns
-        What x is made of.
+        The layout of x.
     wrenches : array, shape (unknowns.n - n, n)
         G: the joint torques that the unknown forces f give are G^T f.
     given : dict of list of Call
@@ -138,7 +138,7 @@ class Workspace:
         return [*self.blocks.calls, *chain.from_iterable(self.given.values()), *self.envelope.calls]
 
     def kept(self, part: object, make: Callable[[], Any]) -> Any:
-        """What a part keeps from tick to tick, made when it is first asked for."""
+        """What a part keeps from tick to tick, made at the first use."""
         if id(part) not in self._memory:
             self._memory[id(part)] = part, make()
         return self._memory[id(part)][1]
@@ -171,7 +171,7 @@ class Site:
     bounds : bool
         Whether the task only bounds.
     shortens : bool
-        Whether errors are shortened as the task says; else they are measured as they are.
+        Whether errors are cut off by the `cap` and `deceleration` of the task.
     off : list of (array, array, array)
         Of those who follow the law: the error, and how far from it below and above a task may be, shape (rows,) each.
     targets, numbers : dict of (int, str) to callable
@@ -196,7 +196,7 @@ class Site:
 
     @property
     def drifts(self) -> bool:
-        """Whether drifts and speeds are to be measured: accelerations need them, and what has to brake in time."""
+        """Whether drifts and speeds are measured: accelerations need them, and inequalities that brake in time."""
         return self.shared.order == "acceleration" or (self.bounds and np.isfinite(self.shared.braking[0]))
 
     def within(self, band: Band) -> Site:

@@ -57,10 +57,10 @@ class Task(Part):
         Weight of the rows inside their level, against those of other tasks joined by ``+``; a row of weight 0 asks for
         nothing.
     cap : float or array, shape (rows,), optional
-        The error counts as no longer than this [m], [rad], so that far targets are neared at a speed of at most K times
-        it: the length of the whole error, or, one number a row, of each of them. Its direction stays.
+        Length to which the error is cut off [m], [rad], so that far targets are approached at a speed of at most K
+        times it: one number for the length of the whole error, or one for each row. The direction of the error stays.
     deceleration : float, optional
-        The target is neared no faster than it takes to come to rest there with this deceleration [m/s^2], [rad/s^2],
+        The target is approached only so fast that this deceleration [m/s^2], [rad/s^2] brings it to rest there,
         by :math:`v \le \sqrt{2 a d}` for the length d of the error.
     name : str, optional
         Used in messages, tables and records (default: the name of the class).
@@ -259,7 +259,7 @@ class Task(Part):
         return f"{type(self).__name__}({', '.join(self._shown() + parts)})"
 
     def _shown(self) -> list[str]:
-        """What the repr tells before the gain."""
+        """The arguments in the repr before the gain."""
         return []
 
 
@@ -279,7 +279,7 @@ class TargetTask(Task):
     weight : float or array, shape (rows,)
         Weight of the rows inside their level, against those of other tasks joined by ``+``.
     cap : float or array, shape (rows,), optional
-        The longest error that counts, in the unit of the error; a far target is neared at K times that.
+        Length to which the error is cut off, in its unit; a far target is approached at K times that.
     deceleration : float, optional
         The deceleration with which it comes to rest at its target [m/s^2], [rad/s^2].
     name : str, optional

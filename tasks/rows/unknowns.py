@@ -66,7 +66,7 @@ class Unknowns:
         return any(block.owner is owner for block in self.blocks)
 
     def alike(self, other: Unknowns) -> bool:
-        """Whether both are the same numbers, so that what lies between an x of the one and one of the other has a
+        """Whether both are the same numbers, so that points between an x of the one and one of the other have a
         meaning."""
         mine, theirs = ([block.owner for block in unknowns.blocks] for unknowns in (self, other))
         return self.nv == other.nv and len(mine) == len(theirs) and all(map(_same, mine, theirs))

@@ -1,6 +1,6 @@
 r"""Paths: a curve in space and a timing law on it, and paths one after the other.
 
-A curve says where, :math:`r(s)` with s from 0 to 1, a timing law says when, :math:`s(u)` with :math:`u = t / T`:
+A path is a curve :math:`r(s)`, with s from 0 to 1, and a timing law :math:`s(u)`, with :math:`u = t / T`:
 
 .. math::
 
@@ -118,16 +118,16 @@ class Circle(Path):
     duration : float
         [s]
     start : float
-        Where it starts: the angle of the first radius against the x axis, counter-clockwise [rad].
+        The angle of the start against the x axis, counter-clockwise [rad].
     turn : float
-        How far it goes [rad]: counter-clockwise if positive, clockwise if negative, once around by default.
+        The angle of the arc [rad]: counter-clockwise if positive, clockwise if negative, once around by default.
     timing : callable
         Timing law, u -> (s, ds/du, d2s/du2).
 
     Raises
     ------
     InvalidInput
-        If the centre is no place in the plane, an angle is not finite or the turn larger than 1e15, the radius or the
+        If the centre is no point in the plane, an angle is not finite or the turn larger than 1e15, the radius or the
         duration is not positive, or the timing is none.
 
     Examples
@@ -176,8 +176,8 @@ class Piece(Trajectory, Protocol):
 class Chain:
     """Trajectories one after the other: a path of many conditions, split into intervals (section 3.8).
 
-    Places must meet. Velocities need not: where they do not, as at the corners of lines at constant speed, the
-    velocity jumps.
+    The end of a piece must be the start of the next. Velocities may differ, as at the corners of lines at constant
+    speed: then the velocity jumps.
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ class Polynomial:
     ----------
     start, end : array, shape (k, rows) and (m, rows), or (k,) and (m,) for one row
         Position, velocity, acceleration, ... at t = 0 and at `duration`, in the unit of the task [m] or [rad], per s,
-        per s^2, ...: each as many as wanted, at least the position. The degree is k + m - 1.
+        per s^2, ...: any number of them, at least the position. The degree is k + m - 1.
     duration : float
         T [s]
     via : dict from times to arrays, optional

@@ -27,7 +27,7 @@ from ..base.checks import function, numbers
 #: u -> (s, ds/du, d2s/du2): (0, 0, 0) before u = 0, (1, 0, 0) from u = 1 on, and NaN at NaN
 Timing = Callable[[float], tuple[float, float, float]]
 
-#: What a law may be off its rest by, which it may compute.
+#: Tolerance on the rest of a law before and after, which it may compute with round-off.
 ROUND_OFF = 1e-12
 
 

@@ -79,7 +79,7 @@ class Setpoint:
     def move(self, value: ArrayLike, velocity: ArrayLike | None = None, acceleration: ArrayLike | None = None) -> None:
         """Set the target and, if known, its velocity and acceleration (default: 0).
 
-        NaN is taken, as a device may send it: the next tick is then INVALID, and moves nothing.
+        NaN is accepted, because a device may send it: the next tick is then INVALID, and moves nothing.
 
         Raises
         ------
@@ -105,7 +105,7 @@ class Setpoint:
 
 
 def alike(value: Any, model: Array, what: str) -> Array:
-    """`value` as numbers of the shape of `model`, one number standing for itself alone.
+    """`value` as numbers of the shape of `model`, a single number giving an array of one.
 
     Raises
     ------

@@ -226,7 +226,7 @@ class Turn:
 
 
 def position_of(target: Any, what: str) -> Any:
-    """Of a target that has a rotation too, a transform or a PoseSetpoint, the position; any other target itself."""
+    """The position of a transform or a PoseSetpoint; any other target unchanged."""
     if isinstance(target, PoseSetpoint):
         return target.position
     return transform(target, f"{what}: target")[0] if is_transform(target) else target
@@ -275,7 +275,7 @@ def as_rotation(target: ArrayLike | RotationTrajectory | Trajectory, what: str) 
     return target if isinstance(target, KNOWN) else Watched(target)
 
 
-#: Whose rotations are rotations.
+#: Classes that always give valid rotations.
 KNOWN = (FixedRotation, RotationSetpoint, Turn, Watched)
 
 

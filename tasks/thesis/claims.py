@@ -23,7 +23,7 @@ class Claim:
     says : str
         In short.
     holds : callable
-        RunResult -> bool: whether a run bears it out.
+        RunResult -> bool: whether it holds for a run.
     of_tip : bool
         Whether it is a claim on the tip alone, decided by its error; otherwise by the share of phi, too.
     """

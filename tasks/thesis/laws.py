@@ -63,7 +63,7 @@ NAMES = ("thesis", "strict", "limits", "damped")
 
 @dataclass(frozen=True)
 class Law:
-    """A way to choose the joint accelerations.
+    """A control law: a choice of the joint accelerations.
 
     Attributes
     ----------

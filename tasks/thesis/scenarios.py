@@ -93,7 +93,7 @@ class Scenario:
     claims : tuple of Claim
         What the text says of it (not compared).
     undecided : str
-        What the text does not give and every verdict would hang on, or "" (not compared).
+        What the thesis does not give although every verdict depends on it, or "" (not compared).
     lengths : tuple of float
         Link lengths [m].
     q0 : tuple of float

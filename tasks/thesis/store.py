@@ -26,7 +26,7 @@ class Store:
     """A folder of records, a file a job.
 
     The name of a file carries digests of everything that made it: our sources and the versions of the
-    numerical packages, then scenario, law and backend. What was made by anything else is never found.
+    numerical packages, then scenario, law and backend. Records made by anything else are never found.
     """
 
     def __init__(self, folder: Path) -> None:

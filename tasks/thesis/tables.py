@@ -126,7 +126,7 @@ def against_claims(results: Sequence[RunResult]) -> list[list[str]]:
 
 
 def unconverged(results: Sequence[RunResult]) -> list[list[str]]:
-    """A row a motion of which a run hangs on the tick: figure, and a cell a law, empty where it does not."""
+    """A row for each motion with a run that depends on the tick: figure, and a cell a law, empty where it does not."""
     motions: dict[Scenario, str] = {}
     for found in results:
         motions.setdefault(SCENARIOS[found.figure], found.figure)
@@ -145,7 +145,7 @@ def angle(item: Scenario) -> str:
 
 
 def _shown(laws: Sequence[Law], figure: str, results: Sequence[RunResult]) -> RunResult | None:
-    """The run that speaks for a law: the backend's, which comes after the formula's."""
+    """The run that represents a law: the backend's, which comes after the formula's."""
     titles = {law.title for law in laws}
     return next((found for found in reversed(results) if found.figure == figure and found.law in titles), None)
 

@@ -1,4 +1,4 @@
-"""The lines of a text file, of which each refusal names the number."""
+"""The lines of a text file; every error message names the line number."""
 
 from __future__ import annotations
 

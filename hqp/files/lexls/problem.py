@@ -38,7 +38,7 @@ class Problem:
     guess : array of int, shape (m,), or None
         For every row the :class:`hqp.Side` on which it may be active.
     solution_guess, solution : array, shape (n,), or None
-        A starting point, and an optimum that somebody claims: where the levels leave x free, one of many.
+        A starting point, and a claimed optimum: if the levels leave x free, one of many.
     """
 
     hierarchy: Hierarchy

@@ -101,7 +101,7 @@ def _frame(
     names: list[str],
     what: str,
 ) -> tuple[str, pin.SE3]:
-    """The name of a body as a frame of the model, and what is held in its coordinates; the world for what stands."""
+    """The name of a body as a frame of the model, and the held frame in its coordinates; the world for fixed bodies."""
     if body == 0 or body not in placed:
         return WORLD, pose(world.xpos[body], world.xquat[body]) * own
     if not mj.body(body).name:

@@ -192,7 +192,7 @@ class _Reader:
         return index
 
     def _take(self, j: int, index: int) -> None:
-        """Note which joint of the model is MuJoCo's number j, and what resists its motion."""
+        """Note which joint of the model is MuJoCo's number j, with its friction, damping and armature."""
         mj, first, dof = self.mj, self.model.joints[index].idx_v, int(self.mj.jnt_dofadr[j])
         for i in range(self.model.joints[index].nv):
             self.model.armature[first + i] = mj.dof_armature[dof + i]
@@ -201,7 +201,7 @@ class _Reader:
         self.joints[j] = index
 
     def _joint_name(self, body: int, j: int) -> str:
-        """Its own; where it has none, one made from the body's."""
+        """The name of a joint; if it has none, one made from that of its body."""
         name = self.mj.joint(j).name
         if name:
             return str(name)
@@ -210,7 +210,7 @@ class _Reader:
         return self._unused(f"{self.names[body].replace(' ', '')}_joint{number}")
 
     def _unused(self, name: str) -> str:
-        """A name for a joint that has none, as near to this one as no other joint is called."""
+        """An unused name for a joint that has none, similar to this one."""
         taken = {*self.model.names, *(self.mj.joint(i).name for i in range(self.mj.njnt))}
         while name in taken:
             name += "_"

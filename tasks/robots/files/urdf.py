@@ -98,7 +98,7 @@ def rename_shared(root: Element) -> dict[str, str]:
 
 
 def _drop_pictures(root: Element) -> None:
-    """Take off what is only looked at: colours and visual shapes, in which an error is no error of the robot."""
+    """Remove colours and visual shapes, because errors in them do not matter to the robot."""
     for element in [root, *root.findall("link")]:
         for child in [own for own in element if own.tag in ("material", "visual")]:
             element.remove(child)
@@ -121,7 +121,7 @@ def _names(name: str) -> Iterator[str]:
 
 
 def _check_elements(root: Element, path: Path, what: str) -> None:
-    """Refuse what is to be expanded first, and elements of a robot where, or as, Pinocchio does not look at them."""
+    """Refuse unexpanded xacro, and elements of a robot that Pinocchio does not read in their place or form."""
     stem = path.name.split(".")[0]
     unexpanded = any("xacro" in str(element.tag).split("}")[0] for element in root.iter())
     if unexpanded or any("${" in value for element in root.iter() for value in element.attrib.values()):
@@ -153,7 +153,7 @@ def _check_elements(root: Element, path: Path, what: str) -> None:
 
 
 def _check_said(lines: list[str], what: str) -> None:
-    """Refuse a mass that urdfdom could not read, and left out; tell what else it complains of."""
+    """Refuse a mass that urdfdom could not read, and left out; report its other complaints."""
     errors = [line.strip().removeprefix("Error:").strip() for line in lines if line.lstrip().startswith("Error")]
     for line in errors:
         if any(word in line.lower() for word in ("inertia", "mass")):
