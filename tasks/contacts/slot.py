@@ -79,7 +79,7 @@ class Slot:
         self._begin(ramp, duration, 2.0)
 
     def make(self, most: float, duration: float, law: Timing = cubic) -> None:
-        """Hold the present position from the next tick on; the normal forces grow to a sum of `most` [N] in this time [s]."""
+        """Hold the position from now on; the cap on the sum of normal forces rises to `most` [N] in this time [s]."""
         self.numbers[[at.ON, at.LOADED, at.BEARS]] = 1.0
         self.numbers[[at.TAKEN, at.OPEN]] = 0.0
 
