@@ -23,6 +23,8 @@ from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance
 #: holds a level.
 JUDGED, ROUND_OFF, BALANCED = 1e-9, 256 * 2.0**-52, 64 * 2.0**-52
 FREE_RANK, OWN_RANK, STATIONARITY, BLURRED, HOLDS = 1e-11, 4e-9, 1e-10, 1e-6, 2e-8
+#: Rows of which the others leave less do not press from the start, for large forces along them balance very little.
+CLEAR = 1e-6
 #: By so much of a row's length round-off turns what others leave of it.
 TURNS = 8 * 2.0**-52
 #: What rounding differently must not turn over.
@@ -169,10 +171,10 @@ def enter(here, count, c):
     n, ids, pivot = ints(here, 0, at.HEAD)[at.N], marks(here, at.IDS), marks(here, at.PIVOT)
     norm, spread = vector(here, at.NORM), vector(here, at.BALANCE)
     V, L, R = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
-    slots, lengths = marks(here, at.SLOTS), vector(here, at.LENGTHS)
+    slots, lengths, block = marks(here, at.SLOTS), vector(here, at.LENGTHS), marks(here, at.QUEUE)
     end = c + factor(ids, count, slots, lengths, R, norm, V, L, c, n, FREE_RANK)
     for q in range(c, end):
-        spread[q], pivot[q] = 0.0, ids[q - c]
+        spread[q], pivot[q], block[q] = 0.0, ids[q - c], c
     for r in range(count):
         row = L[ids[r]]
         for q in range(end):
@@ -190,10 +192,10 @@ def balanced(here, k, last, frozen, scale):
     base = hold(here, k, frozen)
     working = begin(here, k, base)
     working, rest, _ = nonnegative(here, MARGIN * STATIONARITY * scale, base, working, ptr[k])
-    unsure = blur(here, base + working)
+    unsure = blur(here, base, base + working)
     rest += unsure
     if rest > MARGIN * STATIONARITY * scale:
-        small = rest * weakest(here, base, working) <= MARGIN * BALANCED * scale
+        small = rest * weakest(here, frozen, base, working) <= 0.25 * BALANCED * scale
         if not (small and rest <= MARGIN * BLURRED * scale) and (
             k == last or unsure + moving(here, k, base + working) > MARGIN * STATIONARITY * scale
         ):
@@ -233,11 +235,23 @@ def begin(here, k, base):
     side, kept, where = marks(here, at.SIDE), marks(here, at.FOLLOW), marks(here, at.HELD)
     kind, pivot = marks(here, at.KIND), marks(here, at.PIVOT)
     share, multiplier = vector(here, at.SHARE), vector(here, at.MULTIPLIER)
-    working, wrong = integer(0), integer(0)
+    ids, slots, lengths, norm = (
+        marks(here, at.IDS),
+        marks(here, at.SLOTS),
+        vector(here, at.LENGTHS),
+        vector(here, at.NORM),
+    )
+    V, L, R = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
+    count, wrong = integer(0), integer(0)
     for i in range(end):
-        if kind[i] == HARD and kept[i] == where[i] and append(i, base + working, here, FREE_RANK):
-            kind[i], side[i] = WORKING, where[i]
-            working += 1
+        if kind[i] == HARD and kept[i] == where[i] and count < len(R):
+            ids[count] = i
+            copy_row(i, R[count], here)
+            count += 1
+    working = factor(ids, count, slots, lengths, R, norm, V, L, base, n, CLEAR)
+    for q in range(working):
+        i = ids[q]
+        pivot[base + q], kind[i], side[i] = i, WORKING, where[i]
     while working > 0:
         balance(base, base + working, n, here)
         wrong, count = integer(0), working
@@ -258,19 +272,22 @@ def begin(here, k, base):
 
 
 @inner
-def blur(here, c):
+def blur(here, base, c):
     """What round-off in the directions V[:c] may leave of the forces: the weaker a row was, the more.
 
-    All n together leave nothing, unless one of them may be nothing but what round-off has turned another by.
+    All n together leave nothing, unless one of them may be nothing but what round-off has turned an earlier one by,
+    which came in another block of rows.
     """
     n, pivot, norm = ints(here, 0, at.HEAD)[at.N], marks(here, at.PIVOT), vector(here, at.NORM)
-    g, V, L = vector(here, at.G), matrix(here, at.V), matrix(here, at.L)
-    total, least, all_there = 0.0, 1.0, c == n
+    g, V, L, block = vector(here, at.G), matrix(here, at.V), matrix(here, at.L), marks(here, at.QUEUE)
+    total, least, before, all_there = 0.0, 1.0, 1.0, c == n
     for q in range(c):
         direction, along, share = V[q], 0.0, L[pivot[q]][q] / norm[pivot[q]]
         for j in range(n):
             along += direction[j] * g[j]
-        if share * least <= TURNS:
+        if q == base or (q < base and q == block[q]):
+            before = least
+        if share * before <= TURNS:
             all_there, share = False, TURNS
         least = min(least, share)
         total += abs(along) / share
@@ -278,8 +295,11 @@ def blur(here, c):
 
 
 @inner
-def weakest(here, base, working):
-    """At least the smallest singular value of the normals that balance the level, by how much they have along V."""
+def weakest(here, frozen, base, working):
+    """At least the smallest singular value of the normals that balance the level, by how much they have along V.
+
+    Rows that hold a level above do not count: which they are, others may see otherwise.
+    """
     pivot = marks(here, at.PIVOT)
     norm, spread, along = vector(here, at.NORM), vector(here, at.BALANCE), vector(here, at.SCRATCH)
     L, least = matrix(here, at.L), 1.0
@@ -293,7 +313,8 @@ def weakest(here, base, working):
             along[p] += row[p] * row[p] / square
         least = min(least, math.sqrt(square) / norm[pivot[q]])
     for q in range(base + working):
-        least = min(least, math.sqrt(along[q]))
+        if q < frozen or q >= base:
+            least = min(least, math.sqrt(along[q]))
     return least
 
 
