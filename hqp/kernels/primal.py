@@ -14,7 +14,7 @@ from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target, value_of
 from .working_set import FROZEN
 
 #: The most steps of one level.
-STEPS = 20
+STEPS = 40
 #: A step changes a row if it does so by more than round-off, relative to the length of both.
 MOVES = 1e-12
 

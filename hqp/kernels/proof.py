@@ -192,12 +192,14 @@ def balanced(here, k, last, frozen, scale):
     base = hold(here, k, frozen)
     working = begin(here, k, base)
     working, rest, _ = nonnegative(here, MARGIN * STATIONARITY * scale, base, working, ptr[k])
-    unsure = blur(here, base, base + working)
+    enough, unsure = MARGIN * STATIONARITY * scale, blur(here, base, base + working)
     rest += unsure
-    if rest > MARGIN * STATIONARITY * scale:
+    if unsure > enough:
+        return False
+    if rest > enough:
         small = rest * weakest(here, frozen, base, working) <= 0.25 * BALANCED * scale
         if not (small and rest <= MARGIN * BLURRED * scale) and (
-            k == last or unsure + moving(here, k, base + working) > MARGIN * STATIONARITY * scale
+            k == last or unsure + moving(here, k, base + working) > enough
         ):
             return False
     for q in range(base, base + working):
