@@ -175,12 +175,11 @@ def work_out(here, last, start, warm):
     DOUBT is set where an answer that is OPTIMAL is yet to be accepted by the certificate.
     """
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
-    tau = option[at.TAU]
-    head[at.HURRIED] = head[at.DAMPED] == 0 and SHARPEST < tau <= MOST
     faults, exact_above = attempt(here, last, start, warm)
     if faults == 0 and accepted(here, last):
         return OPTIMAL, integer(last + 1)
-    if head[at.HURRIED] != 0 and not late(here):
+    tau = option[at.TAU]
+    if head[at.DAMPED] == 0 and SHARPEST < tau <= MOST and not late(here):
         kept = at.X if faults == 0 else at.EXACT
         copy(here, kept, at.SAFE)
         option[at.TAU] = SHARPEST

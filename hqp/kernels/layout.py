@@ -21,9 +21,8 @@ COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES = 9, 10, 11, 12, 13, 14
 #: When the call began, by the clock of :mod:`.memory` (0: when the kernel does). And what a solve notes for itself:
 #: when it must end, and whether the sides at the end of each level mean something. And how many levels are damped, the
 #: address of the directory with rows for that, and whether these levels have aims of their own (0: x_ref). And whether
-#: a rank was decided that could be another: see :mod:`.doubt`; and whether an attempt is soon given up, for another
-#: one follows.
-BEGAN, DEADLINE, HISTORY, DAMPED, TWIN, AIMED, DOUBT, HURRIED, HEAD = 16, 17, 18, 19, 20, 21, 22, 23, 24
+#: a rank was decided that could be another: see :mod:`.doubt`.
+BEGAN, DEADLINE, HISTORY, DAMPED, TWIN, AIMED, DOUBT, HEAD = 16, 17, 18, 19, 20, 21, 22, 23
 
 #: Places in OPTION: relative tolerances on rank and on rows, most iterations, most seconds; and, of each solve, what
 #: round-off in x0 adds to the length of x where a tolerance is relative to it.

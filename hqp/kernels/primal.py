@@ -13,8 +13,8 @@ from .polish import judge, polish
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target, value_of
 from .working_set import FROZEN
 
-#: The most steps of one level, and where another attempt follows.
-STEPS, HURRIED = 60, 20
+#: The most steps of one level.
+STEPS = 60
 #: A step changes a row if it does so by more than round-off, relative to the length of both.
 MOVES = 1e-12
 
@@ -70,11 +70,10 @@ def primal(here, k, last, frozen):
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
     side, start, x = marks(here, at.SIDE), vector(here, at.APPROACH), vector(here, at.X)
-    most = HURRIED if head[at.HURRIED] != 0 else STEPS
-    for steps in range(most + 1):
+    for steps in range(STEPS + 1):
         hard, rank, own, own_rank = polish(here, k, last, frozen)
         faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
-        if faults == 0 or steps == most or late(here):
+        if faults == 0 or steps == STEPS or late(here):
             break
         head[at.ITERATIONS] += 1
         reach, row, becomes = first_event(here, k)
