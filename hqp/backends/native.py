@@ -167,7 +167,7 @@ class Native:
 
 
 def judged(hierarchy: Hierarchy, x: Array, x_ref: Array, outcome: int, level: int, counts: Counts) -> Answer:
-    """What is claimed of x. What the kernel has not proved, or not beyond doubt, the certificate decides."""
+    """What is claimed of x. What the kernel has not proved, nor its own certificate accepted, is for `certify`."""
     status = STATUSES[outcome]
     if status is Status.STALLED:
         failed = certify(hierarchy, x, x_ref).failed

@@ -8,6 +8,7 @@ optimal, or vanishes when the slacks of the level shift within the tolerances of
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -80,6 +81,37 @@ class Balance(NamedTuple):
     multipliers: Array
 
 
+class _Attempt(NamedTuple):
+    """The forces of a level, balanced as well as the rows above it can.
+
+    Attributes
+    ----------
+    span : RowSpace
+        Of the normals of `free`.
+    free, pressing : array of int
+        Rows that push either way, and that push inward.
+    normals, mu : array
+        Of those that push inward, less their part in the span; and how much they push, relative to all forces.
+    left : array, shape (n,)
+        What is not balanced, and
+    pushed : array, shape (n,)
+        what the free rows have to balance.
+    """
+
+    span: RowSpace
+    free: NDArray[np.intp]
+    pressing: NDArray[np.intp]
+    normals: Array
+    mu: Array
+    left: Array
+    pushed: Array
+
+    @property
+    def straight(self) -> bool:
+        """Whether next to nothing is left."""
+        return length(self.left) <= STATIONARITY
+
+
 class Above:
     """The rows of the levels above one level, as one goes down the levels.
 
@@ -120,25 +152,27 @@ class Above:
         known, self.free = len(self.free), self._all_free[: self._all_free.searchsorted(count)]
         self.signed = self._all_signed[: self._all_signed.searchsorted(count)]
         self._span.grow(self._units[self.free[known:]])
-        found = self._balance(forces, count, self._span, self.free, self.signed)
+        scale = float(np.abs(forces.push).sum())
+        gradient = (forces.push / scale) @ forces.units
+        attempts = [self._balance(gradient, self._span, self.free, self.signed)]
         holding = self._holds[self.signed]
-        if not found.exact and holding.any():
+        if not attempts[0].straight and holding.any():
             free = np.concatenate([self.free, self.signed[holding]])
             span = RowSpace(self._units.shape[1], FREE_RANK)
             span.grow(self._units[free])
-            again = self._balance(forces, count, span, free, self.signed[~holding])
-            found = again if again.exact else found
-        if found.exact:
-            pushes = found.multipliers[self.signed] * self._rows.sides[self.signed] * self._rows.norms[self.signed]
-            self._holds[self.signed[pushes > HOLDS * found.scale]] = True
-        return found
+            attempts.append(self._balance(gradient, span, free, self.signed[~holding]))
+        straight = (one for one in attempts if one.straight)
+        blurred = (one for one in attempts if _round_off(one, forces, scale))  # takes most of the time
+        found = next(chain(straight, blurred), None)
+        exact, best = found is not None, found or attempts[0]
+        multipliers = self._multipliers(best, scale, count)
+        if exact:
+            pushes = multipliers[self.signed] * self._rows.sides[self.signed] * self._rows.norms[self.signed]
+            self._holds[self.signed[pushes > HOLDS * scale]] = True
+        return Balance(exact, scale, length(best.left), multipliers)
 
-    def _balance(
-        self, forces: Forces, count: int, span: RowSpace, free: NDArray[np.intp], signed: NDArray[np.intp]
-    ) -> Balance:
+    def _balance(self, gradient: Array, span: RowSpace, free: NDArray[np.intp], signed: NDArray[np.intp]) -> _Attempt:
         """Balance the forces by free rows, with their span, and signed ones."""
-        multipliers, scale = np.zeros(count), float(np.abs(forces.push).sum())
-        gradient = (forces.push / scale) @ forces.units
         left = span.project(gradient)
         pressing, normals, mu = signed[:0], self._units[:0], np.zeros(0)
         if len(signed) and length(left) > BALANCED:
@@ -149,39 +183,43 @@ class Above:
             mu = _nonnegative(normals, -left)
             left = left + mu @ normals
             gradient = gradient + mu @ outward[able]
-        stationarity = length(left)
-        exact = stationarity <= STATIONARITY or self._round_off(left, forces, scale, normals, mu, span)
+        return _Attempt(span, free, pressing, normals, mu, left, gradient)
 
-        norms, sides = self._rows.norms, self._rows.sides
-        multipliers[pressing] = scale * mu * sides[pressing] / norms[pressing]
-        multipliers[free] = -scale * span.combine(gradient) / norms[free]
-        return Balance(exact, scale, stationarity, multipliers)
+    def _multipliers(self, attempt: _Attempt, scale: float, count: int) -> Array:
+        """Of all `count` rows above."""
+        norms, sides, pressing, free = self._rows.norms, self._rows.sides, attempt.pressing, attempt.free
+        multipliers = np.zeros(count)
+        multipliers[pressing] = scale * attempt.mu * sides[pressing] / norms[pressing]
+        multipliers[free] = -scale * attempt.span.combine(attempt.pushed) / norms[free]
+        return multipliers
 
-    def _round_off(self, left: Array, forces: Forces, scale: float, normals: Array, mu: Array, span: RowSpace) -> bool:
-        """Whether what is left of the forces is what a perfect x leaves."""
-        pressing, kept, smallest = normals[mu > 0.0], np.zeros((len(left), 0)), 1.0
-        if len(pressing):
-            sizes = lengths(pressing)
-            kept, _, smallest = row_space(pressing / sizes[:, None], FREE_RANK)
-            smallest = min(smallest, float(sizes.min()))
 
-        def exact(rest: float) -> bool:
-            """Round-off, magnified where the normals that balance the level are nearly dependent."""
-            if STATIONARITY < rest <= BLURRED:
-                return rest * min(smallest, span.smallest()) <= BALANCED
-            return rest <= STATIONARITY
+def _round_off(attempt: _Attempt, forces: Forces, scale: float) -> bool:
+    """Whether what is left of the forces is what a perfect x leaves."""
+    left, normals, mu, span = attempt.left, attempt.normals, attempt.mu, attempt.span
+    pressing, kept, smallest = normals[mu > 0.0], np.zeros((len(left), 0)), 1.0
+    if len(pressing):
+        sizes = lengths(pressing)
+        kept, _, smallest = row_space(pressing / sizes[:, None], FREE_RANK)
+        smallest = min(smallest, float(sizes.min()))
 
-        if exact(length(left)):
-            return True
-        carriers = forces.sides != INSIDE
-        own = span.project(forces.units[carriers])
-        # A direction in which the level hardly moves while those rows press may count as none: a rank decision that
-        # could go either way.
-        moves, _, _ = row_space(own - (own @ kept) @ kept.T, OWN_RANK)
-        left = moves @ (moves.T @ left)
-        if exact(length(left)):
-            return True
-        return exact(_carried(left, normals, mu, own, forces.blur[carriers] / scale, forces.sides[carriers]))
+    def exact(rest: float) -> bool:
+        """Round-off, magnified where the normals that balance the level are nearly dependent."""
+        if STATIONARITY < rest <= BLURRED:
+            return rest * min(smallest, span.smallest()) <= BALANCED
+        return rest <= STATIONARITY
+
+    if exact(length(left)):
+        return True
+    carriers = forces.sides != INSIDE
+    own = span.project(forces.units[carriers])
+    # A direction in which the level hardly moves while those rows press may count as none: a rank decision that
+    # could go either way.
+    moves, _, _ = row_space(own - (own @ kept) @ kept.T, OWN_RANK)
+    left = moves @ (moves.T @ left)
+    if exact(length(left)):
+        return True
+    return exact(_carried(left, normals, mu, own, forces.blur[carriers] / scale, forces.sides[carriers]))
 
 
 def _nonnegative(rows: Array, target: Array) -> Array:
@@ -206,6 +244,9 @@ def _carried(left: Array, normals: Array, mu: Array, own: Array, capacity: Array
     from scipy.optimize import lsq_linear
 
     unit, sizes = length(left) or 1.0, lengths(own)
+    # Of a multiplier that may grow, the normal leads away from what is left: then all shifts together have to reach it.
+    if (normals @ left >= -BALANCED).all() and capacity @ np.abs(own @ left) < unit * (unit - STATIONARITY):
+        return unit
     reach = np.minimum(capacity * sizes / unit, 1e6)
     able = reach > NEGLIGIBLE
     own, sides, sizes, reach = own[able], sides[able], sizes[able], reach[able]

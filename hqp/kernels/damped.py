@@ -21,31 +21,15 @@ import math
 
 from . import layout as at
 from .active_set import OPTIMAL
+from .attempts import COLD, FEW, PATIENCE, SHARPER, WARM, contested, repair, seed, work_out
 from .compile import entry, inner, integer, stamp
 from .damping_rules import DEPENDENT, ERROR, FIXED, by_singular_values, forgiven, lacking, lengths, satisfied, unequal
-from .doubt import SHARPEST
+from .doubt import SHARPEST, is_even
 from .dual import late
 from .memory import given, ints, marks, matrix, vector
 from .orthogonal import level_least_squares
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, value_of
-from .solver import (
-    COLD,
-    FEW,
-    PATIENCE,
-    SHARPER,
-    SUSPECT,
-    UNEVEN,
-    WARM,
-    contested,
-    is_even,
-    levels_that_count,
-    load,
-    note_blur,
-    repair,
-    seed,
-    start_clock,
-    work_out,
-)
+from .solver import SUSPECT, UNEVEN, levels_that_count, load, note_blur, start_clock
 from .sweep import arrive, enter_level, fix_variables, note_level, solve_levels
 from .verdict import STRICT, judge_multipliers, judge_rows
 

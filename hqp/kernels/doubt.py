@@ -7,6 +7,8 @@ with along what is left of them stays unbalanced, and the certificate has to agr
 
 from __future__ import annotations
 
+import math
+
 from . import layout as at
 from .compile import inner
 from .memory import ints, marks, vector
@@ -16,6 +18,8 @@ from .signs import CLEAR
 SHARPEST = 2e-12
 #: Of rows of which more is left nobody doubts the dependence: a rank tolerance that was set on purpose says so.
 MOST = 1e-9
+#: A row that is this much shorter than another of its level may disappear in the round-off of that one.
+EVEN = 1e-8
 
 
 @inner
@@ -31,3 +35,23 @@ def note_doubt(here, begin, rank, count, pull):
             left += abs(w[ids[r]]) * lengths[r]
     if left > CLEAR * pull > 0.0:
         ints(here, 0, at.HEAD)[at.DOUBT] = 1
+
+
+@inner
+def is_even(here):
+    """Whether the rows of each level are of comparable length, weights included."""
+    head, ptr, norm = ints(here, 0, at.HEAD), marks(here, at.PTR), vector(here, at.NORM)
+    for k in range(head[at.LEVELS]):
+        shortest, longest = math.inf, 0.0
+        for i in range(ptr[k], ptr[k + 1]):
+            if norm[i] > 0.0:
+                shortest, longest = min(shortest, norm[i]), max(longest, norm[i])
+        if shortest < EVEN * longest:
+            return False
+    return True
+
+
+@inner
+def doubtful(here):
+    """Whether an answer that is proved as far as one tolerance goes, or one rank, may be none by others."""
+    return ints(here, 0, at.HEAD)[at.DOUBT] != 0 or not is_even(here)

@@ -10,29 +10,52 @@ from .pull import DUAL
 from .rows import LOWER, UPPER, value_of
 from .working_set import HARD, WORKING, append, balance, remove
 
+#: A row is in the way if the direction leaves it by more than this share of both lengths; and one of which the others
+#: leave no more than the second depends on them.
+LEAVES, DEPENDENT = 1e-9, 1e-13
+
 
 @inner
 def escape(here, forces, frozen, working, hard_end):
-    """A direction of descent that no row at its bound blocks, by non-negative least squares (Lawson, Hanson).
+    """A direction of descent that no row at its bound blocks: what :func:`nonnegative` leaves.
 
-    Minimises ``||g + sum mu_i s_i a_i||``, mu >= 0, over the hard rows at a bound, s_i = 1 at the upper one, within
-    what the frozen rows leave. Its residual, turned round, is the direction; the support is the new working set.
-    `d` is zero if there is none: x is optimal.
+    `d` is zero if there is none: x is optimal. The support is the new working set.
 
     Returns
     -------
     working : int
     """
-    head = ints(here, 0, at.HEAD)
-    n = head[at.N]
-    pivot, kind, side = marks(here, at.PIVOT), marks(here, at.KIND), marks(here, at.SIDE)
-    norm, g, d, v = vector(here, at.NORM), vector(here, at.G), vector(here, at.D), vector(here, at.VALUE)
-    low, high, allowed = vector(here, at.LOW), vector(here, at.HIGH), vector(here, at.ALLOWED)
-    share, multiplier, scratch = vector(here, at.SHARE), vector(here, at.MULTIPLIER), vector(here, at.SCRATCH)
-    V = matrix(here, at.V)
+    n, d = ints(here, 0, at.HEAD)[at.N], vector(here, at.D)
+    pivot, kind = marks(here, at.PIVOT), marks(here, at.KIND)
     for q in range(frozen, frozen + working):
         kind[pivot[q]] = HARD
-    working = integer(0)
+    working, steep, stuck = nonnegative(here, DUAL * forces, frozen, integer(0), hard_end)
+    if stuck or steep <= DUAL * forces:
+        for j in range(n):
+            d[j] = 0.0
+    return working
+
+
+@inner
+def nonnegative(here, enough, frozen, working, hard_end):
+    """Minimise ``||g + sum mu_i s_i a_i||``, mu >= 0, over the hard rows at a bound (Lawson and Hanson 1974).
+
+    s_i is 1 at the upper bound, and all is within what the frozen rows leave. It starts from a working set with
+    positive shares. `d` is what is left, turned round.
+
+    Returns
+    -------
+    working : int
+    steep : float
+        The length of d; no more is done once it is `enough`.
+    stuck : bool
+        Whether it ended because a row in the way depends on those that are kept: nothing can be gained.
+    """
+    n, v, d, g = ints(here, 0, at.HEAD)[at.N], vector(here, at.VALUE), vector(here, at.D), vector(here, at.G)
+    kind, side, norm = marks(here, at.KIND), marks(here, at.SIDE), vector(here, at.NORM)
+    low, high, allowed = vector(here, at.LOW), vector(here, at.HIGH), vector(here, at.ALLOWED)
+    share, scratch, V = vector(here, at.SHARE), vector(here, at.SCRATCH), matrix(here, at.V)
+    steep = 0.0
     for _ in range(3 * hard_end + 10):
         c = frozen + working
         for j in range(n):
@@ -42,11 +65,9 @@ def escape(here, forces, frozen, working, hard_end):
         project(d, n, V, 0, c, scratch)
         project(d, n, V, 0, c, scratch)
         steep = length(d, n)
-        if steep <= DUAL * forces:
-            for j in range(n):
-                d[j] = 0.0
-            return working
-        worst, enters, bound = 1e-9 * steep, integer(-1), integer(0)
+        if steep <= enough:
+            return working, steep, False
+        worst, enters, bound = LEAVES * steep, integer(-1), integer(0)
         for i in range(hard_end):
             if kind[i] != HARD or norm[i] == 0.0:
                 continue
@@ -61,31 +82,45 @@ def escape(here, forces, frozen, working, hard_end):
             if outward > worst:
                 worst, enters, bound = outward, i, where
         if enters < 0:
-            return working
-        if not append(enters, c, here, 1e-13):
-            for j in range(n):  # a row in the way that depends on those that are kept: nothing can be gained
-                d[j] = 0.0
-            return working
+            return working, steep, False
+        if not append(enters, c, here, DEPENDENT):
+            return working, steep, True
         kind[enters], side[enters] = WORKING, bound
         share[c] = 0.0
-        working += 1
-        while working > 0:  # back to where all shares are positive
-            c = frozen + working
-            balance(frozen, c, n, here)
-            reach, leaves = 1.0, integer(-1)
-            for q in range(frozen, c):
-                wanted = multiplier[q] * side[pivot[q]]
-                if wanted <= 0.0 and q != c - 1:
-                    ratio = share[q] / (share[q] - wanted) if share[q] > wanted else 0.0
-                    if ratio < reach:
-                        reach, leaves = ratio, q
-            for q in range(frozen, c):
-                share[q] += reach * (multiplier[q] * side[pivot[q]] - share[q])
-            if leaves < 0:
-                break
-            kind[pivot[leaves]] = HARD
-            for q in range(leaves, c - 1):
-                share[q] = share[q + 1]
-            remove(leaves, c, here)
-            working -= 1
+        working = step_back(here, frozen, working + 1)
+    return working, steep, False
+
+
+@inner
+def step_back(here, frozen, working):
+    """Go from the shares towards the multipliers, as far as all stay positive; rows whose share ends leave: how many.
+
+    Until the working set that is left wants positive shares alone.
+    """
+    n, pivot, kind, side = (
+        ints(here, 0, at.HEAD)[at.N],
+        marks(here, at.PIVOT),
+        marks(here, at.KIND),
+        marks(here, at.SIDE),
+    )
+    share, multiplier = vector(here, at.SHARE), vector(here, at.MULTIPLIER)
+    while working > 0:
+        c = frozen + working
+        balance(frozen, c, n, here)
+        reach, leaves = 1.0, integer(-1)
+        for q in range(frozen, c):
+            wanted = multiplier[q] * side[pivot[q]]
+            if wanted <= 0.0 and q != c - 1:
+                ratio = share[q] / (share[q] - wanted) if share[q] > wanted else 0.0
+                if ratio < reach:
+                    reach, leaves = ratio, q
+        for q in range(frozen, c):
+            share[q] += reach * (multiplier[q] * side[pivot[q]] - share[q])
+        if leaves < 0:
+            break
+        kind[pivot[leaves]] = HARD
+        for q in range(leaves, c - 1):
+            share[q] = share[q + 1]
+        remove(leaves, c, here)
+        working -= 1
     return working

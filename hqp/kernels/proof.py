@@ -1,0 +1,352 @@
+r"""The certificate, compiled: whether x is optimal, from the numbers of the hierarchy alone, whoever computed it.
+
+It decides as :mod:`hqp.certificate.balance` does, level by level: the forces of the level must be balanced by the
+normals of the rows above it, by the free ones either way and by those at a bound inward, up to round-off. Rows that
+hold a level above are free. What it accepts the certificate accepts; what it does not accept may be optimal yet, for
+it does not ask whether the slacks of the level may shift within their tolerances.
+"""
+
+from __future__ import annotations
+
+import math
+
+from . import layout as at
+from .compile import inner, integer
+from .escape import nonnegative
+from .memory import ints, marks, matrix, vector
+from .orthogonal import factor, length, pivots, separate
+from .rows import EQUALITY, INACTIVE, LOWER, UPPER, copy_row, value_of
+from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance
+
+#: As in :mod:`hqp.certificate`: the tolerance on rows, round-off of rows and of forces, ranks of free normals and of
+#: what the rows of a level can still move, what is asked of the balance and what at the least, and from where on a row
+#: holds a level.
+JUDGED, ROUND_OFF, BALANCED = 1e-9, 256 * 2.0**-52, 64 * 2.0**-52
+FREE_RANK, OWN_RANK, STATIONARITY, BLURRED, HOLDS = 1e-11, 4e-9, 1e-10, 1e-6, 2e-8
+#: Rows of which the others leave less do not press from the start, for large forces along them balance very little.
+CLEAR = 1e-6
+#: By so much of a row's length round-off turns what others leave of it.
+TURNS = 8 * 2.0**-52
+#: What rounding differently must not turn over.
+MARGIN = 0.9
+#: The share of the length of x that adds to the tolerance of a row that it hardly moves.
+LENGTH = 0.1
+
+
+@inner
+def proves(here, last):
+    """Whether the certificate accepts x on levels 0 .. last. The basis and its cuts are of no use any more."""
+    m = ints(here, 0, at.HEAD)[at.ROWS]
+    side, kept = marks(here, at.SIDE), marks(here, at.FOLLOW)
+    marks(here, at.CUT)[last] = -1
+    for i in range(m):
+        kept[i] = side[i]
+    size, way = find_sides(here)
+    frozen, taken, accepted = integer(0), integer(0), True
+    for k in range(last + 1):
+        scale = gradient(here, k, last, size, way)
+        if scale == 0.0:
+            continue
+        while taken < k:
+            frozen = take_up(here, taken, frozen)
+            taken += 1
+        if not balanced(here, k, last, frozen, scale):
+            accepted = False
+            break
+    for i in range(m):
+        side[i] = kept[i]
+    return accepted
+
+
+@inner
+def measure_rows(here):
+    """Values and slacks of all rows, and the lengths that round-off is relative to: of x, and of the way it came."""
+    head = ints(here, 0, at.HEAD)
+    n, ptr, norm, weights = head[at.N], marks(here, at.PTR), vector(here, at.NORM), vector(here, at.WEIGHTS)
+    lo, hi, x, x_ref = vector(here, at.LO), vector(here, at.HI), vector(here, at.X), vector(here, at.X_REF)
+    value, slack = vector(here, at.VALUE), vector(here, at.SLOPE)
+    away, longest = 0.0, 0.0
+    for j in range(n):
+        away += (x[j] - x_ref[j]) * (x[j] - x_ref[j])
+    for i in range(head[at.ROWS]):
+        longest = max(longest, norm[i] / weights[i])
+    size = length(x, n)
+    way = max(size, math.sqrt(away))
+    for k in range(head[at.LEVELS]):
+        most, asked = 0.0, 0.0
+        for i in range(ptr[k], ptr[k + 1]):
+            value[i] = slack[i] = 0.0
+            if norm[i] > 0.0:
+                value[i] = value_of(i, x, here)
+                slack[i] = value[i] - min(max(value[i], lo[i]), hi[i])
+                most = max(most, norm[i])
+                if norm[i] > ROUND_OFF * longest * weights[i]:
+                    asked = max(asked, abs(slack[i]) * norm[i])
+        if most > 0.0 and ptr[k + 1] - ptr[k] > 1:
+            way = max(way, asked / (most * most))
+    return size, way
+
+
+@inner
+def find_sides(here):
+    """Where x is in every row: ``side``, EQUALITY if it may push either way, and what it is violated by, ``slope``."""
+    size, way = measure_rows(here)
+    norm, lo, hi = vector(here, at.NORM), vector(here, at.LO), vector(here, at.HI)
+    value, slack, side = vector(here, at.VALUE), vector(here, at.SLOPE), marks(here, at.HELD)
+    holds = marks(here, at.DECIDED)
+    flat = JUDGED * LENGTH * size + ROUND_OFF * way
+    for i in range(ints(here, 0, at.HEAD)[at.ROWS]):
+        side[i] = INACTIVE
+        holds[i] = 0
+        if norm[i] == 0.0:
+            continue
+        near = JUDGED * (abs(value[i]) + abs(value[i] - slack[i])) + flat * norm[i]
+        over, under = value[i] >= hi[i] - near, value[i] <= lo[i] + near
+        if abs(slack[i]) > near:
+            side[i] = EQUALITY
+            continue
+        slack[i] = 0.0
+        if lo[i] == hi[i] or (over and under):
+            side[i] = EQUALITY
+        elif over:
+            side[i] = UPPER
+        elif under:
+            side[i] = LOWER
+    return size, way
+
+
+@inner
+def gradient(here, k, last, size, way):
+    """The forces of level k: their sum g, and how much they are together; 0 if the level is met."""
+    head = ints(here, 0, at.HEAD)
+    n, ptr, col, row_of = head[at.N], marks(here, at.PTR), marks(here, at.COL), marks(here, at.ROW_OF)
+    g, norm, slack, B = vector(here, at.G), vector(here, at.NORM), vector(here, at.SLOPE), matrix(here, at.B)
+    x, x0, scale = vector(here, at.X), vector(here, at.X0), 0.0
+    for j in range(n):
+        g[j] = 0.0
+    if k == last:
+        flat = ROUND_OFF * way
+        if k < head[at.LEVELS] and marks(here, at.WHOLE)[k] != 0:  # these are rows, and have the tolerance of rows
+            flat += JUDGED * LENGTH * size
+        for j in range(n):
+            away = x[j] - x0[j]
+            if abs(away) > JUDGED * (abs(x[j]) + abs(x0[j])) + flat:
+                g[j] = away
+                scale += abs(away)
+        return scale
+    for i in range(ptr[k], ptr[k + 1]):
+        much = slack[i]
+        if much == 0.0:
+            continue
+        scale += norm[i] * abs(much)
+        if col[i] >= 0:
+            g[col[i]] += much * norm[i]
+        else:
+            row = B[row_of[i]]
+            for j in range(n):
+                g[j] += much * row[j]
+    return scale
+
+
+@inner
+def take_up(here, k, frozen):
+    """Put the rows of level k that push either way on top of V[:frozen]: how many rows it has then."""
+    ptr, side = marks(here, at.PTR), marks(here, at.HELD)
+    ids, R = marks(here, at.IDS), matrix(here, at.R)
+    count = integer(0)
+    for i in range(ptr[k], ptr[k + 1]):
+        if side[i] == EQUALITY:
+            ids[count] = i
+            copy_row(i, R[count], here)
+            count += 1
+    return enter(here, count, frozen)
+
+
+@inner
+def enter(here, count, c):
+    """Put the rows that are listed on top of V[:c], the longest first: how many rows it has then.
+
+    ``balance`` keeps, of each direction of V, how much all these rows together have along it.
+    """
+    n, ids, pivot = ints(here, 0, at.HEAD)[at.N], marks(here, at.IDS), marks(here, at.PIVOT)
+    norm, spread = vector(here, at.NORM), vector(here, at.BALANCE)
+    V, L, R = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
+    slots, lengths, block = marks(here, at.SLOTS), vector(here, at.LENGTHS), marks(here, at.QUEUE)
+    end = c + factor(ids, count, slots, lengths, R, norm, V, L, c, n, FREE_RANK)
+    for q in range(c, end):
+        spread[q], pivot[q], block[q] = 0.0, ids[q - c], c
+    for r in range(count):
+        row = L[ids[r]]
+        for q in range(end):
+            part = row[q] / norm[ids[r]]
+            spread[q] += part * part
+    return end
+
+
+@inner
+def balanced(here, k, last, frozen, scale):
+    """Whether the rows above level k balance its forces g, as far as round-off lets one say."""
+    ptr, pivot, kind = marks(here, at.PTR), marks(here, at.PIVOT), marks(here, at.KIND)
+    side, holds = marks(here, at.SIDE), marks(here, at.DECIDED)
+    norm, multiplier = vector(here, at.NORM), vector(here, at.MULTIPLIER)
+    base = hold(here, k, frozen)
+    working = begin(here, k, base)
+    working, rest, _ = nonnegative(here, MARGIN * STATIONARITY * scale, base, working, ptr[k])
+    enough, unsure = MARGIN * STATIONARITY * scale, blur(here, base, base + working)
+    rest += unsure
+    if unsure > enough:
+        return False
+    if rest > enough:
+        small = rest * weakest(here, frozen, base, working) <= 0.25 * BALANCED * scale
+        if not (small and rest <= MARGIN * BLURRED * scale) and (
+            k == last or unsure + moving(here, k, base + working) > enough
+        ):
+            return False
+    for q in range(base, base + working):
+        i = pivot[q]
+        if kind[i] == WORKING and multiplier[q] * side[i] * norm[i] > HOLDS * scale:
+            holds[i] = 1
+    return True
+
+
+@inner
+def hold(here, k, frozen):
+    """Free the rows that hold a level above level k, on top of V[:frozen]; others at a bound may press: hard."""
+    end, kind, where = marks(here, at.PTR)[k], marks(here, at.KIND), marks(here, at.HELD)
+    holds, value, allowed = marks(here, at.DECIDED), vector(here, at.VALUE), vector(here, at.ALLOWED)
+    low, high, ids, R = vector(here, at.LOW), vector(here, at.HIGH), marks(here, at.IDS), matrix(here, at.R)
+    count = integer(0)
+    for i in range(end):
+        kind[i] = FROZEN if where[i] == EQUALITY or holds[i] != 0 else FUTURE
+        if holds[i] != 0:
+            if count < len(R):
+                ids[count] = i
+                copy_row(i, R[count], here)
+                count += 1
+        elif where[i] == UPPER or where[i] == LOWER:
+            kind[i], value[i], allowed[i] = HARD, 0.0, 0.0
+            high[i] = 0.0 if where[i] == UPPER else math.inf
+            low[i] = 0.0 if where[i] == LOWER else -math.inf
+    return enter(here, count, frozen)
+
+
+@inner
+def begin(here, k, base):
+    """The rows that the solver has kept at their bound, those of them that press: how many."""
+    n, end = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR)[k]
+    side, kept, where = marks(here, at.SIDE), marks(here, at.FOLLOW), marks(here, at.HELD)
+    kind, pivot = marks(here, at.KIND), marks(here, at.PIVOT)
+    share, multiplier = vector(here, at.SHARE), vector(here, at.MULTIPLIER)
+    ids, slots, lengths, norm = (
+        marks(here, at.IDS),
+        marks(here, at.SLOTS),
+        vector(here, at.LENGTHS),
+        vector(here, at.NORM),
+    )
+    V, L, R = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
+    count, wrong = integer(0), integer(0)
+    for i in range(end):
+        if kind[i] == HARD and kept[i] == where[i] and count < len(R):
+            ids[count] = i
+            copy_row(i, R[count], here)
+            count += 1
+    working = factor(ids, count, slots, lengths, R, norm, V, L, base, n, CLEAR)
+    for q in range(working):
+        i = ids[q]
+        pivot[base + q], kind[i], side[i] = i, WORKING, where[i]
+    while working > 0:
+        balance(base, base + working, n, here)
+        wrong, count = integer(0), working
+        working = integer(0)
+        for q in range(base, base + count):
+            i = pivot[q]
+            share[base + working] = multiplier[q] * side[i]
+            if share[base + working] <= 0.0:
+                kind[i] = HARD
+                wrong += 1
+            elif wrong == 0 or append(i, base + working, here, FREE_RANK):
+                working += 1
+            else:
+                kind[i] = HARD
+        if wrong == 0:
+            break
+    return working
+
+
+@inner
+def blur(here, base, c):
+    """What round-off in the directions V[:c] may leave of the forces: the weaker a row was, the more.
+
+    All n together leave nothing, unless one of them may be nothing but what round-off has turned an earlier one by,
+    which came in another block of rows.
+    """
+    n, pivot, norm = ints(here, 0, at.HEAD)[at.N], marks(here, at.PIVOT), vector(here, at.NORM)
+    g, V, L, block = vector(here, at.G), matrix(here, at.V), matrix(here, at.L), marks(here, at.QUEUE)
+    total, least, before, all_there = 0.0, 1.0, 1.0, c == n
+    for q in range(c):
+        direction, along, share = V[q], 0.0, L[pivot[q]][q] / norm[pivot[q]]
+        for j in range(n):
+            along += direction[j] * g[j]
+        if q == base or (q < base and q == block[q]):
+            before = least
+        if share * before <= TURNS:
+            all_there, share = False, TURNS
+        least = min(least, share)
+        total += abs(along) / share
+    return 0.0 if all_there else TURNS * total
+
+
+@inner
+def weakest(here, frozen, base, working):
+    """At least the smallest singular value of the normals that balance the level, by how much they have along V.
+
+    Rows that hold a level above do not count: which they are, others may see otherwise.
+    """
+    pivot = marks(here, at.PIVOT)
+    norm, spread, along = vector(here, at.NORM), vector(here, at.BALANCE), vector(here, at.SCRATCH)
+    L, least = matrix(here, at.L), 1.0
+    for q in range(base + working):
+        along[q] = spread[q] if q < base else 0.0
+    for q in range(base, base + working):
+        row, square = L[pivot[q]], 0.0
+        for p in range(base, q + 1):
+            square += row[p] * row[p]
+        for p in range(base, q + 1):
+            along[p] += row[p] * row[p] / square
+        least = min(least, math.sqrt(square) / norm[pivot[q]])
+    for q in range(base + working):
+        if q < frozen or q >= base:
+            least = min(least, math.sqrt(along[q]))
+    return least
+
+
+@inner
+def moving(here, k, c):
+    """At most how much of d is along what the rows of level k can still move, above :data:`OWN_RANK`, given V[:c]."""
+    n, ptr, where = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR), marks(here, at.HELD)
+    ids, slots, lengths = marks(here, at.IDS), marks(here, at.SLOTS), vector(here, at.LENGTHS)
+    norm, d = vector(here, at.NORM), vector(here, at.D)
+    V, L, R = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
+    count = integer(0)
+    for i in range(ptr[k], ptr[k + 1]):
+        if where[i] != INACTIVE:
+            ids[count] = i
+            copy_row(i, R[count], here)
+            count += 1
+    separate(ids, count, slots, lengths, R, norm, V, L, 0, c, n, 0.0)
+    rank = pivots(ids, count, slots, lengths, R, norm, V, L, c, n, 0.25 * OWN_RANK)
+    moved = left = 0.0
+    for q in range(c, c + rank):
+        direction, along = V[q], 0.0
+        for j in range(n):
+            along += direction[j] * d[j]
+        for j in range(n):
+            d[j] -= along * direction[j]
+        moved += along * along
+    for r in range(rank, count):
+        row, along = R[slots[r]], 0.0
+        for j in range(n):
+            along += row[j] * d[j]
+        along /= norm[ids[r]]
+        left += along * along
+    return math.sqrt(moved) + math.sqrt(left) / OWN_RANK
