@@ -23,9 +23,12 @@ from .trust import crowded, quiet
 
 #: From where on curvatures count so much, beside the least square of the rows, that levels lean with all their weight.
 DOUBTED = 2.5
-#: How strongly a level leans on the last x, relative to its rows, times the root of gain dt: the first one, and those
-#: below it. A lean is a lag of its square over the gain: at 1/2 the closed loop is critically damped.
-LEAN, LEAN_BELOW = 0.0316, 0.5
+#: How strongly a level leans on the last x, relative to its rows and its damping, times the root of gain dt: the first
+#: one, and those below it. A lean is a lag of its square over the gain: at 1/2 the closed loop is critically damped.
+LEAN, LEAN_BELOW = 0.0316, 0.6
+#: What the lean takes every direction for at least, relative to the longest row, squared; and what where the last x is
+#: at bounds: on the first level, and below it.
+ALIKE, ALIKE_AT_BOUNDS, ALIKE_BELOW = 0.08, 0.3, 1.0
 
 
 @inner
@@ -56,12 +59,12 @@ def note_errors(here):
 
 
 @inner
-def solve_stage(here, k, d, size, lean):
+def solve_stage(here, k, d, count, size, lean, alike):
     """The stage of level k: its outcome."""
     head, point = ints(here, 0, plain.HEAD), matrix(here, at.POINTS)[k]
     if vector(here, at.LAST)[0] != vector(here, at.LAST)[0]:
         lean = 0.0
-    write_stage(here, k, d, size, lean / math.sqrt(vector(here, at.SHARES)[k]))
+    write_stage(here, k, d, count, size, lean / math.sqrt(vector(here, at.SHARES)[k]), alike)
     head[at.STAGE], vector(here, at.NORMS)[k] = k, size
     directory = marks(here, at.DIRECTORIES)[k]
     outcome = called_on(head[at.SOLVE], directory, marks(here, at.NUMBERS)[k])
@@ -88,6 +91,7 @@ def solve_stages(here, gate):
     d, levels = head[plain.N], head[plain.LEVELS]
     outcome, opened, above, damped, first = integer(OPTIMAL), False, integer(0), 0.0, True
     head[at.OPENED] = levels
+    at_bounds = crowded(here, vector(here, at.LAST))
     begin(here)
     for k in range(head[at.TOP], levels):
         strengths[k] = 0.0
@@ -111,9 +115,10 @@ def solve_stages(here, gate):
             continue
         if not opened:
             head[at.OPENED], size = k, norm_of(here, count)
-        lean = 0.0 if spared else math.sqrt(fade) * LEAN if first else math.sqrt(gate) * LEAN_BELOW
+        lean = 0.0 if spared else math.sqrt(gate) * (LEAN if first else LEAN_BELOW)
+        alike = max(ALIKE, at_bounds * (ALIKE_AT_BOUNDS if first else ALIKE_BELOW))
         first = False
-        outcome = solve_stage(here, k, d, size, lean)
+        outcome = solve_stage(here, k, d, count, size, lean, alike)
         if outcome != OPTIMAL:
             return outcome
         opened, strengths[k] = True, math.sqrt(strength)
@@ -137,7 +142,8 @@ def solve_all(here, numbers):
         return strict
     note_errors(here)
     if vector(here, at.LAST)[0] == vector(here, at.LAST)[0]:
-        gate = crowded(here) if strict == OPTIMAL else 1.0
+        answer = vector(marks(here, at.DIRECTORIES)[levels], plain.X)
+        gate = crowded(here, answer) if strict == OPTIMAL else 1.0
     if gate == 0.0 and head[at.QUICK] != 0 and quiet(here, marks(here, at.DIRECTORIES)[levels]):
         head[at.OPENED] = levels
         return strict

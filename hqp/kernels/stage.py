@@ -59,50 +59,91 @@ def write_above(here, k, A, lower, upper, weights):
 
 
 @inner
-def write_damping(here, k, d, address, place, row, lower, upper, weights, lean):
-    r"""Rows of damping, one a direction: :math:`(y - r)^T L P L^T (y - r) + w^2 |y - v|^2`, x being :math:`Z^T y`."""
-    n, basis, L, P = (
-        ints(here, 0, plain.HEAD)[plain.N],
-        matrix(here, at.BASIS),
-        matrix(here, at.METRIC),
-        matrix(here, at.P),
-    )
-    M, K, half = matrix(here, at.M), matrix(here, at.U), matrix(here, at.HALF)
-    aim, last, towards, damped = (
-        matrix(here, at.AIMS)[k],
-        vector(here, at.LAST),
-        vector(here, at.MU),
-        matrix(here, at.DAMPED),
-    )
+def out_of_metric(here, given, d, to):
+    """A symmetric matrix in the metric of the soft rows, as it is without it: L X L'."""
+    L, X, out, half = matrix(here, at.METRIC), matrix(here, given), matrix(here, to), matrix(here, at.HALF)
     for p in range(d):
+        row = half[p]
         for q in range(d):
-            half[p][q] = 0.0
+            row[q] = 0.0
         for r in range(p + 1):
+            other, part = X[r], L[p][r]
             for q in range(d):
-                half[p][q] += L[p][r] * P[r][q]
-    trace = 0.0
+                row[q] += part * other[q]
     for p in range(d):
         for q in range(p + 1):
             total = 0.0
             for r in range(q + 1):
                 total += half[p][r] * L[q][r]
-            M[p][q] = M[q][p] = total
-        trace += M[p][p]
+            out[p][q] = out[q][p] = total
+
+
+@inner
+def weigh_lean(here, d, count, size, lean, alike):
+    r"""How much the level leans on the last x, :math:`w^2 (G^T G + P + c |J|^2)`, to KEPT.
+
+    As its rows and its damping weigh: what they weigh little is not held back more than the rest.
+    """
+    E, P, G, W = matrix(here, at.E), matrix(here, at.P), matrix(here, at.G), matrix(here, at.KEPT)
     for p in range(d):
-        own, away = 0.0, 0.0
         for q in range(d):
-            direction, total = basis[q], 0.0
-            for j in range(n):
-                total += direction[j] * aim[j]
-            own += M[p][q] * total
-        if lean > 0.0:
-            for j in range(n):
-                away += basis[p][j] * last[j]
-        towards[p] = own + lean * lean * away
-    more, some = lean * lean + REGULAR * trace, trace > 0.0 or lean > 0.0
+            E[p][q] = P[p][q]
+    for r in range(count):
+        one = G[r]
+        for p in range(d):
+            row, part = E[p], one[p]
+            for q in range(d):
+                row[q] += part * one[q]
+    out_of_metric(here, at.E, d, at.KEPT)
     for p in range(d):
-        M[p][p] += more
-    some = some and cholesky(M, K, d)
+        for q in range(d):
+            W[p][q] *= lean * lean
+        W[p][p] += lean * lean * alike * size * size
+
+
+@inner
+def along_directions(here, d, x, out):
+    """The coordinates of x in the directions that are left."""
+    n, basis = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS)
+    for p in range(d):
+        direction, total = basis[p], 0.0
+        for j in range(n):
+            total += direction[j] * x[j]
+        out[p] = total
+
+
+@inner
+def draw(here, k, d, lean):
+    """The matrix M of all damping rows of level k, and towards which x they draw, times M: whether there are any."""
+    M, W, towards = matrix(here, at.M), matrix(here, at.KEPT), vector(here, at.MU)
+    there, trace = vector(here, at.VALUES), 0.0
+    out_of_metric(here, at.P, d, at.M)
+    along_directions(here, d, matrix(here, at.AIMS)[k], there)
+    for p in range(d):
+        trace += M[p][p]
+        towards[p] = 0.0
+        for q in range(d):
+            towards[p] += M[p][q] * there[q]
+    if lean > 0.0:
+        along_directions(here, d, vector(here, at.LAST), there)
+        for p in range(d):
+            trace += W[p][p]
+            for q in range(d):
+                towards[p] += W[p][q] * there[q]
+                M[p][q] += W[p][q]
+    for p in range(d):
+        M[p][p] += REGULAR * trace
+    return trace > 0.0
+
+
+@inner
+def write_damping(here, k, d, count, address, place, row, lower, upper, weights, size, lean, alike):
+    r"""Rows of damping, one a direction: :math:`(y - r)^T L P L^T (y - r) + |y - v|_W^2`, x being :math:`Z^T y`."""
+    n, basis, K = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), matrix(here, at.U)
+    towards, damped = vector(here, at.MU), matrix(here, at.DAMPED)
+    if lean > 0.0:
+        weigh_lean(here, d, count, size, lean, alike)
+    some = draw(here, k, d, lean) and cholesky(matrix(here, at.M), K, d)
     for p in range(n):
         own, written, value = damped[k * n + p], floats(address, row * n, n), 0.0
         for j in range(n):
@@ -124,7 +165,7 @@ def write_damping(here, k, d, address, place, row, lower, upper, weights, lean):
 
 
 @inner
-def write_stage(here, k, d, size, lean):
+def write_stage(here, k, d, count, size, lean, alike):
     """The stage of level k."""
     head, ptr, state = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.STATE)
     n, levels, curved = head[plain.N], head[plain.LEVELS], marks(here, at.CURVED)
@@ -148,4 +189,4 @@ def write_stage(here, k, d, size, lean):
             lower[place] = scale * reached[i] if soft else -math.inf
             upper[place] = scale * reached[i] if soft else math.inf
             place, row = place + 1, row + 1
-    write_damping(here, k, d, address, place, row, lower, upper, weights, lean * size)
+    write_damping(here, k, d, count, address, place, row, lower, upper, weights, size, lean, alike)

@@ -11,15 +11,14 @@ from .compile import inner
 from .memory import ints, marks, matrix, vector
 from .solver import levels_that_count
 
-#: A bound counts from so much of the room on.
-NEAR = 0.05
+#: A bound counts from so much of the room on, and with this power of how near it is.
+NEAR, SOONER = 0.1, 3
 
 
 @inner
-def crowded(here):
-    """How close the strict answer moves along bounds of the levels above those that are curved: from 0 to 1, at one."""
+def crowded(here, x):
+    """How close x moves along bounds of the levels above those that are curved: from 0 to 1, at one; 0 if unknown."""
     head = ints(here, 0, plain.HEAD)
-    x = vector(marks(here, at.DIRECTORIES)[head[plain.LEVELS]], plain.X)
     n, col, row_of, A = head[plain.N], marks(here, plain.COL), marks(here, plain.ROW_OF), matrix(here, plain.A)
     lower, upper, gate = vector(here, plain.LOWER), vector(here, plain.UPPER), 0.0
     for i in range(marks(here, plain.PTR)[head[at.TOP]]):
@@ -36,7 +35,7 @@ def crowded(here):
         near = min(value - lower[i], upper[i] - value) / room
         if near < NEAR:  # who rests at a bound is calm
             moving = min(1.0, 2.0 * abs(value) / max(abs(lower[i]), abs(upper[i])))
-            gate = max(gate, moving * min(1.0, 1.0 - near / NEAR))
+            gate = max(gate, moving * min(1.0, 1.0 - near / NEAR) ** SOONER)
     return gate
 
 

@@ -1,0 +1,86 @@
+"""Damping by curvature on a base that floats: hands that are in reach whatever the body does stay as near as strict."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from tasks import Controller, JointLimits, PinocchioRobot, PoseTask, PostureTask, load_robot, simulate
+
+pin = pytest.importorskip("pinocchio")
+
+DT, SIDES = 0.005, ("left", "right")
+#: Until the hands are where they swing [s].
+SETTLED = 2.0
+
+
+@cache
+def flying_arms(arm: str) -> PinocchioRobot:
+    """Two arms on a body that flies."""
+    body = pin.Model()
+    joint = body.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "body")
+    body.appendBodyToJoint(joint, pin.Inertia.FromBox(10.0, 0.8, 0.4, 0.2), pin.SE3.Identity())
+    body.addBodyFrame("base", joint, pin.SE3.Identity(), body.addJointFrame(joint))
+    for side, x in zip(SIDES, (0.3, -0.3), strict=True):
+        model = load_robot(arm).model.copy()
+        for frame in model.frames:
+            frame.name = f"{side}_{frame.name}"
+        for i, name in enumerate(model.names):
+            model.names[i] = f"{side}_{name}"
+        body = pin.appendModel(body, model, body.getFrameId("base"), pin.SE3(np.eye(3), np.array([x, 0.0, 0.0])))
+    return PinocchioRobot(body, name="flying arms")
+
+
+def swing(middle: np.ndarray, size: list[float], rate: float):
+    """About a point, with velocity and acceleration."""
+    size = np.asarray(size)
+
+    def target(t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        s, c = np.sin(rate * t), np.cos(rate * t)
+        return middle + size * s, rate * size * c, -(rate**2) * size * s
+
+    return target
+
+
+def rms(errors: np.ndarray) -> float:
+    """Root mean square of their lengths."""
+    return float(np.sqrt((errors**2).sum(axis=1).mean()))
+
+
+@pytest.mark.parametrize(
+    ("arm", "hands", "body", "rate", "gain"),
+    [
+        ("ur3", [0.0, 0.1, 0.0], [0.0, 0.0, 0.3], 2.0, 5.0),
+        ("ur3", [0.05, 0.0, 0.1], [0.0, 0.2, 0.0], 1.5, 10.0),
+        ("ur5", [0.0, 0.1, 0.1], [0.2, 0.0, 0.2], 1.0, 5.0),
+    ],
+)
+def test_hands_of_a_body_that_flies_are_as_near_as_strict(
+    arm: str, hands: list[float], body: list[float], rate: float, gain: float
+) -> None:
+    robot = flying_arms(arm)
+    bend = {"shoulder_lift_joint": -1.0, "shoulder_pan_joint": 1.0, "elbow_joint": 1.0}
+    q = robot.configuration({f"{side}_{name}": angle for side in SIDES for name, angle in bend.items()})
+    start, off = robot.at(q), []
+    for damping in "curvature", None:
+        tasks = [
+            PoseTask(
+                swing(start.frame(f"{side}_tool0").position, hands, rate),
+                start.frame(f"{side}_tool0").rotation,
+                frame=f"{side}_tool0",
+                gain=gain,
+                name=side,
+            )
+            for side in SIDES
+        ]
+        flies = PoseTask(swing(np.zeros(3), body, rate), np.eye(3), frame="base", gain=gain, name="body")
+        stack = JointLimits() >> tasks[0] + tasks[1] >> flies >> PostureTask(q, gain=1.0)
+        record = simulate(Controller(robot, stack, dt=DT, damping=damping), q, duration=4.0)
+        since = round(SETTLED / DT)
+        off.append(
+            [max(rms(np.asarray(record.errors[name])[since:, :3]) for name in names) for names in (SIDES, ["body"])]
+        )
+    assert off[0][0] <= 1.1 * off[1][0] + 1e-5
+    assert off[0][1] <= 1.5 * off[1][1] + 1e-3
