@@ -16,7 +16,7 @@ from .compile import inner
 from .extent import extent
 from .memory import ints, marks, matrix, vector
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target
-from .signs import CLEAR, clear_sign
+from .signs import CLEAR, HELD_FIRMLY, clear_sign
 
 #: No level: none of them is damped.
 STRICT = -1
@@ -171,6 +171,8 @@ def judge_multipliers(here, last, undecided, damped, damping):
                     if says < 0.0:
                         follow[i] = INACTIVE
                         faults += 1
+                    elif says <= HELD_FIRMLY * forces:
+                        head[at.DOUBT] = 1
         if boxed:
             for i in range(ptr[0], ptr[1]):
                 if decided[i] == 0:
@@ -181,6 +183,8 @@ def judge_multipliers(here, last, undecided, damped, damping):
                         if says < 0.0:
                             follow[i] = INACTIVE
                             faults += 1
+                        elif says <= HELD_FIRMLY * forces:
+                            head[at.DOUBT] = 1
     return faults
 
 
