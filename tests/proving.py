@@ -1,4 +1,4 @@
-"""Run by the interpreter: what the compiled certificate accepts, `certify` accepts, at optima and at points beside them.
+"""Run by the interpreter: what the compiled certificate accepts, `certify` accepts, at optima and beside them.
 
 ``NUMBA_DISABLE_JIT=1 python tests/proving.py`` prints how many points were judged, and how many each of both accepted.
 """
