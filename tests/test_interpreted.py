@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import proving
 import rows_of_all
 
 INTERPRETED = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
@@ -36,6 +37,13 @@ def test_the_interpreter_writes_the_same_rows(tmp_path: Path) -> None:
             with np.errstate(invalid="ignore"):  # inf less inf
                 problems.append(f"{name}: {np.nanmax(np.abs(theirs[name] - numbers)) / most:.1e}")
     assert not problems, "\n".join(problems)
+
+
+def test_what_the_compiled_certificate_accepts_the_certificate_accepts() -> None:
+    """At optima of what breaks solvers, and 1e-13 to 0.1 beside them; and it accepts most of what is proved."""
+    points, proved, accepted = map(int, run(proving.__file__).split())
+    assert points > 500
+    assert 0.7 * proved < accepted <= proved < 0.7 * points
 
 
 def test_a_controller_and_its_solver_work_and_all_is_ready_at_once() -> None:

@@ -84,6 +84,8 @@ def verify(here, last):
         if faults == 0 and blurred and tau > SHARPEST:
             tau *= SHARPER
             continue
+        if tau < option[at.TAU]:  # ranks were as sharp as was needed, and not as was asked for
+            head[at.DOUBT] = 1
         left = PATIENCE if faults < fewest else left - 1
         fewest = min(fewest, faults)
         if faults == 0 or left <= 0 or late(here) or (faults > FEW and contested(here, last)):

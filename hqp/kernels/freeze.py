@@ -9,7 +9,7 @@ from .members import list_part
 from .memory import ints, marks, matrix, vector
 from .orthogonal import pivots
 from .rows import EQUALITY, INACTIVE, target
-from .signs import clear_of_basis
+from .signs import HELD_FIRMLY, clear_of_basis
 from .working_set import FROZEN, HARD
 
 
@@ -38,8 +38,11 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
         clear = clear_of_basis(here, frozen, frozen + rank, pull)
         for q in range(frozen, frozen + rank):
             i = pivot[q]
-            if multiplier[q] * side[i] * norm[i] > clear:
+            says = multiplier[q] * side[i] * norm[i]
+            if says > clear:
                 kind[i] = FROZEN
+                if side[i] != EQUALITY and says <= HELD_FIRMLY * pull:
+                    head[at.DOUBT] = 1
             else:
                 all_frozen = False
         for i in range(ptr[k + 1]):

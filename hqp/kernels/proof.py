@@ -1,9 +1,10 @@
 r"""The certificate, compiled: whether x is optimal, from the numbers of the hierarchy alone, whoever computed it.
 
 It decides as :mod:`hqp.certificate.balance` does, level by level: the forces of the level must be balanced by the
-normals of the rows above it, by the free ones either way and by those at a bound inward, up to round-off. Rows that
-hold a level above are free. What it accepts the certificate accepts; what it does not accept may be optimal yet, for
-it does not ask whether the slacks of the level may shift within their tolerances.
+normals of the rows above it, by the free ones either way and by those at a bound inward, up to round-off. What it
+accepts the certificate accepts, whose least squares leave no more; what it does not accept may be optimal yet, for it
+asks neither whether the slacks of the level may shift within their tolerances, nor which rows at a bound hold a level
+above and are free therefore: round-off has a say in which these are.
 """
 
 from __future__ import annotations
@@ -19,10 +20,9 @@ from .rows import EQUALITY, INACTIVE, LOWER, UPPER, copy_row, value_of
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance
 
 #: As in :mod:`hqp.certificate`: the tolerance on rows, round-off of rows and of forces, ranks of free normals and of
-#: what the rows of a level can still move, what is asked of the balance and what at the least, and from where on a row
-#: holds a level.
+#: what the rows of a level can still move, what is asked of the balance and what at the least.
 JUDGED, ROUND_OFF, BALANCED = 1e-9, 256 * 2.0**-52, 64 * 2.0**-52
-FREE_RANK, OWN_RANK, STATIONARITY, BLURRED, HOLDS = 1e-11, 4e-9, 1e-10, 1e-6, 2e-8
+FREE_RANK, OWN_RANK, STATIONARITY, BLURRED = 1e-11, 4e-9, 1e-10, 1e-6
 #: Rows of which the others leave less do not press from the start, for large forces along them balance very little.
 CLEAR = 1e-6
 #: By so much of a row's length round-off turns what others leave of it.
@@ -93,11 +93,9 @@ def find_sides(here):
     size, way = measure_rows(here)
     norm, lo, hi = vector(here, at.NORM), vector(here, at.LO), vector(here, at.HI)
     value, slack, side = vector(here, at.VALUE), vector(here, at.SLOPE), marks(here, at.HELD)
-    holds = marks(here, at.DECIDED)
     flat = JUDGED * LENGTH * size + ROUND_OFF * way
     for i in range(ints(here, 0, at.HEAD)[at.ROWS]):
         side[i] = INACTIVE
-        holds[i] = 0
         if norm[i] == 0.0:
             continue
         near = JUDGED * (abs(value[i]) + abs(value[i] - slack[i])) + flat * norm[i]
@@ -186,48 +184,33 @@ def enter(here, count, c):
 @inner
 def balanced(here, k, last, frozen, scale):
     """Whether the rows above level k balance its forces g, as far as round-off lets one say."""
-    ptr, pivot, kind = marks(here, at.PTR), marks(here, at.PIVOT), marks(here, at.KIND)
-    side, holds = marks(here, at.SIDE), marks(here, at.DECIDED)
-    norm, multiplier = vector(here, at.NORM), vector(here, at.MULTIPLIER)
-    base = hold(here, k, frozen)
-    working = begin(here, k, base)
-    working, rest, _ = nonnegative(here, MARGIN * STATIONARITY * scale, base, working, ptr[k])
-    enough, unsure = MARGIN * STATIONARITY * scale, blur(here, base, base + working)
+    hold(here, k)
+    working = begin(here, k, frozen)
+    working, rest, _ = nonnegative(here, MARGIN * STATIONARITY * scale, frozen, working, marks(here, at.PTR)[k])
+    enough, unsure = MARGIN * STATIONARITY * scale, blur(here, frozen, frozen + working)
     rest += unsure
     if unsure > enough:
         return False
-    if rest > enough:
-        small = rest * weakest(here, frozen, base, working) <= 0.25 * BALANCED * scale
-        if not (small and rest <= MARGIN * BLURRED * scale) and (
-            k == last or unsure + moving(here, k, base + working) > enough
-        ):
-            return False
-    for q in range(base, base + working):
-        i = pivot[q]
-        if kind[i] == WORKING and multiplier[q] * side[i] * norm[i] > HOLDS * scale:
-            holds[i] = 1
-    return True
+    if rest <= enough:
+        return True
+    small = rest * weakest(here, frozen, working) <= 0.25 * BALANCED * scale
+    if small and rest <= MARGIN * BLURRED * scale:
+        return True
+    return k < last and unsure + moving(here, k, frozen + working) <= enough
 
 
 @inner
-def hold(here, k, frozen):
-    """Free the rows that hold a level above level k, on top of V[:frozen]; others at a bound may press: hard."""
-    end, kind, where = marks(here, at.PTR)[k], marks(here, at.KIND), marks(here, at.HELD)
-    holds, value, allowed = marks(here, at.DECIDED), vector(here, at.VALUE), vector(here, at.ALLOWED)
-    low, high, ids, R = vector(here, at.LOW), vector(here, at.HIGH), marks(here, at.IDS), matrix(here, at.R)
-    count = integer(0)
-    for i in range(end):
-        kind[i] = FROZEN if where[i] == EQUALITY or holds[i] != 0 else FUTURE
-        if holds[i] != 0:
-            if count < len(R):
-                ids[count] = i
-                copy_row(i, R[count], here)
-                count += 1
-        elif where[i] == UPPER or where[i] == LOWER:
+def hold(here, k):
+    """Let the rows above level k that are at a bound press, inward."""
+    kind, where = marks(here, at.KIND), marks(here, at.HELD)
+    value, allowed = vector(here, at.VALUE), vector(here, at.ALLOWED)
+    low, high = vector(here, at.LOW), vector(here, at.HIGH)
+    for i in range(marks(here, at.PTR)[k]):
+        kind[i] = FROZEN if where[i] == EQUALITY else FUTURE
+        if where[i] == UPPER or where[i] == LOWER:
             kind[i], value[i], allowed[i] = HARD, 0.0, 0.0
             high[i] = 0.0 if where[i] == UPPER else math.inf
             low[i] = 0.0 if where[i] == LOWER else -math.inf
-    return enter(here, count, frozen)
 
 
 @inner
@@ -297,11 +280,8 @@ def blur(here, base, c):
 
 
 @inner
-def weakest(here, frozen, base, working):
-    """At least the smallest singular value of the normals that balance the level, by how much they have along V.
-
-    Rows that hold a level above do not count: which they are, others may see otherwise.
-    """
+def weakest(here, base, working):
+    """At least the smallest singular value of the normals that balance the level, by how much they have along V."""
     pivot = marks(here, at.PIVOT)
     norm, spread, along = vector(here, at.NORM), vector(here, at.BALANCE), vector(here, at.SCRATCH)
     L, least = matrix(here, at.L), 1.0
@@ -315,8 +295,7 @@ def weakest(here, frozen, base, working):
             along[p] += row[p] * row[p] / square
         least = min(least, math.sqrt(square) / norm[pivot[q]])
     for q in range(base + working):
-        if q < frozen or q >= base:
-            least = min(least, math.sqrt(along[q]))
+        least = min(least, math.sqrt(along[q]))
     return least
 
 

@@ -14,6 +14,8 @@ from .memory import marks, matrix, vector
 #: Shares of the forces in a level: multipliers below the first are zero, those beyond the second are not, and in
 #: between round-off decides.
 CLEAR, CLEAREST = 1e-11, 1e-9
+#: A row that holds a level with less than this share of its forces may not hold it in the eyes of the certificate.
+HELD_FIRMLY = 2e-8
 #: Round-off of a sum of forces, relative to their sizes.
 ROUND_OFF = 16 * 2.0**-52
 

@@ -16,10 +16,12 @@ from .compile import inner
 from .extent import extent
 from .memory import ints, marks, matrix, vector
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target
-from .signs import CLEAR, clear_sign
+from .signs import CLEAR, HELD_FIRMLY, clear_sign
 
 #: No level: none of them is damped.
 STRICT = -1
+#: What the levels so far say of a row: nothing clear, that it holds one of them, next to nothing though, or enough.
+UNDECIDED, BY_A_THREAD, DECIDED = 0, 1, 2
 
 
 @inner
@@ -64,7 +66,7 @@ def judge_rows(here, last, damped, damping):
             pull, met = damping_pulls(here, damping, size)
         for i in range(ptr[k], ptr[k + 1]):
             follow[i] = side[i]
-            decided[i] = 1
+            decided[i] = DECIDED
             if norm[i] == 0.0:
                 continue
             near = tol * norm[i] * size
@@ -103,7 +105,7 @@ def judge_rows(here, last, damped, damping):
                 continue
             says = w[i] * side[i] * norm[i]
             if abs(says) <= CLEAR * pull:
-                decided[i] = 0
+                decided[i] = UNDECIDED
                 undecided += 1
             elif says < 0.0:
                 follow[i] = INACTIVE
@@ -120,7 +122,7 @@ def judge_multipliers(here, last, undecided, damped, damping):
     head = ints(here, 0, at.HEAD)
     n, boxed = head[at.N], head[at.BOXED] != 0
     col, row_of, ptr, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.PTR), marks(here, at.SIDE)
-    follow, decided, cut = marks(here, at.FOLLOW), marks(here, at.DECIDED), marks(here, at.CUT)
+    decided, cut = marks(here, at.DECIDED), marks(here, at.CUT)
     pivot = marks(here, at.PIVOT)
     norm, x0, x, w = vector(here, at.NORM), vector(here, at.X0), vector(here, at.X), vector(here, at.W)
     y, g, G, forces_of = vector(here, at.Y), vector(here, at.G), vector(here, at.BALANCE), vector(here, at.FORCES)
@@ -163,25 +165,39 @@ def judge_multipliers(here, last, undecided, damped, damping):
                 continue
             push(i, multiplier, q, col, row_of, B, norm, L, g, G, n)
             total += abs(multiplier) * norm[i]
-            if decided[i] == 0:
-                says = multiplier * side[i] * norm[i]
-                if abs(says) > clear_sign(forces, total, weakest) + blur:
-                    decided[i] = 1
-                    undecided -= 1
-                    if says < 0.0:
-                        follow[i] = INACTIVE
-                        faults += 1
+            if decided[i] != DECIDED:
+                clear = clear_sign(forces, total, weakest) + blur
+                wrong, decides = read_sign(here, i, multiplier * side[i] * norm[i], clear, forces)
+                faults, undecided = faults + wrong, undecided - decides
         if boxed:
+            clear = clear_sign(forces, total, weakest) + blur
             for i in range(ptr[0], ptr[1]):
-                if decided[i] == 0:
-                    says = -G[col[i]] * side[i]
-                    if abs(says) > clear_sign(forces, total, weakest) + blur:
-                        decided[i] = 1
-                        undecided -= 1
-                        if says < 0.0:
-                            follow[i] = INACTIVE
-                            faults += 1
+                if decided[i] != DECIDED:
+                    wrong, decides = read_sign(here, i, -G[col[i]] * side[i], clear, forces)
+                    faults, undecided = faults + wrong, undecided - decides
     return faults
+
+
+@inner
+def read_sign(here, i, says, clear, forces):
+    """What a multiplier says of a row that is undecided: whether it is a fault, and whether it decides.
+
+    A row that holds a level by a thread pushes as it likes below, but whether it does hold it is in doubt then.
+    """
+    decided = marks(here, at.DECIDED)
+    if abs(says) <= clear:
+        return 0, 0
+    if 0.0 < says <= HELD_FIRMLY * forces:
+        decided[i] = BY_A_THREAD
+        return 0, 0
+    thread, decided[i] = decided[i] == BY_A_THREAD, DECIDED
+    if says > 0.0:
+        return 0, 1
+    if thread:
+        ints(here, 0, at.HEAD)[at.DOUBT] = 1
+        return 0, 1
+    marks(here, at.FOLLOW)[i] = INACTIVE
+    return 1, 1
 
 
 @inner
