@@ -76,7 +76,7 @@ def ur5_singularity(folder: str, records: dict[str, Record], fastest: float) -> 
         orientation.plot(records[name].t, np.degrees(turn), color=colour)
     position.set(title="error of the position [mm]", yscale="log", ylim=(1e-2, 1e2))
     orientation.set_title("error of the orientation [deg]")
-    orientation.legend(*position.get_legend_handles_labels(), loc="upper right")
+    orientation.legend(*position.get_legend_handles_labels(), loc="upper left")
     orientation.set_xlabel("t [s]")
     save(figure, folder, "ur5_singularity.png")
 

@@ -80,7 +80,7 @@ _BACK = -np.pi / 2.0
 
 _PANDA = Scene("", "", "panda", _arm(_TIP), held=_FINGERS, gain=20.0, posture_gain=1.0)
 
-#: What the damping of this library was found with.
+#: What the default damping was first found with.
 KNOWN = (
     replace(
         _PANDA,
@@ -132,7 +132,7 @@ KNOWN = (
 )
 
 
-def _unseen(name: str, about: str, *sways: Sway) -> Scene:
+def _led(name: str, about: str, *sways: Sway) -> Scene:
     return replace(_PANDA, name=name, about=about, motions={_TIP: Hand(sways)})
 
 
@@ -145,7 +145,7 @@ def _random(seed: int) -> Scene:
     aside, axis = (w / np.linalg.norm(w) for w in rng.normal(size=(2, 3)))
     rates = rng.uniform((0.1, 0.15), (0.25, 0.35))
     aside, axis, phase = rng.uniform(0.05, 0.25) * aside, rng.uniform(0.1, 0.5) * axis, rng.uniform(-1.0, 1.0)
-    return _unseen(
+    return _led(
         f"random {seed}",
         f"a motion drawn at random, {2 * np.linalg.norm(out):.1f} m out and back",
         Sway(rates[0], tuple(out), phase=_BACK),
@@ -153,21 +153,22 @@ def _random(seed: int) -> Scene:
     )
 
 
-#: No decision on this library was made with these.
-UNSEEN = (
-    _unseen(
+#: No decision was made with these at first; the constants of the lean (theory.md, "Damping by curvature") were later
+#: chosen with them, `KNOWN` and `HUMANOID` in view.
+SEEN = (
+    _led(
         "faster",
         "out of reach at twice the speed",
         Sway(0.3, (0.5, 0.0, 0.0), phase=_BACK),
         Sway(0.5, (0.0, 0.3, 0.1), (0.0, 0.3, 0.0)),
     ),
-    _unseen(
+    _led(
         "sideways",
         "1.2 m to the left and back",
         Sway(0.15, (0.0, 0.6, 0.0), phase=_BACK),
         Sway(0.25, (0.2, 0.0, 0.1), (0.3, 0.0, 0.0)),
     ),
-    _unseen(
+    _led(
         "up",
         "0.5 m forwards, 0.7 m up, and back",
         Sway(0.15, (0.25, 0.0, 0.35), phase=_BACK),
@@ -175,6 +176,10 @@ UNSEEN = (
     ),
     *(_random(seed) for seed in range(201, 206)),
 )
+
+#: No decision on this library was made with these. They were run once all constants stood; once a constant is changed
+#: in their view they belong to `SEEN`, and other seeds take their place.
+UNSEEN = tuple(_random(seed) for seed in range(301, 306))
 
 
 def _reach(side: float) -> Hand:
@@ -201,4 +206,4 @@ HUMANOID = Scene(
     seconds=10.5,
 )
 
-SCENES = (*KNOWN, *UNSEEN, HUMANOID)
+SCENES = (*KNOWN, *SEEN, *UNSEEN, HUMANOID)
