@@ -37,7 +37,7 @@ out, over: by how much, at most, a joint that was inside leaves its range [rad],
 moved: by how much, at most, the hand is farther off after 5 / K than if the levels below had been left out [mm], ours
 reach: until the hand was there again when its target had come back into reach [s]; caught: how often it never was
 feet: how far frames that stand have gone [mm]; end: the last error, end ik: that of inverse kinematics [mm]
-hqp: without a number, as it comes; strict: without the damping that comes with it, as all rows of ours below it are
+hqp: with default damping; strict: without it, as all rows of ours below it are
 damped: levels damped by a number; braked: joint accelerations up to {ACCELERATION:g} rad/s^2; both: both, of ours
 error: levels damped by what they lack; lm: the others, damped as their examples are
 lm 100: the same, and a cost of 100 in place of 1 for the first level, a weight that is nearly a priority

@@ -35,7 +35,7 @@ def run(limited: bool, levels: bool, **options):
 records = {
     "strict, no limits": run(limited=False, levels=True, damping=None),
     "strict": run(limited=True, levels=True, damping=None),
-    "as it comes": run(limited=True, levels=True),
+    "default": run(limited=True, levels=True),
     "one level, strict": run(limited=True, levels=False, damping=None),
     "one level": run(limited=True, levels=False),
 }

@@ -57,7 +57,7 @@ def panda_elbow(folder: str, robot: Robot, records: dict[str, Record], elbow: st
 
 def ur5_singularity(folder: str, records: dict[str, Record], fastest: float) -> None:
     """Joint speeds and errors of each run, one above the other."""
-    chosen = {"strict": BLUE, "as it comes": GREEN, "one level, strict": ORANGE, "one level": GREY}
+    chosen = {"strict": BLUE, "default": GREEN, "one level, strict": ORANGE, "one level": GREY}
     figure = Figure(figsize=(9.0, 4.6), layout="constrained")
     left, right = figure.add_gridspec(1, 2)
     speeds = left.subgridspec(len(chosen), 1).subplots(sharex=True, sharey=True)

@@ -517,7 +517,7 @@ def distances(s: Setting) -> Iterator[Case]:
         "obstacles.1.start": tip + np.array([-0.25, 0.15, 0.0]),
         "obstacles.1.end": tip + np.array([-0.1, 0.12, 0.0]),
     }
-    inside = ("links.0.frame", "links.0.name", "links.0.end", "links", "obstacles", "pairs", "nearest")
+    inside = ("links.0.frame", "links.0.name", "links.0.start", "links.0.end", "links", "obstacles", "pairs", "nearest")
     live = {**inner, "margin": 0.04, "gain": 3.0, "weight": 0.5}
     yield Case(Spec(DistanceLimit, **both, margin=0.02, gain=2.0), live, (*KEPT, *inside))
     yield Case(Spec(DistanceLimit, **both, margin=0.02, gain=2.0, nearest=2), live, (*KEPT, *inside))

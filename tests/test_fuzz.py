@@ -242,6 +242,7 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "Line": made(Line, [0.0, 0.0], [1.0, 0.0], 1.0, timing=tasks.cubic),
         "LinearHolonomicTask": made(tasks.LinearHolonomicTask, np.eye(3)[:2], [0.1, 0.2], q, **gain),
         "LinkCapsule": made(tasks.LinkCapsule, "joint0", "joint1", 0.1, name="own"),
+        "link_capsules": made(tasks.link_capsules, spatial_robot, bodies=["panda_hand"]),
         "LookAtTask": made(tasks.LookAtTask, [1.0, 0.0, 1.0], axis=[0.0, 0.0, 1.0], **framed),
         "ManipulabilityTask": made(tasks.ManipulabilityTask, p, gain=1.0, weight=1.0, name="own"),
         "MinimumMotionTask": made(tasks.MinimumMotionTask, 1.0, gain=1.0, name="own"),

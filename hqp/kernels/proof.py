@@ -19,9 +19,10 @@ from .orthogonal import factor, length, pivots, separate
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, copy_row, value_of
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance
 
-#: As in :mod:`hqp.certificate`: the tolerance on rows, round-off of rows and of forces, ranks of free normals and of
-#: what the rows of a level can still move, what is asked of the balance and what at the least.
+#: As in :mod:`hqp.certificate`: the tolerance on rows, round-off of rows and of forces.
 JUDGED, ROUND_OFF, BALANCED = 1e-9, 256 * 2.0**-52, 64 * 2.0**-52
+#: As there: ranks of free normals, and of what the rows of a level can still move; what is asked of the balance, and
+#: what at the least.
 FREE_RANK, OWN_RANK, STATIONARITY, BLURRED = 1e-11, 4e-9, 1e-10, 1e-6
 #: Rows of which the others leave less do not press from the start, for large forces along them balance very little.
 CLEAR = 1e-6

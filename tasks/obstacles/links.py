@@ -149,7 +149,7 @@ def link_capsules(robot: Robot, bodies: Iterable[str] | None = None) -> tuple[Li
     >>> from tasks import link_capsules, load_robot
     >>> panda = load_robot("panda", lock=["panda_finger_joint1"])
     >>> [hand] = link_capsules(panda, ["panda_hand"])
-    >>> hand.name, round(hand.radius, 3)
+    >>> hand.name, round(hand.radius, 2)
     ('panda_hand', 0.05)
     """
     what = "link_capsules"
