@@ -1,8 +1,8 @@
 """A loop at a constant rate: tick k begins k/rate after the first, however long earlier ticks took.
 
-Deadlines are counted from the first tick, not from the previous one, so that delays do not add up. If a tick is not done
-when the next one is due, the next begins at once. Ticks whose whole period has passed by then are left out; `dt` of the
-next tick includes them.
+Deadlines are counted from the first tick, not from the previous one, so that delays do not add up. If a tick is not
+done when the next one is due, the next begins at once. Ticks whose whole period has passed by then are left out; `dt`
+of the next tick includes them.
 """
 
 from __future__ import annotations

@@ -8,9 +8,9 @@ during a change, and the command moves from one answer to the other:
 Every task of either stack then follows an *intermediate value* between what it had and what it will have: where the
 rows are equalities this is the intermediate desired value of J. Lee, N. Mansard and J. Park, IEEE Transactions on
 Robotics 28(6), 2012, for all levels at once. Levels that both stacks begin with, such as the joint limits, are kept
-exactly all the way: the points at which they are optimal form a convex set, and both answers lie in it. If the new stack
-begins with limits that the old one does not have, the old answer may lie outside this set. The command is then the point
-nearest to x among those that are optimal for these limits.
+exactly all the way: the points at which they are optimal form a convex set, and both answers lie in it. If the new
+stack begins with limits that the old one does not have, the old answer may lie outside this set. The command is then
+the point nearest to x among those that are optimal for these limits.
 """
 
 from __future__ import annotations
