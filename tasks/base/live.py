@@ -18,8 +18,8 @@ accept the new value, the change is refused and undone. A property with a setter
 
 **Structure** is set once, by ``__init__``. The attributes of the class itself, such as methods, cannot be set either.
 
-Attributes that a user's class sets in ``__init__`` without a declaration may be set at any time, and no watcher is told.
-The same holds for names with a leading underscore. Any other name is refused as misspelt.
+Attributes that a user's class sets in ``__init__`` without a declaration may be set at any time, and no watcher is
+told. The same holds for names with a leading underscore. Any other name is refused as misspelt.
 
 Values are kept in ``vars(self)``, so that reading them costs no more than in any class.
 """
@@ -50,8 +50,8 @@ HOLD_NOTHING = frozenset({np.ndarray, str, float, int, bool, type(None)})
 class number(Generic[Given, Kept]):  # noqa: N801  # a decorator, like property
     """An attribute that may be set at any time; decorates ``check(self, value)``, which returns the value to keep.
 
-    The function raises InvalidInput for values that are not allowed. It also runs in ``__init__``, where other attributes
-    may not exist yet: conditions on several attributes belong in :meth:`Live._renew`.
+    The function raises InvalidInput for values that are not allowed. It also runs in ``__init__``, where other
+    attributes may not exist yet: conditions on several attributes belong in :meth:`Live._renew`.
     """
 
     def __init__(self, check: Callable[[Any, Given], Kept]) -> None:
@@ -163,7 +163,7 @@ class Live:
         fixed: set[str] = set()
         for base in reversed(cls.__mro__):
             for name, value in vars(base).items():
-                if isinstance(value, number | property | _Structure):  # a declaration replaces the one of the base class
+                if isinstance(value, number | property | _Structure):  # a declaration replaces the base class's
                     numbers.pop(name, None)
                     fixed.discard(name)
                 if isinstance(value, number):

@@ -50,7 +50,7 @@ def rotation_matrix(value: ArrayLike, what: str) -> Array:
     if a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) < 0.0:
         raise InvalidInput(f"{what} is a reflection, not a rotation: its determinant is -1")
     nearest = np.array(R)
-    if error > EXACT:  # one Newton step towards the polar factor, the nearest rotation, squares the error
+    if error > EXACT:  # Newton's method for the polar factor, the nearest rotation, squares the error
         for _ in range(2):
             nearest -= 0.5 * (nearest @ (nearest.T @ nearest - EYE))
     nearest.flags.writeable = False
