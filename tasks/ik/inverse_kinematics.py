@@ -111,8 +111,8 @@ def solve_ik(
 ) -> IkResult:
     """A configuration that meets the tasks of a stack in order of priority, inside the ranges of the joints.
 
-    Targets are evaluated at t = 0. Joint ranges in the stack hold at any level, together with the robot's own. Limits of
-    speeds and accelerations, and gains, have no effect here.
+    Targets are evaluated at t = 0. Joint ranges in the stack hold at any level, together with the robot's own. Limits
+    of speeds and accelerations, and gains, have no effect here.
 
     Parameters
     ----------

@@ -5,13 +5,14 @@ r"""Task: drive the link point nearest to an obstacle away from it, one row.
     \lambda\, n^T J x = \lambda\, (n^T \dot o + \lambda v_0), \qquad
     \lambda = s^2 (3 - 2 s), \quad s = \min(\max(1 - d / d_i, 0), 1)
 
-for the nearest pair: the link moves away at speed v_0 if it touches, and not at all at the influence distance d_i. That the motion away from an obstacle takes one degree of freedom, not three, is due to L. Zlajpah and B. Nemec,
+for the nearest pair: the link moves away at speed v_0 if it touches, and not at all at the influence distance d_i.
+That the motion away from an obstacle takes one degree of freedom, not three, is due to L. Zlajpah and B. Nemec,
 "Kinematic control algorithms for on-line obstacle avoidance for redundant manipulators", IEEE/RSJ IROS 2002; the
 task itself to A. A. Maciejewski and C. A. Klein, "Obstacle avoidance for kinematically redundant manipulators in
 dynamically varying environments", International Journal of Robotics Research 4(3), 1985.
 
-Unlike :class:`tasks.DistanceLimit` it guarantees no margin: it moves the link only if higher levels permit, uses one pair,
-and the nearest pair may change between two ticks. The scale lambda fades the row in only beside other rows of its
+Unlike :class:`tasks.DistanceLimit` it guarantees no margin: it moves the link only if higher levels permit, uses one
+pair, and the nearest pair may change between two ticks. The scale lambda fades the row in only beside other rows of its
 level, such as a Damping; strictly above a task, the row takes its degree of freedom however small lambda is. As a step
 of the joints it asks for the displacement of one second.
 """

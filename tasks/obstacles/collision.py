@@ -41,8 +41,8 @@ class CollisionLimit(ShapesLimit):
     Raises
     ------
     InvalidInput
-        If there is no obstacle, one is not a solid, the margin is negative, the gain is not positive or exceeds 1/dt, the
-        robot has no shapes, or a name is not a moving body with a shape.
+        If there is no obstacle, one is not a solid, the margin is negative, the gain is not positive or exceeds 1/dt,
+        the robot has no shapes, or a name is not a moving body with a shape.
 
     Examples
     --------

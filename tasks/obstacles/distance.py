@@ -1,8 +1,9 @@
 r"""Limit: links keep a distance from obstacles, one linear inequality a pair, safe within the tick.
 
 With the distance d of a link to an obstacle, n the unit normal from the obstacle to the link and J the Jacobian of the
-witness, :math:`\dot d = n^T (J \dot q - \dot o)`. This holds at the beginning of the tick; the distance lost through the
-rotation of the link and the curvature of its path is at most a reserve :math:`\rho` (:mod:`tasks.obstacles.kernels.reserve`). With
+witness, :math:`\dot d = n^T (J \dot q - \dot o)`. This holds at the beginning of the tick. The
+distance lost in the tick through the rotation of the link and the curvature of its path is at most a reserve
+:math:`\rho` (:mod:`tasks.obstacles.kernels.reserve`). With
 :math:`e = d - d_{min} - \rho` and the displacement :math:`\Delta o` of the obstacle in the tick,
 
 .. math::

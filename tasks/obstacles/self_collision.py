@@ -27,8 +27,8 @@ class SelfCollisionLimit(ShapesLimit):
     Parameters
     ----------
     pairs : iterable of (str, str), optional
-        Frames of the bodies to be kept apart (default: the pairs given with the shapes, as in an MJCF, else all pairs; in
-        both cases without pairs with at most one joint between them, and those nearer than the margin at home).
+        Frames of the bodies to be kept apart (default: the pairs given with the shapes, as in an MJCF, else all pairs;
+        in both cases without pairs with at most one joint between them, and those nearer than the margin at home).
     without : iterable of (str, str), or path of an SRDF, optional
         Pairs to be left out: those named, or all that the file disables.
     margin : float

@@ -26,14 +26,14 @@ from .targets import Target, targets_of
 
 #: How long a change of priorities takes [s].
 CHANGE = 0.5
-#: What the loop catches up with after it was held up [s]; the rest is left out.
+#: The longest delay that the loop catches up [s]; the rest is left out.
 LATE = 0.1
 #: The longest sleep of the loop [s].
 NAP = 0.02
 
 
 class Session:
-    """A motion that is paused, reset, reordered, recorded, by whoever calls, from any thread.
+    """A motion that any thread can pause, reset, reorder and record.
 
     The loop is one thread, in :meth:`run`; what other threads want of it goes through :meth:`do`.
 

@@ -1,4 +1,4 @@
-"""A default stack for a robot of which only the model is known, as `hqp live` starts with.
+"""A default stack for any robot model; `hqp live` starts with it.
 
 An arm: its limits, then the position of its tip, then how that is turned, then a posture. A robot that stands on feet:
 its limits, feet that stay, the centre of mass, hands, a posture. Feet and hands are found, not named: the ends of the

@@ -50,7 +50,7 @@ class Target:
 
     @property
     def free(self) -> tuple[bool, bool, bool]:
-        """Along which axes dragging it means something."""
+        """Along which axes dragging it has an effect."""
         if isinstance(self.point, PlacementTask):
             return 0 in self.point.mask, 1 in self.point.mask, 2 in self.point.mask
         return (True, True, True)

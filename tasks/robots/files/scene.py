@@ -1,8 +1,8 @@
 """Finds the bodies of the robot in a MuJoCo model, which may have tables, targets or a second robot.
 
 The children of the world are roots of trees. A tree without joints is furniture, a mocap body is a target, and a tree
-with only a free joint is an object to handle. If a tree with other joints exists, all of these are left out and logged. If
-the only movable body is one with a free joint, it is the robot.
+with only a free joint is an object to handle. If a tree with other joints exists, all of these are left out and logged.
+If the only movable body is one with a free joint, it is the robot.
 """
 
 from __future__ import annotations
