@@ -91,7 +91,7 @@ class _Attempt(NamedTuple):
     free, pressing : array of int
         Rows that push either way, and that push inward.
     normals, mu : array
-        Normals of the rows that push inward, less their part in the span; and their multipliers, relative to all forces.
+        Normals of rows that push inward, less their part in the span; and their multipliers, relative to all forces.
     left : array, shape (n,)
         The force that is not balanced.
     pushed : array, shape (n,)

@@ -17,8 +17,9 @@ LEAST_SHARE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Cause:
-    """What holds a level back: an inequality row of a level above, or several, if they have places, or the equality
-    rows of one part there.
+    """A cause that holds a level back: rows of one part on a level above.
+
+    It is one inequality row, or several if they have places, or the equality rows of the part.
 
     Attributes
     ----------

@@ -98,8 +98,10 @@ def _told(name: str, message: str, code: int) -> int:
 
 @contextmanager
 def _interruptions() -> Iterator[list[int]]:
-    """Those of meanwhile (Ctrl-C). Each is raised as ever; but what it hits may make another error of it, as numpy does
-    where its import is interrupted."""
+    """Collect the interruptions (Ctrl-C) inside the block.
+
+    Each is raised as usual, but the interrupted code may turn it into another error, as an import of numpy does.
+    """
     heard: list[int] = []
 
     def hear(number: int, frame: FrameType | None) -> None:

@@ -41,8 +41,7 @@ PLANE = [0, 1, 5]
 
 
 class PlanarState(Transforms):
-    """A planar arm at one instant, each quantity computed when first asked for; see
-    :class:`tasks.RobotState`.
+    """A planar arm at one instant, each quantity computed when first asked for; see :class:`tasks.RobotState`.
 
     Attributes
     ----------
