@@ -28,9 +28,9 @@ BALANCED = 64 * float(np.finfo(np.float64).eps)
 #: Stationarity asked of a level, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``, where the slacks of
 #: its rows may shift within their tolerances.
 STATIONARITY = 1e-10
-#: What is asked at the least, however badly conditioned the rows are that hold the level back.
+#: Upper limit of that tolerance, however badly conditioned the rows are that hold the level back.
 BLURRED = 1e-6
-#: A row that can carry no more than this share of what is left does not matter.
+#: A row that can carry at most this share of the remaining force is ignored.
 NEGLIGIBLE = 1e-15
 #: A row at a bound whose multiplier is more than this share of the forces in a level holds it back: see :class:`Above`.
 HOLDS = 1e-8
@@ -45,13 +45,13 @@ class Forces(NamedTuple):
     Attributes
     ----------
     units : array, shape (m, n)
-        Along these row i pulls.
+        Unit vectors along which the rows pull.
     push : array, shape (m,)
-        With this force: ``norm_i d_i^2 w_i``, zero where the slack is within its tolerance.
+        Force of each row: ``norm_i d_i^2 w_i``, zero if its slack is within its tolerance.
     blur : array, shape (m,)
-        As much of it as the tolerance may hide.
+        The part of that force that the tolerance may hide.
     sides : array of int8
-        Which way: at a bound only out of what the row allows.
+        Side of each row: at a bound it pulls in one direction only, out of what the row allows.
     """
 
     units: Array
@@ -66,11 +66,11 @@ class Balance(NamedTuple):
     Attributes
     ----------
     exact
-        Whether what is left of the forces is round-off.
+        Whether the remaining force is round-off.
     scale
         The sum of all forces in the level.
     stationarity
-        What is left, relative to it.
+        The remaining force, relative to `scale`.
     multipliers : array
         Over all rows of the levels above.
     """
@@ -91,11 +91,11 @@ class _Attempt(NamedTuple):
     free, pressing : array of int
         Rows that push either way, and that push inward.
     normals, mu : array
-        Of those that push inward, less their part in the span; and how much they push, relative to all forces.
+        Normals of rows that push inward, less their part in the span; and their multipliers, relative to all forces.
     left : array, shape (n,)
-        What is not balanced, and
+        The force that is not balanced.
     pushed : array, shape (n,)
-        what the free rows have to balance.
+        The force that the free rows have to balance.
     """
 
     span: RowSpace
@@ -108,7 +108,7 @@ class _Attempt(NamedTuple):
 
     @property
     def straight(self) -> bool:
-        """Whether next to nothing is left."""
+        """Whether almost no force is left."""
         return length(self.left) <= STATIONARITY
 
 
@@ -186,7 +186,7 @@ class Above:
         return _Attempt(span, free, pressing, normals, mu, left, gradient)
 
     def _multipliers(self, attempt: _Attempt, scale: float, count: int) -> Array:
-        """Of all `count` rows above."""
+        """The multipliers of all `count` rows above."""
         norms, sides, pressing, free = self._rows.norms, self._rows.sides, attempt.pressing, attempt.free
         multipliers = np.zeros(count)
         multipliers[pressing] = scale * attempt.mu * sides[pressing] / norms[pressing]
@@ -195,7 +195,7 @@ class Above:
 
 
 def _round_off(attempt: _Attempt, forces: Forces, scale: float) -> bool:
-    """Whether what is left of the forces is what a perfect x leaves."""
+    """Whether the remaining force is the round-off that a perfect x would leave."""
     left, normals, mu, span = attempt.left, attempt.normals, attempt.mu, attempt.span
     pressing, kept, smallest = normals[mu > 0.0], np.zeros((len(left), 0)), 1.0
     if len(pressing):
@@ -230,7 +230,7 @@ def _nonnegative(rows: Array, target: Array) -> Array:
 
     try:
         solution: Array = nnls(rows.T, target)[0]
-    except RuntimeError:  # iteration limit: rows that are all but parallel
+    except RuntimeError:  # iteration limit: rows that are almost parallel
         solution = lsq_linear(rows.T, target, bounds=(0.0, np.inf), method="bvls", tol=1e-14).x
     return solution
 

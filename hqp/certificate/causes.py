@@ -11,33 +11,34 @@ from ..arrays import Array, length
 from ..hierarchy import Hierarchy, Label, Side, in_words, side_in_words
 from .rows import RowStates
 
-#: Causes with less of a share are left out.
+#: Causes with a smaller share are left out.
 LEAST_SHARE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
 class Cause:
-    """What holds a level back: an inequality row of a level above, or several, if they have places, or the equality
-    rows of one part there.
+    """A cause that holds a level back: rows of one part on a level above.
+
+    It is one inequality row, or several if they have places, or the equality rows of the part.
 
     Attributes
     ----------
     level : int
-        Where the rows stand.
+        The level of the rows.
     part, row : str
-        What they are called; several rows together have no `row`.
+        Their names; several rows together have no `row`.
     side : Side
         On which side the row is active.
     rows : tuple of int
         Their numbers in the whole hierarchy.
     force : array, shape (n,)
-        With which they push: the sum of multiplier times row.
+        The force with which they push: the sum of multiplier times row.
     strength : float
-        Its length, in the unit of the gradient of the level held back.
+        Norm of the force, in the unit of the gradient of the level held back.
     share : float
-        Of the strengths of all causes of that level.
+        Share in the strengths of all causes of that level.
     where : str
-        Of rows that have places: at how many.
+        For rows that have places: at how many of them.
     """
 
     level: int
@@ -66,7 +67,7 @@ class Cause:
 def causes_of(
     hierarchy: Hierarchy, labels: list[Label], rows: RowStates, dense: Array, multipliers: Array
 ) -> tuple[Cause, ...]:
-    """What pushes with these multipliers, the strongest first; of those alike up to round-off, in the order of rows."""
+    """The causes with these multipliers, strongest first; equal ones, up to round-off, in the order of rows."""
     groups: dict[tuple[int, str, str, Side, int], list[int]] = {}
     for row in map(int, np.flatnonzero(multipliers)):
         (k, _), label, side = hierarchy.locate(row), labels[row], Side(rows.sides[row])

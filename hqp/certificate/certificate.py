@@ -85,14 +85,14 @@ class Certificate:
     softened : tuple of int
         The levels that gave way. All others are strictly optimal below what these have left.
     handed : tuple of LevelCertificate
-        Of levels that gave way where their rows bend, whether those below have left alone what is not declared soft.
+        For levels softened because of curvature: whether lower levels kept what is not declared soft.
 
     Notes
     -----
     Stages are proved on the numbers of the hierarchy that was given, copied before anybody solved it, never on those
-    that were solved. Beside them stands the declared softening, which ``solution.relaxed`` tells: lambda and aim, or
-    directions and stiffness. That levels had to be softened, and no more than so, no proof tells; nor that the given
-    rows are those of the robot, nor what a controller makes of x: torques, or a blend while it changes its stack.
+    that were solved. The declared softening is added to them, see ``solution.relaxed``: lambda and aim, or directions
+    and stiffness. Not proved are: that the softening was necessary and no larger than necessary; that the given rows
+    are those of the robot; and what a controller computes from x, such as torques, or a blend during a change.
     """
 
     x: Array

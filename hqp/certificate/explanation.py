@@ -17,7 +17,7 @@ MOST_NAMED = 3
 
 @dataclass(frozen=True, eq=False)
 class LevelExplanation:
-    """What one level got, and what held it back.
+    """How far one level is met, and what held it back.
 
     Attributes
     ----------
@@ -35,10 +35,10 @@ class LevelExplanation:
     causes : tuple of Cause
         The strongest first.
     inner : float
-        What the pulls of its parts take from each other: the sum of their lengths less the length of their sum, in the
-        unit of the strengths.
+        How far the pulls of its parts cancel each other: the sum of their norms less the norm of their sum, in the unit
+        of the strengths.
     damped : str
-        Why the level gave way, and in which direction, where the solver chose so; empty where it did not.
+        Why the solver relaxed the level, and in which direction; empty if it did not.
     """
 
     level: int
@@ -82,7 +82,7 @@ class LevelExplanation:
         return f"{short}: {why}" + ("" if self.proved else "; not proved optimal")
 
     def _beside(self) -> str:
-        """The name of the level, where none of its parts is called like it."""
+        """The name of the level, if none of its parts has the same name."""
         alike = (part.part in self.name or self.name in part.part for part in self.parts)
         known = not self.name or not self.parts or any(alike)
         return "" if known else f"{self.name}: "
@@ -115,7 +115,7 @@ class Explanation:
     levels : tuple of LevelExplanation
         All but the implicit last one; none where nothing was solved.
     message : str
-        That of the solution.
+        The message of the solution.
     """
 
     levels: tuple[LevelExplanation, ...]

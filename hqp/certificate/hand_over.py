@@ -14,7 +14,7 @@ MARGIN = 10.0
 
 
 class Handed(NamedTuple):
-    """What is to stay of one level.
+    """The rows of one level that lower levels must keep.
 
     Attributes
     ----------
@@ -22,7 +22,7 @@ class Handed(NamedTuple):
     rows : array, shape (any, n)
         Combinations of its weighted rows, all but those that are declared soft.
     length : float
-        Of all its weighted rows together: beside it a combination is round-off, or is not.
+        Norm of all its weighted rows together, to judge whether a combination is round-off.
     reached : array, shape (n,)
         The x that its own stage found.
     """
@@ -34,14 +34,14 @@ class Handed(NamedTuple):
 
 
 def left_alone(handed: Handed, name: str, x: Array, tolerance: float) -> LevelCertificate:
-    """Whether x has these rows where the level left them; the residual is how far it has moved them.
+    """Whether x keeps these rows at the values that the level reached; the residual is how far x moved them.
 
     Parameters
     ----------
     handed : Handed
-        What a level that gave way holds.
+        The rows of the softened level.
     name : str
-        That of the level.
+        Name of the level.
     x : array, shape (n,)
     tolerance : float
         As of :func:`hqp.certify`.

@@ -71,7 +71,7 @@ def _cancels(A: Array, norms: Array, weights: Array, missing: Array, tolerance: 
 
 
 def _inner(A: Array, pull: Array, labels: list[Label]) -> float:
-    """What the pulls of the parts of a level take from each other."""
+    """How far the pulls of the parts of a level cancel each other."""
     parts = np.array([label.part for label in labels])
     pulls = [A[parts == part].T @ pull[parts == part] for part in dict.fromkeys(parts.tolist())]
     lengths = sum(map(length, pulls))

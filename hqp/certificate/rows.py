@@ -30,7 +30,7 @@ class RowStates:
     tolerance
         How far a row may be from a bound and still count as being on it.
     sides
-        A :class:`hqp.Side` a row. Rows whose two bounds are closer than the tolerance are equalities.
+        A :class:`hqp.Side` per row. Rows whose two bounds are closer than the tolerance are equalities.
     violated
         ``|slack| > tolerance``.
     norms
@@ -144,7 +144,7 @@ def row_states(hierarchy: Hierarchy, x: Array, x_ref: Array, tolerance: float) -
         Relative to the data, see :class:`hqp.Settings`.
     """
     lower, upper = hierarchy.lower, hierarchy.upper
-    with np.errstate(all="ignore"):  # an x out of all bounds is judged, not warned about
+    with np.errstate(all="ignore"):  # a huge x is judged without warnings
         value = hierarchy.product(x)
         slack, norms = excess(value, lower, upper), hierarchy.row_norms()
         way = travel(hierarchy, x, x_ref, slack, norms)

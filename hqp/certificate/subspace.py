@@ -58,7 +58,7 @@ def row_space(units: Array, tolerance: float) -> tuple[Array, Array, float]:
 
 
 class RowSpace:
-    """The span of rows, as one takes up more and more of them.
+    """The span of rows, extended block by block.
 
     A block of rows adds the directions that are new in it, from a QR decomposition with column pivoting of what
     projection leaves of them. The pivots tell the rank where it is beyond doubt. Where it is not, or where there are
@@ -67,7 +67,7 @@ class RowSpace:
     Attributes
     ----------
     rows : array, shape (m, n)
-        Those taken up; in units of their norms.
+        The rows added so far, divided by their norms.
     basis : array, shape (n, r)
         Orthonormal.
     """
@@ -79,7 +79,7 @@ class RowSpace:
         self._factor: Array | None = self._gram
 
     def grow(self, units: Array) -> None:
-        """Take up a block of rows."""
+        """Add a block of rows."""
         if not len(units):
             return
         self.rows = np.concatenate([self.rows, units])

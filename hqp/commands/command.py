@@ -17,7 +17,7 @@ WRONG_INPUT, INTERRUPTED, UNREAD = 2, 130, 141
 
 
 def run(app: Callable[..., Any], name: str, arguments: Sequence[str] | None = None) -> int:
-    """Run a command; its exit code.
+    """Run a command and return its exit code.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def run(app: Callable[..., Any], name: str, arguments: Sequence[str] | None = No
     name : str
         As it is called; the last word of it begins what is told on stderr.
     arguments : sequence of str, optional
-        What to use in place of ``sys.argv[1:]``.
+        Used instead of ``sys.argv[1:]``.
 
     Returns
     -------
@@ -98,8 +98,10 @@ def _told(name: str, message: str, code: int) -> int:
 
 @contextmanager
 def _interruptions() -> Iterator[list[int]]:
-    """Those of meanwhile (Ctrl-C). Each is raised as ever; but what it hits may make another error of it, as numpy does
-    where its import is interrupted."""
+    """Collect the interruptions (Ctrl-C) inside the block.
+
+    Each is raised as usual, but the interrupted code may turn it into another error, as an import of numpy does.
+    """
     heard: list[int] = []
 
     def hear(number: int, frame: FrameType | None) -> None:

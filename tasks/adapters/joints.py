@@ -61,7 +61,7 @@ class MujocoJoints:
             )
 
     def qpos(self, q: Array, rest: Array) -> Array:
-        """MuJoCo's configuration of this q, shape (model.nq,); joints that the robot has not are as in `rest`."""
+        """MuJoCo's configuration for q, shape (model.nq,); joints that the robot does not have are as in `rest`."""
         found = np.array(rest, dtype=float)
         for kind, at, _, there, _ in self._joints:
             if kind == "line":
@@ -90,12 +90,12 @@ class MujocoJoints:
 
 
 def check_same_joints(own: Any, model: Any, what: str) -> None:
-    """Refuse a MuJoCo model, of which an object was made, whose joints are not those of another one by name and place.
+    """Refuse an object whose MuJoCo model differs from another model in the names or order of its joints.
 
     Raises
     ------
     InvalidInput
-        Names the first that differs.
+        The message names the first difference.
     """
     import mujoco
 

@@ -22,20 +22,20 @@ def from_mink(given: Any, configuration: Any, *, name: str | None = None) -> Ada
     Parameters
     ----------
     given : mink.BaseTask or mink.Limit
-        Classes of one's own included. It is measured at every tick, so that what is set on it counts at once:
+        Also of a class of your own. It is evaluated at every tick, so that changes to it take effect at once:
         ``set_target``, ``gain``, ``cost``, ``lm_damping``.
     configuration : mink.Configuration
-        Where it is measured, on the model that it was made for. It is brought to the q of every tick: its joints are
-        those of the robot by name, a free joint is the floating base, and others stay where they are.
+        Where it is evaluated, on the model that it was made for. It is set to the q of every tick: joints correspond to
+        those of the robot by name, a free joint is the floating base, and other joints stay where they are.
     name : str, optional
-        What explanations call it; by default its class.
+        Its name in explanations (default: its class).
 
     Returns
     -------
     Adapted
         A part for ``>>`` and ``+``. A task has a row for each entry of its error, times its cost, and nv more where it
-        has ``lm_damping``; a cost of another form nv rows: on one level, that is mink's own step. Limits have an
-        inequality a row.
+        has ``lm_damping``; a cost of another form has nv rows: on one level, that is mink's own step. Limits have one
+        inequality per row.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def from_mink(given: Any, configuration: Any, *, name: str | None = None) -> Ada
 
 
 class _Measured(Source):
-    """What both have: an object, and the configuration at which it is measured."""
+    """Base of tasks and limits: an object, and the configuration at which it is evaluated."""
 
     def __init__(self, given: Any, configuration: Any) -> None:
         self.given, self._configuration, self.kind = given, configuration, type(given).__name__

@@ -1,11 +1,10 @@
 r"""Rows that another library measures, as a part of a stack.
 
-Pink and mink solve one quadratic program for a step :math:`\Delta q = v\,\Delta t`. What one of their objects adds to
-it is, of a cost,
+Pink and mink solve one quadratic program for a step :math:`\Delta q = v\,\Delta t`. Each of their objects adds a cost
 
 .. math:: \tfrac12 \lVert W (J \Delta q + \alpha e) \rVert^2 + \tfrac\mu2 \lVert \Delta q \rVert^2,
 
-and of a constraint :math:`G \Delta q \le h`. Here the same are rows of v: :math:`W J v = -\alpha W e / \Delta t` with
+or a constraint :math:`G \Delta q \le h`. Here these become rows of v: :math:`W J v = -\alpha W e / \Delta t` with
 :math:`\sqrt\mu\, v = 0` below them, and :math:`G v \le h / \Delta t`. On one level they give the step of the other
 library; on several, priorities.
 """
@@ -39,7 +38,7 @@ Rows = tuple[Array, Array]
 
 
 class Source(ABC):
-    """What measures the rows of one object of another library."""
+    """Computes the rows of one object of another library."""
 
     #: What messages call it: ``FrameTask``.
     kind: str
@@ -63,17 +62,17 @@ class Source(ABC):
 class Adapted(Part):
     """One object of another library as rows of velocity; made by :func:`from_pink` or :func:`from_mink`.
 
-    Its numbers are live as they are there: what is set on the object of the other library counts at the next tick.
+    Its numbers are live: what is set on the object of the other library takes effect at the next tick.
     At velocity order only, with the dt of the controller as the length of the step.
 
     Parameters
     ----------
     source : Source
-        What measures the rows.
+        Computes the rows.
     bounds : bool
-        Whether they are inequalities, ``G dq <= h``, or ask for a motion.
+        Whether the rows are inequalities ``G dq <= h``; otherwise they ask for a motion.
     name : str or None
-        What explanations call it; by default the class of the object.
+        Its name in explanations (default: the class of the object).
     """
 
     bounds: bool = structure()
@@ -130,7 +129,7 @@ class Adapted(Part):
             lower[:count] = upper[:count]
 
     def _measure(self, robot: Robot, q: Array, dt: float) -> Rows:
-        """The rows of a step, or why there are none: whatever the other library raises is refused in words."""
+        """The rows of a step; any exception of the other library becomes an InvalidInput with its reason."""
         try:
             found = self._source.rows(robot, q, dt)
             matrix, vector = np.atleast_2d(np.asarray(found[0], dtype=float)), np.asarray(found[1], dtype=float)
@@ -143,7 +142,7 @@ class Adapted(Part):
                 f"{self.full_name()} gives shapes {matrix.shape} and {vector.shape};"
                 f" they must be (rows, {robot.nv}) and (rows,) on {robot!r}"
             )
-        # A bound of plus infinity is none.
+        # Plus infinity means no bound.
         allowed = np.isfinite(vector) | (vector == np.inf) if self.bounds else np.isfinite(vector)
         if not (allowed.all() and np.isfinite(matrix).all()) and np.isfinite(q).all():
             row = int(np.argmin(allowed & np.isfinite(matrix).all(axis=1)))
@@ -155,7 +154,7 @@ class Adapted(Part):
 
 
 def least_squares(H: Array, c: Array, what: str) -> Rows:
-    r"""Rows of which :math:`\tfrac12 x^T H x + c^T x` is half the square, but for a constant.
+    r"""Rows whose half squared norm is :math:`\tfrac12 x^T H x + c^T x`, up to a constant.
 
     Raises
     ------

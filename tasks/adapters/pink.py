@@ -28,16 +28,16 @@ def from_pink(given: Any, configuration: Any = None, *, half: Half | None = None
     Parameters
     ----------
     given : pink.tasks.Task, pink.barriers.Barrier or pink.limits.Limit
-        Classes of one's own included. It is measured at every tick, so that what is set on it counts at once:
+        Also of a class of your own. It is evaluated at every tick, so that changes to it take effect at once:
         ``set_target``, ``gain``, ``cost``, ``lm_damping``.
     configuration : pink.Configuration, optional
-        Where it is measured; needed where the object asks for a collision model. It is brought to the q of every tick.
+        Where it is evaluated; required if the object needs a collision model. It is set to the q of every tick.
         By default one is made of the robot of the controller.
     half : {"bounds", "cost"}, optional
         Which half of a barrier with a ``safe_displacement_gain``: its constraints, or the cost that keeps steps short,
         which belongs on a level below. Needed for such a barrier alone.
     name : str, optional
-        What explanations call it; by default its class.
+        Its name in explanations (default: its class).
 
     Returns
     -------
@@ -86,12 +86,12 @@ def from_pink(given: Any, configuration: Any = None, *, half: Half | None = None
     return Adapted(Bounds(given, configuration), bounds=True, name=name)
 
 
-#: Of every robot, the configuration that objects without one of their own share.
+#: For every robot, the configuration shared by objects without one of their own.
 _SHARED: WeakKeyDictionary[Robot, Any] = WeakKeyDictionary()
 
 
 class _Measured(Source):
-    """What all of them have: an object, and the configuration at which it is measured."""
+    """Base class: an object, and the configuration at which it is evaluated."""
 
     def __init__(self, given: Any, configuration: Any) -> None:
         self.given, self._configuration, self.kind = given, configuration, type(given).__name__

@@ -1,4 +1,4 @@
-"""Checks of arguments: each refusal names the thing, its value, and what is allowed."""
+"""Checks of arguments: each error names the argument, its value, and what is allowed."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from hqp.errors import brief
 F = TypeVar("F")
 T = TypeVar("T")
 
-#: The largest gain, limit, length, angle or time: no product or square of two of them leaves the floats.
+#: The largest gain, limit, length, angle or time: products and squares of such numbers do not overflow.
 LARGEST = 1e15
-#: What is positive is no less: nor does what is divided by one of them, or by its square.
+#: The least positive number: a quotient by it, or by its square, does not overflow either.
 LEAST = 1.0 / LARGEST
-#: Points whose least extent is this share of their largest lie in a plane.
+#: Points lie in a plane if their least extent is at most this share of their largest.
 FLAT = 1e-9
 
 
 def numbers(value: ArrayLike, what: str) -> Array:
-    """`value` as a float array of its own (read-only), or InvalidInput."""
+    """`value` as a new read-only float array; raises InvalidInput if it is none."""
     array = real_array(value, what)
     array.flags.writeable = False
     return array
 
 
 def own_numbers(value: ArrayLike, what: str) -> Array:
-    """`value` as a float array, not copied where it is one already, as it is tick after tick."""
+    """`value` as a float array, not copied if it is one already, as at every tick."""
     if type(value) is np.ndarray and value.dtype == np.float64 and value.flags.owndata and not value.flags.writeable:
         return value
     return numbers(value, what)
@@ -42,7 +42,7 @@ def own_numbers(value: ArrayLike, what: str) -> Array:
 def finite(value: ArrayLike, what: str) -> Array:
     """`value` as an array of finite numbers, none beyond `LARGEST` in size."""
     array = numbers(value, what)
-    if (np.abs(array) <= LARGEST).all():  # which no NaN is
+    if (np.abs(array) <= LARGEST).all():  # False for NaN
         return array
     if not np.isfinite(array).all():
         raise InvalidInput(f"{_first(what, array, ~np.isfinite(array))} must be finite")
@@ -91,14 +91,14 @@ def positive_scalar(value: float, what: str, *, unit: str = "") -> float:
 
 
 def function(value: F, what: str) -> F:
-    """`value`, which must be something to call."""
+    """`value`, which must be callable."""
     if callable(value):
         return value
     raise InvalidInput(f"{what} = {brief(value)} is a {type(value).__name__}; it must be a function")
 
 
 def per_row(value: Array, rows: int, what: str, of: str = "row") -> Array:
-    """`value` for each of so many rows: a scalar stands for all of them."""
+    """`value` for each of `rows` rows; a scalar is used for all of them."""
     if value.ndim == 0:
         return np.full(rows, float(value))
     if value.shape != (rows,):
@@ -107,8 +107,7 @@ def per_row(value: Array, rows: int, what: str, of: str = "row") -> Array:
 
 
 def per_joint(value: ArrayLike, joints: int, what: str, *, unit: str, zero_holds: bool = False) -> Array:
-    """`value` for each of so many joints: a positive number, 0 where that holds a joint; an array is infinite for a
-    joint that has no limit."""
+    """`value` for each joint: positive, or 0 if `zero_holds`; an array may be infinite for a joint without limit."""
     array = numbers(value, what)
     free = (array == np.inf) & (array.ndim > 0)
     checked = not_negative if zero_holds else positive
@@ -118,7 +117,7 @@ def per_joint(value: ArrayLike, joints: int, what: str, *, unit: str, zero_holds
 
 
 def pair(value: tuple[T, T], what: str, of: str) -> tuple[T, T]:
-    """`value` as two things, which must be a tuple, a list or an array of two."""
+    """`value`, which must be a tuple, a list or an array of two entries, as a tuple."""
     if isinstance(value, tuple | list) or (isinstance(value, np.ndarray) and value.ndim):
         both = tuple(value)
         if len(both) == 2:
@@ -134,24 +133,24 @@ def position_range(
     units: Sequence[str] | None = None,
     names: Sequence[str] | None = None,
 ) -> Array:
-    """Lowest and highest positions of so many joints, shape (2, rows), no lowest above its highest.
+    """Lowest and highest positions of the joints, shape (2, rows); no lowest is above its highest.
 
     Parameters
     ----------
     value : pair of float or array, shape (rows,)
-        Numbers count for every joint that has a position, and arrays are to be infinite for the others.
+        A number holds for every joint that has a position; arrays must be infinite for joints that have none.
     rows : int
     what : str
-        For messages.
+        Name of the argument in messages.
     has : array of bool, shape (rows,), optional
         Which joints have a position (default: all).
     units, names : sequence of str, optional
-        Of each joint.
+        Unit and name of each joint, for messages.
 
     Raises
     ------
     InvalidInput
-        Names the joint, what it is given, and what is allowed.
+        The message names the joint, its value, and what is allowed.
     """
     lowest, highest = pair(value, what, "lowest and highest [rad], [m]")
     has = np.ones(rows, dtype=np.bool_) if has is None else has
@@ -160,7 +159,7 @@ def position_range(
         own = numbers(given, f"{what}, {name}")
         spread = per_row(own, rows, f"{what}, {name}", "joint")
         ends.append(np.where(has, spread, free) if own.ndim == 0 else np.array(spread))
-    low, high = np.array(ends) + 0.0  # which makes 0 of -0
+    low, high = np.array(ends) + 0.0  # turns -0 into 0
     wrong = ~(low <= high) | (low == np.inf) | (high == -np.inf)
     none = ~has & ((low != -np.inf) | (high != np.inf))
     for joint in np.flatnonzero(wrong | none).tolist():
@@ -176,7 +175,7 @@ def position_range(
 
 
 def suggestion(name: str, names: Iterable[str]) -> str:
-    """Alternatives to an unknown name, to end its refusal: similar names, or all of them if they are few."""
+    """End of the error message for an unknown name: similar names, or all names if they are few."""
     known = list(names)
     close = get_close_matches(name, known, n=3, cutoff=0.5)
     close = close or [other for other in known if name.lower() in other.lower()][:3]

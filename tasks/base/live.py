@@ -12,16 +12,16 @@ A class derived from :class:`Live` declares its public attributes:
 ...     def __init__(self, joint, stiffness):
 ...         self.joint, self.stiffness = joint, stiffness
 
-A **number** is given by the function that checks it, and may be set at any time: what the function returns is kept, an
-array as one that nobody can write into, and every watcher is told. Where a watcher, such as a controller at work,
-cannot take the new value, it is refused and all is as it was. So it is with a property that has a setter.
+A **number** is declared by the function that checks it, and may be set at any time. The value that the function returns
+is kept (an array as a read-only copy), and every watcher is told. If a watcher, such as a controller in use, cannot
+accept the new value, the change is refused and undone. A property with a setter behaves in the same way.
 
-**Structure** is given once, by ``__init__``. So are the attributes of the class itself, such as methods.
+**Structure** is set once, by ``__init__``. The attributes of the class itself, such as methods, cannot be set either.
 
-What a class of a user's own puts into ``self`` without a declaration is its own: it may be set at any time, and nobody
-is told. So may names with a leading underscore. Any other name is refused: it is misspelt.
+Attributes that a user's class sets in ``__init__`` without a declaration may be set at any time, and no watcher is
+told. The same holds for names with a leading underscore. Any other name is refused as misspelt.
 
-Values are kept in ``vars(self)``, where reading them costs nothing more than it does in any class.
+Values are kept in ``vars(self)``, so that reading them costs no more than in any class.
 """
 
 from __future__ import annotations
@@ -41,17 +41,17 @@ from .checks import suggestion
 Given = TypeVar("Given")
 Kept = TypeVar("Kept")
 
-#: The default of structure that has none.
+#: Marks structure without a default.
 NONE_GIVEN: Any = object()
-#: What most attributes are, and no live object is in.
+#: Types of most attributes; they contain no live object.
 HOLD_NOTHING = frozenset({np.ndarray, str, float, int, bool, type(None)})
 
 
 class number(Generic[Given, Kept]):  # noqa: N801  # a decorator, like property
-    """An attribute that may be set at any time; decorates ``check(self, value)``, which gives what is kept.
+    """An attribute that may be set at any time; decorates ``check(self, value)``, which returns the value to keep.
 
-    The function raises InvalidInput for what cannot be. It also runs in ``__init__``, where other attributes may not be
-    there yet: what ties several of them is for :meth:`Live._renew`.
+    The function raises InvalidInput for values that are not allowed. It also runs in ``__init__``, where other
+    attributes may not exist yet: conditions on several attributes belong in :meth:`Live._renew`.
     """
 
     def __init__(self, check: Callable[[Any, Given], Kept]) -> None:
@@ -66,23 +66,23 @@ class number(Generic[Given, Kept]):  # noqa: N801  # a decorator, like property
     @overload
     def __get__(self, part: object, owner: type) -> Kept: ...
     def __get__(self, part: object | None, owner: type) -> Self | Kept:
-        """Asked only as long as the object has no value."""
+        """Called only while the object has no value."""
         if part is None:
             return self
         raise AttributeError(f"{owner.__name__} has no {self._name} yet")
 
-    if TYPE_CHECKING:  # `Live.__setattr__` does it
+    if TYPE_CHECKING:  # `Live.__setattr__` sets the value
 
         def __set__(self, part: object, value: Given) -> None: ...
 
 
 def structure(default: Any = NONE_GIVEN) -> Any:
-    """An attribute that is given once, by ``__init__`` or by a subclass: ``frame: str | None = structure()``."""
+    """An attribute that is set once, by ``__init__`` or by a subclass: ``frame: str | None = structure()``."""
     return _Structure(default)
 
 
 class _Structure:
-    """An attribute that is given once; see :func:`structure`."""
+    """An attribute that is set once; see :func:`structure`."""
 
     def __init__(self, default: Any) -> None:
         self._default = default
@@ -91,7 +91,7 @@ class _Structure:
         self._name = name
 
     def __get__(self, part: object | None, owner: type) -> Any:
-        """Asked only as long as the object has no value of its own."""
+        """Called only while the object has no value of its own."""
         if self._default is not NONE_GIVEN:
             return self._default
         if part is None:
@@ -103,19 +103,19 @@ class Watcher(Protocol):
     """An object that is told when a live object changes, such as a controller."""
 
     def admit(self, part: Live, name: str) -> None:
-        """Take up the attribute of a part that was changed, or refuse it.
+        """Accept the changed attribute of a part, or refuse it.
 
         Raises
         ------
         InvalidInput
-            If it could not have been made with them. It is then called again, with the part as it was.
+            If the watcher could not work with the new value. It is then called again, with the old value restored.
         """
 
 
 def _sealing(begin: Callable[..., None]) -> Callable[..., None]:
-    """An `__init__` which seals the object when all of its construction is over, that of subclasses included.
+    """An `__init__` that seals the object after its whole construction, including that of subclasses.
 
-    A metaclass would do it too, and forbid classes that are also a Protocol.
+    A metaclass could do the same, but would not allow classes that are also a Protocol.
     """
 
     @wraps(begin)
@@ -136,17 +136,17 @@ class Live:
     Copies, by :mod:`copy` or pickle, have no watchers.
     """
 
-    # What is watched is no part of the state, so that no copy takes it along, whatever its __getstate__ tells.
+    # Watchers are in a slot, not in the state: no copy takes them along, whatever its __getstate__ returns.
     __slots__ = ("__dict__", "__weakref__", "_watchers")
 
     _watchers: tuple[ref[Watcher], ...]
     _sealed: bool
-    #: What to do instead of setting structure; ends the refusal.
+    #: What to do instead of setting structure; the end of the error message.
     _instead: ClassVar[str] = "make a new one"
     _numbers: ClassVar[Mapping[str, Callable[[Any, Any], Any]]] = {}
     _structure: ClassVar[frozenset[str]] = frozenset()
 
-    if not TYPE_CHECKING:  # where it is that of `object`
+    if not TYPE_CHECKING:  # type checkers see the one of `object`
 
         @_sealing
         def __init__(self, *args: Any, **kwargs: Any) -> None:
@@ -163,7 +163,7 @@ class Live:
         fixed: set[str] = set()
         for base in reversed(cls.__mro__):
             for name, value in vars(base).items():
-                if isinstance(value, number | property | _Structure):  # a declaration replaces that of the base
+                if isinstance(value, number | property | _Structure):  # a declaration replaces the base class's
                     numbers.pop(name, None)
                     fixed.discard(name)
                 if isinstance(value, number):
@@ -173,7 +173,7 @@ class Live:
         cls._numbers, cls._structure = numbers, frozenset(fixed)
 
     def full_name(self) -> str:
-        """Its class and its name, as messages call it: ``PositionTask 'hand'``."""
+        """Class and name of the object, as in messages: ``PositionTask 'hand'``."""
         name = vars(self).get("name")
         return f"{type(self).__name__} {name!r}" if isinstance(name, str) and name else type(self).__name__
 
@@ -183,12 +183,12 @@ class Live:
         return self.full_name()
 
     def _renew(self) -> None:
-        """Check what ties several attributes, and compute anew what is derived from them; after every change.
+        """Check conditions on several attributes, and recompute what is derived from them; called after every change.
 
         Raises
         ------
         InvalidInput
-            Which takes the change back.
+            The change is then undone.
         """
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -214,7 +214,7 @@ class Live:
             self._refuse(name)
 
     def _change(self, name: str, value: Any) -> None:
-        """Set a number, or what has a setter, as if under construction; all or nothing."""
+        """Set a number, or a property with a setter, as during construction; undone as a whole if it fails."""
         before = dict(vars(self))
         self._sealed = False
         try:
@@ -255,9 +255,9 @@ class Live:
 
 
 def watch(root: object, watcher: Watcher) -> None:
-    """Tell a watcher of every change from now on, in all that is reachable from a part; it is not kept alive by that.
+    """Tell a watcher of every change from now on in all objects reachable from a part; holds the watcher weakly.
 
-    What becomes reachable by a change is to be watched anew.
+    Objects that become reachable only by a later change must be watched by another call.
     """
     for part in reachable(root):
         watch_alone(part, watcher)
@@ -270,7 +270,7 @@ def watch_alone(part: Live, watcher: Watcher) -> None:
 
 
 def reachable(root: object) -> Iterator[Live]:
-    """A live object and all that it holds, also in tuples, lists and dicts: a wrapper and its task, each once."""
+    """A live object and all live objects it holds, also in tuples, lists and dicts, each once."""
     seen: set[int] = set()
     rest: list[object] = [root]
     while rest:

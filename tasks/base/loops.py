@@ -1,7 +1,7 @@
 """Calls of compiled loops: arguments as sizes and addresses in one table.
 
-A loop is a kernel (:func:`hqp.kernels.compile.entry`) of one address, that of a table. It is compiled when it is first
-wanted, and kept on disk; under ``NUMBA_DISABLE_JIT=1`` the interpreter runs it.
+A loop is a kernel (:func:`hqp.kernels.compile.entry`) whose one argument is the address of a table. It is compiled at
+first use and cached on disk; under ``NUMBA_DISABLE_JIT=1`` the interpreter runs it.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from hqp.kernels.compile import INTERPRETED, entries
 
 from .once import once
 
-#: Of a loop: the address of what it is told; nothing of interest.
+#: Type of a loop: it takes the address of its table; its return value is not used.
 SIGNATURE = int64(int64)
 WHAT = "the rows of tasks"
-#: An argument of a loop: a size, an address, or by its address an array or a table.
+#: An argument of a loop: a size, an address, or an array or table, which is passed by its address.
 Entry: TypeAlias = "int | np.integer[Any] | NDArray[Any] | Table"
 
 
@@ -36,7 +36,7 @@ class Table:
     Parameters
     ----------
     *told : int, array or Table
-        Arrays and tables are told by their address.
+        Arrays and tables are passed by their address.
     """
 
     def __init__(self, *told: Entry) -> None:
@@ -57,11 +57,11 @@ class Call:
     def __init__(self, kernel: Any, *told: Entry) -> None:
         self.kernel, self.table = kernel, Table(*told)
         self.run = partial(ready(kernel), address(self.table))
-        self.run.__dict__["table"] = self.table  # whoever has the one has the other
+        self.run.__dict__["table"] = self.table  # whoever holds `run` keeps the table alive
 
 
 def address(entry: Entry) -> int:
-    """Where an array is, or that of a table; a size is itself."""
+    """The address of an array, or of the array in a table; a size is returned as it is."""
     if type(entry) is int:
         return entry
     if isinstance(entry, Table):
@@ -69,14 +69,14 @@ def address(entry: Entry) -> int:
     if not isinstance(entry, np.ndarray):
         return int(entry)
     try:
-        return addressof(c_char.from_buffer(entry))  # type: ignore[arg-type]  # which takes a quarter of the time
-    except (TypeError, ValueError):  # read-only, by columns, or empty
+        return addressof(c_char.from_buffer(entry))  # type: ignore[arg-type]  # a quarter of the time of the line below
+    except (TypeError, ValueError):  # read-only, column-major, or empty
         return int(entry.__array_interface__["data"][0])
 
 
 @once
 def ready(kernel: Any) -> Callable[[int], object]:
-    """The compiled loop, from disk or compiled now; where the interpreter runs loops, the loop itself."""
+    """The compiled loop, from disk or compiled now; if the interpreter runs loops, the Python function."""
     make_ready(kernel, WHAT, SIGNATURE)
     return door(kernel, SIGNATURE)
 
@@ -88,7 +88,7 @@ def run_all(calls: Iterable[Call]) -> None:
 
 
 def chained(calls: Iterable[Call]) -> Callable[[], object]:
-    """What runs them, one after the other, at the price of one call from Python."""
+    """A function that runs these calls one after the other, at the cost of one call from Python."""
     kept = tuple(calls)
     if INTERPRETED or len(kept) < 2:
         return partial(run_all, kept)
@@ -105,7 +105,7 @@ def compiled(kernel: Any) -> int:
 
 
 def warm_up() -> bool:
-    """Have all loops of this package ready: from disk, or compiled now. True if one had to be compiled."""
+    """Load all loops of this package from disk, or compile them. True if one had to be compiled."""
     package = __name__.partition(".")[0]
     home = Path(__file__).parents[1]
     for path in sorted({*home.rglob("kernels.py"), *home.rglob("kernels/*.py")}):

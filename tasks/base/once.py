@@ -11,5 +11,5 @@ T = TypeVar("T")
 
 
 def once(function: Callable[P, T]) -> Callable[P, T]:
-    """As ``functools.cache``, which takes no classes where types are checked, and forgets what the arguments are."""
-    return cache(function)  # type: ignore[return-value]  # it takes what is hashable, classes too
+    """``functools.cache`` for type checkers: it keeps the types of the arguments, and accepts classes."""
+    return cache(function)  # type: ignore[return-value]  # any hashable argument works, also a class

@@ -8,14 +8,14 @@ from .once import once
 
 T = TypeVar("T")
 
-#: Of a value that has no such attribute.
+#: Marks an attribute that a value does not have.
 ABSENT = object()
 
 
 def has(value: object, kind: type[T]) -> TypeGuard[T]:
-    """Whether a value has all attributes of a protocol; a method that is None is none.
+    """Whether a value has all attributes of a protocol; a method that is None counts as missing.
 
-    As ``isinstance`` says, which takes microseconds where Python is old, and asks properties for their values.
+    The result is that of ``isinstance``, which takes microseconds in old Pythons and evaluates properties.
     """
     by_class = _by_class(type(value), kind)
     return by_class or all(_there(value, name, method) for name, method in _members(kind))
@@ -23,7 +23,7 @@ def has(value: object, kind: type[T]) -> TypeGuard[T]:
 
 @once
 def _by_class(of: type, kind: type) -> bool:
-    """Whether a class has them all, so that there is nothing to ask of its objects."""
+    """Whether a class has all attributes of a protocol, so that its objects need no check."""
     own = [(getattr(of, name, ABSENT), method) for name, method in _members(kind)]
     return all(value is not ABSENT and not (method and value is None) for value, method in own)
 

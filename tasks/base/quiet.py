@@ -13,7 +13,7 @@ STDERR = 2
 
 @contextmanager
 def caught() -> Iterator[list[str]]:
-    """Capture what any library prints to standard error inside the block; the lines are there when it ends."""
+    """Capture what any library prints to standard error inside the block; the list is filled when the block ends."""
     lines: list[str] = []
     try:
         kept = os.dup(STDERR)

@@ -1,4 +1,4 @@
-r"""Rotations of space: a matrix R whose columns are the axes of a frame, and the vector that turns one into another."""
+r"""Rotations in space: matrices R whose columns are the axes of a frame, and rotation vectors."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from hqp.errors import brief
 
 from .checks import Array, finite, finite_scalar
 
-#: How far R^T R may be from the identity, and may stay.
+#: Largest error of R^T R against the identity that is accepted, and that is left uncorrected.
 ORTHONORMAL, EXACT = 1e-6, 1e-15
-#: Angles [rad] below which a series is more exact than a quotient.
+#: Below this angle [rad] a series is more accurate than the quotient.
 SMALL = 1e-4
 EYE = np.eye(3)
 
 
 def rotation_matrix(value: ArrayLike, what: str) -> Array:
-    """`value` as a rotation matrix, its columns made orthonormal to round-off; or an object with ``as_matrix()``.
+    """`value`, a matrix or an object with ``as_matrix()``, as a rotation matrix, orthonormal to round-off.
 
     Raises
     ------
     InvalidInput
-        If it is no finite 3 x 3 matrix, its columns are not orthonormal to 1e-6, or it is a reflection.
+        If it is not a finite 3 x 3 matrix, its columns are not orthonormal to 1e-6, or it is a reflection.
     """
     if hasattr(value, "as_matrix"):
         value = value.as_matrix()
     R = value if type(value) is np.ndarray and value.dtype == np.float64 else finite(value, what)
     if R.shape != (3, 3):
         raise InvalidInput(f"{what} has shape {R.shape}; a rotation is a matrix of shape (3, 3)")
-    (a, b, c), (d, e, f), (g, h, i) = R.tolist()  # one by one: nine numbers are too few for numpy's calls
+    (a, b, c), (d, e, f), (g, h, i) = R.tolist()  # scalar code: for nine numbers numpy's calls cost more
     error = max(
         abs(a * a + d * d + g * g - 1.0),
         abs(b * b + e * e + h * h - 1.0),
@@ -50,7 +50,7 @@ def rotation_matrix(value: ArrayLike, what: str) -> Array:
     if a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g) < 0.0:
         raise InvalidInput(f"{what} is a reflection, not a rotation: its determinant is -1")
     nearest = np.array(R)
-    if error > EXACT:  # to the nearest rotation by Newton's method for the polar factor, which squares the error
+    if error > EXACT:  # Newton's method for the polar factor, the nearest rotation, squares the error
         for _ in range(2):
             nearest -= 0.5 * (nearest @ (nearest.T @ nearest - EYE))
     nearest.flags.writeable = False
@@ -78,7 +78,7 @@ def log(R: Array) -> Array:
 
 @cache
 def _rotation_vector() -> Callable[[list[float], list[float], int], None]:
-    """The formula that loops have; nine numbers are too few for a call of a compiled one."""
+    """The formula of the loops as plain Python: for nine numbers a call of compiled code costs more."""
     from hqp.kernels.compile import plain
 
     from .kernels.rotation import rotation_vector
@@ -98,7 +98,7 @@ def about(axis: int, angle: float) -> Array:
 
 
 def from_rpy(roll: float, pitch: float, yaw: float) -> Array:
-    """Turned about the axes of the world by roll (x), then pitch (y), then yaw (z) [rad]: URDF's ``rpy``.
+    """The rotation about the axes of the world by roll (x), then pitch (y), then yaw (z) [rad]: URDF's ``rpy``.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def from_rpy(roll: float, pitch: float, yaw: float) -> Array:
     Raises
     ------
     InvalidInput
-        If an angle is no finite number.
+        If an angle is not a finite number.
 
     Examples
     --------
@@ -128,7 +128,7 @@ def from_rpy(roll: float, pitch: float, yaw: float) -> Array:
 def from_xyzw(quaternion: ArrayLike) -> Array:
     """The rotation of a unit quaternion (x, y, z, w), its scalar part last, as in ROS and Pinocchio, shape (3, 3).
 
-    MuJoCo and Eigen's constructor write (w, x, y, z): reorder it first.
+    MuJoCo and Eigen's constructor use the order (w, x, y, z): reorder it first.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def from_xyzw(quaternion: ArrayLike) -> Array:
     Raises
     ------
     InvalidInput
-        If it is not four finite numbers of norm 1, to 1e-6.
+        If it does not have four finite numbers with norm 1, to 1e-6.
 
     Examples
     --------
@@ -157,7 +157,7 @@ def from_xyzw(quaternion: ArrayLike) -> Array:
 
 @runtime_checkable
 class RigidTransform(Protocol):
-    """A translation and a rotation, as a pinocchio.SE3 has."""
+    """An object with a translation and a rotation, such as a pinocchio.SE3."""
 
     @property
     def translation(self) -> ArrayLike: ...
@@ -166,7 +166,7 @@ class RigidTransform(Protocol):
 
 
 def is_transform(value: Any) -> bool:
-    """Whether a value is meant as a transform, and not as a point or a rotation."""
+    """Whether a value is meant as a transform, not as a point or a rotation."""
     value = matrix_of(value)
     if isinstance(value, np.ndarray):
         return bool(value.shape == (4, 4))
@@ -176,12 +176,12 @@ def is_transform(value: Any) -> bool:
 
 
 def matrix_of(value: Any) -> Any:
-    """What `as_matrix()` of a value gives, or the value itself.
+    """The result of ``value.as_matrix()``, or the value itself if it has no such method.
 
     Raises
     ------
     InvalidInput
-        If it raises, as that of a class does.
+        If `as_matrix()` raises, as when `value` is a class.
     """
     if not hasattr(value, "as_matrix"):
         return value
@@ -192,12 +192,12 @@ def matrix_of(value: Any) -> Any:
 
 
 def transform(value: Any, what: str) -> tuple[Array, Array]:
-    """Position [m] and rotation matrix of a transform: a 4 x 4 matrix, an SE3 of Pinocchio, or what `as_matrix()` has.
+    """Position [m] and rotation matrix of a transform: 4 x 4 matrix, SE3 of Pinocchio, or object with `as_matrix()`.
 
     Raises
     ------
     InvalidInput
-        If it is neither, its last row is not 0 0 0 1, or its rotation is none.
+        If it is none of these, its last row is not 0 0 0 1, or its rotation part is not a rotation.
     """
     value = matrix_of(value)
     if isinstance(value, RigidTransform):
@@ -217,7 +217,7 @@ def transform(value: Any, what: str) -> tuple[Array, Array]:
 
 
 def from_quaternion(x: float, y: float, z: float, w: float) -> Array:
-    """The rotation of a quaternion, its scalar part w last, of any length but 0.
+    """The rotation of a quaternion of any length but 0, its scalar part w last.
 
     Raises
     ------
@@ -239,7 +239,7 @@ def from_quaternion(x: float, y: float, z: float, w: float) -> Array:
 
 
 def perpendicular(axis: Array) -> Array:
-    """Two unit vectors which with the unit vector `axis` make a right-handed frame: the rows, shape (2, 3)."""
+    """Two unit vectors that form a right-handed frame with the unit vector `axis`: the rows, shape (2, 3)."""
     first = np.zeros(3)
     first[np.argmin(np.abs(axis))] = 1.0
     first -= axis * (axis @ first)

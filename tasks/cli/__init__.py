@@ -1,8 +1,7 @@
-"""The ``hqp`` command: one small file a subcommand, its imports done when it is called.
+"""The ``hqp`` command: one small file per subcommand, which imports what it needs when it is called.
 
-Whatever is wrong with the input is told in one line on stderr, with exit code 2. An interruption
-(Ctrl-C) ends with exit code 130 and keeps every finished file. See :mod:`hqp.commands.command`; so that this
-holds from the start, nothing is imported before.
+An error in the input gives one line on stderr and exit code 2. An interruption (Ctrl-C) gives exit code 130 and keeps
+every finished file; see :mod:`hqp.commands.command`. Nothing is imported before, so that this holds from the start.
 """
 
 from __future__ import annotations
@@ -21,16 +20,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     Parameters
     ----------
     arguments : sequence of str, optional
-        What to use in place of ``sys.argv[1:]``.
+        Used instead of ``sys.argv[1:]``.
     """
     code = run(arguments)
     if code == command.INTERRUPTED:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # once more ends it without a word
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # a second Ctrl-C ends the process silently
     sys.exit(code)
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; its exit code."""
+    """Run the command and return its exit code."""
     return command.run(_app, "hqp", arguments)
 
 

@@ -22,21 +22,21 @@ if TYPE_CHECKING:
     from ..robots.pinocchio import PinocchioRobot
 
 NOT_REACHED = 1
-#: The options that take several numbers, as words of their own or with commas between them.
+#: The options that take several numbers, separated by blanks or commas.
 SEVERAL = ("--position", "--orientation")
-#: A joint that is as near as this to its limit rests on it [rad], [m].
+#: A joint rests on its limit if it is as near as this [rad], [m].
 RESTS = 1e-6
 
 
 class Numbers(TyperCommand):
-    """A command that takes ``--position 0.5 0 0.4`` for ``--position=0.5,0,0.4``, however many numbers there are."""
+    """A command that reads ``--position 0.5 0 0.4`` as ``--position=0.5,0,0.4``, for any number of values."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         return super().parse_args(ctx, joined(args))
 
 
 def joined(words: Sequence[str]) -> list[str]:
-    """The words of a command line, the numbers behind each of these options in one word with it."""
+    """The words of a command line, with the numbers after each option in `SEVERAL` joined to that option."""
     found, rest = list[str](), list(words)
     while rest:
         word = rest.pop(0)
@@ -122,7 +122,7 @@ def ik(
 
 
 def _begin(robot: PinocchioRobot, start: str, seed: int) -> Array:
-    """The configuration to start from; a random one keeps the base where it stands at home."""
+    """The configuration to start from; a random one keeps the base at its place in `home`."""
     import numpy as np
 
     if start == "random":
@@ -139,7 +139,7 @@ def _is_number(word: str) -> bool:
 
 
 def _numbers(option: str, text: str, counts: tuple[int, ...]) -> list[float]:
-    """So many numbers, with commas or blanks between them."""
+    """The numbers of an option, separated by commas or blanks; `counts` are the allowed numbers of them."""
     from hqp import InvalidInput
 
     words = text.replace(",", " ").split()
@@ -160,18 +160,18 @@ def _rotation(text: str) -> Array:
 
 
 def _show(robot: PinocchioRobot, result: IkResult) -> None:
-    """The joints, the errors, what stopped which task, and whether the place was reached."""
+    """Print the joints, the errors, what stopped each task, and whether the pose was reached."""
     out = console(100)
     out.print(_joints(robot, result.q))
     for task, errors in result.errors.items():
         out.print(f"{task}: {', '.join(_error(norm, unit) for unit, norm in errors.items())} away", soft_wrap=True)
     out.print(f"\n{result.solution.explain()}\n", markup=False, soft_wrap=True)
-    print(f"q = {result.q.tolist()}")  # every digit: it is to be used elsewhere
+    print(f"q = {result.q.tolist()}")  # all digits, for use elsewhere
     out.print(result.status, style="green" if result.reached else "bold red", soft_wrap=True)
 
 
 def _joints(robot: PinocchioRobot, q: Array) -> Table:
-    """A line a joint: its position, its range, and whether it rests at an end of it."""
+    """One line per joint: its position, its range, and whether it rests on a limit."""
     from rich.box import SIMPLE_HEAD
     from rich.markup import escape
     from rich.table import Table
@@ -189,7 +189,7 @@ def _joints(robot: PinocchioRobot, q: Array) -> Table:
 
 
 def _error(norm: float, unit: str) -> str:
-    """In units that are read at a glance."""
+    """An error in a readable unit."""
     from math import degrees
 
     return f"{1e3 * norm:.4g} mm" if unit == "m" else f"{degrees(norm):.4g} deg" if unit == "rad" else f"{norm:.4g}"

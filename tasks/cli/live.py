@@ -42,6 +42,6 @@ def live(
     from ..view.live import live as show
     from ..view.stacks import ready_controller
 
-    viser_module()  # before a robot is loaded for nothing
+    viser_module()  # fails before a robot is loaded, if viser is missing
     machine = load_robot(robot, base=base, body=body or None, lock=lock or ())
     show(ready_controller(machine, tick), host=host, port=port, certify=certify, folder=folder)

@@ -1,4 +1,4 @@
-"""Options of commands that load a robot: what :func:`tasks.load_robot` is told."""
+"""Options of commands that load a robot, passed on to :func:`tasks.load_robot`."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-#: Why every process compiles for itself; which of the two it is, logging says.
+#: Why every process compiles for itself; the log says which of the two reasons applies.
 UNKEPT = "no folder can be written to, or this Numba has no stamp for what is kept"
 
 

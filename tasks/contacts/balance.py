@@ -1,4 +1,4 @@
-r"""Balance: a task and a limit of the capture point, which is to stay in the support polygon.
+r"""Balance: a task for the capture point, and a limit that keeps it in the support polygon.
 
 A robot whose centre of mass c is h above its contacts falls as an inverted pendulum, at the rate
 :math:`\omega = \sqrt{g / h}`. It comes to rest without a step if its *capture point*
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 
 class _Balance(Part):
-    """Base of the rows that depend on the contacts that the robot stands on."""
+    """Base class of rows that depend on the contacts which carry the robot."""
 
     task: Part = structure()
     contacts: tuple[Contact, ...] = structure()
@@ -60,7 +60,7 @@ class _Balance(Part):
         return sum(len(contact.shape.points) for contact in self.contacts)
 
     def support(self, shared: Workspace) -> tuple[int, Table]:
-        """The contacts as arguments of loops: their number, and of each slot, frame, axes and points."""
+        """The contacts as arguments of a loop: their number, and for each one its slot, frame, axes and points."""
         from ..base.loops import Table
 
         told: list[Any] = []
@@ -79,7 +79,7 @@ def standing(part: Part, setting: Setting) -> tuple[Contact, ...]:
     Raises
     ------
     InvalidInput
-        If there is none.
+        If the stack has no contact.
     """
     contacts = tuple(other for other in setting.parts if isinstance(other, Contact))
     if not contacts:
@@ -107,7 +107,7 @@ class CapturePointTask(Part):
     Raises
     ------
     InvalidInput
-        If the target has not two numbers; with a stack, if it has no contact.
+        If the target does not have two numbers; with a stack, if the stack has no contact.
 
     Examples
     --------
@@ -169,17 +169,17 @@ class CaptureRows(_Balance):
 class SupportLimit(Part):
     r"""Keep the capture point inside the support polygon, whatever lower levels ask of the centre of mass.
 
-    For every edge of the support polygon, with the outward normal n and at the distance d,
-    :math:`n^T \dot\xi \le K (d - n^T \xi)`. The contact forces can do it from any capture point inside, as long as the
-    height changes slowly: the robot stands.
-    Contacts that are being released no longer count; those on walls, steeper than 60 degrees, never.
+    Every edge of the support polygon, with outward normal n and distance d from the origin, gives one row
+    :math:`n^T \dot\xi \le K (d - n^T \xi)`. As long as the height of the centre of mass changes slowly, contact forces
+    that satisfy these rows exist for every capture point inside. Contacts that are being released do not count, nor do
+    contacts on surfaces steeper than 60 degrees, such as walls.
 
     Parameters
     ----------
     margin : float
-        What is left free inside the polygon [m], but no more than it has room.
+        Distance to keep from the edges [m]; at most 0.4 of the smallest width of the polygon is used.
     gain : float
-        K [1/s], at which an edge may be neared.
+        K [1/s]: how fast the capture point may approach an edge.
     weight : float or array, shape (rows,)
         Weight of the rows inside their level.
     name : str, optional
@@ -188,7 +188,7 @@ class SupportLimit(Part):
     Raises
     ------
     InvalidInput
-        If a number is wrong; with a stack, if it has no contact, and with a controller, if the gain is more than 1/dt.
+        If a number is out of range; with a stack, if it has no contact; with a controller, if the gain exceeds 1/dt.
 
     Examples
     --------
@@ -207,7 +207,7 @@ class SupportLimit(Part):
 
     @number
     def margin(self, value: float) -> float:
-        """What is left free inside the polygon [m]."""
+        """Distance to keep from the edges of the polygon [m]."""
         return scalar(not_negative(value, f"{self.full_name()}: margin", unit="m"), "margin")
 
     @number
@@ -223,7 +223,7 @@ class SupportLimit(Part):
 
 
 class SupportRows(_Balance):
-    """One row an edge, as many as there may be; the others have no bounds."""
+    """One row per edge, for the largest possible number of edges; rows without an edge have no bounds."""
 
     is_limit: ClassVar[bool] = True
     task: SupportLimit

@@ -1,15 +1,16 @@
 r"""A contact: the motion that it constrains, and the forces that it exerts on the robot.
 
-With the contact's forces f on the robot along the axes of its surface, (t1, t2, n) at each point, a contact stands for
+With f the contact forces on the robot, (t1, t2, n) along the axes of the surface at each point, a contact adds these
+rows:
 
 =================  ===================================  ==================================================
 force bounds       :math:`0 \le f_n \le` cap            above all levels; all forces 0 where it is off
 contact motion     :math:`J_c a = -\dot J_c v + \dots`  where the contact stands, or, if it may slip, below the limits
-friction           :math:`(d_i - \mu \cos(\pi / m) n)^T f \le 0`  with the first limits from its own level on
+friction           :math:`(d_i - \mu \cos(\pi / m) n)^T f \le 0`  with the first limits at its own level or below
 =================  ===================================  ==================================================
 
-Friction is a pyramid of m faces inside the cone: no force that it allows slips. Forces need :class:`tasks.Dynamics` in
-the stack; without, and at velocity order, a contact is its motion alone.
+Friction is a pyramid of m faces inside the friction cone, so that no force it allows slips. Forces need
+:class:`tasks.Dynamics` in the stack; without it, and at velocity order, a contact constrains the motion alone.
 """
 
 from __future__ import annotations
@@ -33,41 +34,41 @@ class Contact(ContactModel):
     points : array, shape (k, 3), optional
         Where it touches [m], in the coordinates of the frame.
     plane : array, shape (2,), optional
-        Lengths of a rectangle along x and y of the frame [m], in its place: forces act at its corners.
+        Instead of `points`: lengths of a rectangle along x and y of the frame [m]; forces act at its corners.
     line : float, optional
-        Length along x of the frame [m], in its place. Without any of them it is a point.
+        Instead of `points`: length of a line along x of the frame [m]. Without any of these the contact is a point.
     centre : array, shape (3,)
-        Where these are counted from, in the coordinates of the frame [m].
+        Origin of the points, rectangle or line, in the coordinates of the frame [m].
     friction : float, optional
-        mu, positive; needed where the contact is unilateral and the stack has forces.
+        mu, positive; required if the contact is unilateral and the stack has forces.
     normal : array, shape (3,)
-        The direction in which the surface pushes, in the axes of the world or of `surface`.
+        Direction in which the surface pushes on the robot, in the axes of the world, or of `surface` if given.
     surface : Surface, optional
-        What it touches, if that moves or is turned.
+        The body that it touches, if that body moves or is rotated.
     name : str, optional
         Default: the frame.
     unilateral : bool
-        Whether it only pushes, with friction; else it holds fast, like a hand that grips.
+        Whether the contact can only push, with friction; if False it also pulls, like a hand that grips.
     faces : int
-        Of the pyramid of friction, at least 3; the more, the nearer to the cone.
+        Number of faces of the friction pyramid, at least 3; more faces are closer to the cone.
     wrench : bool
-        Whether its unknowns are one force and one moment at the centre, and not a force at every point; for a `plane`.
+        Whether the unknowns are one force and one moment at the centre, not a force at every point; needs `plane`.
     torsion : float, optional
-        The largest moment about the normal by the normal force [m], of a wrench (default: mu times a quarter of the sum
-        of both lengths).
+        With `wrench`: largest moment about the normal, divided by the normal force [m] (default: mu times a quarter of
+        the sum of both lengths).
     least, largest : float
-        Of the sum of the normal forces [N].
+        Bounds of the sum of the normal forces [N].
     gain, damping_ratio : float
-        K [1/s] and zeta by which the contact goes back where it has moved; see :class:`tasks.Task`.
+        K [1/s] and zeta with which the contact returns to its place after it has moved; see :class:`tasks.Task`.
     weight : float
-        Of its motion inside the level.
+        Weight of its motion inside the level.
     may_slip : bool
-        Whether its motion stands below the limits: it slips rather than that a limit is passed.
+        Whether its motion has lower priority than the limits: the contact slips before a limit is violated.
 
     Raises
     ------
     InvalidInput
-        If a number or the points are wrong; with a robot, if there is no such frame.
+        If a number or the points are invalid; with a robot, if it has no such frame.
 
     Examples
     --------

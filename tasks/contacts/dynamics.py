@@ -2,8 +2,8 @@ r"""The motion equation, which couples accelerations and contact forces.
 
 .. math:: M(q)\, a + b(q, v) = S^T \tau + G^T f + \textstyle\sum_k J_k^T w_k,
 
-with the torques tau of the joints, which are whatever they have to be, the forces f of all contacts, and wrenches
-:math:`w_k` that are measured. No motor drives a floating base: its rows,
+with the joint torques tau, which are not bounded here, the forces f of all contacts, and measured wrenches :math:`w_k`.
+No motor drives a floating base: its rows,
 
 .. math:: (M_u, -G_u^T)\, (a, f) = -b_u + \dots,
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ..rows.plan import Plan
     from ..rows.site import Site
 
-#: What gives a wrench at a time [s].
+#: Function of time [s] that gives a wrench.
 Sensor = Callable[[float], ArrayLike]
 
 
@@ -43,16 +43,15 @@ class Dynamics(Part):
     Parameters
     ----------
     wrenches : dict of frame to array, shape (6,), or to a function of time that gives one, optional
-        Force [N] and moment [N m] that act on the robot at the origin of a frame, in the axes of the world, as a sensor
-        measures them.
+        Measured force [N] and moment [N m] on the robot at the origin of each frame, in the axes of the world.
     weight : float or array, shape (base,)
-        Of the rows inside their level.
+        Weight of the rows inside their level.
     name : str
 
     Raises
     ------
     InvalidInput
-        If a wrench has not six numbers; with a robot, if it does not know its motion equation or has no such frame, or
+        If a wrench does not have six numbers; with a robot, if the robot has no motion equation or no such frame, or
         the order is velocity.
 
     Examples
@@ -77,7 +76,7 @@ class Dynamics(Part):
 
     @number
     def wrenches(self, value: Mapping[str, ArrayLike | Sensor] | None) -> dict[str, Sensor]:
-        """What acts on frames from outside, by frame."""
+        """External wrenches on the robot, by frame."""
         given = of_type({} if value is None else value, Mapping, f"{self.full_name()}: wrenches")
         return {frame: self._sensor(frame, wrench) for frame, wrench in given.items()}
 
@@ -91,7 +90,7 @@ class Dynamics(Part):
         return base(robot)
 
     def companions(self, setting: Setting) -> Companions:
-        if setting.order == "displacement":  # which knows no forces
+        if setting.order == "displacement":  # a step of the joints has no forces
             return Companions(())
         others = (part for part in setting.parts if isinstance(part, Part) and part is not self)
         alone = all(type(part).companions is Part.companions for part in others)
@@ -137,7 +136,7 @@ class Dynamics(Part):
 
 
 class _Constant:
-    """A wrench that stays."""
+    """A constant wrench."""
 
     def __init__(self, wrench: Array) -> None:
         self._wrench = wrench

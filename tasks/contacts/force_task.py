@@ -1,4 +1,4 @@
-"""Tasks of contact forces: the least forces, a given sum, or a centre of pressure."""
+"""Tasks of contact forces: smallest forces, a given sum, or a centre of pressure."""
 
 from __future__ import annotations
 
@@ -28,24 +28,24 @@ if TYPE_CHECKING:
 class ForceTask(Part):
     """Bring the forces of contacts to zero, or their sum at one contact to a target.
 
-    ``ForceTask(weight=1e-2)`` on the last level shares the forces among all points: it is least squares.
+    ``ForceTask(weight=1e-2)`` on the last level distributes the forces over all points by least squares.
     ``ForceTask([20.0], contact=hand)`` presses with 20 N.
 
     Parameters
     ----------
     target : array, shape (1,) or (3,), or Trajectory, optional
         The sum of the forces on the robot at one contact [N]: along its normal, or along t1, t2 and the normal
-        (default: every force is brought to zero separately).
+        (default: every single force is brought to zero).
     contact : Contact, optional
-        Default: all contacts of the stack; a target needs one.
+        Default: all contacts of the stack; required with a target.
     weight : float or array, shape (rows,)
-        Of the rows inside their level, [1/N] if the others have no unit.
+        Weight of the rows inside their level; [1/N] if the other rows there have no unit.
     name : str
 
     Raises
     ------
     InvalidInput
-        If a target comes without a contact; with a stack, if the contact is not in it, or it has no forces.
+        If a target is given without a contact; with a stack, if the contact is not in it, or has no forces.
 
     Examples
     --------
@@ -96,11 +96,12 @@ class ForceTask(Part):
 
 
 def contacts_of(part: Part, setting: Setting, contact: Contact | None = None) -> tuple[Contact, ...]:
-    """The contacts of a stack whose forces are unknowns; or this one, which must be one of them.
+    """The contacts of a stack whose forces are unknowns; if `contact` is given, only that one.
 
     Raises
     ------
     InvalidInput
+        If the order or the stack has no contact forces, or `contact` is not in the stack.
     """
     own = tuple(other for other in setting.parts if isinstance(other, Contact))
     if setting.order != "acceleration" or not setting.has_dynamics:
@@ -116,7 +117,7 @@ def contacts_of(part: Part, setting: Setting, contact: Contact | None = None) ->
 
 
 class _ForceRows(OfForces):
-    """Base of the rows of a task of the forces of one contact."""
+    """Base class of the rows of a force task at one contact."""
 
     task: Part = structure()
 
@@ -137,7 +138,7 @@ class _ForceRows(OfForces):
 
 
 class LeastForces(_ForceRows):
-    """Every force of a contact to zero."""
+    """Bring every force of a contact to zero."""
 
     plain = True
 
@@ -158,7 +159,7 @@ class LeastForces(_ForceRows):
 
 
 class ForceSum(_ForceRows):
-    """The sum of the forces of a contact to a target."""
+    """Bring the sum of the forces of a contact to a target."""
 
     task: ForceTask
 
@@ -195,16 +196,16 @@ class CenterOfPressureTask(Part):
     Parameters
     ----------
     target : array, shape (2,), or Trajectory
-        Along x and y of the frame of the contact, whose z axis is along its normal [m].
+        Coordinates x and y in the frame of the contact [m]; its z axis must be along the normal.
     contact : Contact
     weight : float or array, shape (2,)
-        Of the rows inside their level; they are in [N m].
+        Weight of the rows, which are in [N m], inside their level.
     name : str
 
     Raises
     ------
     InvalidInput
-        If the target has not two numbers; with a stack, if the contact is not in it, or it has no forces.
+        If the target does not have two numbers; with a stack, if the contact is not in it, or has no forces.
 
     Examples
     --------
@@ -225,7 +226,7 @@ class CenterOfPressureTask(Part):
 
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
-        """Along x and y of the frame [m]."""
+        """Coordinates x and y in the frame of the contact [m]."""
         return as_trajectory(value, 2, self.full_name())
 
     @number

@@ -1,4 +1,4 @@
-"""Bounds on the forces of a contact: on the unknowns themselves, above all levels."""
+"""Bounds on the forces of a contact: simple bounds of the unknowns, above all levels."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 class OfForces(Part):
-    """Base of the parts whose rows are of the forces of one contact."""
+    """Base class of parts whose rows act on the forces of one contact."""
 
     contact: ContactModel = structure()
     wide = True
@@ -33,7 +33,7 @@ class OfForces(Part):
 
 
 class ForceBounds(OfForces):
-    """Normal forces between 0 and what the contact may bear at present; all forces 0 where it is off.
+    """Normal forces between 0 and their present caps; all forces are 0 while the contact is off.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class ForceBounds(OfForces):
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         block, places = self.contact.block(), self.contact.places()
-        each = len(block.names) // len(places)  # rows a point
+        each = len(block.names) // len(places)  # rows per point
         return [
             Label(self.name, name, unit, place=places[i // each].strip())
             for i, (name, unit) in enumerate(zip(block.names, block.units, strict=True))

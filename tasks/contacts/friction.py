@@ -1,15 +1,15 @@
-r"""Friction: the forces of a contact that do not slip, as linear rows.
+r"""Friction: linear rows which allow only contact forces that do not slip.
 
-At each point the pyramid of m faces inside the cone :math:`\lVert f_t \rVert \le \mu f_n`,
+At each point the rows are the pyramid of m faces inside the cone :math:`\lVert f_t \rVert \le \mu f_n`,
 
 .. math:: d_i^T f_t \le \mu \cos(\pi / m) f_n, \qquad d_i = (\cos(2 \pi i / m), \sin(2 \pi i / m)).
 
-A contact with one wrench, of force f and moment m about its centre, has one pyramid, presses within its rectangle of
-lengths :math:`l_1, l_2`, and does not turn about the normal:
+A contact with one wrench, force f and moment m about its centre, has one pyramid. Its centre of pressure stays in the
+rectangle of lengths :math:`l_1, l_2`, and its moment about the normal is bounded:
 
 .. math:: |m_1| \le \tfrac12 l_2 f_n, \qquad |m_2| \le \tfrac12 l_1 f_n, \qquad |m_n| \le \tau f_n .
 
-One more row is the sum of the normal forces.
+One more row bounds the sum of the normal forces.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 
 class Friction(OfForces):
-    """Rows of the friction of a contact, without bounds where it is off.
+    """Friction rows of a contact, without bounds while it is off.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ class Friction(OfForces):
         self.rows = len(self.matrix(1.0))
 
     def matrix(self, mu: float) -> Array:
-        """All rows, of the forces of the contact alone, shape (rows, unknowns)."""
+        """The matrix of all rows, for the forces of this contact only, shape (rows, unknowns)."""
         contact = self.contact
         angles = 2.0 * np.pi * np.arange(contact.faces) / contact.faces
         least = np.full(contact.faces, -mu * np.cos(np.pi / contact.faces))

@@ -1,7 +1,7 @@
 r"""A closed chain: two frames of one robot that are held together, by a pin or by a weld.
 
-The forces f on the first frame, and -f on the second, along the axes of the world, close the loop; at velocity order,
-and without the motion equation, a loop is its motion alone:
+Forces f on the first frame and -f on the second, along the axes of the world, keep the loop closed. At velocity order,
+and without the motion equation, a loop constrains the motion alone:
 
 .. math:: (J_a - J_b)\, x = h, \qquad G = J_a - J_b .
 """
@@ -39,22 +39,22 @@ class Loop(Part):
     Parameters
     ----------
     a, b : str
-        Frames.
+        The two frames.
     at, at_b : array, shape (3,)
-        The point of each that is held, in its own coordinates [m].
+        The point of each frame that is held, in the coordinates of that frame [m].
     turns : bool
-        Whether one may turn about the other, as on a ball; else the angle between them stays.
+        Whether one frame may rotate relative to the other, as in a ball joint; if False the orientation is held too.
     rotation : array, shape (3, 3), optional
-        The axes of a in those of b, where they do not turn; default: as they are at first.
+        If `turns` is False: the axes of a in the coordinates of b (default: as they are at the first tick).
     gain, damping_ratio, weight
-        By which an error is taken back; see :class:`tasks.Task`.
+        How errors are corrected; see :class:`tasks.Task`.
     name : str, optional
         Default: the names of both.
 
     Raises
     ------
     InvalidInput
-        If both are the same; with a robot, if it has no such frame.
+        If both frames are the same; with a robot, if it has no such frame.
 
     Examples
     --------
@@ -103,7 +103,7 @@ class Loop(Part):
 
     @number
     def rotation(self, value: ArrayLike | None) -> Array | None:
-        """The axes of the first frame in those of the second, shape (3, 3); None: as they were at first."""
+        """The axes of the first frame in the second's, shape (3, 3); None: as they were at the first tick."""
         return None if value is None else rotation_matrix(np.asarray(value), f"{self.full_name()}: rotation")
 
     @number
@@ -118,20 +118,20 @@ class Loop(Part):
 
     @classmethod
     def of(cls, robot: Robot, **options: Any) -> tuple[Loop, ...]:
-        """The closed chains that the file of a robot has: the connected points and welds of an MJCF.
+        """The closed chains in the file of a robot: the ``connect`` and ``weld`` constraints of an MJCF.
 
-        ``Stack(*Loop.of(robot)) >> task``, or joined on one level by ``+``.
+        Use them as ``Stack(*Loop.of(robot)) >> task``, or join them on one level by ``+``.
 
         Parameters
         ----------
         robot : Robot
         **options
-            Of each loop.
+            Passed on to each loop.
 
         Raises
         ------
         InvalidInput
-            If it is no robot.
+            If `robot` is not a robot.
         """
         closures = getattr(as_robot(robot), "closures", ())
         return tuple(
@@ -161,7 +161,7 @@ class Loop(Part):
         return Companions((motion,), block=Block(self, self.name, NAMES[:rows], (("N",) * 3 + ("N m",) * 3)[:rows]))
 
     def forces(self, f: Array) -> Array:
-        """On the first frame, in the axes of the world: force [N], and where they do not turn moment [N m]."""
+        """Force [N] on the first frame, in world axes; and moment [N m] if the orientation is held too."""
         return f
 
     def __repr__(self) -> str:
@@ -174,7 +174,7 @@ class LoopMotion(LoopTask):
     Parameters
     ----------
     loop : Loop
-        Whose numbers count.
+        The loop whose gain, damping ratio and weight are used.
     """
 
     loop: Loop = structure()
@@ -185,7 +185,7 @@ class LoopMotion(LoopTask):
     cap: Array | None = structure(None)
     deceleration: float | None = structure(None)
 
-    if not TYPE_CHECKING:  # numbers of the loop
+    if not TYPE_CHECKING:  # live numbers are those of the loop
 
         @property
         def gain(self) -> Array:
@@ -220,5 +220,5 @@ class LoopMotion(LoopTask):
         where = shared.unknowns.of(loop) if loop in shared.unknowns else slice(shared.n, shared.n)
         G = shared.wrenches[where.start - shared.n : where.stop - shared.n]
         call = Call(write_loop, site.law(self), *blocks, loop.at, loop.at_b, kept, shared.work, G, len(G))
-        shared.given.setdefault(id(loop), [])[:] = [call]  # which others read G of
+        shared.given.setdefault(id(loop), [])[:] = [call]  # other parts read G from it
         return Plan()

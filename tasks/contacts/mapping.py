@@ -1,4 +1,4 @@
-"""The map of a contact's forces to the joints, and the axes of its surface: once a tick, before any rows."""
+"""The map from contact forces to joint torques, and the axes of the surface: written once per tick, before rows."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def keep_map(contact: ContactModel, shared: Workspace) -> tuple[Move, ...]:
-    """Have G and the axes of a contact written every tick of this workspace; what brings its surface up to date.
+    """Register the loop that writes G and the axes of a contact every tick; returns what updates its surface.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def keep_map(contact: ContactModel, shared: Workspace) -> tuple[Move, ...]:
 
 
 def wrench_map(contact: ContactModel, shared: Workspace) -> Array:
-    """G of a contact, shape (unknowns, n); nothing where it has no forces."""
+    """G of a contact, shape (unknowns, n); without rows if the contact has no forces."""
     if contact not in shared.unknowns:
         return np.zeros((0, shared.n))
     where, first = shared.unknowns.of(contact), shared.unknowns.nv

@@ -1,4 +1,4 @@
-"""What a contact is: where a frame touches the world, with which friction, and its unknown forces."""
+"""Data of a contact: the place where a frame touches the world, the friction, and the unknown forces."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from .surface import Surface
 if TYPE_CHECKING:
     from ..rows.site import Workspace
 
-#: Rate at which a contact that has moved goes back to its place [1/s], unless told otherwise.
+#: Default gain with which a contact returns to its place after it has moved [1/s].
 GAIN = 20.0
 AXES = ("t1", "t2", "normal")
 
 
 class ContactModel(Part):
-    """A contact but for the rows that it stands for, which read its numbers; see :class:`tasks.Contact`."""
+    """The data of a contact, without its rows; see :class:`tasks.Contact`."""
 
     frame: str = structure()
     shape: Shape = structure()
@@ -77,17 +77,17 @@ class ContactModel(Part):
 
     @number
     def friction(self, value: float | None) -> float | None:
-        """mu."""
+        """The coefficient of friction mu."""
         return None if value is None else positive_scalar(value, f"{self.full_name()}: friction")
 
     @number
     def torsion(self, value: float | None) -> float | None:
-        """The largest moment about the normal by the normal force [m]."""
+        """Largest moment about the normal, divided by the normal force [m]."""
         return None if value is None else positive_scalar(value, f"{self.full_name()}: torsion", unit="m")
 
     @number
     def normal(self, value: ArrayLike) -> Array:
-        """The direction in which the surface pushes, shape (3,), of length 1."""
+        """Unit vector in which the surface pushes on the robot, shape (3,)."""
         n = finite(value, f"{self.full_name()}: normal")
         if n.shape != (3,) or not n.any():
             raise InvalidInput(f"{self.full_name()}: normal = {n.tolist()} must be a direction, shape (3,)")
@@ -100,7 +100,7 @@ class ContactModel(Part):
 
     @number
     def largest(self, value: float) -> float:
-        """Largest sum of the normal forces [N]; infinite if there is none."""
+        """Largest sum of the normal forces [N]; infinite if it has no bound."""
         return value if value == np.inf else positive_scalar(value, f"{self.full_name()}: largest", unit="N")
 
     @number
@@ -121,7 +121,7 @@ class ContactModel(Part):
 
     @property
     def unknowns(self) -> int:
-        """How many unknown forces it has."""
+        """Number of its unknown forces."""
         return 6 if self.wrench else 3 * len(self.shape.points)
 
     @property
@@ -138,24 +138,24 @@ class ContactModel(Part):
         return Block(self, self.name, names, ("N",) * len(names))
 
     def places(self) -> list[str]:
-        """What explanations call its points, with a blank after each; nothing where there is but one."""
+        """Names of its points in explanations, each followed by a blank; empty if there is only one point."""
         count = 1 if self.wrench else len(self.shape.points)
         return [""] if count == 1 else [f"point {i} " for i in range(count)]
 
     def slot(self, shared: Workspace) -> Slot:
-        """What it keeps from tick to tick where it is at work."""
+        """What this contact keeps from tick to tick in a workspace."""
         slot: Slot = shared.kept(self, lambda: Slot(1 if self.wrench else len(self.shape.points)))
         return slot
 
-    # What its forces come to.
+    # Quantities computed from its forces.
 
     def forces(self, f: Array, axes: Array) -> Array:
-        """In world axes: at every point, shape (k, 3) [N]; of a wrench (6,), [N] and [N m] about the centre."""
+        """Forces in world axes at every point, shape (k, 3) [N]; for a wrench (6,), [N] and [N m] about the centre."""
         world = np.asarray(f.reshape(-1, 3) @ axes[:9].reshape(3, 3))
         return world.ravel() if self.wrench else world
 
     def normal_forces(self, f: Array) -> Array:
-        """At every point [N]; of a wrench, one."""
+        """Normal force at every point [N]; for a wrench, one number."""
         return f[2:3] if self.wrench else f[2::3]
 
     def cop(self, f: Array, axes: Array) -> Array:

@@ -1,7 +1,7 @@
 r"""Momentum of the whole robot, about its centre of mass: :math:`h = A_G(q)\, v`.
 
-The centroidal momentum, linear [kg m/s] and angular [kg m^2/s], along the axes of the world, follows its target at the
-rate K,
+The centroidal momentum h, linear [kg m/s] and angular [kg m^2/s] along the axes of the world, converges to its target
+at the rate K:
 
 .. math:: A_G a = \dot h^d + K (h^d - h) - \dot A_G v, \qquad A_G v = h^d \text{ at velocity order.}
 """
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ..rows.plan import Plan
     from ..rows.site import Site
 
-#: Which momentum.
+#: Which part of the momentum a task controls.
 Kind = Literal["both", "linear", "angular"]
 #: Units of a momentum, and of its rate.
 UNITS = {"velocity": ("kg m/s", "kg m^2/s"), "acceleration": ("N", "N m"), "displacement": ("kg m", "kg m^2")}
@@ -40,7 +40,7 @@ class MomentumTask(LoopTask):
     Parameters
     ----------
     target : array, shape (3,) or (6,), or Trajectory, optional
-        Linear [kg m/s] before angular [kg m^2/s] (default: 0).
+        Linear [kg m/s], then angular [kg m^2/s] (default: 0).
     kind : {"both", "linear", "angular"}
     gain : float or array, shape (rows,)
         K [1/s].
@@ -52,7 +52,7 @@ class MomentumTask(LoopTask):
     Raises
     ------
     InvalidInput
-        If the kind is none, or the target has not its numbers; with a robot, if it does not tell its momentum.
+        If the kind is unknown, or the target has a wrong size; with a robot, if it does not provide its momentum.
 
     Examples
     --------

@@ -19,17 +19,17 @@ if TYPE_CHECKING:
     from ..rows.site import Site
     from .model import ContactModel
 
-#: The motions by the axes of the surface: along them, and about them.
+#: Names of the motions along and about the axes of the surface.
 LINEAR, ANGULAR = ("t1", "t2", "normal"), ("about t1", "about t2", "about the normal")
 
 
 class ContactMotion(LoopTask):
-    """Rows :math:`J_c x` of a contact, by the law of a task; without bounds where it is off.
+    """Rows :math:`J_c x` of a contact, by the law of a task; without bounds while the contact is off.
 
     Parameters
     ----------
     contact : Contact
-        Whose numbers count.
+        The contact whose gain, damping ratio and weight are used.
     """
 
     contact: ContactModel = structure()
@@ -40,7 +40,7 @@ class ContactMotion(LoopTask):
     cap: Array | None = structure(None)
     deceleration: float | None = structure(None)
 
-    if not TYPE_CHECKING:  # numbers of the contact
+    if not TYPE_CHECKING:  # live numbers are those of the contact
 
         @property
         def gain(self) -> Array:
@@ -75,7 +75,7 @@ class ContactMotion(LoopTask):
         shared, shape = site.shared, self.contact.shape
         slot, block = self.contact.slot(shared), site.frame(self.contact.frame)
         moves = keep_map(self.contact, shared)
-        if self.contact not in shared.unknowns:  # else it goes with the bounds of its forces
+        if self.contact not in shared.unknowns:  # with forces, their bounds advance the slot
             moves = (*moves, slot.move)
         told: list[Any] = [site.law(self), slot.numbers, block, shape.centre, slot.surface, slot.axes]
         return Plan((Call(write_contact_motion, *told, len(shape.turning), shape.along, shared.work),), moves)

@@ -11,9 +11,9 @@ from hqp import InvalidInput
 
 from ..base.checks import Array, finite, positive, positive_scalar
 
-#: Points as near to a line or to each other as this share of their extent are on it.
+#: Points count as collinear, or as one point, up to this share of their extent.
 FLAT = 1e-6
-#: Cosine beyond which an axis of the frame is taken to be along the normal.
+#: Cosine beyond which an axis of the frame counts as parallel to the normal.
 STEEP = 0.7
 
 
@@ -26,11 +26,11 @@ class Shape:
     points : array, shape (k, 3)
         [m].
     centre : array, shape (3,)
-        Of them; its motion is what the contact forbids, and how the frame turns.
+        Centre of the points; the contact constrains its motion and the rotation of the frame.
     along : array, shape (3,)
-        A direction of the frame in the surface, from which t1 is taken; 0 where the axes of the world are to do.
+        Direction in the frame that defines t1; 0 if t1 is taken from the axes of the world.
     turning : array of int
-        The axes t1, t2, n of the surface about which it cannot turn.
+        The axes t1, t2, n of the surface about which the frame cannot turn.
     """
 
     points: Array
@@ -52,7 +52,7 @@ def shape_of(
     Raises
     ------
     InvalidInput
-        If several are given, or there is no point.
+        If several of them are given, or there is no point.
     """
     given = [name for name, value in (("points", points), ("plane", plane), ("line", line)) if value is not None]
     if len(given) > 1:
@@ -84,6 +84,6 @@ def _shape(points: Array) -> Shape:
     rank = int((sizes > FLAT * max(sizes[0], FLAT)).sum())
     if rank == 0:
         return Shape(points, centre, np.zeros(3), np.zeros(0, dtype=np.int64))
-    if rank == 1:  # a line turns about itself
+    if rank == 1:  # a line can turn about itself
         return Shape(points, centre, ways[0], np.array([1, 2]))
     return Shape(points, centre, np.eye(3)[0 if abs(ways[2, 0]) < STEEP else 1], np.arange(3))

@@ -1,7 +1,7 @@
-"""A contact at work: whether it holds, where it began to, and how large its forces may be at present.
+"""State of a contact in a controller: whether it is on, where it was made, and how large its forces may be now.
 
-The rows of a contact are always there. One that is off has rows without bounds, and its forces are bound to 0, so that
-nothing of the structure changes when a foot is lifted or put down.
+The rows of a contact always exist. While a contact is off its rows have no bounds and its forces are fixed at 0. So the
+structure of the hierarchy does not change when a foot is lifted or put down.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from ..base.checks import Array
 from ..targets.timing import Timing, cubic
 from .kernels import layout as at
 
-#: How far the motion of a contact that is let go is off that which would hold at last, before it is free [m/s^2].
+#: How far the bounds of the motion open during a release, just before they are removed [m/s^2].
 WIDE = 100.0
 
 
@@ -24,19 +24,19 @@ class Slot:
     Parameters
     ----------
     points : int
-        Whose normal forces are bounded.
+        Number of points whose normal forces are bounded.
 
     Attributes
     ----------
     numbers : array
-        What its loops read and write, see :mod:`tasks.contacts.kernels.layout`.
+        Numbers that the loops of the contact read and write, see :mod:`tasks.contacts.kernels.layout`.
     caps : array, shape (points,)
         The largest normal force at each point at present [N].
     axes : array, shape (18,)
-        As of the last tick, in the world: the axes of the surface, t1, t2 and n, one after the other, and the rotation
-        of the frame, by rows.
+        At the last tick, in world coordinates: the axes t1, t2 and n of the surface, then the rotation matrix of the
+        frame, row by row.
     surface : array
-        Where its surface is, and how it moves.
+        Pose and velocity of the surface.
     """
 
     def __init__(self, points: int) -> None:
@@ -50,12 +50,12 @@ class Slot:
 
     @property
     def on(self) -> bool:
-        """Whether it holds, or is just being released."""
+        """Whether the contact is on; also True while it is being released."""
         return bool(self.numbers[at.ON])
 
     @property
     def loaded(self) -> bool:
-        """Whether there may be forces in it."""
+        """Whether the contact may have forces."""
         return bool(self.numbers[at.LOADED])
 
     @property
@@ -64,7 +64,7 @@ class Slot:
         return bool(self.numbers[at.BEARS])
 
     def release(self, forces: Array, duration: float, law: Timing = cubic) -> None:
-        """Let the largest normal forces fall to 0 in this time [s], and then let the motion go, in as much time."""
+        """Lower the caps of the normal forces to 0 in `duration` [s], then open the bounds of the motion in as long."""
         self.numbers[at.BEARS] = 0.0
 
         def ramp(share: float) -> None:
@@ -79,7 +79,7 @@ class Slot:
         self._begin(ramp, duration, 2.0)
 
     def make(self, most: float, duration: float, law: Timing = cubic) -> None:
-        """Hold the position from now on; the cap on the sum of normal forces rises to `most` [N] in this time [s]."""
+        """Hold the position from now on; the cap on the sum of normal forces rises to `most` [N] in `duration` [s]."""
         self.numbers[[at.ON, at.LOADED, at.BEARS]] = 1.0
         self.numbers[[at.TAKEN, at.OPEN]] = 0.0
 
@@ -91,7 +91,7 @@ class Slot:
         self._begin(ramp, duration, 1.0)
 
     def _begin(self, ramp: Callable[[float], None], duration: float, end: float) -> None:
-        """Go through a ramp from the next tick on, in shares of this time [s]."""
+        """Start a ramp at the next tick; its argument is the time since then, divided by `duration` [s]."""
         begin: float | None = None
 
         def at_time(t: float) -> None:
@@ -107,6 +107,6 @@ class Slot:
         self._ramp = None
 
     def move(self, t: float) -> None:
-        """Advance the ramp to this time [s]."""
+        """Advance the ramp to time t [s]."""
         if self._ramp is not None:
             self._ramp(t)

@@ -1,4 +1,4 @@
-"""The surface that a contact is made with, at rest or moving."""
+"""The surface that a contact touches, at rest or moving."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class Surface:
     Parameters
     ----------
     position : array, shape (3,), or Trajectory
-        Where its origin is [m].
+        Position of its origin [m].
     rotation : array, shape (3, 3), or RotationTrajectory, optional
-        How it is turned; normals of contacts are along its axes.
+        Its orientation; the normals of contacts are given in its axes.
 
     Examples
     --------
@@ -39,7 +39,7 @@ class Surface:
         self.rotation = as_rotation(np.eye(3) if rotation is None else rotation, "Surface: rotation")
 
     def kept_up(self, place: Array) -> tuple[Move, ...]:
-        """Write its pose and velocity, see :mod:`tasks.contacts.kernels.layout`, now and every tick."""
+        """Write its motion into `place` (:mod:`tasks.contacts.kernels.layout`) now and, if it moves, every tick."""
 
         def move(t: float) -> None:
             p, velocity, acceleration = self.position(t)

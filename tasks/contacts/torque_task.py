@@ -1,4 +1,4 @@
-r"""Task of the joint torques: with contacts, :math:`M_a a + b_a - G_a^T f = \tau^d`."""
+r"""Task for the joint torques: with contacts, :math:`M_a a + b_a - G_a^T f = \tau^d`."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ if TYPE_CHECKING:
 class TorqueTask(Part):
     """Bring the torques of all joints that have a motor to a target, or to zero: least torque, on the last level.
 
-    Alone it lets joints swing in the null space, as :class:`~tasks.MinimumTorqueTask` does: join a posture.
+    Alone, it lets joints swing in the null space, as :class:`~tasks.MinimumTorqueTask` does: join a posture to it.
 
     Parameters
     ----------
     target : float, array, shape (nv - base,), or Trajectory
-        [N m], of sliding joints [N].
+        Desired torques [N m], of prismatic joints forces [N].
     weight : float or array, shape (nv - base,)
-        Of the rows inside their level; 0 for a joint that asks for nothing.
+        Weight of the rows inside their level; 0 leaves a joint out.
     name : str
 
     Raises
     ------
     InvalidInput
-        With a robot, if it does not know its motion equation, floats without Dynamics in the stack, or the order is
+        With a robot, if it has no motion equation, has a floating base and the stack no Dynamics, or the order is
         velocity.
 
     Examples

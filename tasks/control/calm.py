@@ -1,4 +1,4 @@
-"""Default damping of a controller: levels damped where their linearisation misleads (:mod:`hqp.solver.curved`)."""
+"""Default damping of a controller: levels damped where their linearisation is inaccurate (:mod:`hqp.solver.curved`)."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from ..base.checks import Array
 from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.task import Task
 
-#: What explanations say where a task has a direction in which joints hardly move it.
+#: Text of explanations for a task with a direction in which the joints hardly move it.
 STRAIGHT = "the arm is straight in this direction"
-#: Beyond it velocities are none: their squares are beyond what a hierarchy takes.
+#: Larger values of the last x count as unknown: their squares are too large for a hierarchy.
 FASTEST = 1e12
 
 
 def curved_levels(rows: HierarchyWriter) -> tuple[int, ...]:
     """Which levels may be damped by default (1), are below a task but left strict (2), or neither (0).
 
-    Of limits above all tasks nothing gives way, and a level with an inequality is left strict. So is all of a stack
-    where the curvature of no task is known, or where forces of contacts are unknown, too.
+    Limits above all tasks are never damped, and a level with an inequality stays strict. The whole stack stays strict
+    if the curvature of no task is known, or if contact forces are unknowns too.
     """
     rules, work = rows.levels.damping, rows.work
     levels = len(rules)
@@ -35,7 +35,7 @@ def curved_levels(rows: HierarchyWriter) -> tuple[int, ...]:
 
 
 def linearised(rows: HierarchyWriter, dt: float | None, curved: tuple[int, ...], last: Array) -> Linearisation:
-    """What the rows of a stack are the linearisation of, as they are planned now; `last` is x of the tick before."""
+    """The linearisation that the rows of a stack come from, as planned now; `last` is x of the previous tick."""
     from ..base.loops import Table, address, compiled
 
     work, n = rows.work, rows.hierarchy.n
@@ -55,7 +55,7 @@ def linearised(rows: HierarchyWriter, dt: float | None, curved: tuple[int, ...],
 
 
 def gains_of(rows: HierarchyWriter) -> list[tuple[slice, Task]]:
-    """The rows that follow the law of a task, and whose gain that is."""
+    """The rows that follow the law of a task, and the task that has their gain."""
     parts = [
         (slice(row, row + site.rows), getattr(part, "task", part)) for _, row, part, _, site in rows.work if site.off
     ]
@@ -63,7 +63,7 @@ def gains_of(rows: HierarchyWriter) -> list[tuple[slice, Task]]:
 
 
 def paces(tasks: list[tuple[slice, Task]], rows: int, dt: float | None, levels: int) -> tuple[Array, Array]:
-    """How fast each row is to go, relative to the fastest, and what share of its error a level takes away in a tick."""
+    """The gain of each row relative to the largest, and the share of its error that a level removes in one tick."""
     gains = np.zeros(rows)
     for own, task in tasks:
         gains[own] = task.gain
@@ -72,13 +72,13 @@ def paces(tasks: list[tuple[slice, Task]], rows: int, dt: float | None, levels: 
 
 
 class CalmSolver:
-    """Solves a stack, its levels damped where their linearisation misleads.
+    """Solves a stack, with levels damped where their linearisation is inaccurate.
 
     Parameters
     ----------
     rows : HierarchyWriter
     dt : float or None
-        Tick [s]; where it is not known, nothing leans on the last x.
+        Tick [s]; if it is None, the last x is not used.
     curved : tuple of int
         See :func:`curved_levels`.
     backend : str
@@ -96,7 +96,7 @@ class CalmSolver:
         self._planned, self._tuned, self._gains = rows.planned, rows.tuned, gains_of(rows)
 
     def solve(self, hierarchy: Hierarchy, last: Array | None = None) -> Solution:
-        """Solve the rows as they are filled now; `last` is the x of the tick before, None or NaN if it is not known."""
+        """Solve the rows as they are filled now; `last` is the x of the previous tick, None or NaN if it is unknown."""
         rows = self._rows
         if self._planned != rows.planned:
             self._linearisation = linearised(rows, self._dt, self._curved, self._last)

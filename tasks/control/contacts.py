@@ -18,18 +18,18 @@ from ..rows.hierarchy_writer import HierarchyWriter
 if TYPE_CHECKING:
     from ..rows.part import Part, Stack
 
-#: What a contact may come to bear while it is being made: the weight of the robot, by this gravity [m/s^2]; where the
-#: base is fixed, which says nothing of it, so much [N].
+#: Cap on the normal forces of a contact while it is being made: the weight of the robot, with this gravity [m/s^2]; or,
+#: if the base is fixed and the weight unknown, this force [N].
 GRAVITY, FIXED = 9.81, 1000.0
-#: Of forces that are along the axes of the world.
+#: Axes of forces that are given in world axes.
 NO_AXES = np.zeros(0)
 
 
 class Forces(Mapping[str, Array]):
     """The forces of one tick, by the names of the contacts, each computed when it is asked for.
 
-    ``forces["left"]`` is what the world does to the robot, in the axes of the world: at every point, shape (k, 3) [N];
-    of a contact with one wrench, shape (6,), [N] and [N m] about its centre. :meth:`cop` is where they press.
+    ``forces["left"]`` are the forces of the world on the robot, in world axes: at every point, shape (k, 3) [N]; for a
+    contact with one wrench, shape (6,), [N] and [N m] about its centre. :meth:`cop` gives the centre of pressure.
     """
 
     def __init__(self, rows: HierarchyWriter, x: Array) -> None:
@@ -65,7 +65,7 @@ class Forces(Mapping[str, Array]):
 
     @property
     def contacts(self) -> tuple[str, ...]:
-        """The names of those that are contacts, and no loops."""
+        """The names of the contacts, without loops."""
         return tuple(name for name, (owner, _, _) in self._of.items() if isinstance(owner, Contact))
 
     def __iter__(self) -> Iterator[str]:
@@ -103,7 +103,7 @@ def has_dynamics(stack: Stack) -> bool:
 
 
 def check_torques(stack: Stack) -> None:
-    """Refuse contacts of unknown forces if torques are asked for.
+    """Refuse torques for a stack with contacts whose forces are not computed.
 
     Raises
     ------
@@ -120,7 +120,7 @@ def check_torques(stack: Stack) -> None:
 def check_change(
     old: Stack, old_rows: HierarchyWriter, new: Stack, new_rows: HierarchyWriter, order: str, at_once: bool
 ) -> None:
-    """Refuse to go over to a stack of other unknowns: forces of different contacts cannot be interpolated.
+    """Refuse a change to a stack with other unknowns: forces of different contacts cannot be interpolated.
 
     Raises
     ------
@@ -148,17 +148,17 @@ def joint_torques(rows: HierarchyWriter, x: Array) -> Array:
 
 
 def weight_of(rows: HierarchyWriter) -> float:
-    """The largest sum of normal forces that a contact may come to bear while it is made [N]."""
+    """The largest sum of normal forces of a contact while it is being made [N]."""
     return GRAVITY * float(rows.shared.blocks.mass_matrix()[0, 0]) if base(rows.shared.robot) else FIXED
 
 
 def find_contact(stack: Iterable[Part], contact: Contact | str) -> Contact:
-    """A contact of a stack, or of some parts, by itself or by its name.
+    """A contact of a stack, or of some parts, given as the object or by its name.
 
     Raises
     ------
     InvalidInput
-        If there is none; tells the nearest names.
+        If there is none; the message lists the nearest names.
     """
     own = [part for part in stack if isinstance(part, Contact)]
     for part in own:
@@ -190,7 +190,7 @@ def make(stack: Stack, rows: HierarchyWriter, contact: Contact | str, duration: 
 
 
 def bears(stack: Stack, rows: HierarchyWriter, contact: Contact | str) -> bool:
-    """See :meth:`tasks.Controller.bears`; a contact itself may be one of another stack of the controller."""
+    """See :meth:`tasks.Controller.bears`; a contact object may also belong to another stack of the controller."""
     found = contact if isinstance(contact, Contact) else find_contact(stack, contact)
     return found.slot(rows.shared).bears
 

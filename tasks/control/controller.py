@@ -33,39 +33,39 @@ if TYPE_CHECKING:
 class Controller(Live, Generic[Velocity, Acceleration, Torque]):
     """Computes the command of every tick from a stack of tasks, each solve warm-started from the last.
 
-    A copy, by ``copy.deepcopy`` or pickle, is a controller of its own, with a robot and tasks of its own: one for each
-    environment or thread. It is made from what defines it, and begins cold.
+    A copy, by ``copy.deepcopy`` or pickle, is an independent controller with its own robot and tasks: make one for each
+    environment or thread. Its solver starts cold.
 
     Parameters
     ----------
     robot : Robot
     stack : Stack, or a single task
-        What is wanted, in order of priority.
+        The tasks, in order of priority.
     order : {"velocity", "acceleration", "torque"}
-        What the robot is commanded with. Torques are those of the accelerations that the same stack gives at
-        acceleration order. A base that floats needs contacts, and :class:`tasks.Dynamics` in the stack.
+        The kind of command. Torques are those of the accelerations that the same stack gives at acceleration order;
+        for a floating base they need contacts, and :class:`tasks.Dynamics` in the stack.
     dt : float, optional
-        Time between two calls [s]; limits need it, and the simulation.
+        Time between two calls [s]; limits and the simulation need it.
     backend : str
         A name from ``hqp.available_backends()``.
     settings : hqp.Settings, optional
     torque : bool
-        Whether steps tell the joint torques too, at acceleration order, by the robot's ``inverse_dynamics``.
+        Whether steps at acceleration order also contain joint torques, by the robot's ``inverse_dynamics``.
     damping : "curvature" or None
-        What is done where the stack has no damping of its own (:class:`~tasks.Damped` levels, or ``task + Damping()``).
-        "curvature": levels give way where their rows mislead, near singularities and out of reach, in the directions
-        in which they do, and joints change their velocities calmly there and close to limits; in reach the answer is
-        the strict one. ``step.relaxed`` and ``step.solution.explain()`` tell where. A level is left out of it by
-        ``Damped(level, None)``. None: every level is strict. So it is where the stack is damped by itself, where no
-        part of it bends, as postures do not, where forces of contacts are unknowns too, and with backends of closed
-        forms, which take no inequalities.
+        Damping of a stack that has none of its own (:class:`~tasks.Damped` levels, or ``task + Damping()``).
+        "curvature": levels are relaxed where their linearisation is inaccurate, near singularities and out of reach,
+        and only in those directions; joint velocities then change smoothly there and close to limits. Elsewhere the
+        answer is the strict one. ``step.relaxed`` and ``step.solution.explain()`` show where levels are relaxed;
+        ``Damped(level, None)`` keeps a level strict. None: every level is strict. All levels are also strict if the
+        stack has damping of its own, if no part has curvature (as postures), if contact forces are unknowns, and with
+        closed-form backends, which take no inequalities.
 
     Raises
     ------
     InvalidInput
-        At once, if the robot or the stack is none, the order or the damping is none of these, dt is not positive, the
-        backend is unknown, a task does not fit the robot or its gain the tick, or torques are asked for at velocity
-        order, or of a robot that cannot tell them or has a base that moves freely.
+        At once: if the robot or the stack is not one, the order or the damping is none of these, dt is not positive,
+        the backend is unknown, a task does not fit the robot or its gain does not fit dt; or if torques are asked for
+        at velocity order, or of a robot that cannot compute them or has a free base.
 
     Examples
     --------
@@ -168,7 +168,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         tell_of_speed(self.robot, self._now)
 
     def __getstate__(self) -> dict[str, Any]:
-        """What defines it, and the changes under way, the oldest first: rows and solvers are made anew, and cold."""
+        """The arguments of the controller and its pending changes, oldest first; rows and solvers are not copied."""
         asked = {"order": self.order, "torque": self._torques is not None and self.order != "torque", "dt": self.dt}
         return {
             "robot": self.robot,
@@ -190,7 +190,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
 
     @property
     def stack(self) -> Stack:
-        """The stack that is solved at present; :meth:`change` goes over to another one."""
+        """The stack that is solved at present; :meth:`change` replaces it."""
         return self._now.stack
 
     @property
@@ -204,7 +204,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
 
     @property
     def hierarchy(self) -> hqp.Hierarchy:
-        """The rows of the last tick (views: the next call refills them)."""
+        """The rows of the last tick (views: the next call overwrites them)."""
         return self._rows.hierarchy
 
     @property
@@ -222,19 +222,19 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         q : array, shape (nq,)
             Joint positions [rad].
         v : array, shape (nv,)
-            Joint velocities [rad/s]. None, at velocity order: they are not known. The robot is then taken to be at rest
-            where limits ask, and no command leans on them.
+            Joint velocities [rad/s]. At velocity order None means unknown: limits then take the robot to be at rest,
+            and nothing else uses them.
         t : float
-            Time [s], for targets that move.
+            Time [s], for moving targets.
 
         Raises
         ------
         InvalidInput
-            If q, v or t has the wrong shape, or v is None at an order that needs it. Numbers never raise: where they
-            are not finite, or a quaternion or a point of a circle has not norm 1, the status of the solution is INVALID
-            and nothing moves.
+            If q, v or t has the wrong shape, or v is None at an order that needs it. Values never raise: if a number
+            is not finite, or a quaternion or a point on a circle does not have norm 1, the status of the solution is
+            INVALID and nothing moves.
         InUse
-            If another thread is inside, or in another controller of the same robot, where it has one workspace.
+            If another thread is in this controller, or in another one of the same robot with a shared workspace.
         """
         if v is None and self.order != "velocity":
             raise InvalidInput(f"v = None, but order = {self.order!r} needs the joint velocities, shape (nv,)")
@@ -243,7 +243,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         return self.unchecked(position, velocity, t if type(t) is float else scalar(t, "t"))
 
     def unchecked(self, q: Array, v: Array | None, t: float) -> Step[Velocity, Acceleration, Torque]:
-        """The command for this tick, for a loop which knows that q and v are float arrays of the right shape."""
+        """The command for this tick, for callers that pass float arrays q and v of the right shape."""
         with self._states.guard:
             if self._rows.compiled:
                 return self._step(q, v, t)
@@ -261,7 +261,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
                 self._transition = None
             elif self._limits is not None:
                 x = self._limits.keep(self.hierarchy, x)
-        step: Any = Step  # what it has, the overloads of __init__ tell
+        step: Any = Step  # its type arguments come from the overloads of __init__
         if self.order == "velocity":
             return step("velocity", state, solution, x, share=share)  # type: ignore[no-any-return]
         valid = solution.status is not Status.INVALID
@@ -272,47 +272,47 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         return step(self.order, state, solution, None, x, tau, share, self._forces)  # type: ignore[no-any-return]
 
     def release(self, contact: Contact | str, duration: float = 0.0) -> None:
-        """Let a contact go: the largest normal forces fall from what they are to 0; then its motion is let go.
+        """Release a contact: the caps of its normal forces fall from the present forces to 0, then its motion is freed.
 
-        Nothing of the structure changes, and the solver stays warm.
+        The structure of the hierarchy does not change, and the solver stays warm.
 
         Parameters
         ----------
         contact : Contact or its name
         duration : float
-            How long the forces take to fall, and then the bounds of its motion to open [s].
+            Time in which the forces fall [s]; the bounds of its motion then take as long to open.
 
         Raises
         ------
         InvalidInput
-            If it is no contact of the stack, or off already, or the duration is negative.
+            If the contact is not in the stack or is off already, or the duration is negative.
         """
         of.release(self.stack, self._rows, self._forces, contact, duration)
 
     def make(self, contact: Contact | str, duration: float = 0.0) -> None:
-        """Make a contact that is off, or being released: from the next tick on it holds where it then is.
+        """Make a contact that is off or being released: from the next tick on it holds the position it then has.
 
         Parameters
         ----------
         contact : Contact or its name
         duration : float
-            In which the sum of its normal forces may grow, from 0 up to the weight of the robot, or 1000 N where its
-            base is fixed [s]; then freely.
+            Time [s] in which the cap on the sum of its normal forces grows from 0 to the weight of the robot, or to
+            1000 N if its base is fixed; afterwards there is no cap.
 
         Raises
         ------
         InvalidInput
-            If it is no contact of the stack, or on already, or the duration is negative.
+            If the contact is not in the stack or is on already, or the duration is negative.
         """
         of.make(self.stack, self._rows, contact, duration)
 
     @property
     def loaded(self) -> tuple[str, ...]:
-        """The names of the contacts that may bear forces at present: those that are on, unless all theirs are gone."""
+        """The names of contacts that may have forces now: those that are on, until a release has lowered them to 0."""
         return of.loaded(self.stack, self._rows)
 
     def bears(self, contact: Contact | str) -> bool:
-        """Whether a contact of the stack is one to rely on: on, and not being released.
+        """Whether a contact of the stack counts as support: on, and not being released.
 
         Raises
         ------
@@ -322,26 +322,26 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         return of.bears(self.stack, self._rows, contact)
 
     def change(self, stack: Stack | Part, *, duration: float, law: Timing = cubic) -> None:
-        """Go over to another stack without a jump, from the next tick on; see :mod:`tasks.control.transition`.
+        """Change to another stack without a jump, from the next tick on; see :mod:`tasks.control.transition`.
 
-        The limits that the new stack begins with hold from the first tick on, also where the old one has none. A change
-        that is still under way is left from where it is. Going back to a stack that the controller has had
-        finds all as it was: rows, and a solver that is warm.
+        The limits at the top of the new stack hold from the first tick on, even if the old stack has none. If a change
+        is still under way, the new one starts from its present command. A stack that the controller had before is
+        found with its rows and its warm solver.
 
         Parameters
         ----------
         stack : Stack, or a single task
-            What is wanted from now on; its parts may be those of the old one, in another order.
+            The new stack; it may have the same parts as the old one, in another order.
         duration : float
             How long the change takes [s]; 0 for at once.
         law : callable
-            How it goes: ``cubic``, ``quintic``, ``harmonic``, ``cycloid``, or your own timing law.
+            How the change proceeds in time: ``cubic``, ``quintic``, ``harmonic``, ``cycloid``, or your own timing law.
 
         Raises
         ------
         InvalidInput
-            If the stack does not fit the robot, the duration is negative, or the law is none. The controller then
-            goes on as it was.
+            If the stack does not fit the robot, the duration is negative, or the law is not a timing law. The
+            controller then continues unchanged.
         """
         wanted = stack if isinstance(stack, Stack) else Stack(stack)
         new, old = self._prepared[wanted], self._now
@@ -352,10 +352,10 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         self._limits = None if at_once else Limits.of(new.rows.levels, self.hierarchy, self.backend)
 
     def bounds(self, part: Part) -> tuple[Array, Array]:
-        """Lower and upper bounds of a part's rows at the last tick (views: the next call refills them).
+        """Lower and upper bounds of a part's rows at the last tick (views: the next call overwrites them).
 
-        A contact stands for rows on several levels, as :meth:`describe` lists them: of forces, motion and friction. Its
-        bounds are those of all of them, in this order, and a copy.
+        A contact has rows on several levels, listed by :meth:`describe`: forces, motion and friction. Its bounds are
+        those of all these rows in this order, as a copy.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Stacks made ready to be solved for one robot: their rows, and solvers that stay warm."""
+"""Stacks prepared for one robot: their rows, and solvers that stay warm."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ if TYPE_CHECKING:
     from ..rows.site import Memory
     from .calm import CalmSolver
 
-#: How levels are damped that have no rule of their own.
+#: Damping of levels that have no rule of their own.
 DefaultDamping = Literal["curvature"]
-#: Stacks that are kept ready to go back to.
+#: Number of earlier stacks that are kept ready.
 MOST_PREPARED = 8
 
 
 class Options(TypedDict, total=False):
-    """What a controller takes by name, whatever its order; see :class:`tasks.Controller`."""
+    """Keyword arguments of a controller that do not depend on its order; see :class:`tasks.Controller`."""
 
     dt: float | None
     backend: str
@@ -38,15 +38,15 @@ class Options(TypedDict, total=False):
 
 
 def default_damping(value: object) -> DefaultDamping | None:
-    """How levels are damped by default.
+    """The default damping of levels, checked.
 
     Raises
     ------
     InvalidInput
-        If it is no way to do so.
+        If `value` is neither "curvature" nor None.
     """
     if value is None or (isinstance(value, str) and value == "curvature"):
-        return value  # type: ignore[return-value]  # which is this very word
+        return value  # type: ignore[return-value]  # it is "curvature" or None
     raise InvalidInput(
         f"damping = {brief(value)}; it must be 'curvature' or None. One level takes a rule by Damped(level, 0.1)"
     )
@@ -73,9 +73,9 @@ class PreparedStack:
         state : RobotState
         t : float
         last : array, shape (n,), or None
-            The x of the tick before; None if it is not known.
+            The x of the previous tick; None if it is unknown.
         fault : str, optional
-            What is wrong with the state: the status is then INVALID, with this message.
+            An error of the state: the status is then INVALID, with this message.
         """
         rows = self.rows
         if fault is None and isfinite(t):
@@ -83,13 +83,13 @@ class PreparedStack:
             if isinstance(self.solver, Solver):
                 return self.solver.solve(rows.hierarchy, aims=rows.aims)
             return self.solver.solve(rows.hierarchy, last)
-        rows.hierarchy.lower.fill(np.nan)  # no task is asked, and no bound left that could be met
+        rows.hierarchy.lower.fill(np.nan)  # NaN in every bound makes the solution INVALID
         return replace(self.solver.solve(rows.hierarchy), message=fault or f"t = {t} s must be finite")
 
 
 @dataclass(frozen=True)
 class Preparation:
-    """How the stacks of one controller are made ready.
+    """Prepares the stacks of one controller.
 
     Attributes
     ----------
@@ -115,7 +115,7 @@ class Preparation:
         return {"backend": self.backend, "settings": self.settings, "damping": self.damping}
 
     def prepare(self, stack: Stack, memory: Memory) -> PreparedStack:
-        """The rows of this stack, and a solver that is cold.
+        """The rows of this stack, and a cold solver.
 
         Raises
         ------
@@ -151,16 +151,16 @@ class PreparedStacks:
         self._found: dict[int, PreparedStack] = {}
 
     def __getitem__(self, stack: Stack) -> PreparedStack:
-        """This stack made ready, or as it was left."""
+        """This stack with its rows and solver: as it was last used, or newly prepared."""
         found = self._found.pop(id(stack), None) or self.how.prepare(stack, self._memory)
-        self._found[id(stack)] = found  # what was asked for last comes last
+        self._found[id(stack)] = found  # the most recent comes last
         while len(self._found) > MOST_PREPARED:
             del self._found[next(iter(self._found))]
         return found
 
 
 def tell_of_speed(robot: Robot, prepared: PreparedStack) -> None:
-    """Tell once where nothing limits the speed: near a singularity it grows without end, and all tasks are met."""
+    """Warn once if nothing limits the speed: near a singularity it grows without bound while all tasks are met."""
     held = prepared.rows.envelope.has_velocity or any(prepared.stack.damping)
     if limit_of(robot, "velocity") is None and not held:
         tell(

@@ -1,8 +1,8 @@
-"""A loop at a constant rate: tick k begins k/rate after the first, however long the ones before took.
+"""A loop at a constant rate: tick k begins k/rate after the first, however long earlier ticks took.
 
-Deadlines are counted from the first tick, and not from the one before, so that delays do not add up. Where a tick is
-not done when the next is due, the next begins at once; ticks that are over altogether by then are left out, and `dt` of
-the next says so.
+Deadlines are counted from the first tick, not from the previous one, so that delays do not add up. If a tick is not
+done when the next one is due, the next begins at once. Ticks whose whole period has passed by then are left out; `dt`
+of the next tick includes them.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from typing import NamedTuple
 from ..base.checks import positive_scalar, scalar
 from ..base.telling import LOG
 
-#: The longest sleep at a time [s]: there are some that no clock takes.
+#: The longest single sleep [s]; clocks do not accept arbitrarily long ones.
 LONGEST = 1e6
-#: Round-off of a count of ticks.
+#: Tolerance for round-off in the number of ticks.
 ROUND_OFF = 1e-9
 
 
@@ -27,11 +27,11 @@ class Beat(NamedTuple):
     Attributes
     ----------
     k : int
-        Its number; greater by more than 1 than the one before where ticks were left out.
+        Its number; it increases by more than 1 if ticks were left out.
     t : float
-        When it is due, since the first [s].
+        When it is due, counted from the first tick [s].
     dt : float
-        Since the tick before [s]: 1/rate, or a multiple of it.
+        Time since the previous tick [s]: 1/rate, or a multiple of it.
     """
 
     k: int
@@ -47,15 +47,15 @@ class RateLoop:
     rate : float
         [Hz].
     duration : float
-        [s]; infinite where it goes on until it is left.
+        [s]; infinite if the loop runs until it is left.
     ticks : int
-        How many have begun.
+        Number of ticks begun.
     overruns : int
-        How many were not done when the next was due.
+        Number of ticks that were not done when the next was due.
     worst : float
-        How late the latest of them was done [s].
+        The largest delay of such a tick [s].
     left_out : int
-        How many were never begun, as the one before took that long.
+        Number of ticks that never began because an earlier one took too long.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class RateLoop:
         self.worst = 0.0
 
     def __iter__(self) -> Iterator[Beat]:
-        """Begin anew."""
+        """Start the loop from tick 0, with all counts at zero."""
         self.ticks = self.overruns = self.left_out = 0
         self.worst = 0.0
         last = inf if self.duration == inf else ceil(self.duration * self.rate - ROUND_OFF)
@@ -88,7 +88,7 @@ class RateLoop:
                 LOG.warning(str(self))
 
     def _next(self, k: int, start: float) -> int:
-        """Wait for the next tick that is not over yet: its number."""
+        """Wait for the next tick that is not over yet, and return its number."""
         due = start + (k + 1) / self.rate
         late = self._clock() - due
         if late > 0.0:
@@ -114,7 +114,7 @@ def loop(rate: float, duration: float = inf) -> RateLoop:
     """A loop at a constant rate, in real time.
 
     ``for tick in loop(rate=200, duration=5.0): step = controller(q, v, tick.t)``. Ticks that take too long are counted
-    (`overruns`, `worst`, `left_out`), and told by the logger "hqp" when the loop ends.
+    (`overruns`, `worst`, `left_out`) and reported by the logger "hqp" when the loop ends.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def loop(rate: float, duration: float = inf) -> RateLoop:
     Returns
     -------
     RateLoop
-        It gives a :class:`Beat` a tick: its number `k`, its time `t` [s], and `dt` [s].
+        It yields one :class:`Beat` per tick: its number `k`, its time `t` [s], and `dt` [s].
 
     Raises
     ------

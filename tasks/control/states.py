@@ -11,7 +11,7 @@ from ..robots.robot import Robot, RobotState, check_states, workspace
 class StateReader:
     """Gives the states of one robot.
 
-    Where configurations lie on a manifold it looks at them itself, so that a call never raises for a state.
+    It checks configurations on a manifold itself, so that a controller never raises for a state.
 
     Parameters
     ----------
@@ -20,8 +20,8 @@ class StateReader:
     Attributes
     ----------
     guard : hqp.guard.Guard
-        To be held as long as a state is in use: that of the robot, for all controllers that it has, where its states
-        share a workspace.
+        Hold it as long as a state is in use. If the states of the robot share a workspace, it is the robot's guard,
+        common to all its controllers.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -32,7 +32,7 @@ class StateReader:
         self.guard = Guard("the controller") if shared is None else shared.guard
 
     def read(self, q: Array, v: Array) -> tuple[RobotState, str | None]:
-        """The state, and what is wrong with q, if it is not on its manifold."""
+        """The state, and the error message if q is not on its manifold, else None."""
         fault = None
         if self._on_manifold is not None:
             q, fault = self._on_manifold(q)

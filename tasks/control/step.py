@@ -20,19 +20,19 @@ if TYPE_CHECKING:
 else:
     from typing import TypeVar
 
-    #: What a step has as v, a and tau: arrays, or None by the order of the controller. A controller whose order is only
-    #: known at work has any of them.
+    #: Types of v, a and tau of a step: arrays or None, depending on the order of the controller. If the order is known
+    #: only at run time, either is possible.
     Velocity, Acceleration, Torque = TypeVar("Velocity"), TypeVar("Acceleration"), TypeVar("Torque")
 
 
 class Step(NamedTuple, Generic[Velocity, Acceleration, Torque]):
-    """The output of a controller for one tick: the command, and the solution that it is taken from.
+    """The output of a controller for one tick: the command, and the solution it comes from.
 
     Attributes
     ----------
     order : {"velocity", "acceleration", "torque"}
     state : RobotState
-        Where the robot was.
+        The state of the robot at this tick.
     solution : hqp.Solution
         How well every level is met; ``.certify().ok`` is the proof.
     v : array, shape (nv,), or None
@@ -41,14 +41,14 @@ class Step(NamedTuple, Generic[Velocity, Acceleration, Torque]):
     a : array, shape (nv,), or None
         Joint accelerations [rad/s^2], at acceleration and at torque order.
     tau : array, shape (nv,), or None
-        Joint torques ``M(q) a + b(q, v)`` [N m] that a takes (Eq. 4.1), at torque order or if they were asked for; with
+        Joint torques ``M(q) a + b(q, v)`` [N m] for a (Eq. 4.1), at torque order or if they were asked for; with
         :class:`tasks.Dynamics` in the stack ``M a + b - G^T f``, of the joints that have a motor, shape (nv - base,).
-        Always finite: zero where the status of the solution is INVALID, which lets an arm fall.
+        Always finite: zero if the status of the solution is INVALID, and then an arm falls.
     share : float
-        How much of the stack counts: less than 1 while the controller changes to it from another one. Then v or a lies
-        between the answers of both, and `solution` is that of the new one alone.
+        Share of the present stack in the command: less than 1 while the controller changes to it from another one.
+        Then v or a lies between the answers of both stacks, and `solution` is that of the new one alone.
     forces : Forces or None
-        What the world does to the robot, by the names of the contacts: ``forces["left"]``, in world axes [N].
+        Forces of the world on the robot, by the names of the contacts: ``forces["left"]``, in world axes [N].
     """
 
     order: Command
@@ -67,10 +67,10 @@ class Step(NamedTuple, Generic[Velocity, Acceleration, Torque]):
 
     @property
     def ok(self) -> bool:
-        """Whether the solver claims the optimum; look at ``solution`` otherwise."""
+        """Whether the solver reports an optimum; if not, ``solution`` shows why."""
         return self.solution.ok
 
     @property
     def relaxed(self) -> tuple[Relaxation, ...]:
-        """What strictness was given up: lambda and residual norm of every damped level, highest first."""
+        """Levels that were relaxed by damping: lambda and residual norm of each, highest first."""
         return self.solution.relaxed

@@ -15,17 +15,17 @@ from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.part import Command, Stack
 from .contacts import check_torques, has_dynamics, joint_torques
 
-#: Joint torques [N m] by the rows of this tick, the state, and x.
+#: Function that gives joint torques [N m] from the rows of this tick, the state, x, and whether they are valid.
 Torques: TypeAlias = Callable[[HierarchyWriter, RobotState, Array, bool], Array]
 
 
 class RobotTorques:
-    """``M(q) a + b(q, v)``, as the robot tells it.
+    """``M(q) a + b(q, v)``, computed by the robot.
 
     Parameters
     ----------
     inverse_dynamics : callable
-        Of q, v and a.
+        Function of q, v and a.
     """
 
     def __init__(self, inverse_dynamics: Callable[[Array, Array, Array], Array]) -> None:
@@ -36,19 +36,19 @@ class RobotTorques:
 
 
 def contact_torques(rows: HierarchyWriter, state: RobotState, x: Array, valid: bool) -> Array:
-    """``M a + b - G^T f``, where the stack has the motion equation: of its own arrays."""
+    """``M a + b - G^T f`` for a stack with the motion equation, from the arrays of this tick."""
     return _finite(joint_torques(rows, x), valid)
 
 
 def torques_of(robot: Robot, stack: Stack, order: Command) -> Torques:
-    """How torques are computed for this robot and stack; zero where the numbers of a tick are not valid or not finite.
+    """The function that computes torques for this robot and stack.
 
-    What goes to a motor is finite, whatever a sensor says.
+    It returns zero if the numbers of a tick are invalid or not finite: torques sent to motors are always finite.
 
     Raises
     ------
     InvalidInput
-        If the order gives no accelerations, the robot cannot tell its torques, or forces of a contact are unknown.
+        If the order gives no accelerations, the robot cannot compute torques, or forces of a contact are unknown.
     """
     asked = "order = 'torque'" if order == "torque" else "torque = True"
     if order == "velocity":

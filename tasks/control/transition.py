@@ -1,16 +1,16 @@
 r"""Transition from one stack to another without a jump of the command.
 
-Tasks that are inserted, removed or put into another order change the answer of a hierarchy at once. Over the time of a
-change both stacks are solved, and what is commanded goes from one answer to the other,
+Tasks that are inserted, removed or reordered change the answer of a hierarchy at once. Therefore both stacks are solved
+during a change, and the command moves from one answer to the other:
 
 .. math:: x = (1 - s)\, x_\text{old} + s\, x_\text{new}, \qquad s : 0 \to 1 \text{ by a timing law.}
 
 Every task of either stack then follows an *intermediate value* between what it had and what it will have: where the
 rows are equalities this is the intermediate desired value of J. Lee, N. Mansard and J. Park, IEEE Transactions on
 Robotics 28(6), 2012, for all levels at once. Levels that both stacks begin with, such as the joint limits, are kept
-exactly all the way: the points at which they are optimal form a convex set, and both answers lie in it. Where the new
-stack begins with limits that the old one has not, the old answer may lie outside: what is commanded is then the point
-that is nearest to x among those which are optimal for these limits.
+exactly all the way: the points at which they are optimal form a convex set, and both answers lie in it. If the new
+stack begins with limits that the old one does not have, the old answer may lie outside this set. The command is then
+the point nearest to x among those that are optimal for these limits.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ class Limits:
     Parameters
     ----------
     hierarchy : hqp.Hierarchy
-        Of the stack.
+        The hierarchy of the whole stack.
     count : int
-        How many levels of it are limits alone, from the first.
+        How many of its first levels contain only limits.
     backend : str
     """
 
@@ -51,7 +51,7 @@ class Limits:
         return cls(hierarchy, count, backend) if count else None
 
     def keep(self, hierarchy: Hierarchy, x: Array) -> Array:
-        """The point nearest to x that keeps them, by the numbers that the hierarchy of the stack has in this tick."""
+        """The point nearest to x that meets these limits, with the numbers of this tick in the stack's hierarchy."""
         for own, level in zip(self._own.levels, hierarchy.levels, strict=False):
             own.lower[:], own.upper[:], own.weights[:] = level.lower, level.upper, level.weights
             if own.A is not None:
@@ -66,9 +66,9 @@ class Transition:
     Parameters
     ----------
     old : PreparedStack
-        What is left behind.
+        The stack before the change.
     before : Transition or None
-        The transition to `old`, where that was still under way.
+        The transition to `old`, if that was still under way.
     duration : float
         How long it takes [s], from the first tick on.
     law : callable
@@ -77,7 +77,7 @@ class Transition:
     Raises
     ------
     InvalidInput
-        If the duration is not positive, or the law is none.
+        If the duration is not positive, or the law is not a timing law.
     """
 
     def __init__(self, old: PreparedStack, before: Transition | None, duration: float, law: Timing) -> None:
@@ -93,14 +93,14 @@ class Transition:
         return self.law((t - self.begin) / self.duration)[0]
 
     def history(self) -> list[tuple[Stack, float, Timing, float | None]]:
-        """The changes under way, the oldest first: stack left behind, duration [s], law, and when it began [s]."""
+        """The changes under way, oldest first: the previous stack, duration [s], law, and start time [s] of each."""
         earlier = [] if self.before is None else self.before.history()
         return [*earlier, (self.old.stack, self.duration, self.law, self.begin)]
 
     def blend(self, state: RobotState, t: float, new: Array, last: Array | None) -> tuple[Array, float]:
         """The command between the answers of both stacks, and the share of the new one.
 
-        Where the old stack has no answer, the new one counts alone.
+        If the old stack has no answer, only the new one is used.
         """
         s = self.share(t)
         if s >= 1.0:

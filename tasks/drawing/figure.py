@@ -1,4 +1,4 @@
-"""A robot on a stage: put there once, and moved by its configuration."""
+"""A robot on a stage: placed there once, then moved by its configuration."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 
     from ..robots.pinocchio import PinocchioRobot
 
-#: Where on the stage it is.
+#: Path of the robot in the scene.
 ROOT = "/robot"
 
 
-#: Position [m], shape (3,), and unit quaternion (w, x, y, z): how viser is told a place.
+#: Position [m], shape (3,), and unit quaternion (w, x, y, z): the form in which viser takes a pose.
 Pose = tuple[Array, tuple[float, float, float, float]]
 
 
 class Figure(Protocol):
-    """A robot on a stage; `note` says how it is drawn, `bounds` how large it is: two corners [m], shape (2, 3)."""
+    """A robot on a stage; `note` says how it is drawn, `bounds` are two corners of its box [m], shape (2, 3)."""
 
     note: str
     bounds: Array
@@ -42,18 +42,18 @@ class Figure(Protocol):
 
 
 def figure(server: viser.ViserServer, robot: Robot) -> Figure:
-    """Put a robot on the stage: one of Pinocchio by its meshes, any other as lines."""
+    """Put a robot on the stage: a Pinocchio robot by its meshes, any other as lines."""
     return MeshFigure(server, robot) if on_pinocchio(robot) else LineFigure(server, robot)
 
 
 class MeshFigure:
-    """The meshes of a robot of Pinocchio: one frame a joint is moved, and meshes hang on the frames."""
+    """The meshes of a Pinocchio robot: one viser frame per joint is moved, and the meshes are attached to it."""
 
     def __init__(self, server: viser.ViserServer, robot: PinocchioRobot) -> None:
         import pinocchio as pin
 
         self._server, self._robot, self._model = server, robot, robot.model
-        self._data = robot.model.createData()  # its own: the robot's belongs to the tick
+        self._data = robot.model.createData()  # separate: the robot's own data is in use by the controller
         meshes, self.note = meshes_of(robot)
         scene = server.scene
         self._frames: dict[int, Any] = {
@@ -83,7 +83,7 @@ class MeshFigure:
         import pinocchio as pin
 
         pin.forwardKinematics(self._model, self._data, q)
-        with self._server.atomic():  # all joints of one instant
+        with self._server.atomic():  # all joints move in one update
             for joint, frame in self._frames.items():
                 frame.position, frame.wxyz = _pose(self._data.oMi[joint])
 
@@ -93,7 +93,7 @@ class MeshFigure:
 
 
 class LineFigure:
-    """The lines of a robot that tells its points, or of nothing where it tells none."""
+    """The lines through the points of a robot; empty if the robot has no points."""
 
     def __init__(self, server: viser.ViserServer, robot: Robot) -> None:
         self._robot, self.note = robot, "drawn as lines: it has no shapes"

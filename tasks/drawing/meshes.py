@@ -1,4 +1,4 @@
-"""What a robot looks like: triangles on its joints, from the shapes of its file, or capsules along its links."""
+"""Meshes of a robot: triangles on its joints, from the shapes of its file, or capsules along its links."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from ..robots.skeleton import SHORT
 if TYPE_CHECKING:
     from ..robots.pinocchio import PinocchioRobot
 
-#: Of what the file gives no colour, and of the capsules that stand for links (red, green, blue, 0 .. 1).
+#: Colour of shapes without one in the file, and of capsules that represent links (red, green, blue, 0 .. 1).
 PLAIN, LINK = (0.85, 0.85, 0.88), (0.30, 0.42, 0.55)
-#: A mesh with more triangles than this is thinned, to so many cells along its longest side.
+#: A mesh with more triangles than this is simplified, to this number of cells along its longest side.
 MOST_TRIANGLES, CELLS = 3000, 48
-#: Radius of a capsule against the size of the robot.
+#: Radius of a capsule relative to the size of the robot.
 THICKNESS = 0.018
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """Triangles of one colour that one joint carries.
+    """Triangles of one colour, attached to one joint.
 
     Attributes
     ----------
@@ -51,9 +51,9 @@ class Mesh:
 
 
 def meshes_of(robot: PinocchioRobot) -> tuple[list[Mesh], str]:
-    """The meshes of a robot, and in words where they are from.
+    """The meshes of a robot, and their source in words.
 
-    Those of its file; where there are none, or they cannot be read, capsules from joint to joint.
+    They are those of its file; if there are none, or they cannot be read, capsules from joint to joint.
     """
     try:
         shapes = robot.visuals()
@@ -73,14 +73,14 @@ def _of_shape(shape: Any) -> Iterator[Mesh]:
     scale = np.array(shape.meshScale, dtype=np.float64).ravel()
     if not parts:
         parts = [(*_triangles(shape.geometry), tuple(color[:3].tolist()))]
-        scale = np.ones(3)  # which Pinocchio has taken in
+        scale = np.ones(3)  # Pinocchio has applied the scale already
     for vertices, faces, own in parts:
         vertices, faces = _thinned(vertices * scale, faces)
         yield Mesh(joint, vertices @ T[:3, :3].T + T[:3, 3], faces, own, float(color[3]))
 
 
 def _coloured(path: Path) -> list[tuple[Array, NDArray[np.int64], tuple[float, float, float]]]:
-    """The parts of a COLLADA file, a colour each; none where its reader is not there or does not read it."""
+    """The parts of a COLLADA file, each with its colour; none if its reader is missing or cannot read the file."""
     try:
         import trimesh
 
@@ -90,7 +90,7 @@ def _coloured(path: Path) -> list[tuple[Array, NDArray[np.int64], tuple[float, f
             material = getattr(mesh.visual, "material", None)
             color = np.array(mesh.visual.main_color if material is None else material.main_color)[:3] / 255.0
             found.setdefault(tuple(color.tolist()), []).append(mesh)
-    except Exception:  # whatever a file has: its triangles are read by Pinocchio, in one colour
+    except Exception:  # any error in a file: Pinocchio then reads its triangles, in one colour
         return []
     joined: list[tuple[Any, Any]] = [(color, trimesh.util.concatenate(own)) for color, own in found.items()]
     return [(np.array(m.vertices), np.array(m.faces, dtype=np.int64), (c[0], c[1], c[2])) for c, m in joined]
@@ -115,7 +115,7 @@ def _triangles(shape: Any) -> tuple[Array, NDArray[np.int64]]:
     elif isinstance(shape, coal.Ellipsoid):
         mesh = creation.icosphere(subdivisions=2)
         mesh.apply_scale(np.array(shape.radii))
-    else:  # cones and what else there may be: the box around it
+    else:  # cones and other shapes: their bounding box
         shape.computeLocalAABB()
         box = shape.aabb_local
         mesh = creation.box(bounds=np.array([box.min_, box.max_]))
@@ -123,7 +123,7 @@ def _triangles(shape: Any) -> tuple[Array, NDArray[np.int64]]:
 
 
 def _thinned(vertices: Array, faces: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
-    """The mesh with the vertices of a cell of space drawn together into one, if it is a large one."""
+    """The mesh; if it is large, with all vertices in one cell of a grid merged into one."""
     if len(faces) <= MOST_TRIANGLES:
         return vertices, faces
     low = vertices.min(axis=0)
@@ -139,7 +139,7 @@ def _thinned(vertices: Array, faces: NDArray[np.int64]) -> tuple[Array, NDArray[
 
 
 def _capsule(radius: float, length: float) -> Any:
-    """Along z, its middle at the origin."""
+    """A capsule of Coal along z, its centre at the origin."""
     from trimesh import creation
 
     mesh = creation.capsule(length, radius, count=(12, 12))
@@ -148,7 +148,7 @@ def _capsule(radius: float, length: float) -> Any:
 
 
 def _capsules(robot: PinocchioRobot) -> Iterator[Mesh]:
-    """From each joint to those that it carries, and to the tip."""
+    """Capsules from each joint to its children, and to the tip."""
     model = robot.model
     ends = [
         (int(model.parents[i]), np.array(model.jointPlacements[i].translation))
@@ -166,7 +166,7 @@ def _capsules(robot: PinocchioRobot) -> Iterator[Mesh]:
 
 
 def _along(vertices: Array, end: Array) -> Array:
-    """From along z about the origin to along the way from the origin to `end`."""
+    """Vertices along z about the origin, moved to lie along the segment from the origin to `end`."""
     from ..base.rotations import perpendicular
 
     axis = end / np.linalg.norm(end)

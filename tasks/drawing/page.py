@@ -27,12 +27,12 @@ def save_page(path: str | os.PathLike[str], robot: Robot, t: Array, q: Array, ra
     q : array, shape (states, nq)
         Configurations.
     rate : float
-        Pictures a second.
+        Pictures per second.
 
     Raises
     ------
     InvalidInput
-        If the configurations are of another robot, there are none, or the file cannot be written.
+        If the configurations do not fit the robot, there are none, or the file cannot be written.
     """
     rate = positive_scalar(rate, "rate", unit="1/s")
     if q.ndim != 2 or q.shape[1] != robot.nq or not len(q):

@@ -18,9 +18,9 @@ from ..base.telling import tell
 if TYPE_CHECKING:
     import viser
 
-#: Nobody but this machine; and the port, or the next that is free.
+#: Address that only this machine reaches; the first port, and the last one that is tried.
 LOOPBACK, PORT, LAST_PORT = "127.0.0.1", 8080, 65535
-#: Ways to say it.
+#: Names of this machine itself.
 OWN = (LOOPBACK, "localhost", "::1")
 
 
@@ -30,7 +30,7 @@ def viser_module() -> Any:
     Raises
     ------
     MissingPackage
-        If it is not installed.
+        If viser is not installed.
     """
     try:
         import viser
@@ -40,21 +40,21 @@ def viser_module() -> Any:
 
 
 def open_stage(host: str = LOOPBACK, port: int = PORT, label: str = "hqp") -> viser.ViserServer:
-    """A server with a floor and light, without viser's way to share it over the internet.
+    """A viser server with a floor and lights, which cannot be shared over the internet.
 
     Parameters
     ----------
     host : str
-        Where it listens: by default to this machine alone. Anything else is warned of.
+        Address to listen on (default: this machine only; any other address gives a warning).
     port : int
-        Or the next that is free.
+        Port to use, or the next one that is free.
     label : str
-        What stands at the top of the panel.
+        Title at the top of the panel.
 
     Raises
     ------
     InvalidInput
-        If it cannot listen there.
+        If it cannot listen at this address.
     MissingPackage
         If viser is not installed.
     """
@@ -69,7 +69,7 @@ def open_stage(host: str = LOOPBACK, port: int = PORT, label: str = "hqp") -> vi
             f" without --host it is {LOOPBACK}, for this machine alone"
         )
     try:
-        with redirect_stdout(io.StringIO()):  # the address is told by whoever opens it
+        with redirect_stdout(io.StringIO()):  # the caller prints the address
             server: viser.ViserServer = _stage()(host=host, port=port, label=label, verbose=False)
     except (OSError, AssertionError, RuntimeError) as error:
         raise InvalidInput(f"cannot listen on {host!r}, port {port}: {error}") from None
@@ -85,7 +85,7 @@ def _stage() -> Any:
     viser = viser_module()
 
     class Stage(viser.ViserServer):  # type: ignore[misc, name-defined]
-        """Says nothing on its own, and opens no tunnel to the internet where a page asks for one."""
+        """A server that prints nothing, and opens no tunnel to the internet if a page asks for one."""
 
         def request_share_url(self, verbose: bool = True) -> None:
             return None
@@ -98,7 +98,7 @@ def _stage() -> Any:
 
 
 def look(server: viser.ViserServer, bounds: Array) -> None:
-    """Lay a floor, and let pages begin with a view of what lies between two corners [m], shape (2, 3)."""
+    """Lay a floor, and start every page with a view of the box between two corners [m], shape (2, 3)."""
     middle, size = bounds.mean(axis=0), float(np.linalg.norm(bounds[1] - bounds[0]))
     floor = 0.0 if bounds[0, 2] > -0.05 * size else float(bounds[0, 2])
     width = max(2.0, 2.0 * round(2.0 * size) / 2.0)

@@ -1,20 +1,20 @@
 r"""Inverse kinematics: joint positions that solve a strict hierarchy of tasks, iterated to convergence.
 
-The stack is solved step by step, each step a hierarchy linearised where the joints are (:mod:`tasks.ik.newton`), with
-the ranges of the joints above all levels and exactly:
+Each step solves the hierarchy linearised at the present configuration (:mod:`tasks.ik.newton`). The joint ranges hold
+exactly, above all levels:
 
 .. math:: q \leftarrow q \oplus x, \qquad x = \text{lex min} \; (\lVert J_1 x - e_1 \rVert, \lVert J_2 x - e_2
     \rVert, \dots) \quad \text{within the ranges and a trust region}
 
-*Search.* Steps are full Newton steps near a solution. Farther away none takes a joint more than a share of its way to a
-limit, for a joint that rests on its limit leaves less freedom to all others; and the trust region shrinks where the
-error grew. A step that makes things worse is taken nevertheless: from there the next one often finds its way around a
-local minimum. Where the error does not fall any more, the search goes on from the best of a few random configurations.
+*Search.* Steps are full Newton steps near a solution. Farther away, a step moves each joint by at most a share of its
+distance to a limit, because a joint on its limit leaves less freedom to all others; and the trust region shrinks after
+the error grew. A step that increases the error is accepted: the next one often finds a way around a local minimum. If
+the error no longer falls, the search continues from the best of several random configurations.
 
-*Settling.* From the best configuration found, only steps that keep their promise are taken: of the levels which the
-linearised hierarchy promises less of an error, the highest must get a good part of it, and none above it may lose. The
-end is where nothing is promised to any level. So the levels below the goal get what they can, and where the goal cannot
-be met the joints come to rest at what is nearest to it, and the last solution explains what stopped them.
+*Settling.* From the best configuration found, a step is accepted only if it achieves its prediction: the highest level
+for which the linearised hierarchy predicts a smaller error must get a given share of it, and no level above may lose.
+Settling ends when no decrease is predicted for any level. So levels below the goal are met as far as possible. If the
+goal cannot be met, the joints come to rest at a nearest point, and the last solution explains what stopped them.
 """
 
 from __future__ import annotations
@@ -37,25 +37,25 @@ from .newton import TRUST_REGION
 
 #: Lengths [m] and angles [rad] up to which a task counts as met.
 TOLERANCE = (1e-4, 1e-3)
-#: The trust region of the first step, and what it keeps of itself where the error grew; it doubles where it fell.
+#: First trust region, its factor after the error grew (it doubles after the error fell), and its least radius.
 RADIUS, SHRINK, LEAST_RADIUS = 2.0, 0.5, 0.2
-#: Of the way to its limit, what a joint may go in one step while the error [m, rad] is larger than `NEAR`.
+#: Share of the distance to its limit by which a joint may move in one step, while the error [m, rad] exceeds `NEAR`.
 SHARE, NEAR = 0.3, 0.1
-#: So many steps in a row that do not bring the error below this share of the least one end an attempt.
+#: An attempt ends after this many steps in a row without an error below this share of the least one.
 PATIENCE, FALL = 6, 0.8
-#: An attempt that has no successor is given so many times the patience.
+#: Factor on the patience of the last attempt.
 LAST = 4
-#: The random configurations of which the best begins the next attempt.
+#: Number of random configurations; the best of them starts the next attempt.
 CANDIDATES = 20
-#: What is kept for settling while the goal is not reached: one iteration in so many.
+#: One iteration in this many is reserved for settling while the goal is not reached.
 RESERVE = 5
-#: A level that a step promises less than this share of the tolerance is at rest; the first that is not decides.
+#: A level is at rest if its predicted decrease is below this share of the tolerance; the first one not at rest decides.
 PROMISE = 1e-2
-#: Of what is promised to that level it must get this share; and what a level above it may lose, of its tolerance.
+#: Share of its predicted decrease that this level must get; share of its tolerance that a level above may lose.
 KEPT, LOSS = 0.1, 0.1
-#: Below this share of the pull of a level, what pushes back is not what stops it; and how many causes are named.
+#: A cause weaker than this share of the pull of a level does not stop it; number of causes that are named.
 FAINT, MOST_NAMED = 0.01, 3
-#: A trust region as small as this is the end of settling [rad], [m].
+#: Settling ends at a trust region as small as this [rad], [m].
 REST = 1e-7
 
 
@@ -72,9 +72,9 @@ class IkResult:
     errors : dict of str to dict of str to float
         Task -> unit -> norm of what is missing there, as in ``{"position": {"m": 2e-9}}``.
     iterations, restarts : int
-        Hierarchies solved, and how often the search began anew.
+        Number of hierarchies solved, and number of restarts.
     solution : hqp.Solution
-        Of one more step from q; ``solution.explain()`` says which limit or task stops which.
+        Solution of one more step from q; ``solution.explain()`` tells which limit or task stops each task.
     status : str
         How it ended, in words.
     """
@@ -111,14 +111,14 @@ def solve_ik(
 ) -> IkResult:
     """A configuration that meets the tasks of a stack in order of priority, inside the ranges of the joints.
 
-    Targets are taken as they are at t = 0. Of the joint limits in the stack the ranges count, whatever their level,
-    together with the robot's own; limits of speeds and accelerations say nothing here, nor do gains.
+    Targets are evaluated at t = 0. Joint ranges in the stack hold at any level, together with the robot's own. Limits
+    of speeds and accelerations, and gains, have no effect here.
 
     Parameters
     ----------
     robot : Robot
     stack : Stack, or a single task
-        What is wanted, in order of priority.
+        The tasks, in order of priority.
     q0 : array, shape (nq,), optional
         Where to start (default: the robot's ``home``, else neutral); moved into the ranges where it is outside.
     goal : tasks of the stack, optional
@@ -128,26 +128,25 @@ def solve_ik(
     iterations : int
         The most hierarchies that are solved, restarts included.
     restarts : bool
-        Whether the search begins anew from random configurations where it is stuck. A floating base stays where it is
-        at q0.
+        Whether the search restarts from random configurations when it is stuck; a floating base is kept as in q0.
     settle : bool
-        Whether to go on until all levels are at rest, or to stop as soon as the goal is reached. Without, nothing is
-        kept back of the iterations, and where the goal is not reached q is only the best seen.
+        Whether to go on until all levels are at rest, or to stop as soon as the goal is reached. If False, no
+        iterations are reserved for settling, and if the goal is not reached, q is only the best one seen.
     seed : int
-        Of the random configurations: the same seed, the same answer.
+        Seed of the random configurations; the same seed gives the same answer.
     backend : str
         A name from ``hqp.available_backends()``.
 
     Returns
     -------
     IkResult
-        A goal that cannot be met is no exception: ``reached`` is False, and q is as near as was found.
+        A goal that cannot be met raises no exception: ``reached`` is False, and q is the nearest one found.
 
     Raises
     ------
     InvalidInput
-        If the stack does not fit the robot, has no task, or not those of the goal; or q0, a tolerance or the number of
-        iterations means nothing.
+        If the stack does not fit the robot, has no task, or does not contain the goal; or if q0, a tolerance or the
+        number of iterations is invalid.
 
     Examples
     --------
@@ -244,8 +243,8 @@ def _settle(problem: Linearised, best: Visit, most: int) -> tuple[Visit, bool]:
 def _why(solution: Solution, k: int) -> str:
     """What stops level k where the joints are at rest.
 
-    Where a limit or a task does, it pushes back about as hard as the level pulls. Where nothing does, the pull itself
-    has vanished, as with an arm that is stretched out.
+    A limit or task that stops it pushes back about as hard as the level pulls. If there is none, the pull itself has
+    vanished, as with a stretched arm.
     """
     told, level = solution.explain().levels[k], solution.hierarchy.levels[k]
     rows = solution.hierarchy.matrix(k)

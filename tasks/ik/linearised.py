@@ -25,9 +25,9 @@ from ..rows.row_writer import RowWriter
 from ..rows.task import Task
 from .newton import Room, levels_of_steps, ranges
 
-#: What has an error to be judged by.
+#: Parts that have an error.
 JUDGED = (Task, Inequality)
-#: How far to either side a joint is drawn that turns freely [rad], [m].
+#: Half width of the random range of a joint without limits [rad], [m].
 HALF_TURN = np.pi
 
 
@@ -54,8 +54,8 @@ class Visit:
     levels : array
         The weighted norm of the errors of each level.
     rank : tuple
-        Sorts configurations, the best first: whether the goal is reached, then the norms of the levels in whole
-        tolerances, then what is left of them.
+        Key that sorts configurations, best first: whether the goal is reached, then the norms of the levels rounded to
+        whole tolerances, then the remainders.
     """
 
     __slots__ = ("_rank", "_small", "error", "levels", "q", "reached", "squares")
@@ -144,7 +144,7 @@ class Linearised:
                     allowed.append(_tolerance(unit, tolerance))
                     most.append(allowed[-1] ** 2 if part in wanted else np.inf)
                     self._names.append((name, unit))
-                    self._levels.append(k + 1)  # below the room
+                    self._levels.append(k + 1)  # level 0 of the hierarchy is the room
             small.append(min(allowed, default=1.0))
         nv, h = self.robot.nv, self.hierarchy
         self._below, self._above, squared = h.lower[nv:], h.upper[nv:], h.weights[nv:] ** 2
@@ -165,21 +165,21 @@ class Linearised:
         return np.asarray(self.integrate(given, step)) if step.any() else given
 
     def random(self, q: Array, rng: np.random.Generator, count: int) -> list[Array]:
-        """So many configurations with every joint anywhere in its range, but a floating base where it is at q."""
+        """`count` random configurations in the joint ranges, with a floating base as in q."""
         steps = rng.uniform(self._from, self._to, (count, self.robot.nv))
         steps -= joint_positions(self.robot.at(q, self._still))
         steps[:, : base(self.robot)] = 0.0
         return [self.integrate(q, step) for step in steps]
 
     def visit(self, q: Array) -> Visit:
-        """Linearise at q, and judge it; there is nothing to do where the last visit was there."""
+        """Linearise at q and compute the errors; does nothing if the last visit was at q."""
         if self._here is None or self._here.q is not q:
             self._linearise(q)
             self._here = Visit(q, self._found.copy(), self._allowed)
         return self._here
 
     def nearest(self, candidates: Iterable[Array]) -> Array:
-        """The configuration with the least error of the goal, of several."""
+        """The one of several configurations with the least error of the goal."""
         least, best = np.inf, None
         for q in candidates:
             self._linearise(q)
@@ -219,7 +219,7 @@ class Linearised:
 
 
 def _tolerance(unit: str, tolerance: Array) -> float:
-    """What a row in this unit may be off: a length, an angle, or what is smaller for a sum of both."""
+    """The tolerance for a row in this unit: that of lengths or of angles, or the smaller one for a sum of both."""
     return float({"m": tolerance[0], "rad": tolerance[1]}.get(unit, tolerance.min()))
 
 

@@ -1,8 +1,8 @@
 r"""The rows of one Newton step of a stack, and the bounds of that step.
 
-Its rows are those of order "displacement" (:mod:`tasks.rows.kernels.law`): a task asks for the whole of its error, an
-inequality leaves what there is to its bounds, whatever the gain and however the target moves. Of the joint limits only
-the ranges count, above all levels and exactly, together with the trust region: how far the linearisation is believed.
+Its rows are those of order "displacement" (:mod:`tasks.rows.kernels.law`): a task asks for its whole error, and an
+inequality allows the whole distance to its bounds; gains and the motion of targets have no effect. Of the joint limits
+only the ranges are used. They hold exactly, above all levels, together with a trust region of radius r:
 
 .. math:: \max(q_{min} - q, -r) \le x \le \min(q_{max} - q, r)
 """
@@ -30,11 +30,11 @@ if TYPE_CHECKING:
     from ..rows.plan import Plan
     from ..rows.site import Site
 
-#: Of a bound, against the trust region that it may be.
+#: Relative tolerance within which a bound is that of the trust region.
 SAME = 1e-12
-#: What a bound is called that is no limit of the joint.
+#: Name of a bound that is not a joint limit.
 TRUST_REGION = "trust region"
-#: Parts that speak of speeds, or that :func:`ranges` reads.
+#: Parts that are left out: they limit speeds, or :func:`ranges` reads them.
 DROPPED = (JointLimit, JointLimits, FrameVelocityLimit)
 
 
@@ -60,7 +60,7 @@ class Room(Part):
         return [Label("position limit", joint, unit, Which(self)) for joint, unit in joints]
 
     def plan(self, site: Site) -> Plan:
-        """Nothing every tick: how far to go is known only when the state has been judged; see :meth:`open`."""
+        """No loop: the bounds depend on the errors at the state, and are written by :meth:`open`."""
         from ..base.loops import Call
         from ..rows.plan import Plan
         from .kernels.steps import open_room
@@ -78,7 +78,7 @@ class Room(Part):
         return float(self._reach[0])
 
     def open(self, radius: float, share: float) -> None:
-        """Write the bounds where the joints are: a share of what is left to the limits, within the radius."""
+        """Write the bounds at the present joints: a share of the distances to the limits, within the radius."""
         self._reach[:] = radius, share
         self._call.run()
 
@@ -94,12 +94,12 @@ class Which:
 
 
 def levels_of_steps(stack: Stack, levels: Levels) -> list[list[RowWriter]]:
-    """The levels that are solved of a stack, without the limits of joints and speeds.
+    """The levels of a stack that are solved, without limits of joints and speeds.
 
     Raises
     ------
     InvalidInput
-        If nothing but limits is in it.
+        If the stack has only limits.
     """
     kept = [[part for part in level if not isinstance(part, DROPPED)] for level in levels.parts]
     if not any(kept):
@@ -113,7 +113,7 @@ def ranges(robot: Robot, levels: Levels) -> Array:
     Raises
     ------
     InvalidInput
-        If a joint is left no range.
+        If a joint has no range left.
     """
     own = limit_of(robot, "position")
     low, high = np.array([[-np.inf], [np.inf]]).repeat(robot.nv, axis=1) if own is None else np.array(own)

@@ -5,16 +5,16 @@ r"""Task: drive the link point nearest to an obstacle away from it, one row.
     \lambda\, n^T J x = \lambda\, (n^T \dot o + \lambda v_0), \qquad
     \lambda = s^2 (3 - 2 s), \quad s = \min(\max(1 - d / d_i, 0), 1)
 
-of the nearest pair: away at the speed v_0 where it touches, not at all where it is as far as the influence distance
-d_i. That the motion away from an obstacle takes one degree of freedom, not three, is due to L. Zlajpah and B. Nemec,
+for the nearest pair: the link moves away at speed v_0 if it touches, and not at all at the influence distance d_i.
+That the motion away from an obstacle takes one degree of freedom, not three, is due to L. Zlajpah and B. Nemec,
 "Kinematic control algorithms for on-line obstacle avoidance for redundant manipulators", IEEE/RSJ IROS 2002; the
 task itself to A. A. Maciejewski and C. A. Klein, "Obstacle avoidance for kinematically redundant manipulators in
 dynamically varying environments", International Journal of Robotics Research 4(3), 1985.
 
-Unlike :class:`tasks.DistanceLimit` it keeps no margin: it pushes when there is room, knows one pair, and between two
-ticks another pair may be the nearest. Scaled rows fade in beside others of their level, such as a Damping; strictly
-above a task the row takes its degree of freedom, however small its scale. As a step of the joints it asks for the way
-of one second.
+Unlike :class:`tasks.DistanceLimit` it guarantees no margin: it moves the link only if higher levels permit, uses one
+pair, and the nearest pair may change between two ticks. The scale lambda fades the row in only beside other rows of its
+level, such as a Damping; strictly above a task, the row takes its degree of freedom however small lambda is. As a step
+of the joints it asks for the displacement of one second.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class AvoidanceTask(Part):
     influence : float
         d_i: the distance at which it begins [m].
     speed : float
-        v_0: how fast it moves away where it touches [m/s].
+        v_0: the speed away from the obstacle at contact [m/s].
     gain : float
         At acceleration order, the rate [1/s] at which that speed is reached.
     weight : float
@@ -62,7 +62,7 @@ class AvoidanceTask(Part):
     Raises
     ------
     InvalidInput
-        If a number is not positive, or a link is none of the robot's.
+        If a number is not positive, or a link does not belong to the robot.
 
     Examples
     --------
@@ -100,7 +100,7 @@ class AvoidanceTask(Part):
 
     @number
     def speed(self, value: float) -> float:
-        """v_0: how fast it moves away where it touches [m/s]."""
+        """v_0: the speed away from the obstacle at contact [m/s]."""
         return positive_scalar(value, f"{self.full_name()}: speed", unit="m/s")
 
     @number

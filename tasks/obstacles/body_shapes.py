@@ -59,7 +59,7 @@ class Shapes:
         self._sides = np.array([(pair.first, pair.second) for pair in pairs], dtype=np.intp).reshape(-1, 2).T
 
     def leave_out(self, margin: float) -> None:
-        """Watch no longer the pairs that are no farther apart than this at the robot's home [m]."""
+        """Remove the pairs with a distance of at most `margin` [m] at the robot's home."""
         home = self.distances(self._robot.at(self._robot.home))
         for k in np.flatnonzero(home <= margin)[::-1]:
             self.geometry.removeCollisionPair(self.geometry.collisionPairs[int(k)])
@@ -69,7 +69,7 @@ class Shapes:
         return len(self.geometry.collisionPairs)
 
     def names(self) -> list[str]:
-        """One a pair: ``"panda_hand - panda_link0"``; what stands in the world by the name of its shape."""
+        """One name per pair: ``"panda_hand - panda_link0"``; fixed objects by the name of their shape."""
         shapes, bodies = self.geometry.geometryObjects, bodies_of(self._robot, self.geometry)
         titles = [shape.name if body == WORLD else body for shape, body in zip(shapes, bodies, strict=True)]
         return [f"{titles[pair.first]} - {titles[pair.second]}" for pair in self.geometry.collisionPairs]
@@ -81,10 +81,9 @@ class Shapes:
         return np.array([result.min_distance for result in self._data.distanceResults])
 
     def closest(self, state: RobotState, count: int) -> list[int]:
-        """So many pairs, none of the others nearer.
+        """The `count` nearest pairs.
 
-        A ball about each shape tells the least that a pair can be apart; those farther than the last one wanted are
-        not measured.
+        Bounding balls give a lower bound on each distance; pairs whose bound is too large are not measured.
         """
         self._place(state)
         centres = np.array([place.act(ball) for place, ball in zip(self._data.oMg, self._centres, strict=True)])
@@ -99,11 +98,11 @@ class Shapes:
         return [k for _, k in found]
 
     def contact(self, k: int, out: Array) -> None:
-        """One of them, as the last look at the distances found it: the distance, the normal, and both witnesses."""
+        """Write distance, normal and both witnesses of pair k, as last measured, into `out`."""
         out[0], out[4:7], out[7:], out[1:4] = self._witnesses(self._data.distanceResults[k])
 
     def _place(self, state: RobotState) -> None:
-        """Put the shapes where the joints are, whose places come with the joint Jacobians of a state."""
+        """Move the shapes with the joints; computes the joint Jacobians of the state, which include joint poses."""
         data = state.ready()  # type: ignore[attr-defined]
         self._pin.updateGeometryPlacements(self._robot.model, data, self.geometry, self._data)
 
@@ -114,7 +113,7 @@ def shapes_of(robot: Any, what: str) -> Any:
     Raises
     ------
     InvalidInput
-        If it is no robot with shapes.
+        If it is not a robot with shapes.
     """
     if not on_pinocchio(robot):
         raise InvalidInput(f"{what}: {robot!r} has no shapes; it needs a robot of load_robot")
@@ -129,12 +128,12 @@ def bodies_of(robot: Any, geometry: Any) -> list[str]:
 
 
 def known(names: Iterable[str], bodies: Iterable[str], what: str) -> None:
-    """Refuse what is no body with a shape.
+    """Refuse a name that is not a body with a shape.
 
     Raises
     ------
     InvalidInput
-        Tells the nearest names.
+        The message lists the nearest names.
     """
     bodies = dict.fromkeys(bodies)
     for name in names:

@@ -22,7 +22,7 @@ class CollisionLimit(ShapesLimit):
     """Keep the shapes of a robot at a distance from solids: boxes, and convex polyhedra and meshes.
 
     ``CollisionLimit([Box([0.8, 1.2, 0.05], at=table)], margin=0.02, gain=10.0)``; the shapes of the robot are those of
-    its file, or of ``robot.with_geometry(...)``. Bodies that stand in the world themselves are not looked at. Spheres
+    its file, or of ``robot.with_geometry(...)``. Bodies fixed in the world are ignored. Spheres
     and capsules that move are for :class:`DistanceLimit`, whose margin is proved within the tick.
 
     Parameters
@@ -35,14 +35,14 @@ class CollisionLimit(ShapesLimit):
     gain : float
         K [1/s]: the rate at which the margin is neared; at most 1/dt.
     rows : int
-        For so many pairs, those which are nearest.
+        Number of rows, one for each of the nearest pairs.
     name : str
 
     Raises
     ------
     InvalidInput
-        If there is no obstacle or one is no solid, the margin is negative, the gain not positive or more than 1/dt, the
-        robot has no shapes, or a name is no body with a shape that moves.
+        If there is no obstacle, one is not a solid, the margin is negative, the gain is not positive or exceeds 1/dt,
+        the robot has no shapes, or a name is not a moving body with a shape.
 
     Examples
     --------

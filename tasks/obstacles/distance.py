@@ -1,9 +1,10 @@
 r"""Limit: links keep a distance from obstacles, one linear inequality a pair, safe within the tick.
 
 With the distance d of a link to an obstacle, n the unit normal from the obstacle to the link and J the Jacobian of the
-witness, :math:`\dot d = n^T (J \dot q - \dot o)`. That is linear now, not at the end of the tick: what the turn of the
-link and the bend of its way can take is at most a reserve :math:`\rho` (:mod:`tasks.obstacles.kernels.reserve`). With
-:math:`e = d - d_{min} - \rho` and the way :math:`\Delta o` of the obstacle within the tick,
+witness, :math:`\dot d = n^T (J \dot q - \dot o)`. This holds at the beginning of the tick. The
+distance lost in the tick through the rotation of the link and the curvature of its path is at most a reserve
+:math:`\rho` (:mod:`tasks.obstacles.kernels.reserve`). With
+:math:`e = d - d_{min} - \rho` and the displacement :math:`\Delta o` of the obstacle in the tick,
 
 .. math::
 
@@ -24,8 +25,8 @@ velocity of the tick its strictest form b', that of K = 1/dt, so that the next d
 As a step of the joints, for inverse kinematics, there is neither gain nor reserve:
 :math:`n^T J\, dq \ge -(d - d_{min})`.
 
-What is proved is one tick. Whether the row can be met is a matter of the levels above it: acceleration limits may
-leave too little to brake with, in the order of K times the speed, and then a smaller K keeps farther away.
+The proof covers one tick. Whether the row can be met depends on the levels above it: braking needs an acceleration of
+the order of K times the speed, which acceleration limits may not allow; a smaller K then keeps a larger distance.
 """
 
 from __future__ import annotations
@@ -59,8 +60,8 @@ if TYPE_CHECKING:
 class DistanceLimit(Part):
     """Keep links at a distance from obstacles; see :mod:`tasks.obstacles.distance`.
 
-    It stands below the joint limits, or on their level, and above what must give way. The limits tell how fast the
-    joints may turn, which the reserve is computed from: at velocity order the stack needs a JointVelocityLimit or a
+    Put it below the joint limits, or on their level, and above the tasks that must give way. The reserve is computed
+    from the largest joint speeds that the limits allow: at velocity order the stack needs a JointVelocityLimit or a
     JointAccelerationLimit.
 
     Parameters
@@ -73,15 +74,15 @@ class DistanceLimit(Part):
     gain : float
         K [1/s]: the rate at which the margin is neared; at most 1/dt.
     nearest : int, optional
-        Rows for so many pairs only, those which are nearest (default: a row for every pair).
+        Number of rows, one for each of the nearest pairs (default: a row for every pair).
     weight : float or array, shape (rows,)
     name : str
 
     Raises
     ------
     InvalidInput
-        If the margin is negative, the gain not positive or more than 1/dt, the controller has no dt, or a link is
-        none of the robot's, or if nothing limits the joint speeds.
+        If the margin is negative, the gain is not positive or exceeds 1/dt, the controller has no dt, a link does not
+        belong to the robot, or nothing limits the joint speeds.
 
     Examples
     --------
@@ -191,7 +192,7 @@ class DistanceLimit(Part):
 
 
 def told(site: Site, given: Sequence[float]) -> tuple[Entry, ...]:
-    """What the loops of all parts of distances are told first: see :mod:`tasks.obstacles.kernels.rows`."""
+    """The first arguments of the loops of all distance parts, see :mod:`tasks.obstacles.kernels.rows`."""
     from ..rows.kernels.law import ORDERS
 
     assert site.A is not None
@@ -208,7 +209,7 @@ def fastest(site: Site) -> tuple[Entry, Entry]:
 
 
 def check_rate(what: str, gain: float, order: Order, dt: float | None) -> None:
-    """Refuse a rate that passes the margin within a tick, and a tick that is not known; a step of the joints has none.
+    """Refuse a gain above 1/dt, which would pass the margin in one tick, and an unknown dt; steps of joints need none.
 
     Raises
     ------

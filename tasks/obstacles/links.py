@@ -17,7 +17,7 @@ from ..robots.planar import PlanarArm
 from ..robots.robot import Robot, check_frame, integrate, neutral
 from .body_shapes import bodies_of, shapes_of
 
-#: What "carried by a frame" may differ by when the joints move [m].
+#: Tolerance for a point that a frame carries, when the joints move [m].
 RIGID = 1e-9
 
 
@@ -31,8 +31,8 @@ class LinkCapsule(Live):
     frame : str
         The frame that carries it.
     end : str or array, shape (3,) or (2,)
-        Where the segment ends: another frame whose origin the first carries too, as that of the next joint; or a point
-        in the coordinates of `frame` [m].
+        Where the segment ends: another frame whose origin is fixed in `frame`, as that of the next joint; or a point in
+        the coordinates of `frame` [m].
     radius : float
         [m].
     start : array, shape (3,) or (2,), optional
@@ -74,7 +74,7 @@ class LinkCapsule(Live):
 
     @number
     def radius(self, value: float) -> float:
-        """About the segment [m]; not negative."""
+        """Radius about the segment [m]; not negative."""
         return scalar(not_negative(value, f"{self.full_name()}: radius", unit="m"), f"{self.full_name()}: radius")
 
     def bind(self, robot: Robot) -> Array:
@@ -83,7 +83,7 @@ class LinkCapsule(Live):
         Raises
         ------
         InvalidInput
-            If the robot has no such frame, or the end moves against it.
+            If the robot has no such frame, or the end moves relative to it.
         """
         for name in (self.frame, self.end):
             if isinstance(name, str):
@@ -130,7 +130,7 @@ def planar_links(arm: PlanarArm, radius: float) -> tuple[LinkCapsule, ...]:
 
 
 def link_capsules(robot: Robot, bodies: Iterable[str] | None = None) -> tuple[LinkCapsule, ...]:
-    """The bodies of a robot as capsules, each the smallest that holds all collision shapes of its body.
+    """The bodies of a robot as capsules, each the smallest that contains all collision shapes of its body.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def link_capsules(robot: Robot, bodies: Iterable[str] | None = None) -> tuple[Li
 
 
 def _point(given: ArrayLike, what: str, allowed: str) -> Array:
-    """A point, of the plane too, shape (3,)."""
+    """A point in space or in the plane as an array, shape (3,)."""
     point = finite(given, what)
     if point.shape not in {(2,), (3,)}:
         raise InvalidInput(f"{what} has shape {point.shape}; it must be (3,){allowed}")
@@ -180,7 +180,7 @@ def _point(given: ArrayLike, what: str, allowed: str) -> Array:
 
 
 def axes(frame: Frame) -> Array:
-    """The axes of a frame in columns, shape (3, 3), of a planar arm too."""
+    """The axes of a frame in columns, shape (3, 3), also for a planar arm."""
     if frame.rotation.ndim == 2:
         return frame.rotation
     c, s = np.cos(frame.rotation[0]), np.sin(frame.rotation[0])

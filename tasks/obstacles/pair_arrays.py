@@ -40,20 +40,20 @@ class PairArrays:
     block : callable
         Gives the block of a frame.
     t : float
-        When the obstacles are where they are [s].
+        Time at which the obstacles are evaluated [s].
     dt : float, optional
-        If their way within the next tick is asked for [s].
+        Tick [s], if the displacement of the obstacles in the next tick is needed.
     rates : bool
-        Whether their velocities and accelerations are.
+        Whether their velocities and accelerations are needed.
 
     Attributes
     ----------
     table : Table
-        What :mod:`tasks.obstacles.kernels.distances` is told.
+        Arguments of :mod:`tasks.obstacles.kernels.distances`.
     found : array, shape (pairs, 7)
-        Of each pair the distance, the normal and the witness.
+        Distance, normal and witness of each pair.
     moves : tuple of callable
-        Bring the obstacles up to date, by the time [s].
+        Functions of time [s] that update the obstacles.
     """
 
     def __init__(
@@ -84,7 +84,7 @@ class PairArrays:
 
 
 def _follow(obstacle: Obstacle, shape: Array, dt: float | None, rates: bool) -> Move:
-    """What writes an obstacle into its array at a time."""
+    """The function of time that writes an obstacle into its array."""
     from .kernels import distances as of
 
     core = shape[of.CORE : of.VELOCITY].reshape(2, 3)
@@ -113,7 +113,7 @@ def _stands(obstacle: Obstacle) -> bool:
 
 @once
 def _asked(kind: type) -> bool:
-    """Whether a class of its own tells where it is, and not whether it moves: then it is asked at every tick."""
+    """Whether a user's class defines its place but not `moves`: it is then evaluated at every tick."""
     for cls in kind.__mro__:
         if "moves" in vars(cls):
             return False

@@ -26,12 +26,12 @@ class Pairs(Live):
     links : sequence of LinkCapsule
     obstacles : sequence of Obstacle
     what : str
-        How messages call who asks.
+        Name of the part in messages.
 
     Raises
     ------
     InvalidInput
-        If one of them is no link or no obstacle, or there is none.
+        If an entry is not a link or an obstacle, or there is none.
     """
 
     links: tuple[LinkCapsule, ...] = structure()
@@ -56,9 +56,9 @@ class Pairs(Live):
         return [f"{link.name} - obstacle {j + 1}" for link in self.links for j in range(len(self.obstacles))]
 
     def bind(self, robot: Robot) -> list[Array]:
-        """Where the links begin and end, in the coordinates of their frames; refuses what the robot has not.
+        """Where the links begin and end, in the coordinates of their frames; refuses frames the robot does not have.
 
-        It hangs on structure alone, which stays, and is computed once a robot.
+        It depends only on structure, which does not change, and is computed once per robot.
         """
         bound = self._bound
         if bound is None or bound[0] is not robot:

@@ -27,8 +27,8 @@ class SelfCollisionLimit(ShapesLimit):
     Parameters
     ----------
     pairs : iterable of (str, str), optional
-        Frames of the bodies to be kept apart (default: the pairs that the shapes come with, as of an MJCF; else all;
-        but those with one joint between them or none, and those which are nearer than the margin at the robot's home).
+        Frames of the bodies to be kept apart (default: the pairs given with the shapes, as in an MJCF, else all pairs;
+        in both cases without pairs with at most one joint between them, and those nearer than the margin at home).
     without : iterable of (str, str), or path of an SRDF, optional
         Pairs to be left out: those named, or all that the file disables.
     margin : float
@@ -36,14 +36,14 @@ class SelfCollisionLimit(ShapesLimit):
     gain : float
         K [1/s]: the rate at which the margin is neared; at most 1/dt.
     rows : int
-        For so many pairs, those which are nearest.
+        Number of rows, one for each of the nearest pairs.
     name : str
 
     Raises
     ------
     InvalidInput
         If the margin is negative, the gain not positive or more than 1/dt, the robot has no file of shapes, a frame is
-        none of its, or no pair is left; or if a file is no SRDF.
+        unknown, or no pair is left; or if a file is not an SRDF.
 
     Examples
     --------
@@ -108,7 +108,7 @@ class SelfCollisionLimit(ShapesLimit):
 
 
 def disabled(path: Path, what: str) -> tuple[Both, ...]:
-    """The pairs of bodies that an SRDF says not to look at.
+    """The pairs of bodies that an SRDF disables.
 
     Raises
     ------

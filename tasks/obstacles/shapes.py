@@ -19,8 +19,8 @@ from ..targets.trajectories import Fixed, Trajectory, as_trajectory
 class Obstacle(Live):
     """Base of obstacles: a shape in the world, fixed or moving.
 
-    One of your own tells its `core`, and its velocity and acceleration where it moves; it is asked at every tick,
-    unless it says by `moves` that it stands still.
+    A class of your own defines `core`, and `velocity` and `acceleration` if it moves; it is evaluated at every tick,
+    unless `moves` is False.
 
     Attributes
     ----------

@@ -8,8 +8,8 @@ and the same of the velocity at the end of the tick at acceleration order.
 Shapes are convex, meshes by their hulls, and their distances come from Coal, by the method of E. G. Gilbert, D. W.
 Johnson and S. S. Keerthi, "A fast procedure for computing the distance between complex objects in three-dimensional
 space", IEEE Journal on Robotics and Automation 4(2), 1988. The witness of two flat faces may jump within a tick, and
-no reserve is kept for that: the margin is passed by what one tick bends, of a Panda at 0.01 s by up to a millimetre.
-Where that matters, take a larger margin or a shorter tick.
+no reserve is kept for that: the curvature of the motion in one tick may violate the margin, for a Panda at 0.01 s by
+up to a millimetre. If that matters, use a larger margin or a shorter tick.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class ShapesLimit(Part):
     gain : float
         K [1/s]: the rate at which the margin is neared; at most 1/dt.
     rows : int
-        For so many pairs, those which are nearest.
+        Number of rows, one for each of the nearest pairs.
     name : str
     """
 
@@ -68,7 +68,7 @@ class ShapesLimit(Part):
         return positive_scalar(value, f"{self.full_name()}: gain", unit="1/s")
 
     def found(self, robot: Robot) -> Shapes:
-        """The pairs of this robot, looked for anew.
+        """The pairs of this robot, computed anew.
 
         Raises
         ------
@@ -78,7 +78,7 @@ class ShapesLimit(Part):
         raise NotImplementedError
 
     def numbers(self) -> tuple[Any, ...]:
-        """What the pairs hang on, by identity."""
+        """The objects that the pairs depend on, compared by identity."""
         return (self.margin,)
 
     def shapes(self, robot: Robot) -> Shapes:

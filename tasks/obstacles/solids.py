@@ -42,11 +42,11 @@ class Solid(Live):
         return place
 
     def numbers(self) -> tuple[Any, ...]:
-        """What it is made of."""
+        """The arrays that define it."""
         raise NotImplementedError
 
     def shape(self) -> Any:
-        """The same for Coal."""
+        """Its shape in Coal."""
         raise NotImplementedError
 
 
@@ -129,7 +129,7 @@ class Polyhedron(Solid):
 
     @number
     def points(self, value: ArrayLike) -> Array:
-        """Whose hull it is [m], shape (k, 3)."""
+        """The points whose hull it is [m], shape (k, 3)."""
         points = finite(value, f"{self.full_name()}: points")
         if points.ndim != 2 or points.shape[1] != 3:
             raise InvalidInput(f"{self.full_name()}: points has shape {points.shape}; it must be (k, 3)")

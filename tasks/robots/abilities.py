@@ -2,7 +2,7 @@
 
 A robot has an ability if it has all attributes of the protocol: there is nothing to inherit from, and nothing to
 register. :func:`tasks.robots.admission.as_robot` looks once at what each of them holds; :mod:`tasks.robots.robot` asks.
-The attributes named here mean what is said here, and no others mean anything: a robot may have a `model` of its own.
+Only the attributes named here have a meaning, the one given here; a robot may have any others, such as a `model`.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from .state import RobotState
 
 @runtime_checkable
 class Sized(Protocol):
-    """Has so many joints: nq numbers of a configuration, and nv joint velocities."""
+    """Has sizes: nq numbers of a configuration, and nv joint velocities."""
 
     @property
     def nq(self) -> int: ...
@@ -48,7 +48,7 @@ class Robot(Sized, Protocol):
 
 @runtime_checkable
 class Neutral(Protocol):
-    """Has a configuration to try tasks at, shape (nq,); without, they are tried at zero."""
+    """Has a configuration at which tasks are tried, shape (nq,); without it they are tried at zero."""
 
     @property
     def neutral(self) -> Array: ...
@@ -58,7 +58,7 @@ class Neutral(Protocol):
 class Manifold(Neutral, Protocol):
     """Its configurations lie on a manifold, where ``q + v dt`` means nothing: circles, quaternions, joints that wrap.
 
-    Its states tell `robot`, see :class:`Owned`, and, where nq and nv differ, `joints`, see :class:`WithJoints`.
+    Its states have `robot`, see :class:`Owned`, and, if nq and nv differ, `joints`, see :class:`WithJoints`.
     """
 
     def integrate(self, q: Array, step: Array, /) -> Array:
@@ -72,9 +72,9 @@ class Manifold(Neutral, Protocol):
 
 @runtime_checkable
 class Homed(Protocol):
-    """Has a configuration to start from, shape (nq,): inverse kinematics does, and pairs of links that touch there may.
+    """Has a configuration to start from, shape (nq,); without it, that is the neutral one.
 
-    Without, it is the neutral one.
+    Inverse kinematics starts there, and pairs of bodies that touch there are not watched for collision.
     """
 
     @property
@@ -83,9 +83,9 @@ class Homed(Protocol):
 
 @runtime_checkable
 class Floating(Protocol):
-    """Tells how many velocities, the first, are those of a base that moves freely: 6, 3 in the plane, or 0.
+    """Tells how many of the first velocities belong to a free base: 6, 3 in the plane, or 0.
 
-    Postures and criteria leave these alone, and torques are refused where there are any. Without, it is mounted.
+    Postures and criteria ignore these velocities, and torques are refused if there are any. Without it: mounted.
     """
 
     @property
@@ -99,7 +99,7 @@ class Floating(Protocol):
 class Named(Protocol):
     """Has a name and the unit of its position, "rad" or "m", for every joint velocity.
 
-    Tasks and limits take the names, messages and explanations tell them. Without, joints are "joint 0", ... in rad.
+    Tasks and limits accept the names; messages and explanations use them. Without: "joint 0", ... in rad.
     """
 
     @property
@@ -110,7 +110,7 @@ class Named(Protocol):
 
 @runtime_checkable
 class WithFrames(Protocol):
-    """Lists the names of its frames: one that is no frame's is refused, and the nearest told."""
+    """Lists the names of its frames: an unknown name is refused with the nearest ones."""
 
     @property
     def frame_names(self) -> Sequence[str]: ...
@@ -133,7 +133,7 @@ class Tipped(Protocol):
     def tip(self) -> str | None: ...
 
 
-# Limits: what limits of a stack take which name no numbers. Infinite where a joint has none; None if no joint has one.
+# Limits of the robot, used by limits of a stack without numbers. Infinite for a joint without; None if all are without.
 
 
 @runtime_checkable
@@ -168,7 +168,7 @@ class TorqueLimited(Protocol):
     def torque_limit(self) -> Array | None: ...
 
 
-# Dynamics, tau = M(q) a + b(q, v), and what a record of a motion tells. All take leading axes: q of shape (..., nq).
+# Dynamics, tau = M(q) a + b(q, v), and quantities that records contain. All take leading axes: q of shape (..., nq).
 
 
 @runtime_checkable
@@ -194,13 +194,13 @@ class Centroidal(Protocol):
     """Tells its momentum about its centre of mass."""
 
     def momentum(self, q: Array, v: Array, /) -> Array:
-        """Linear [kg m/s] before angular [kg m^2/s], along the axes of the world, shape (6,)."""
+        """Linear [kg m/s], then angular [kg m^2/s], along the axes of the world, shape (6,)."""
         ...
 
 
 @runtime_checkable
 class InverseDynamics(Protocol):
-    """Tells the torques that accelerations take: records have `tau`, and a controller can command torques."""
+    """Computes the torques for given accelerations: records have `tau`, and a controller can command torques."""
 
     def inverse_dynamics(self, q: Array, v: Array, a: Array, /) -> Array:
         """Joint torques [N m], shape (..., nv), for accelerations a [rad/s^2] (Eq. 4.1)."""
@@ -232,8 +232,8 @@ class Drawn(Protocol):
 class SharedWorkspace(Protocol):
     """Its states share one workspace, and its configurations are checked before use.
 
-    A controller never raises for a configuration: it asks `on_manifold`, and then for the state. A `guard` that is no
-    :class:`hqp.guard.Guard` is something else, and so are the other two then.
+    A controller never raises for a configuration: it calls `on_manifold`, then `state`. If `guard` is not an
+    :class:`hqp.guard.Guard`, the three attributes have another meaning, and the robot does not have this ability.
 
     Attributes
     ----------
@@ -245,11 +245,11 @@ class SharedWorkspace(Protocol):
     def guard(self) -> Guard: ...
 
     def on_manifold(self, q: Array, /) -> tuple[Array, str | None]:
-        """q without round-off; and what is wrong with it, or None."""
+        """q without round-off, and an error message or None."""
         ...
 
     def state(self, q: Array, v: Array, /) -> RobotState:
-        """The state as of `at`, for a q that has been checked."""
+        """The same state as `at`, for a q that has been checked."""
         ...
 
 
@@ -297,9 +297,9 @@ class Sourced(Protocol):
         ...
 
     def position_indices(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
-        """Where in q the positions of these velocities are, shape (k,); -1 for one that has none of its own."""
+        """The index in q of the position of each of these velocities, shape (k,); -1 if it has none of its own."""
         ...
 
     def circles(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
-        """Where in q the cosines of their angles are, the sines being next; -1 for one that is on no circle."""
+        """The index in q of the cosine of each angle, its sine is the next number; -1 if it is not on a circle."""
         ...

@@ -1,7 +1,7 @@
-"""Checks a user's own robot class once: every attribute with a meaning here must hold what it means, or is refused.
+"""Checks a user's own robot class once: every attribute with a meaning here must have the right type and size.
 
-An attribute that means something else here, such as a `home` that is a street, is told by its name: under another one
-it is nobody's business.
+If such an attribute has another meaning in the user's class, such as a `home` that is a street, the error names it; the
+user must rename it.
 """
 
 from __future__ import annotations
@@ -37,11 +37,11 @@ from .state import RobotState
 #: The sizes of bases: mounted, planar, floating.
 BASES = (0, 3, 6)
 UNITS = ("rad", "m")
-#: Robots that were looked at.
+#: Robots that were checked.
 _ADMITTED: WeakSet[Robot] = WeakSet()
-#: Those of which a state was looked at.
+#: Robots of which a state was checked.
 _STATES_ADMITTED: WeakSet[Robot] = WeakSet()
-#: What is had together, or not at all: half of it would be passed over without a word.
+#: Attributes that must come together: an ability with only some of them would be ignored silently.
 TOGETHER: dict[type, tuple[tuple[str, ...], tuple[str, ...]]] = {
     able.Manifold: (("integrate", "difference"), ("neutral", "integrate", "difference")),
     able.Named: (("joint_names", "joint_units"), ("joint_names", "joint_units")),
@@ -56,7 +56,7 @@ METHODS: dict[type, tuple[str, ...]] = {
 
 
 def as_robot(value: Robot) -> Robot:
-    """`value`, which must have what every robot has, and in every ability that it has what this means.
+    """`value`, which must have what every robot has, and valid attributes in each of its abilities.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def as_robot(value: Robot) -> Robot:
     try:
         if value in _ADMITTED:
             return value
-    except TypeError:  # one of a class whose objects are equal by their values, or cannot be told from others
+    except TypeError:  # its class is not hashable or takes no weak references
         pass
     for kind in able.Sized, Robot:
         if isinstance(value, type) or not able.has(value, kind):
@@ -91,7 +91,7 @@ def as_robot(value: Robot) -> Robot:
 
 
 def check_states(robot: Robot) -> None:
-    """Refuse a robot whose states are none, or hold something else than they mean; looks once, at the one at rest.
+    """Refuse a robot whose states are no states, or have invalid attributes; checks its state at rest, once.
 
     Raises
     ------
@@ -132,7 +132,7 @@ def _look_at_states(robot: Robot) -> None:
 
 def _check_together(robot: Robot, own: frozenset[type]) -> None:
     held = {name for name in dir(robot) if any(name in names for _, names in TOGETHER.values())}
-    held -= {name for name in held if getattr(robot, name) is None}  # by which a class says that it has not
+    held -= {name for name in held if getattr(robot, name) is None}  # None says that the robot does not have it
     for kind, (any_of, all_of) in TOGETHER.items():
         has, lacks = [name for name in any_of if name in held], [name for name in all_of if name not in held]
         if kind not in own and has:
@@ -236,7 +236,7 @@ def _check_limit(robot: Robot, quantity: Quantity) -> None:
         raise InvalidInput(f"{what}: that of {joint_names(robot)[joint]!r} = {given[joint]:g}; it must {least_allowed}")
 
 
-#: What is looked at in each ability, in this order.
+#: The check of each ability, in this order.
 CHECKS: dict[type, Callable[[Any], None]] = {
     able.Neutral: _check_configuration("neutral"),
     able.Manifold: _check_manifold,

@@ -1,7 +1,7 @@
 """Queries of a robot, each with the default for a robot that lacks the ability.
 
-The only place that asks whether a robot, or a state, has an ability. To ask takes microseconds: what is wanted tick
-after tick is a function that was asked for once, as by :func:`integration` and :func:`joint_reader`.
+Only this module asks whether a robot or a state has an ability. Each question takes microseconds; for use at every
+tick, get a function once, as from :func:`integration` and :func:`joint_reader`.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from .abilities import Robot
 from .frame import Frame
 from .state import RobotState
 
-#: What a robot may have limits of.
+#: Quantities of which a robot may have limits.
 Quantity = Literal["position", "velocity", "acceleration", "torque"]
-#: All that a robot, and a state, may be able to do beside what every one is.
+#: All optional abilities of robots and of states.
 ABILITIES = (
     able.Neutral,
     able.Manifold,
@@ -49,12 +49,12 @@ STATE_ABILITIES = (able.WithJoints, able.Owned, able.Posed, able.Massive)
 
 
 def abilities(robot: Robot) -> frozenset[type]:
-    """The protocols of :mod:`tasks.robots.abilities` that a robot has all attributes of."""
+    """The protocols of :mod:`tasks.robots.abilities` of which a robot has all attributes."""
     return frozenset(kind for kind in ABILITIES if able.has(robot, kind))
 
 
 def state_abilities(state: RobotState) -> frozenset[type]:
-    """Those that a state has all attributes of."""
+    """The protocols of which a state has all attributes."""
     return frozenset(kind for kind in STATE_ABILITIES if able.has(state, kind))
 
 
@@ -62,7 +62,7 @@ def state_abilities(state: RobotState) -> frozenset[type]:
 
 
 def neutral(robot: Robot) -> Array:
-    """A configuration to try tasks at, shape (nq,)."""
+    """The configuration at which tasks are tried, shape (nq,)."""
     return np.asarray(robot.neutral) if able.has(robot, able.Neutral) else np.zeros(robot.nq)
 
 
@@ -72,12 +72,12 @@ def home(robot: Robot) -> Array:
 
 
 def base(robot: Robot) -> int:
-    """How many velocities, the first, are those of a base that moves freely: 6, 3 in the plane, or 0."""
+    """How many of the first velocities belong to a free base: 6, 3 in the plane, or 0."""
     return int(robot.base) if able.has(robot, able.Floating) else 0
 
 
 def integration(robot: Robot) -> Callable[[Array, Array], Array]:
-    """What gives the configuration, shape (nq,), after a step of the joints, for loops that ask often.
+    """The function that gives the configuration, shape (nq,), after a step of the joints; for use at every tick.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def integrate(robot: Robot, q: Array, step: Array) -> Array:
 
 
 def subtraction(robot: Robot) -> Callable[[Array, Array], Array]:
-    """What gives the step of the joints, shape (nv,), from a first configuration to a second; see `integration`."""
+    """The function that gives the step, shape (nv,), from one configuration to another; see `integration`."""
     if able.has(robot, able.Manifold):
         return robot.difference
     _check_flat(robot)
@@ -109,7 +109,7 @@ def difference(robot: Robot, start: Array, end: Array) -> Array:
 
 
 def is_flat(robot: Robot) -> bool:
-    """Whether the step from one configuration to another is what their numbers differ by."""
+    """Whether the step from one configuration to another is the plain difference of their numbers."""
     return robot.nq == robot.nv and not able.has(robot, able.Manifold)
 
 
@@ -122,12 +122,12 @@ def _check_flat(robot: Robot) -> None:
 
 
 def at_rest(robot: Robot) -> RobotState:
-    """The state where tasks are tried: neutral, and at rest."""
+    """The state at which tasks are tried: neutral, and at rest."""
     return robot.at(neutral(robot), np.zeros(robot.nv))
 
 
 def positioned(robot: Robot) -> NDArray[np.bool_]:
-    """Which velocities are those of a joint with one position: no wheel on a circle, no floating base, shape (nv,)."""
+    """Which velocities have one position each, shape (nv,): not those of circles or of a free base."""
     if robot.nq == robot.nv or able.Manifold not in abilities(robot):
         return np.ones(robot.nv, dtype=np.bool_)
     here = at_rest(robot)
@@ -139,12 +139,12 @@ def positioned(robot: Robot) -> NDArray[np.bool_]:
 
 
 def joint_names(robot: Robot) -> tuple[str, ...]:
-    """One name a joint velocity."""
+    """One name per joint velocity."""
     return tuple(robot.joint_names) if able.has(robot, able.Named) else numbered(robot.nv)
 
 
 def numbered(nv: int) -> tuple[str, ...]:
-    """The names of so many joints that have none."""
+    """Default names of nv joints."""
     return tuple(f"joint {i}" for i in range(nv))
 
 
@@ -172,7 +172,7 @@ def tells_tip(robot: Robot) -> bool:
 
 
 def tip(robot: Robot) -> str | None:
-    """The name of the frame that tasks mean which name none, where the robot tells it."""
+    """The frame used by tasks that name no frame, if the robot has one."""
     return robot.tip if able.has(robot, able.Tipped) else None
 
 
@@ -194,7 +194,7 @@ def limit_of(robot: Robot, quantity: Quantity) -> Array | None:
 
 
 def limits_reader(robot: Robot) -> Callable[[], tuple[ArrayLike | None, ...]]:
-    """What reads all limits that a robot may have of its own, as it gives them."""
+    """The function that reads all limits of a robot, in the form in which it gives them."""
     kinds = {
         "position_limit": able.PositionLimited,
         "velocity_limit": able.VelocityLimited,
@@ -246,12 +246,12 @@ def joint_positions(state: RobotState) -> Array:
 
 
 def joint_reader(example: RobotState) -> Callable[[RobotState], Array]:
-    """What gives the positions of the joints in states like this one, for loops that ask often."""
+    """The function that gives the joint positions of states like this one; for use at every tick."""
     return attrgetter("joints" if able.has(example, able.WithJoints) else "q")
 
 
 def robot_of(state: RobotState) -> Robot | None:
-    """Whose state it is, where it tells."""
+    """The robot that a state belongs to; None if the state does not name it."""
     return state.robot if able.has(state, able.Owned) else None
 
 
@@ -262,7 +262,7 @@ def towards(state: RobotState, q: Array) -> Array:
 
 
 def pose_reader(example: RobotState) -> Callable[[RobotState], Array]:
-    """What gives the poses of states like this one, for a record to keep; empty ones, if it has none."""
+    """The function that gives the poses of states like this one for records; empty if there are none."""
     return attrgetter("pose") if able.has(example, able.Posed) else lambda state: np.zeros(0)
 
 

@@ -10,7 +10,7 @@ from .kernels import block as at
 
 
 def fill(block: Array, frame: Frame, v: Array, drifts: bool) -> None:
-    """Write what a frame tells into its block.
+    """Write the numbers of a frame into its block.
 
     Parameters
     ----------
@@ -19,7 +19,7 @@ def fill(block: Array, frame: Frame, v: Array, drifts: bool) -> None:
     v : array, shape (nv,)
         Joint velocities.
     drifts : bool
-        Whether drifts and velocities are asked for too.
+        Whether drifts and velocities are written too.
     """
     n = len(v)
     J = block[at.JACOBIAN :].reshape(6, n)
@@ -39,7 +39,7 @@ def fill(block: Array, frame: Frame, v: Array, drifts: bool) -> None:
 
 
 def told_by(block: Array) -> FixedFrame:
-    """The frame of a block that loops have written, drifts and all; views of its numbers."""
+    """The frame in a block that loops have written, drifts included; its arrays are views of the block."""
     J = block[at.JACOBIAN :].reshape(6, -1)
     drift = block[at.LINEAR_DRIFT : at.LINEAR_DRIFT + 6]
     planar = block[at.PLANAR] != 0.0

@@ -5,7 +5,7 @@ Every shape is the hull of balls: corners have radius 0, a sphere is one ball, a
 :math:`d_i` off it, where :math:`\rho \ge d_i + r_i` and, with :math:`s_i = \sqrt{(\rho - r_i)^2 - d_i^2}`, its segment
 goes from :math:`\min_i (t_i + s_i)` to :math:`\max_i (t_i - s_i)`. Of all these the one of least volume is sought, by
 the method of J. A. Nelder and R. Mead, "A simplex method for function minimization", The Computer Journal 7(4), 1965,
-from each of the principal axes. What is found holds the shapes exactly; that it is the smallest is local.
+from each of the principal axes. The capsule found contains the shapes exactly; it is a local minimum of the volume.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from hqp import InvalidInput
 from ..base.checks import Array
 from ..base.rotations import perpendicular
 
-#: Points on a circle, and from pole to pole, that stand for what is round.
+#: Number of points on a circle, and from pole to pole, that approximate round shapes.
 AROUND, ALONG = 64, 33
 
 
@@ -36,9 +36,9 @@ class Enclosing(NamedTuple):
 
 
 def capsule_geometry(model: pin.Model, geometry: pin.GeometryModel, bodies: Iterable[str]) -> pin.GeometryModel:
-    """The shapes of a robot with one capsule in the place of all those of each of these bodies.
+    """The shapes of a robot, with one capsule per listed body instead of its own shapes.
 
-    The pairs are those of the shapes: two bodies are watched if any shape of one and any of the other were.
+    Two bodies are a pair if any shape of one and any shape of the other were a pair.
     """
     asked, own = set(bodies), pin.GeometryModel()
     number, capsule_of = dict[int, int](), dict[str, int]()
@@ -67,7 +67,7 @@ def enclosing_capsule(geometry: pin.GeometryModel, frame: int) -> Enclosing:
     Raises
     ------
     InvalidInput
-        If a shape has no end, such as a plane.
+        If a shape is unbounded, such as a plane.
     """
     centres, radii = list[Array](), list[Array]()
     for shape in geometry.geometryObjects:
@@ -90,7 +90,7 @@ def smallest_capsule(centres: Array, radii: Array) -> Enclosing:
     axes = np.linalg.eigh(points.T @ points)[1].T
 
     def about(u: Array, x: Array) -> Enclosing:
-        """That whose axis is turned from u by x[:2], is off the middle by x[2:4], and has x[4]^2 more than it needs."""
+        """The capsule with axis u turned by x[:2] and shifted by x[2:4], its radius x[4]^2 above the least."""
         first, second = perpendicular(u)
         axis = u + x[0] * first + x[1] * second
         axis /= np.linalg.norm(axis)
@@ -100,7 +100,7 @@ def smallest_capsule(centres: Array, radii: Array) -> Enclosing:
         radius = float(np.max(off + scaled)) + x[4] ** 2
         reach = np.sqrt(np.maximum((radius - scaled) ** 2 - off**2, 0.0))
         low, high = float(np.min(along + reach)), float(np.max(along - reach))
-        if low > high:  # one ball holds all
+        if low > high:  # one ball contains all
             low = high = 0.5 * (low + high)
         return Enclosing(centre + low * axis, centre + high * axis, radius)
 
@@ -114,7 +114,7 @@ def smallest_capsule(centres: Array, radii: Array) -> Enclosing:
         return float(found.fun), u, found.x
 
     _, u, x = min((descent(u, np.zeros(5), 0.2, 120) for u in axes), key=lambda found: found[0])
-    _, u, x = descent(u, x, 0.05, 300)  # begun anew, as a simplex may collapse; it never loses its best corner
+    _, u, x = descent(u, x, 0.05, 300)  # restart, as a simplex may collapse; the best point is kept
     start, end, radius = about(u, x)
     return Enclosing(middle + size * start, middle + size * end, size * radius)
 
@@ -159,7 +159,7 @@ def _circle() -> Array:
 def _sphere() -> Array:
     """Points whose hull holds the unit sphere.
 
-    A direction is within an angle of one of the points, and so the hull reaches as far in it as the cosine tells.
+    Every direction is within some angle of a point; the points are scaled by the inverse of its cosine.
     """
     height, angle = np.meshgrid(np.linspace(0.0, np.pi, ALONG), 2.0 * np.pi * np.arange(AROUND) / AROUND)
     points = np.stack([np.sin(height) * np.cos(angle), np.sin(height) * np.sin(angle), np.cos(height)], axis=-1)
@@ -168,7 +168,7 @@ def _sphere() -> Array:
 
 
 def _along(direction: Array) -> Array:
-    """A rotation whose third axis has a direction; that of z where there is none."""
+    """A rotation whose third axis has the given direction, or z for a zero vector."""
     length = float(np.linalg.norm(direction))
     if length == 0.0:
         return np.eye(3)

@@ -30,8 +30,8 @@ def chain_order(robot: Robot, frame: str | None, relative_to: str | None = None)
     Returns
     -------
     places : int array, shape (nv,), or None
-        None for a robot that does not tell; where one number moves two joints of the chain, because one follows the
-        other; and where a joint of several degrees of freedom carries `relative_to` and not the frame.
+        None if the robot does not tell it; if one number moves two joints of the chain, because one follows the
+        other; or if a joint of several degrees of freedom carries `relative_to` and not the frame.
     """
     return robot.chain_order(frame, relative_to) if isinstance(robot, Chained) else None
 
@@ -51,8 +51,7 @@ class Branched(Protocol):
 
 
 def carried(places: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The pairs of velocities of a chain of which one carries the other, itself included, and whether they are one
-    joint; shape (k, 3)."""
+    """Pairs of velocities of a chain whose first carries the second (or is it), and if they are one joint; (k, 3)."""
     own = np.flatnonzero(places != APART)
     return np.array(
         [

@@ -13,13 +13,13 @@ class Closure(NamedTuple):
     Attributes
     ----------
     name : str
-        Of the element of the file.
+        Name of the element in the file.
     a, b : str
         The frames; "universe" is the world.
     at, at_b : array, shape (3,)
-        The point of each that is held, in its own coordinates [m].
+        The point of each frame that is held, in the coordinates of that frame [m].
     rotation : array, shape (3, 3), or None
-        The axes of a in those of b; None where one may turn about the other.
+        The axes of a in those of b; None if one may rotate relative to the other.
     """
 
     name: str

@@ -16,7 +16,7 @@ class Configurations:
     """A base of robots; see :class:`tasks.PinocchioRobot` and :class:`tasks.PlanarArm`."""
 
     def check_limits(self: Robot, q: ArrayLike, *, tolerance: float = 1e-6) -> None:
-        """Refuse a configuration that is outside the position limits.
+        """Raise if a configuration is outside the position limits.
 
         Parameters
         ----------
@@ -27,8 +27,8 @@ class Configurations:
         Raises
         ------
         InvalidInput
-            Names every joint that is outside, with its position and its range; also if a number is NaN, or q has not
-            the numbers of the robot.
+            If a joint is outside; the message lists each one with its position and range. Also if a number is NaN, or
+            q has a wrong size.
         """
         slack = scalar(not_negative(tolerance, "tolerance"), "tolerance")
         state, limits = self.at(_numbers(self, q, "q"), np.zeros(self.nv)), limit_of(self, "position")
@@ -53,7 +53,7 @@ class Configurations:
         ----------
         start, end : array, shape (nq,)
         share : float
-            0 is the start, 1 the end; less and more go on beyond them.
+            0 is the start, 1 the end; other values extrapolate.
 
         Returns
         -------
@@ -62,7 +62,7 @@ class Configurations:
         Raises
         ------
         InvalidInput
-            If a configuration has not the numbers of this robot, or a number is not finite.
+            If a configuration has a wrong size for this robot, or a number is not finite.
         """
         first, last = _numbers(self, finite(start, "start"), "start"), _numbers(self, finite(end, "end"), "end")
         return integrate(self, first, finite_scalar(share, "share") * difference(self, first, last))

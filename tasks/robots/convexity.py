@@ -1,4 +1,4 @@
-"""Shapes of Coal, which tells distances between the convex ones: by name, the hull of points, and triangles."""
+"""Makes shapes of Coal, the library that computes distances: by name, as the hull of points, or as triangles."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def shape_of(name: str, *sizes: float) -> Any:
 
 
 def check_volume(points: Array, what: str) -> None:
-    """Refuse points in a plane, which have no hull.
+    """Refuse points in a plane, whose hull has no volume.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def hull(points: Array, what: str) -> Any:
 
 
 def triangles(points: ArrayLike, faces: ArrayLike) -> Any:
-    """A mesh as it is: its corners, shape (k, 3) [m], and three of them a triangle, shape (m, 3)."""
+    """A mesh, not its hull: vertices, shape (k, 3) [m], and three vertex numbers per triangle, shape (m, 3)."""
     vertices, corners = np.array(points, dtype=np.float64), np.array(faces, dtype=np.int64)
     mesh = coal.BVHModelOBBRSS()
     mesh.beginModel(len(corners), len(vertices))

@@ -16,7 +16,7 @@ import numpy as np
 from ..base.checks import Array
 from .kernels.block import NOTHING
 
-#: The frame of what stands in the world.
+#: The frame of the world.
 WORLD = "universe"
 
 
@@ -32,7 +32,7 @@ class Frame(Protocol):
     linear, angular : array, shape (3, nv)
         J_p and J_omega.
     linear_drift, angular_drift : array, shape (3,)
-        The accelerations [m/s^2], [rad/s^2] while the joints do not accelerate.
+        The accelerations [m/s^2], [rad/s^2] at zero joint acceleration.
     """
 
     @property

@@ -1,13 +1,13 @@
 """Frames by name: a plain name means a link before a joint, and ``"joint:gripper"`` asks for the joint.
 
-Files give links, joints and sites names of their own each, and often the same one.
+In files, links, joints and sites have separate names, and often share one.
 """
 
 from __future__ import annotations
 
 import pinocchio as pin
 
-#: What frames are called that must differ in name; a plain name means the first of them that has it.
+#: Kinds of frames with separate names; a plain name means the first kind that has it.
 KINDS: dict[str, tuple[pin.FrameType, ...]] = {
     "body": (pin.FrameType.BODY,),
     "site": (pin.FrameType.OP_FRAME,),
@@ -23,7 +23,7 @@ def by_kind(model: pin.Model) -> dict[str, list[tuple[str, int]]]:
 
 
 def frame_numbers(model: pin.Model) -> dict[str, int]:
-    """The number of every frame, under its plain name where that means it, and under ``"kind:name"``."""
+    """The number of every frame, under its plain name if that is unique or first, and under ``"kind:name"``."""
     found: dict[str, int] = {}
     kinds = by_kind(model)
     for frames in kinds.values():

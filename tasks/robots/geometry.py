@@ -1,4 +1,4 @@
-"""The shapes of a robot, read from its file or given: those that collide, and those that are seen."""
+"""The shapes of a robot, read from its file or given: collision shapes and visual shapes."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def read_geometry(robot: Any, kind: Literal["collision", "visual"]) -> pin.Geome
 
 
 def checked_geometry(model: pin.Model, geometry: Any, what: str) -> pin.GeometryModel:
-    """A copy of shapes that are given, meshes as their convex hulls, each on a frame of the model.
+    """A checked copy of given shapes, meshes as their convex hulls, each on a frame of the model.
 
     Raises
     ------
@@ -69,8 +69,8 @@ def checked_geometry(model: pin.Model, geometry: Any, what: str) -> pin.Geometry
 def collision_geometry(model: pin.Model, source: Path) -> pin.GeometryModel:
     """The collision shapes of a URDF on the joints of a model, which may hold some of the file's joints.
 
-    A mesh is replaced by its convex hull: the hull contains it, has one nearest point where a mesh has many, and takes
-    microseconds. Shapes of bodies whose joints the model holds are carried by the joint before, as its frames say.
+    A mesh is replaced by its convex hull, which contains it, has one nearest point where a mesh may have many, and
+    takes microseconds. The shapes of a body whose joint is locked in the model are attached to the joint before it.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def collision_geometry(model: pin.Model, source: Path) -> pin.GeometryModel:
 
 
 def visual_geometry(model: pin.Model, source: Path) -> pin.GeometryModel:
-    """What a URDF looks like, on the joints of a model in the same way: meshes as they are, with their colours.
+    """The visual shapes of a URDF on the joints of a model: meshes as they are, with their colours.
 
     Raises
     ------
@@ -139,7 +139,7 @@ def _carried(
 
 
 def _check_all(root: Element, model: pin.Model, shapes: pin.GeometryModel, kind: str, what: str) -> None:
-    """Refuse shapes that are in the file, and that urdfdom has left out as it could not read them."""
+    """Refuse a file if urdfdom has left out some of its shapes because it could not read them."""
     read = Counter(model.frames[shape.parentFrame].name for shape in shapes.geometryObjects)
     for link in root.findall("link"):
         name, written = str(link.get("name")), len(link.findall(kind))
@@ -173,7 +173,7 @@ def bodies_with_shapes(robot: Any, asked: Iterable[str] | None, what: str) -> li
     Raises
     ------
     InvalidInput
-        If one that is asked for carries none, tells the nearest; or none is asked for.
+        If a frame that is asked for carries no shape (the message lists the nearest), or none is asked for.
     """
     carriers = [body for body in dict.fromkeys(bodies_of(robot.model, robot.geometry())) if body != WORLD]
     if asked is None:
@@ -188,14 +188,14 @@ def bodies_with_shapes(robot: Any, asked: Iterable[str] | None, what: str) -> li
 
 
 def neighbours(model: pin.Model, first: int, second: int) -> bool:
-    """Whether two joints are one, or one carries the other with none between."""
+    """Whether two joints are the same, or one is the parent of the other."""
     return first == second or model.parents[first] == second or model.parents[second] == first
 
 
 def witnesses(distance: coal.DistanceResult) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
     """Distance [m], nearest points (3,) of both, and the unit normal from the second to the first.
 
-    Where the shapes overlap the distance is negative, and the points are the deepest.
+    If the shapes overlap, the distance is negative and the points are the deepest ones.
     """
     d = float(distance.min_distance)
     first, second = np.array(distance.getNearestPoint1()), np.array(distance.getNearestPoint2())

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import pinocchio as pin
 
-#: The units of the velocities of the joints whose name does not tell, linear before angular.
+#: Units of the velocities of joints whose type name does not show them, linear before angular.
 UNITS = {
     "FreeFlyer": "m m m rad rad rad",
     "Planar": "m m rad",
@@ -19,14 +19,14 @@ UNITS = {
 }
 #: Joints whose velocities are not the rates of as many numbers of q.
 MANIFOLDS = ("FreeFlyer", "Planar", "Spherical")
-#: Those of them that carry a robot which moves freely, if they come first.
+#: Those of them that are a free base if they come first.
 BASES = ("FreeFlyer", "Planar")
-#: No number of q.
+#: Index that means: no number of q.
 NONE = -1
 
 
 class JointAxis(NamedTuple):
-    """One axis of a joint, which one velocity of the model turns or slides about or along.
+    """One axis of a joint: one velocity of the model is the rotation about it, or the translation along it.
 
     Attributes
     ----------
@@ -37,9 +37,9 @@ class JointAxis(NamedTuple):
     unit : {"rad", "m"}
         Of its position.
     q_index : int
-        Which number of q is its position, so that ``q[q_index]`` changes at this velocity; -1 if none is.
+        Index in q of its position, so that ``q[q_index]`` changes at this velocity; -1 if there is none.
     circle : int
-        Which number of q is the cosine of its angle, the sine being the next; -1 if none is.
+        Index in q of the cosine of its angle, the sine is the next number; -1 if there is none.
     """
 
     name: str
@@ -94,7 +94,7 @@ def _units(joint: Any) -> Iterator[tuple[int, int]]:
 
 
 def base_of(model: pin.Model) -> tuple[int, int]:
-    """How many numbers of q, and how many velocities, are those of a base that moves freely; 0, 0 if it is fixed."""
+    """Number of entries of q and number of velocities of a free base; 0, 0 if the base is fixed."""
     if model.njoints > 1 and kind(model.joints[1]) in BASES:
         return int(model.joints[1].nq), int(model.joints[1].nv)
     return 0, 0
@@ -121,10 +121,10 @@ def _axes_of(joint: Any) -> Iterator[tuple[str, int, int]]:
 
 
 def sequence(joint: Any) -> list[int] | None:
-    """The place of each velocity of a joint among themselves; None where their axes are in no order.
+    """The order of the velocities within a joint; None if their axes have no order.
 
-    One after the other where each carries the next, as of a universal joint; all in the first place where all are fixed
-    to what the joint moves, as of a ball.
+    The places increase if each axis carries the next, as in a universal joint; all are 0 if all axes are fixed to the
+    moved body, as in a ball joint.
     """
     what = kind(joint)
     if what == "Composite":

@@ -1,7 +1,7 @@
 """Copying and pickling Pinocchio models.
 
-Pinocchio writes a model with joints that follow others in a way that it cannot read again: the process ends. Such a
-model is kept as the one without these ties, and how they were made.
+Pinocchio cannot read back a serialised model with mimic joints: the process aborts. Such a model is therefore stored as
+the model without mimic joints, together with the ties to add.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-#: What a model has beside its joints, one number a velocity or a position.
+#: Arrays of a model with one number per velocity or per position.
 NUMBERS = (
     "lowerPositionLimit",
     "upperPositionLimit",
@@ -33,16 +33,16 @@ class Recipe:
     Attributes
     ----------
     untied : pinocchio.Model
-        Every joint on its own.
+        The model in which every joint is independent.
     ties : tuple
-        One after the other: the joint that leads, the one that follows, factor and offset.
+        For each tie: leader, follower, factor and offset.
     """
 
     untied: pin.Model
     ties: tuple[tuple[str, str, float, float], ...]
 
     def model(self) -> pin.Model:
-        """The model itself, with the limits that the untied one leaves it."""
+        """The model with its ties, and the limits of the untied model."""
         model = self.untied
         for leader, follower, factor, offset in self.ties:
             model = pin.transformJointIntoMimic(
@@ -59,7 +59,7 @@ class Kept:
     ----------
     model : pinocchio.Model
     recipe : Recipe or None
-        How it was made, where that is known and joints of it follow others.
+        How it was made, if that is known and it has mimic joints.
     """
 
     model: pin.Model

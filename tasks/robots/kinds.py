@@ -11,5 +11,5 @@ if TYPE_CHECKING:
 
 def on_pinocchio(robot: object) -> TypeGuard[PinocchioRobot]:
     """Whether this is a :class:`~tasks.robots.pinocchio.PinocchioRobot`, not a user's class with a `model`."""
-    module = sys.modules.get(f"{__package__}.pinocchio")  # there is none without it
+    module = sys.modules.get(f"{__package__}.pinocchio")  # not imported: no such robot exists
     return module is not None and isinstance(robot, module.PinocchioRobot)

@@ -45,7 +45,7 @@ class Kinematics:
         self._accelerated = False
 
     def jacobians(self, state: RobotState) -> pin.Data:
-        """The data with the joint Jacobians of this state: computed once, while no other state is asked."""
+        """The data with the joint Jacobians of this state: computed once, until another state is used."""
         if self._holder is not state:
             pin.computeJointJacobians(self.model, self.data, state.q)
             self._holder, self._accelerated = state, False
@@ -66,12 +66,12 @@ class Kinematics:
 
     @property
     def apart(self) -> pin.Data:
-        """Other data of the same model, for what would write over these."""
+        """Separate data of the same model, for computations that would overwrite this one."""
         if self._apart is None:
             self._apart = self.model.createData()
         return self._apart
 
     def overwritten(self) -> pin.Data:
-        """The data, for a computation that writes over what it holds."""
+        """The data, for a computation that overwrites them."""
         self._holder = None
         return self.data

@@ -1,4 +1,4 @@
-"""Robots by name, from the package example-robot-data: nothing is fetched from a network."""
+"""Robots by name, from the installed package example-robot-data, without network access."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ class Entry:
     file : str
         Its URDF, among the robots of example-robot-data.
     tip : str or None
-        The frame that tasks mean which name none.
+        The frame used by tasks that name no frame.
     base : {"fixed", "planar", "floating"}
         How it stands in the world.
     home : dict
-        Joint -> position [rad], [m], of a configuration to start from; the other joints are neutral.
+        Start configuration: joint -> position [rad], [m]; other joints are neutral.
     height : float
-        Of a floating base there [m].
+        Height of a floating base in that configuration [m].
     """
 
     file: str
@@ -118,12 +118,12 @@ def data_folder() -> Path:
 
 
 def named(name: str) -> tuple[Entry, Path]:
-    """What the library knows of a robot, and its file.
+    """The library entry of a robot, and its file.
 
     Raises
     ------
     InvalidInput
-        If there is no such robot; tells what is near.
+        If there is no such robot; the message lists similar names.
     MissingPackage
         If example-robot-data is not installed.
     """

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .files.description import Description
     from .pinocchio import PinocchioRobot
 
-#: A limit of all joints, or of those that are named.
+#: A limit for all joints, or for the named ones.
 Limit = ArrayLike | Mapping[str, float]
 Range = tuple[ArrayLike, ArrayLike] | Mapping[str, tuple[float, float]]
 
@@ -56,14 +56,14 @@ def load_robot(
         joints, along its own axes; or free, with six. Default: as the library knows the robot, as an MJCF says,
         mounted for a URDF.
     body : str or list of str, optional
-        The body that a robot begins with, where an MJCF has several; those of a list become one robot.
+        The root body of the robot, if an MJCF has several; the bodies of a list become one robot.
     mimic : {"lock", "follow", "free"}
-        What to do with joints that the file ties to others: hold them where the neutral place of the others puts them
-        (told once, by logging), tie them, or let them move on their own.
+        What to do with mimic joints: lock them at the neutral configuration (logged once), let them follow, or let
+        them move independently.
     lock : names, or dict of name to position
-        Joints to be held, where neutral or at a position [rad], [m].
+        Joints to lock, at neutral or at the given position [rad], [m].
     tip : str, optional
-        The frame that tasks mean which name none.
+        The frame used by tasks that name no frame.
     position_limit : pair of float or array, or dict of name to pair, optional
         Lowest and highest positions [rad], [m]; a dict changes the joints that it names and leaves the rest.
     velocity_limit, acceleration_limit, torque_limit : float, array or dict of name to float, optional
@@ -75,8 +75,8 @@ def load_robot(
     Raises
     ------
     InvalidInput
-        If there is no such robot or file, it cannot be read exactly, or there is no such joint, body or frame, or a
-        joint is held or limited where it cannot be; tells the element, and what is near.
+        If there is no such robot or file, it cannot be read exactly, there is no such joint, body or frame, or a joint
+        cannot be locked or limited as asked; the message names the element, and similar names.
     MissingPackage
         If Pinocchio is not installed; for a name, example-robot-data; for MJCF, MuJoCo.
 
@@ -130,13 +130,13 @@ def _tell_left_out(described: Description, what: str) -> None:
 
 
 def _check_option(given: Any, allowed: tuple[Any, ...], option: str) -> None:
-    """Refuse a word that is none of those allowed."""
+    """Refuse a value that is none of those allowed."""
     if not isinstance(given, str | None) or given not in allowed:
         raise InvalidInput(f"{option} = {brief(given)}; it must be one of {', '.join(map(repr, allowed))}")
 
 
 def _limited(described: Description, named: Mapping[str, Any], what: str) -> Description:
-    """The description with the limits of these joints in the place of the file's, before joints are tied or held."""
+    """The description with these limits instead of the file's, before joints are tied or locked."""
     import pinocchio as pin
 
     from .joint_axes import NONE, joint_axes
@@ -163,7 +163,7 @@ def _limited(described: Description, named: Mapping[str, Any], what: str) -> Des
 
 
 def _check_named(model: Any, named: Mapping[str, Any], what: str) -> None:
-    """Refuse a limit of a joint that is held, and has no use for it."""
+    """Refuse a limit of a joint that is locked, as it would have no effect."""
     from .joint_axes import joint_axes
 
     moving = {name for axis in joint_axes(model) for name in (axis.name, axis.joint)} | set(model.names)
@@ -187,9 +187,9 @@ def _arranged(described: Description, mimic: Mimic, positions: dict[str, float |
 
 
 def _find(source: Any) -> tuple[Entry, Any, str]:
-    """What the library knows of it, its file or model, and how messages call it."""
+    """The library entry, the file or model, and the name in messages, of a source."""
     if not isinstance(source, (str, PathLike)):
-        mujoco = sys.modules.get("mujoco")  # there is no MjModel without it
+        mujoco = sys.modules.get("mujoco")  # without this module no MjModel exists
         if mujoco is not None and isinstance(source, mujoco.MjModel):
             return Entry(""), source, "robot of an MjModel"
         raise InvalidInput(
@@ -200,13 +200,13 @@ def _find(source: Any) -> tuple[Entry, Any, str]:
     what = f"robot {str(source)!r}"
     if isinstance(source, str) and not looks_like_a_file(source):
         if source and source not in ROBOTS and is_folder(source) and source not in available_robots():
-            check_file(source)  # which tells what is in the folder
+            check_file(source)  # raises, and lists the files of the folder
         return *named(source), what
     return Entry(""), check_file(source), what
 
 
 def _base(base: Any, floating_base: bool | None, entry: Entry) -> Any:
-    """The base asked for; as the library knows it where none is; None where the file is to say."""
+    """The base asked for, or else that of the library entry; None if the file decides."""
     if floating_base is not None:
         warnings.warn("floating_base is now base='floating' or base='fixed'", DeprecationWarning, stacklevel=3)
         old = "floating" if truth(floating_base, "floating_base") else "fixed"

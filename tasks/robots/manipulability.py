@@ -51,7 +51,7 @@ class Degrees:
     manipulability : array of int
         Directions of the task that can be moved: rank J (Eq. 3.7).
     redundancy : array of int
-        Directions of the joints that it leaves to others: n - rank J (Eq. 3.8).
+        Degrees of freedom left for other tasks: n - rank J (Eq. 3.8).
     """
 
     manipulability: NDArray[np.int64]
@@ -61,7 +61,7 @@ class Degrees:
 def manipulability(J: ArrayLike) -> Array:
     """Yoshikawa's measure ``sqrt(det(J J^T))``, shape (...), in the unit of J to the power of m.
 
-    It is 0 where J has more rows than columns: some direction cannot be moved.
+    It is 0 if J has more rows than columns: some direction cannot be moved.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def manipulability(J: ArrayLike) -> Array:
     Raises
     ------
     InvalidInput
-        If J is not finite or has not two axes at least.
+        If J is not finite or has fewer than two axes.
 
     Examples
     --------
@@ -96,7 +96,7 @@ def velocity_ellipse(J: ArrayLike) -> VelocityEllipse:
     Raises
     ------
     InvalidInput
-        If J is not finite or has not two axes at least.
+        If J is not finite or has fewer than two axes.
 
     Examples
     --------
@@ -123,7 +123,7 @@ def task_degrees(J: ArrayLike, tolerance: float = RANK_TOLERANCE) -> Degrees:
     Raises
     ------
     InvalidInput
-        If J is not finite or has not two axes at least, or the tolerance is out of range.
+        If J is not finite or has fewer than two axes, or the tolerance is out of range.
 
     Examples
     --------

@@ -58,12 +58,12 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
     ----------
     model : pinocchio.Model
     tip : str, optional
-        The frame that tasks mean which name none.
+        The frame used by tasks that name no frame.
     name : str, optional
     position_limit : pair of float or array, shape (nv,), or dict of name to pair, optional
-        Lowest and highest joint positions [rad], [m] (default: the model's). Numbers count for all joints that have a
-        position, arrays are infinite for the others; a dict changes the joints that it names. A joint whose ends are
-        equal is held there.
+        Lowest and highest joint positions [rad], [m] (default: the model's). A number holds for all joints that have a
+        position, an array must be infinite for the others; a dict changes the joints that it names. A joint with equal
+        limits is held there.
     velocity_limit : float, array, shape (nv,), or dict of name to float, optional
         Largest joint speed [rad/s], [m/s] (default: the model's); 0 holds a joint.
     acceleration_limit : float, array, shape (nv,), or dict of name to float, optional
@@ -71,40 +71,40 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
     torque_limit : float, array, shape (nv,), or dict of name to float, optional
         Largest joint torque [N m], force [N] (default: the model's).
     follower_limits : dict of str to FollowerLimits, optional
-        What those that follow a joint leave to it; its limits are no wider.
+        Limits of a joint that come from its followers; its own limits are no wider.
 
     Attributes
     ----------
     base : int
-        How many velocities are those of a base that moves freely: 6, 3 in the plane, or 0.
+        Number of velocities of a free base: 6, 3 in the plane, or 0.
     joint_names : tuple of str
-        One a velocity; a joint of several has them numbered, as in ``"root_joint[0]"``.
+        One per velocity; those of a joint with several are numbered, as in ``"root_joint[0]"``.
     joint_units : tuple of str
-        "rad" or "m", one a velocity.
+        "rad" or "m", one per velocity.
     frame_names : tuple of str
-        Links, sites, joints. Where two have one name it means the link; ``"joint:name"`` asks for the joint.
+        Links, sites, joints. A name shared by several means the link; ``"joint:name"`` means the joint.
     neutral : array, shape (nq,)
-        The configuration from which the model counts, moved into the position limits where it lies outside.
+        The zero configuration of the model, moved into the position limits if it lies outside.
     home : array, shape (nq,)
         A configuration to start from: that of the library, one that the file names "home", or the neutral one.
     kinematics : Kinematics
-        The workspace that its states share, and whose it is at the moment.
+        The workspace that its states share, and the state whose numbers it holds now.
     left_out : tuple of str
-        What its file has that is no part of it.
+        Parts of its file that are not part of the robot.
     closures : tuple of Closure
         Frames that its file holds together, for :meth:`tasks.Loop.of`.
     recipe : Recipe or None
-        How the ties of its model were made, for copies; see :mod:`tasks.robots.keeping`.
+        How the mimic joints of its model were made, for copies; see :mod:`tasks.robots.keeping`.
     source : pathlib.Path or None
         The file that it was loaded from, for its shapes; see :meth:`geometry`.
     scene : mujoco.MjModel or None
-        What MuJoCo compiled of it.
+        The model that MuJoCo compiled.
 
     Raises
     ------
     InvalidInput
-        If there is no such frame, a limit is not positive, lowest above highest, or of a joint without position, or the
-        model moves nothing or has names, axes or numbers that mean nothing; names the joint.
+        If there is no such frame; a limit is not positive, has its lowest above its highest, or is for a joint without
+        position; or the model has no joints, or invalid names, axes or numbers. The message names the joint.
 
     Examples
     --------
@@ -177,7 +177,7 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
 
     @property
     def neutral(self) -> Array:
-        """The configuration from which the model counts, inside the position limits."""
+        """The zero configuration of the model, moved into the position limits."""
         return self._neutral
 
     def start_from(self, neutral: Array) -> None:
@@ -202,9 +202,9 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
         return self._inside(np.array(self.model.referenceConfigurations[name]))
 
     def configuration(self, joints: str | Mapping[str, float]) -> Array:
-        """A configuration that has a name, or the neutral one with these joints at these positions [rad], [m].
+        """A named configuration, or the neutral one with these joints at these positions [rad], [m].
 
-        :attr:`configurations` lists the names. Named ones are moved into the position limits where they lie outside.
+        :attr:`configurations` lists the names. Named configurations outside the position limits are moved into them.
 
         Raises
         ------
@@ -242,9 +242,9 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
         return np.array(self._inside(q))
 
     def describe(self, q: Array) -> list[tuple[str, float, float, float]]:
-        """Name, position and range of every joint that has a single position; of one that turns without end, its angle.
+        """Name, position and range of every joint with a single position; for a continuous joint, its angle.
 
-        All in [rad] or [m]; the range is infinite where there is none.
+        All in [rad] or [m]; the range is infinite if there is none.
         """
         q = finite(q, "q")
         if q.shape != (self.nq,):
@@ -260,14 +260,14 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
         return told
 
     def random(self, rng: np.random.Generator) -> Array:
-        """A configuration from the whole range of every joint; half a turn to either side where there is none."""
+        """A random configuration in the range of every joint; within half a turn to either side if it has no range."""
         rng = of_type(rng, np.random.Generator, "rng")
         low, high = np.full(self.nq, -1.0), np.full(self.nq, 1.0)
         if self.position_limit is None:
             ends = np.array([[-np.pi], [np.pi]]).repeat(len(self._columns), axis=1)
         else:
             least, most = self.position_limit[:, self._columns]
-            turn = 2.0 * np.pi  # of joints with one end, so much from it; of those with none, half to either side
+            turn = 2.0 * np.pi  # range of a joint with one limit, from it; with none, half to either side
             ends = np.array(
                 [
                     np.maximum(least, np.minimum(most - turn, -np.pi)),
@@ -279,19 +279,19 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
         return np.asarray(pin.randomConfiguration(self.model, low, high))
 
     def on_base(self, base: Array, joints: Array) -> Array:
-        """The configuration whose base stands as in the first one, and whose joints stand as in the second."""
+        """The configuration with the base of the first one and the joints of the second."""
         return np.concatenate([base[: self._base], joints[self._base :]])
 
     # The state.
 
     def at(self, q: ArrayLike, v: ArrayLike | None = None) -> PinocchioState:
-        """Everything that tasks ask for at (q, v), each quantity computed when asked for; v left out is at rest.
+        """Everything that tasks ask for at (q, v), each quantity computed when asked for; without v: at rest.
 
         Raises
         ------
         InvalidInput
-            If q or v has not the numbers of this robot, or a circle or quaternion of q has not norm 1 to 1e-6. NaN
-            passes: the solver reports it.
+            If q or v has a wrong size, or a circle or quaternion of q does not have norm 1 to 1e-6. NaN is accepted:
+            the solver reports it.
         """
         state = self.state(q, np.zeros(self.nv) if v is None else v)
         if self._units:
@@ -301,12 +301,12 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
         return state
 
     def state(self, q: ArrayLike, v: ArrayLike) -> PinocchioState:
-        """The state as of :meth:`at`, for a q whose circles and quaternions have been checked.
+        """The same state as :meth:`at`, for a q whose circles and quaternions have been checked.
 
         Raises
         ------
         InvalidInput
-            If q or v has not the numbers of this robot.
+            If q or v has a wrong size for this robot.
         """
         position, velocity = own_numbers(q, "q"), own_numbers(v, "v")
         if position.shape != (self.nq,) or velocity.shape != (self.nv,):

@@ -1,6 +1,6 @@
 r"""The motion equation of a model, :math:`\tau = M(q)\,a + b(q, v)` (Eq. 4.1), over leading axes.
 
-All functions overwrite what the data of the model holds.
+All functions overwrite the data of the model.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def bias(model: pin.Model, data: pin.Data, q: Array, v: Array) -> Array:
 
 def inverse_dynamics(model: pin.Model, data: pin.Data, q: Array, v: Array, a: Array) -> Array:
     """tau [N m], [N], shape (..., nv)."""
-    if q.ndim == 1:  # a tick has no time for more
+    if q.ndim == 1:  # the fast path for one tick
         return np.array(pin.rnea(model, data, q, v, a))
     rows = zip(q.reshape(-1, model.nq), v.reshape(-1, model.nv), a.reshape(-1, model.nv), strict=True)
     torques = [np.array(pin.rnea(model, data, *row)) for row in rows]
@@ -48,7 +48,7 @@ def batches_of(robot: Any, **values: ArrayLike) -> list[Array]:
     Raises
     ------
     InvalidInput
-        If one has not the numbers of the robot, or other leading axes than the first.
+        If an array has a wrong size for the robot, or other leading axes than the first.
     """
     found: list[Array] = []
     for what, value in values.items():
@@ -61,13 +61,13 @@ def batches_of(robot: Any, **values: ArrayLike) -> list[Array]:
 
 
 def _composite(model: pin.Model, data: pin.Data, q: Array) -> Array:
-    """M by composite rigid bodies."""
-    upper = np.triu(pin.crba(model, data, q))  # all that the algorithm promises
+    """M by the composite rigid body algorithm."""
+    upper = np.triu(pin.crba(model, data, q))  # the algorithm fills only the upper triangle
     return np.asarray(upper + np.triu(upper, 1).T)
 
 
 def _by_columns(model: pin.Model, data: pin.Data, q: Array) -> Array:
-    """M by inverse dynamics, a column an acceleration: where joints follow others Pinocchio's ``crba`` is wrong."""
+    """M by inverse dynamics, one unit acceleration per column: ``crba`` is wrong for models with mimic joints."""
     still = np.zeros(model.nv)
     weight = np.array(pin.rnea(model, data, q, still, still))
     M = np.array([np.array(pin.rnea(model, data, q, still, a)) - weight for a in np.eye(model.nv)])

@@ -26,7 +26,7 @@ from .kinematics import Kinematics
 from .state import RobotState
 from .verification import tell_of_inertias, verify
 
-#: How far a norm may be from 1: what is as good as 1, and what is round-off.
+#: Error of a norm against 1: up to the first it stays as it is, up to the second it is corrected as round-off.
 EXACT, ROUND_OFF = 1e-15, 1e-6
 
 
@@ -42,7 +42,7 @@ class PinocchioModel(Live):
     Raises
     ------
     InvalidInput
-        If there is no such frame, or the model moves nothing or has names, axes or numbers that mean nothing.
+        If there is no such frame, or the model has no joints, or invalid names, axes or numbers.
     """
 
     model: pin.Model = structure()
@@ -96,9 +96,9 @@ class PinocchioModel(Live):
         return np.asarray(pin.difference(self.model, start, end))
 
     def on_manifold(self, q: Array) -> tuple[Array, str | None]:
-        """q with its circles and quaternions of norm 1, and what is wrong if one is farther from it than by round-off.
+        """q with its circles and quaternions normalised, and an error message if a norm is too far from 1, else None.
 
-        A norm that is off by at most 1e-6 is taken as round-off. NaN passes: the solver reports it.
+        An error of at most 1e-6 is taken as round-off. NaN is accepted: the solver reports it.
         """
         for name, first, count in self._units:
             part = q[first : first + count]
@@ -119,7 +119,7 @@ class PinocchioModel(Live):
 
     @property
     def data(self) -> pin.Data:
-        """Pinocchio's data, which hold what was last computed."""
+        """Pinocchio's data, with the results of the last computation."""
         return self.kinematics.data
 
     def positions(self, q: Array) -> Array:
@@ -131,18 +131,20 @@ class PinocchioModel(Live):
         return positions
 
     def position_indices(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
-        """Where in q the positions of these velocities are, shape (k,); -1 for one that has none of its own."""
+        """The index in q of the position of each of these velocities, shape (k,); -1 if it has none of its own."""
         places = np.full(self.nv, -1, dtype=np.int64)
         places[self._columns] = self._q_indices
         return places[columns]
 
     def circles(self, columns: NDArray[np.intp]) -> NDArray[np.int64]:
-        """Where in q the cosines of these joints are, each before its sine, shape (k,); -1 for one on no circle."""
+        """The index in q of the cosine of each of these joints, before its sine, shape (k,); -1 if on no circle."""
         return np.array([self._axes[i].circle for i in columns], dtype=np.int64)
 
     def support(self, joint: int) -> list[tuple[int, int]]:
-        """What moves that which a joint of the model carries: columns of Pinocchio's Jacobian of the joints, and the
-        velocity of each. A joint that follows another one has a column of its own, and the velocity of that one."""
+        """Columns of Pinocchio's joint Jacobian that move the body of a joint, and the velocity of each.
+
+        A mimic joint has a column of its own, with the velocity of its leader.
+        """
         found = self._support.get(joint)
         if found is None:
             joints = [self.model.joints[i] for i in self.model.supports[joint]][1:]
@@ -167,7 +169,7 @@ class PinocchioModel(Live):
         return np.array(rows) if len(rows) == self.nv and not len(self.model.mimicking_joints) else None
 
     def _places_of(self, steps: list[tuple[int, bool]]) -> NDArray[np.int64] | None:
-        """The place of every velocity, by the joints one after the other and whether they are passed backwards."""
+        """The place of every velocity, from the joints in order and whether each is passed backwards."""
         places, free = np.full(self.nv, APART, dtype=np.int64), 0
         for index, backwards in steps:
             joint = self.model.joints[index]
@@ -197,7 +199,7 @@ class PinocchioModel(Live):
         Raises
         ------
         InvalidInput
-            Tells the nearest names.
+            If it is not one; the message lists the nearest names.
         """
         if not self.has_frame(name):
             raise InvalidInput(f"{name!r} is no frame of {self!r}{suggestion(str(name), self.frame_names)}")
@@ -215,7 +217,7 @@ class PinocchioModel(Live):
     # Dynamics.
 
     def compute_center_of_mass(self, q: Array) -> None:
-        """Have the data hold the centre of mass at q, and its Jacobian."""
+        """Compute the centre of mass at q and its Jacobian into the data."""
         self.kinematics.center_of_mass(q)
 
     def mass_matrix(self, q: ArrayLike) -> Array:
@@ -223,7 +225,7 @@ class PinocchioModel(Live):
         return dynamics.mass_matrix(self.model, self.kinematics.apart, *dynamics.batches_of(self, q=q))
 
     def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """What torques [N m], forces [N] hold without acceleration: Coriolis, centripetal, gravity, shape (..., nv)."""
+        """Torques [N m], forces [N] at zero acceleration: Coriolis, centripetal, gravity, shape (..., nv)."""
         return dynamics.bias(self.model, self.kinematics.apart, *dynamics.batches_of(self, q=q, v=v))
 
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:

@@ -32,7 +32,7 @@ class PinocchioSource:
         self._robot, self._model, self._data = robot, robot.model, robot.data
         self._q, self._v, self._still = q, v, np.zeros(robot.nv)
         self._centre = self._inertia = self._momentum = False
-        self._matrices: list[Array] = []  # that Pinocchio does not tell by its own way
+        self._matrices: list[Array] = []  # arrays that Pinocchio does not keep itself
         self._biases: list[Array] = []
         self._kept: list[Any] = []
 
@@ -68,12 +68,12 @@ class PinocchioSource:
 
         self._centre = True
         data = self._data
-        pin.centerOfMass(self._model, data, self._q, self._v, self._still)  # which lays out the arrays
+        pin.centerOfMass(self._model, data, self._q, self._v, self._still)  # allocates the arrays
         pin.jacobianCenterOfMass(self._model, data, self._q)
         return Call(point_frame, self._robot.nv, block, drifts, data.com[0], data.Jcom, data.vcom[0], data.acom[0])
 
     def axes(self) -> Array | None:
-        J = np.reshape(self._data.J, (6, -1))  # of one velocity it is a plain vector
+        J = np.reshape(self._data.J, (6, -1))  # for nv = 1 it is a vector
         return J if J.shape[1] == self._robot.nv and not len(self._model.mimicking_joints) else None
 
     def mass_matrix(self, M: Array) -> Call | None:
@@ -84,7 +84,7 @@ class PinocchioSource:
         from .kernels.frames import symmetric
 
         self._inertia = True
-        pin.crba(self._model, self._data, pin.neutral(self._model))  # which lays out the array
+        pin.crba(self._model, self._data, pin.neutral(self._model))  # allocates the array
         return Call(symmetric, self._robot.nv, np.asarray(self._data.M), M)
 
     def bias(self, b: Array) -> None:
@@ -102,7 +102,7 @@ class PinocchioSource:
         return Call(momentum_map, self._robot.nv, data.Ag, data.dAg, self._v, G, drift)
 
     def update(self, state: PinocchioState, drifts: bool) -> None:
-        """One pass over the joints; what comes after it reads what the pass left, and leaves it as it is."""
+        """One pass over the joints; later computations read its results and do not overwrite them."""
         model, data, q, v = self._model, self._data, self._q, self._v
         for M in self._matrices:
             M[:] = self._robot.mass_matrix(q)

@@ -34,7 +34,7 @@ class PinocchioState(Transforms):
         Raises
         ------
         InvalidInput
-            If there is no such frame; tells the nearest names.
+            If there is no such frame; the message lists the nearest names.
         """
         found = self._frames.get(name)
         if found is None:
@@ -61,11 +61,11 @@ class PinocchioState(Transforms):
         return FixedFrame(position, np.eye(3), linear, np.zeros_like(linear), drift, np.zeros(3))
 
     def ready(self) -> pin.Data:
-        """Pinocchio's data with the joint Jacobians of this state: computed once, while no other state is asked."""
+        """Pinocchio's data with the joint Jacobians of this state: computed once, until another state is used."""
         return self.robot.kinematics.jacobians(self)
 
     def accelerated(self) -> pin.Data:
-        """The same, and the accelerations while the joints do not accelerate."""
+        """The data of :meth:`ready`, with the accelerations at zero joint acceleration."""
         return self.robot.kinematics.accelerations(self)
 
 

@@ -32,7 +32,7 @@ from .manipulability import manipulability
 from .planar_source import PlanarSource, block_of
 from .transforms import Transforms
 
-#: Mass per length of a link that names none [kg/m].
+#: Default mass per length of a link [kg/m].
 DENSITY = 1.0
 #: The frame at the end of the last link.
 TIP = "tip"
@@ -41,8 +41,7 @@ PLANE = [0, 1, 5]
 
 
 class PlanarState(Transforms):
-    """A planar arm at one instant, each quantity computed when first asked for; see
-    :class:`tasks.RobotState`.
+    """A planar arm at one instant, each quantity computed when first asked for; see :class:`tasks.RobotState`.
 
     Attributes
     ----------
@@ -109,7 +108,7 @@ class PlanarArm(Configurations, Live):
     masses : array, shape (n,), optional
         Link masses [kg], each spread evenly along its link (default: 1 kg per metre).
     position_limit : pair of float or array, shape (n,), optional
-        Lowest and highest joint angles [rad], used by limits which name none; infinite where a joint
+        Lowest and highest joint angles [rad], used by limits without numbers; infinite if a joint
         turns freely.
     velocity_limit : float or array, shape (n,), optional
         Largest joint speed [rad/s]; 0 holds a joint.
@@ -235,7 +234,7 @@ class PlanarArm(Configurations, Live):
         return dynamics.coriolis(self._H, *self._joints(q=q, v=v))
 
     def bias(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """Joint torques ``C(q, v) v`` [N m] that no acceleration takes, shape (..., n); nothing pulls the arm down."""
+        """Joint torques ``C(q, v) v`` [N m] at zero acceleration, without gravity, shape (..., n)."""
         q, v = self._joints(q=q, v=v)
         return dynamics.inverse_dynamics(self._H, q, v, np.zeros_like(v))
 
@@ -253,12 +252,12 @@ class PlanarArm(Configurations, Live):
         Raises
         ------
         InvalidInput
-            If q [rad] or v [rad/s] has not one number a joint. NaN passes: the solver reports it.
+            If q [rad] or v [rad/s] does not have one number per joint. NaN is accepted: the solver reports it.
         """
         return PlanarState(self, *self._joints(single=True, q=q, v=np.zeros(self.nv) if v is None else v))
 
     def links_to(self, frame: str | None) -> int:
-        """How many links it is from the base to a frame; the tip, if no name is given.
+        """The number of links from the base to a frame, by default the tip.
 
         Raises
         ------
@@ -293,7 +292,7 @@ class PlanarArm(Configurations, Live):
 
     def _points(self, q: Array) -> tuple[Array, Array]:
         """Angles of the links against the x axis, shape (..., n), and the points between them."""
-        with np.errstate(all="ignore"):  # what is infinite is NaN, for the solver to report
+        with np.errstate(all="ignore"):  # infinities become NaN, which the solver reports
             angles = q.cumsum(axis=-1)
             return angles, _chain(self.lengths * np.cos(angles), self.lengths * np.sin(angles))
 

@@ -2,7 +2,7 @@ r"""Dynamics of a planar arm, Eq. 4.1: mass matrix, Coriolis matrix and inverse 
 
 .. math:: \tau = M(q)\,a + C(q, v)\,v
 
-The links are thin rods whose mass is spread evenly, in a horizontal plane: nothing pulls them down.
+The links are thin uniform rods in a horizontal plane: gravity has no effect.
 With the absolute angles :math:`\alpha_i = q_1 + \dots + q_i` and :math:`e_i` the direction of link i,
 every point of the arm is a fixed sum of the :math:`e_i`, hence the kinetic energy
 

@@ -73,7 +73,7 @@ class PlanarSource:
 
 
 class _Ends(threading.local):
-    """The loops that this thread has at work, by arm and number of links, and what they read and write: q, v, block."""
+    """The loops of this thread, by arm and number of links, with the arrays they read and write: q, v, block."""
 
     def __init__(self) -> None:
         self.of: WeakKeyDictionary[Links, dict[int, tuple[Call, Array, Array, Array]]] = WeakKeyDictionary()

@@ -1,4 +1,4 @@
-"""Joint limits of a Pinocchio robot: the model's, and those given for all joints or for some."""
+"""Joint limits of a Pinocchio robot: those of the model, and those given for all or some joints."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from .follower_limits import FollowerLimits
 from .joint_axes import NONE, JointAxis, joint_axes, kind
 from .refusals import joint_index
 
-#: The largest speed in a model for a joint that is held by a speed of 0: 0 itself means that it is unknown.
+#: Speed limit stored in a model for a joint that is held: 0 would mean that the limit is unknown.
 HELD = 1e-300
-#: Two joint positions as near as this are one [rad], [m].
+#: Two joint positions this close are equal [rad], [m].
 SAME = 1e-9
 
 
 def unknown_ranges(model: pin.Model, what: str) -> list[JointAxis]:
-    """The joints whose range is from 0 to 0, by which files say that they know none; told once."""
+    """The joints with a range from 0 to 0, which means unknown in model files; logged once."""
     low, high = model.lowerPositionLimit, model.upperPositionLimit
     found = [
         axis for axis in joint_axes(model) if axis.q_index != NONE and low[axis.q_index] == high[axis.q_index] == 0.0
@@ -70,22 +70,22 @@ def both_ways(lower: Array, upper: Array, names: Sequence[str], what: str) -> Ar
 
 
 def position_limit(model: pin.Model, given: Any, what: str, *, zero_is_none: bool = True) -> Array | None:
-    """Lowest and highest positions, shape (2, nv): the model's, and what is given in their place.
+    """Lowest and highest positions, shape (2, nv): the model's, replaced by those given.
 
     Parameters
     ----------
     model : pinocchio.Model
     given : pair of float or array, dict of name to pair, or None
-        Of all joints that have a position, or of those that the dict names.
+        For all joints that have a position, or for those in the dict.
     what : str
         The robot, for messages.
     zero_is_none : bool
-        Whether a range of the model from 0 to 0 says that it knows none.
+        Whether a range from 0 to 0 in the model means unknown.
 
     Returns
     -------
     array, shape (2, nv), or None
-        Infinite where there is no limit; None if none is limited.
+        Infinite for a joint without limit; None if no joint has one.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def _of_model(model: pin.Model, own: Sequence[JointAxis], what: str, zero_is_non
 
 
 def _tell_of_bases(model: pin.Model, what: str) -> None:
-    """Tell of joints whose places are limited in the model, and have no position of their own to be held by."""
+    """Warn of joints with position limits in the model that cannot be used, as they have no single position."""
     told = []
     for joint, name in zip(list(model.joints)[1:], list(model.names)[1:], strict=True):
         places = slice(joint.idx_q, joint.idx_q + {"Planar": 2, "FreeFlyer": 3}.get(kind(joint), 0))
@@ -140,25 +140,25 @@ def _tell_of_bases(model: pin.Model, what: str) -> None:
 def largest(
     model: pin.Model, given: Any, own: Array | None, what: str, units: Mapping[str, str], *, zero_holds: bool = False
 ) -> Array | None:
-    """Largest speeds, accelerations or torques, shape (nv,): the model's, and what is given in their place.
+    """Largest speeds, accelerations or torques, shape (nv,): the model's, replaced by those given.
 
     Parameters
     ----------
     model : pinocchio.Model
     given : float, array, dict of name to float, or None
     own : array, shape (nv,), or None
-        What the model says of it.
+        The limits in the model.
     what : str
         The robot and the quantity, for messages.
     units : dict
         The unit of the quantity for a joint that turns ("rad") and for one that slides ("m").
     zero_holds : bool
-        Whether 0 may be given: a joint that is held.
+        Whether 0 is allowed, which holds a joint.
 
     Returns
     -------
     array, shape (nv,), or None
-        Infinite where there is no limit; None if none is limited.
+        Infinite for a joint without limit; None if no joint has one.
 
     Raises
     ------
@@ -184,7 +184,7 @@ def _named(own: Sequence[JointAxis], given: Mapping[str, Any], what: str) -> Ite
 def within(
     limits: Array | None, names: Sequence[str], follower_limits: Mapping[str, FollowerLimits], what: str, *, told: bool
 ) -> Array | None:
-    """Lowest and highest position of every joint, and no more than its followers allow.
+    """Lowest and highest position of every joint, narrowed to what its followers allow.
 
     Parameters
     ----------
@@ -193,12 +193,12 @@ def within(
     follower_limits : dict of str to FollowerLimits
     what : str
     told : bool
-        Whether the limits are given by hand, and less is worth a word.
+        Whether the user gave the limits; narrowing them is then logged.
 
     Raises
     ------
     InvalidInput
-        If nothing is left to a joint.
+        If a joint has no range left.
     """
     if limits is None:
         if not follower_limits:
@@ -215,14 +215,14 @@ def within(
                 f"{what}: position limit of {joint!r} from {limits[0, column]:g} to {limits[1, column]:g}; those that"
                 f" follow it need {theirs.low:g} to {theirs.high:g}"
             )
-        limits[:, column] = low + 0.0, high + 0.0  # which makes 0 of -0
+        limits[:, column] = low + 0.0, high + 0.0  # turns -0 into 0
     return limits
 
 
 def no_faster(
     limits: Array | None, names: Sequence[str], follower_limits: Mapping[str, FollowerLimits]
 ) -> Array | None:
-    """Largest speeds, and no more than the followers of each joint allow; a joint that is held has 0."""
+    """Largest speeds, reduced to what the followers of each joint allow; 0 for a joint that is held."""
     if limits is not None:
         limits[limits <= HELD] = 0.0
         for joint, theirs in follower_limits.items():

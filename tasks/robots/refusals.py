@@ -1,4 +1,4 @@
-"""Checks of names, joints and abilities against a robot; refusals tell the nearest names."""
+"""Checks of names, joints and abilities against a robot; errors list the nearest names."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from .answers import base, bias, frame_names, has_frame, joint_names, mass_matri
 
 
 def joint_index(names: Sequence[str], joint: str | int, what: str) -> int:
-    """Which joint velocity of a robot with these joints a joint is, by name or by number.
+    """The index of a joint among the joint velocities, from its name or number.
 
     Raises
     ------
     InvalidInput
-        If there is no such joint; tells the nearest names.
+        If there is no such joint; the message lists the nearest names.
     """
     if isinstance(joint, str):
         if joint not in names:
@@ -33,12 +33,12 @@ def joint_index(names: Sequence[str], joint: str | int, what: str) -> int:
 
 
 def check_positioned(robot: Robot, columns: Iterable[int], what: str) -> None:
-    """Refuse joints without one position each.
+    """Refuse joints that do not have exactly one position.
 
     Raises
     ------
     InvalidInput
-        Names the first.
+        The message names the first such joint.
     """
     single = positioned(robot)
     for column in columns:
@@ -50,19 +50,19 @@ def check_positioned(robot: Robot, columns: Iterable[int], what: str) -> None:
 
 
 def check_frame(robot: Robot, name: str, what: str) -> None:
-    """Refuse a name that is no frame's, where the robot tells those of its frames.
+    """Refuse a name that is not one of the robot's frames, if the robot lists them.
 
     Raises
     ------
     InvalidInput
-        Tells the nearest names.
+        The message lists the nearest names.
     """
     if not has_frame(robot, name):
         raise InvalidInput(f"{what} {name!r} is no frame of {robot!r}{suggestion(str(name), frame_names(robot))}")
 
 
 def check_fixed_base(robot: Robot, what: str) -> None:
-    """Refuse a floating base: the torques of the joints alone do not say how it accelerates.
+    """Refuse a floating base: joint torques alone do not determine how it accelerates.
 
     Raises
     ------

@@ -2,9 +2,9 @@
 
 =======================  =================================================================
 :mod:`.abilities`        protocols: what every robot has, and what some have
-:mod:`.answers`          questions, each with what holds for a robot that lacks the ability
-:mod:`.admission`        a robot of one's own, looked at once
-:mod:`.refusals`         names and joints that a robot has not
+:mod:`.answers`          queries, each with the default for a robot that lacks the ability
+:mod:`.admission`        one check of a user's robot
+:mod:`.refusals`         errors for unknown names and joints
 =======================  =================================================================
 """
 

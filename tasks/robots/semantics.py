@@ -1,4 +1,4 @@
-"""What a robot calls its configurations and its joints together: keyframes, and the names of an SRDF."""
+"""Named configurations and groups of joints of a robot: keyframes, and the names of an SRDF."""
 
 from __future__ import annotations
 
@@ -31,23 +31,23 @@ class Semantic:
 
     @property
     def groups(self) -> dict[str, tuple[str, ...]]:
-        """Joints that an SRDF names together, see :meth:`with_srdf`: for tasks, where they take names of joints."""
+        """Groups of joints of an SRDF, see :meth:`with_srdf`; use them where tasks take names of joints."""
         return dict(self._groups)
 
     @property
     def configurations(self) -> tuple[str, ...]:
-        """The names of the configurations that it has: keyframes of an MJCF, group states of an SRDF."""
+        """The names of its configurations: keyframes of an MJCF, group states of an SRDF."""
         keyframes = (str(entry.key()) for entry in self.model.referenceConfigurations)
         return tuple(dict.fromkeys((*keyframes, *self._states)))
 
     def with_srdf(self, file: str | PathLike[str]) -> Self:
         """The same robot with the groups and the group states of an SRDF.
 
-        ``robot.configuration("ready")`` is then a group state, with all other joints where neutral, and
-        ``robot.groups["arm"]`` the joints of a group, as for ``Freeze(all_but=robot.groups["arm"])``. Joints that the
-        robot holds are left out; what the file names and the robot has not is told, by logging. Where two groups have
-        states of one name that contradict each other, each is called ``"group/name"``. A state that is called like a
-        keyframe takes its place; home stays.
+        ``robot.configuration("ready")`` is then a group state, with all other joints neutral, and
+        ``robot.groups["arm"]`` are the joints of a group, as for ``Freeze(all_but=robot.groups["arm"])``. Locked joints
+        are left out; names in the file that the robot does not have are logged. If two groups have states of the same
+        name that contradict each other, each is named ``"group/name"``. A state replaces a keyframe of the same name;
+        home is unchanged.
 
         Parameters
         ----------
@@ -56,7 +56,7 @@ class Semantic:
         Raises
         ------
         InvalidInput
-            If the file cannot be read, has no group and no group state, or puts a joint at other than its numbers.
+            If the file cannot be read, has no group and no group state, or gives a joint a wrong number of values.
         """
         from .files.srdf import read_srdf
 
@@ -77,7 +77,7 @@ class Semantic:
         return other
 
     def _put(self, q: Array, positions: Mapping[str, Array], what: str) -> Array:
-        """q with these joints at these positions; those that are no joints of the model stay."""
+        """q with these joints at these positions; names that are not joints of the model are ignored."""
         q = np.array(q)
         for name, numbers in positions.items():
             if not self.model.existJointName(name):

@@ -18,7 +18,7 @@ class Shaped:
     _visuals: pin.GeometryModel | None = None
 
     def geometry(self) -> pin.GeometryModel:
-        """The collision shapes, of its file unless some were given; meshes become their convex hulls.
+        """The collision shapes: those given, else those of its file; meshes become their convex hulls.
 
         Raises
         ------
@@ -32,12 +32,12 @@ class Shaped:
         return self._geometry
 
     def with_geometry(self, geometry: pin.GeometryModel) -> Self:
-        """The same robot with other collision shapes: any Pinocchio has, on joints of its model or of the world.
+        """The same robot with other collision shapes: any shape of Pinocchio, on joints of its model or on the world.
 
         Raises
         ------
         InvalidInput
-            If it is no GeometryModel, has no shapes, or one is on no joint of the model or a mesh without volume.
+            If it is not a GeometryModel, has no shapes, or a shape is on no joint of the model or is a flat mesh.
         """
         from .geometry import checked_geometry
 
@@ -47,9 +47,9 @@ class Shaped:
         return other
 
     def with_capsules(self, bodies: Iterable[str] | None = None) -> Self:
-        """The same robot with a capsule a body in place of its collision shapes: the smallest that holds them all.
+        """The same robot with one capsule per body, the smallest that contains all its collision shapes.
 
-        Capsules are round, so that nearest points do not jump, and quick; they are larger than what they hold.
+        Capsules are round, so that nearest points do not jump, and fast; they are larger than the shapes they contain.
 
         Parameters
         ----------
@@ -59,7 +59,7 @@ class Shaped:
         Raises
         ------
         InvalidInput
-            If there are no shapes, a frame carries none, or a shape has no end, such as a plane.
+            If there are no shapes, a frame carries none, or a shape is unbounded, such as a plane.
         """
         from .capsules import capsule_geometry
         from .geometry import bodies_with_shapes

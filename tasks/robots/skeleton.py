@@ -17,7 +17,7 @@ from .robot import Robot, as_robot, on_pinocchio, points
 if TYPE_CHECKING:
     from .pinocchio import PinocchioRobot
 
-#: Segments shorter than this [m] are not drawn: joints at one place.
+#: Segments shorter than this [m], between joints at the same place, are not drawn.
 SHORT = 1e-9
 
 
@@ -27,11 +27,11 @@ def skeleton(robot: Robot, q: ArrayLike, *, frames: Iterable[str] = ()) -> Array
     Parameters
     ----------
     robot : Robot
-        A planar arm, a robot of Pinocchio, or one that tells its points.
+        A planar arm, a Pinocchio robot, or one with `points`.
     q : array, shape (nq,)
         A configuration.
     frames : names of frames
-        Of a robot of Pinocchio: ends to be drawn beyond the last joints, such as hands and feet. The tip is always.
+        For a Pinocchio robot: ends to draw beyond the last joints, such as hands and feet. The tip is always drawn.
 
     Returns
     -------
@@ -41,7 +41,7 @@ def skeleton(robot: Robot, q: ArrayLike, *, frames: Iterable[str] = ()) -> Array
     Raises
     ------
     InvalidInput
-        If q does not fit, there is no such frame, or the robot tells neither points nor joints.
+        If q does not fit, there is no such frame, or the robot has neither points nor joints to draw.
 
     Examples
     --------
@@ -76,9 +76,9 @@ def _line(robot: Robot, q: Array) -> Array:
 def _spatial(robot: PinocchioRobot, q: Array, frames: list[str]) -> Array:
     import pinocchio as pin
 
-    model, data = robot.model, robot.model.createData()  # its own: the robot's belongs to the state of a tick
+    model, data = robot.model, robot.model.createData()  # separate: the robot's own data belongs to the present state
     pin.framesForwardKinematics(model, data, q)
-    # A base that moves freely hangs on nothing: no line leads to it from the origin of the world.
+    # A free base is not attached: no line is drawn to it from the origin of the world.
     joints = range(2 if robot.base else 1, model.njoints)
     segments = [(data.oMi[int(model.parents[i])].translation, data.oMi[i].translation) for i in joints]
     for name in dict.fromkeys([*([] if robot.tip is None else [robot.tip]), *frames]):

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ..base.loops import Call
     from .state import RobotState
 
-#: Whether drifts and velocities are asked for, of all frames: one number, 0 or not.
+#: Whether drifts and velocities of frames are needed: one number, 0 for no.
 Flag: TypeAlias = NDArray[np.int64]
 
 
@@ -21,14 +21,16 @@ class Source(Protocol):
     """Keeps the frame blocks and dynamics of one robot up to date, tick after tick."""
 
     def frame(self, name: str | None, block: Array, drifts: Flag) -> Call | None:
-        """Begin to keep the block of a frame; the loop that does, or None if :meth:`update` does it itself."""
+        """Start to keep the block of a frame up to date; the loop for it, or None if :meth:`update` does it."""
         ...
 
     def center_of_mass(self, block: Array, drifts: Flag) -> Call | None: ...
 
     def axes(self) -> Array | None:
-        """Along what every velocity turns, in the axes of the world: rows 3 to 5 of (6, n), by columns, written before
-        any loop runs. None where that is not known, or not one axis a velocity."""
+        """The axis of rotation of every velocity in world axes, or None if unknown or not one axis per velocity.
+
+        They are rows 3 to 5 of a column-major array (6, n), which is written before any loop runs.
+        """
         ...
 
     def mass_matrix(self, M: Array) -> Call | None: ...
@@ -36,7 +38,7 @@ class Source(Protocol):
     def bias(self, b: Array) -> None: ...
 
     def momentum(self, G: Array, drift: Array) -> Call | None:
-        """Begin to keep the map of the centroidal momentum, by columns (6 x n), and its drift ``dG v`` (6,)."""
+        """Start to keep the centroidal momentum matrix up to date, (6, n) column-major, and its drift ``dG v`` (6,)."""
         ...
 
     def update(self, state: RobotState, drifts: bool) -> None:

@@ -15,7 +15,7 @@ class RobotState(Protocol):
     Attributes
     ----------
     q : array, shape (nq,)
-        Configuration: joint positions [rad, m], and whatever else the robot needs to say where it is.
+        Configuration: joint positions [rad, m], and other numbers of the configuration, if any.
     v : array, shape (nv,)
         Joint velocities [rad/s, m/s].
     """

@@ -1,4 +1,4 @@
-"""A robot as a stick figure in space: joints at their origins, each tied to the one that carries it."""
+"""A robot as a stick figure in space: a line from the origin of each joint to that of its parent."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 LINK, JOINT, SHADOW, TARGET = "#33475b", "#e8743b", "#c9d1d9", "#7a3fb0"
 AXES = ("#d62728", "#2ca02c", "#1f77b4")
-#: Of the axes of a frame, against the size of the picture; and the room left around the robot.
+#: Length of the axes of a frame, and margin around the robot, relative to the size of the picture.
 TRIAD, MARGIN = 0.12, 0.08
 
 

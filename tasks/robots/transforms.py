@@ -14,7 +14,7 @@ from .frame import Frame
 
 
 class Framed(Protocol):
-    """What has frames: a state."""
+    """An object with frames: a state."""
 
     def frame(self, name: str | None = None) -> Frame: ...
 
@@ -25,14 +25,14 @@ class Transforms:
     def transform(self: Framed, frame: str | None = None, relative_to: str | None = None) -> Array:
         """The pose of a frame: the matrix that takes its coordinates to those of the world, or of another frame.
 
-        ``robot.at(q).transform("gripper", "base_link")``; a target of :class:`tasks.PoseTask` as it is.
+        ``robot.at(q).transform("gripper", "base_link")``; the result can be a target of :class:`tasks.PoseTask`.
 
         Parameters
         ----------
         frame : str, optional
             Default: the tip.
         relative_to : str, optional
-            The frame whose coordinates are meant (default: the world).
+            The frame in whose coordinates the pose is given (default: the world).
 
         Returns
         -------
@@ -42,7 +42,7 @@ class Transforms:
         Raises
         ------
         InvalidInput
-            If there is no such frame; tells the nearest names.
+            If there is no such frame; the message lists the nearest names.
         """
         for what, name in ("frame", frame), ("relative_to", relative_to):
             if name is not None:

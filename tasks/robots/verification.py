@@ -15,17 +15,17 @@ from ..base.telling import tell
 from .frame_names import by_kind
 from .joint_axes import joint_axes, kind
 
-#: How far the length of an axis, or a rotation, may be off.
+#: Tolerance for the length of an axis, and for a rotation matrix.
 EXACT = 1e-9
 
 
 def verify(model: pin.Model, what: str) -> None:
-    """Refuse a model that moves nothing, or in which a size, a name, an axis, a range or a number means nothing.
+    """Refuse a model without joints, or with an invalid size, name, axis, range or number.
 
     Raises
     ------
     InvalidInput
-        Names the first such element.
+        The message names the first such element.
     """
     if model.nv == 0:
         raise InvalidInput(
@@ -104,7 +104,7 @@ def _verify_inertia(inertia: pin.Inertia, what: str) -> None:
 
 
 def tell_of_inertias(model: pin.Model, what: str) -> None:
-    """Warn of inertias that no body can have: with them kinematics are right, but torques are wrong."""
+    """Warn of inertias that no body can have: kinematics stay right, but torques are wrong."""
     wrong = []
     for inertia, name in list(zip(model.inertias, model.names, strict=True))[1:]:
         J = np.array(inertia.inertia)

@@ -1,4 +1,4 @@
-"""The explanation of a whole motion: which level had a residual, from when to when, and what held it back."""
+"""The explanation of a whole motion: which levels had a residual, when, and what held them back."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from hqp.certificate import LevelExplanation
 
 from ..base.checks import Array
 
-#: Causes that are named of a tick, and of a stretch of time.
+#: Number of causes that are named for a tick, and for a stretch of time.
 MOST_NAMED = 3
-#: What is missing by no more than this is there, to round-off [m/s], [rad/s], ...
+#: A residual up to this size is round-off [m/s], [rad/s], ...
 ROUND_OFF = 1e-9
 
 
@@ -29,7 +29,7 @@ class Shortfall:
     lacks : dict of str to float
         Unit -> Euclidean norm of what is missing.
     causes : tuple of str
-        What held it back, the strongest first, damping before all; empty where its own rows contradict each other.
+        What held it back: damping first, then the strongest; empty if its own rows contradict each other.
     """
 
     level: str
@@ -38,7 +38,7 @@ class Shortfall:
 
     @classmethod
     def of(cls, plain: Mapping[str, Any]) -> Shortfall:
-        """What JSON made of it."""
+        """A shortfall from its JSON data."""
         return cls(plain["level"], dict(plain["lacks"]), tuple(plain["causes"]))
 
 
@@ -64,7 +64,7 @@ def met(level: LevelExplanation) -> bool:
 
 @dataclass(frozen=True)
 class Stretch:
-    """A time in which one level was short all along.
+    """A period in which one level was never met.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class Account:
     stretches : tuple of Stretch
         In the order of time.
     stopped : str or None
-        Why the run ended before its time.
+        Why the run ended early.
     """
 
     begin: float

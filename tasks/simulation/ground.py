@@ -1,4 +1,4 @@
-"""What a robot stands on in MuJoCo, and how contacts are modelled there."""
+"""The ground in MuJoCo, and the model of contacts with it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hqp.checks import truth, whole_number
 
 from ..base.checks import finite_scalar, positive_scalar
 
-#: Radius of the spheres that stand for the points of contacts [m]: small, so that none of them rolls.
+#: Radius of the spheres at contact points [m]: small, so that they do not roll.
 RADIUS = 1e-4
 
 
@@ -18,22 +18,22 @@ RADIUS = 1e-4
 class Ground:
     """A level floor or table top, which only the points of contacts touch.
 
-    MuJoCo makes a contact a spring and damper along its normal, and friction a viscous damper that is stiff but not
-    rigid: what stands creeps. Elliptic cones, a large `ratio` and `noslip` sweeps hold the creep down.
+    MuJoCo models a contact as a spring and damper along its normal, and friction as a stiff viscous damper: standing
+    robots creep. Elliptic cones, a large `ratio` and `noslip` sweeps reduce the creep.
 
     Parameters
     ----------
     height : float, optional
-        Of its surface [m] (default: where the lowest point is when the motion begins).
+        Height of its surface [m] (default: that of the lowest contact point at the start).
     friction : float
         mu.
     time_constant : float
-        Of the spring, critically damped [s]; at least twice the step of the physics. The larger, the deeper what
-        stands sinks in.
+        Time constant of the critically damped spring [s]; at least twice the step of the physics. The larger it is, the
+        deeper feet sink in.
     ratio : float
         How much harder friction is than the normal force, ``impratio`` of MuJoCo.
     noslip : int
-        Sweeps of the solver after all others which take back what slips; 0 for none.
+        Number of final solver sweeps that remove slip; 0 for none.
     pyramids : bool
         Whether friction cones are pyramids, as they are by MuJoCo's own default; else they are round.
 
@@ -70,7 +70,7 @@ class Ground:
             object.__setattr__(self, name, value)
 
     def lay(self, specification: Any, mujoco: Any, step: float) -> None:
-        """Put it into the world, and say how contacts are solved."""
+        """Add it to the world, and set the options of the contact solver."""
         if self.time_constant < 2.0 * step:
             raise InvalidInput(
                 f"Ground: time_constant = {self.time_constant:g} s must be at least twice the step of the physics,"
@@ -80,7 +80,7 @@ class Ground:
         option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL if self.pyramids else mujoco.mjtCone.mjCONE_ELLIPTIC
         option.impratio, option.noslip_iterations = self.ratio, self.noslip
         option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_MIDPHASE)  # which misses points once the ground is moved
+        option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_MIDPHASE)  # it misses points after the ground moved
         specification.worldbody.add_geom(
             name="ground",
             type=mujoco.mjtGeom.mjGEOM_PLANE,
@@ -89,7 +89,7 @@ class Ground:
             contype=0,
             conaffinity=1,
             condim=3,
-            priority=1,  # its numbers are those of the contact
+            priority=1,  # its friction and spring apply to the contact
             friction=[self.friction, 0.005, 1e-4],
             solref=[self.time_constant, 1.0],
         )

@@ -29,7 +29,7 @@ Scalar = TypeVar("Scalar", bound=np.generic)
 
 @runtime_checkable
 class Erring(Protocol):
-    """A part that tells how far it is from what it wants: a task, an inequality."""
+    """A part with an error: a task or an inequality."""
 
     name: str
 
@@ -42,13 +42,13 @@ P = TypeVar("P", Part, Erring)
 
 
 class Log:
-    """Preallocated arrays, filled tick by tick and cut to what happened.
+    """Preallocated arrays, filled tick by tick and cut to the ticks that were run.
 
     Parameters
     ----------
     controller : Controller
     ticks : int
-        The most that will come.
+        The largest number of ticks.
     first : RobotState
         Where the robot starts.
     parts : iterable of Part
@@ -77,7 +77,7 @@ class Log:
             (name, part.error, np.empty((ticks + 1, len(part.error(first, 0.0))))) for name, part in _named(telling)
         ]
         limits = list(_named(part for part in parts if part.limited is not None))
-        #: Bounds on x, and on the torques that it takes, of every tick.
+        #: Bounds on x, and on its torques, at every tick.
         self.bounds, self.torque_bounds = (
             [
                 (name, part, *np.empty((2, ticks, part.size(controller.robot))))
@@ -86,7 +86,7 @@ class Log:
             ]
             for what in ("motion", "torque")
         )
-        #: The torques that were told, where forces are unknowns too: accelerations alone do not tell them.
+        #: The commanded torques, if forces are unknowns: accelerations alone do not determine them.
         self.tau = np.empty((ticks, nv - base(controller.robot))) if has_dynamics(controller.stack) else None
         #: The forces of contacts, by their names, where they are unknowns.
         self.forces: dict[str, Array] = {}
@@ -101,14 +101,14 @@ class Log:
         self._levels, self._unknowns = len(controller.hierarchy.levels), controller.hierarchy.n
 
     def state(self, k: int, t: float, state: RobotState) -> None:
-        """Where tick k began."""
+        """Log the state at the beginning of tick k."""
         self.t[k], self.q[k], self.v[k], self.pose[k] = t, state.q, state.v, self._pose(state)
         for _, error, values in self.errors:
             values[k] = error(state, t)
         self.states = k + 1
 
     def tick(self, k: int, a: Array, step: Step[Any, Any, Any]) -> None:
-        """What tick k did; the bounds are still those that it was given."""
+        """Log the result of tick k; the arrays of the controller must still hold its bounds."""
         self.a[k] = a
         if self.tau is not None:
             self.tau[k] = np.nan if step.tau is None else step.tau
@@ -121,7 +121,7 @@ class Log:
             lowers[k], uppers[k] = self._controller.bounds(part) if part in self._controller.stack else FREE
 
     def check(self, t: float, solution: Solution, passed: bool) -> None:
-        """A tick that was put to the certificate."""
+        """Log a tick that was certified or refused."""
         self.checked_t.append(t)
         self.certified += bool(passed)
         ranks = [level.rank for level in solution.levels]

@@ -1,4 +1,4 @@
-"""What moves a robot over a tick: the command, followed exactly, or a plant, and what plants are told and give."""
+"""Motion of a robot over one tick: exact execution of the command, and checks of what plants receive and return."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def follow(
 def told(
     robot: Robot, q: ArrayLike, v: ArrayLike, tau: ArrayLike, dt: float, what: str
 ) -> tuple[Array, Array, Array, float]:
-    """What a plant of this robot is told for a tick, in its sizes and units.
+    """The checked inputs of a plant for one tick, in the sizes and units of this robot.
 
     Raises
     ------
@@ -52,12 +52,12 @@ def told(
 
 
 def check_moved(robot: Robot, moved: Any, what: str) -> tuple[Array, Array]:
-    """What a plant gave back, which may be anything: q and v of the robot, which may be infinite or NaN.
+    """The checked q and v that a plant returned; they may be infinite or NaN.
 
     Raises
     ------
     InvalidInput
-        If it is something else.
+        If the plant returned anything else.
     """
     try:
         q, v = (np.array(each, dtype=float) for each in moved)
@@ -71,7 +71,7 @@ def check_moved(robot: Robot, moved: Any, what: str) -> tuple[Array, Array]:
 
 
 def check_names(contacts: Sequence[Contact]) -> None:
-    """Refuse contacts of one name: forces are told by it.
+    """Refuse contacts with the same name: forces are identified by it.
 
     Raises
     ------

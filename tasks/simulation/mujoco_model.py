@@ -1,4 +1,4 @@
-"""A robot of Pinocchio in the words of MuJoCo: bodies, joints, and spheres at the points of contacts."""
+"""A Pinocchio robot as a MuJoCo model: bodies, joints, and spheres at the points of contacts."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def known(joint: Any) -> bool:
 
 
 def free(joint: Any) -> bool:
-    """Whether it moves and turns at will."""
+    """Whether it is a free joint."""
     return bool(joint.shortname() == "JointModelFreeFlyer")
 
 
@@ -33,16 +33,16 @@ def joints(model: Any) -> list[tuple[Any, str]]:
 
 
 def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) -> mujoco.MjSpec:
-    """The same robot in the words of MuJoCo: a body a joint, or one for all joints in a row that carry nothing between.
+    """The same robot as a MuJoCo model: one body per joint, or one for successive joints without mass between them.
 
-    What carries nothing is no body to MuJoCo. Its joint goes to the next one that does, as the first of several.
+    MuJoCo allows no body without mass: the joint of such a link is added to the next body that has mass.
     """
     import pinocchio as pin
 
     specification = mujoco.MjSpec()
     specification.option.gravity = model.gravity.linear
     specification.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
-    # Where numbers run away MuJoCo puts the robot back to where it began, as if nothing was: a run is to stop instead.
+    # If numbers diverge, MuJoCo silently resets the robot to its start; the run must stop instead.
     specification.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     bodies, waiting = [specification.worldbody], dict[int, list[tuple[int, pin.SE3]]]()
     children = [[i for i in range(1, model.njoints) if model.parents[i] == parent] for parent in range(model.njoints)]
@@ -82,7 +82,7 @@ def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
 
 
 def point_name(contact: Contact, k: int) -> str:
-    """What MuJoCo calls a point of a contact."""
+    """The name of a contact point in MuJoCo."""
     return f"{contact.name} point {k}"
 
 

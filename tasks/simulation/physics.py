@@ -1,15 +1,15 @@
 r"""A plant moved by the physics of MuJoCo instead of the model of the controller.
 
-The robot is handed over as it is, joint by joint: placements, axes, masses, inertias, armatures and viscous damping
+The robot is converted joint by joint: placements, axes, masses, inertias, armatures and viscous damping
 of its Pinocchio model. Joints that the model holds, such as locked fingers, are part of the links that carry them.
 Links do not collide; of a robot with contacts, their points touch the ground. There are no ranges of the joints and no
 dry friction. In free space both agree on
 
 .. math:: M(q)\,\dot v + b(q, v) + D\,v = \tau,
 
-but for the damping D, which the controller does not know: it has to be overcome by feedback, as in life.
+but for the damping D, which the controller does not know: feedback has to compensate it, as on a real robot.
 
-Of a floating base, Pinocchio has the position, the quaternion (x, y, z, w), and both velocities along the axes of the
+For a floating base, Pinocchio has the position, the quaternion (x, y, z, w), and both velocities along the axes of the
 base. MuJoCo has the quaternion (w, x, y, z), and the linear velocity along the axes of the world.
 """
 
@@ -57,13 +57,13 @@ class MujocoPlant:
     Parameters
     ----------
     robot : PinocchioRobot
-        With a base that is fixed or floats, and one position a joint.
+        With a fixed or floating base, and one position per joint.
     contacts : list of Contact
-        Those whose points touch the ground, which are to be level there.
+        Contacts whose points touch the ground; their surfaces must be level.
     ground : Ground, optional
         Where it is, how rough, and how contacts are modelled.
     step : float
-        The longest step of the physics [s]; a tick of the controller is cut into as many as it takes.
+        The longest step of the physics [s]; a tick of the controller is divided into equal steps.
 
     Attributes
     ----------
@@ -74,8 +74,8 @@ class MujocoPlant:
     Raises
     ------
     InvalidInput
-        If the robot is not of that kind, a contact is none of it, or MuJoCo refuses it, as it does inertias that no
-        body has.
+        If the robot is not of that kind, a contact does not belong to it, or MuJoCo refuses it, as for impossible
+        inertias.
     MissingPackage
         If MuJoCo is not installed.
     """
@@ -138,7 +138,7 @@ class MujocoPlant:
         return self.state()
 
     def place(self, q: Array, v: Array) -> None:
-        """Have the robot be there: q and v as its own model has them."""
+        """Set the state of the robot: q and v in the form of its own model."""
         data = self.data
         if self._base:
             data.qpos[:3], data.qpos[3], data.qpos[4:7] = q[:3], q[6], q[3:6]
@@ -147,7 +147,7 @@ class MujocoPlant:
         data.qpos[self._places], data.qvel[self.dofs] = q, v
 
     def state(self) -> tuple[Array, Array]:
-        """Where the robot is: q and v as its own model has them."""
+        """The state of the robot: q and v in the form of its own model."""
         data = self.data
         q, v = data.qpos[self._places].copy(), data.qvel[self.dofs].copy()
         if not self._base:
@@ -158,8 +158,8 @@ class MujocoPlant:
     def push(self, frame: str, force: ArrayLike, duration: float, *, start: float | None = None) -> None:
         """Push a frame at its origin for a time, whether it begins and ends with ticks of the controller or between.
 
-        A step of the physics that it covers in part is pushed by the mean force, so that the momentum is F times the
-        duration, however short.
+        A step of the physics that the push covers in part gets the mean force, so that the momentum is always F times
+        the duration.
 
         Parameters
         ----------
@@ -194,7 +194,7 @@ class MujocoPlant:
 
     @property
     def forces(self) -> dict[str, Array]:
-        """What the ground did to the robot in the last step of the physics, at every point of the contacts, (k, 3) [N].
+        """Forces of the ground on the robot in the last physics step, at every contact point, (k, 3) [N].
 
         By the names of the contacts, in the axes of the world.
         """
@@ -215,7 +215,7 @@ class MujocoPlant:
     def creep(self, q: Array, duration: float = 10.0) -> float:
         """How far a point of the contacts creeps along the ground while all joints are held [m].
 
-        It is what the contact model of the physics does by itself, whoever controls the robot.
+        This creep comes from the contact model of the physics, not from the controller.
         """
         import pinocchio as pin
 
@@ -239,7 +239,7 @@ class MujocoPlant:
         self._laid = True
 
     def _step(self, steps: int) -> None:
-        """So many steps of the physics, one by one while something pushes; where one is pushed in part, by the mean."""
+        """Run `steps` physics steps, one by one during a push; a step covered in part gets the mean force."""
         data, mujoco, step = self.data, self._mujoco, self.model.opt.timestep
         self._pushes = [push for push in self._pushes if push.end > self.time]
         if not any(push.start < self.time + steps * step for push in self._pushes):

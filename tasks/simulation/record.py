@@ -32,7 +32,7 @@ DICTS = ("errors", "active", "forces")
 
 @dataclass(frozen=True)
 class Stop:
-    """Why a run ended before its time.
+    """Why a run ended early.
 
     Attributes
     ----------
@@ -62,8 +62,8 @@ class Record:
         Joint accelerations [rad/s^2] over each tick; at velocity order (v[k + 1] - v[k]) / dt, with a plant those
         commanded.
     tau : array, shape (N, n), or None
-        Joint torques [N m] that a takes where each tick begins (Eq. 4.1); None if the robot cannot tell. With
-        :class:`tasks.Dynamics` in the stack those that were told, of the joints that have a motor.
+        Joint torques [N m] for a at the beginning of each tick (Eq. 4.1); None if the robot cannot compute them. With
+        :class:`tasks.Dynamics` in the stack, the commanded torques of the joints that have a motor.
     pose : array, shape (N + 1, ...)
         Of the tip, in the coordinates of the robot.
     manipulability : array, shape (N + 1,), or None
@@ -86,13 +86,13 @@ class Record:
     shortfalls : tuple of tuples of Shortfall, or None
         What each of the checked ticks could not meet, and what held it back; None in a file of an older format.
     unknowns : int or None
-        How many the stack was solved for: joints, and with :class:`tasks.Dynamics` forces; None in a file that does not
-        tell, which means as many as joints.
+        Number of unknowns of the stack: joints, and with :class:`tasks.Dynamics` also forces; None in an older file,
+        which means as many as joints.
     robot : Robot or None
-        What moved; None in a record from a file, which holds no robot.
+        The simulated robot; None in a record from a file.
     forces : dict of arrays, shape (N, k, 3)
-        What was asked of the world at the points of every contact, in its axes [N], by its name; of contacts with one
-        wrench, and of loops, as :class:`tasks.Step` has them. Empty without :class:`tasks.Dynamics`.
+        Commanded forces at the points of every contact, by its name, in world axes [N]; for contacts with one wrench
+        and for loops, in the form of :class:`tasks.Step`. Empty without :class:`tasks.Dynamics`.
     """
 
     t: Array

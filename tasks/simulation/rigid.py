@@ -1,11 +1,11 @@
-r"""A plant on the constrained dynamics of Pinocchio: contacts that hold without fail, whatever force it takes.
+r"""A plant on the constrained dynamics of Pinocchio: its contacts hold with any force that is needed.
 
 With the torques tau, and the motion :math:`J_c` of the contacts that hold,
 
 .. math:: M a + b = S^T \tau + J_c^T f, \quad J_c a + \dot J_c v = -2 K J_c v + K^2 e.
 
-It is the control experiment: a controller whose contacts are these gets the accelerations that it says. The feedback
-takes back what integration drifts, and nothing else.
+It serves as a reference: a controller with the same contacts gets exactly the accelerations it computes. The feedback
+terms only correct the drift of integration.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ..contacts.contact import Contact
 from ..robots.robot import Robot, base, check_frame, on_pinocchio
 from .motion import check_names, told
 
-#: What makes forces unique that the contacts share, of the proximal method [1/kg].
+#: Proximal parameter, which makes forces unique if contacts are redundant [1/kg].
 PROXIMAL = 1e-10
 #: What Pinocchio calls a contact, by how many motions it forbids.
 KINDS = {3: "CONTACT_3D", 6: "CONTACT_6D"}

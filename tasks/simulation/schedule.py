@@ -72,7 +72,7 @@ class Switch:
 
 
 def check_switches(controller: Controller, schedule: Iterable[Change | Switch]) -> None:
-    """Go through a schedule, in the order of time, and refuse a switch that finds its contact as it would leave it.
+    """Check a schedule in the order of time, and refuse a switch whose contact already is in the wanted state.
 
     Raises
     ------

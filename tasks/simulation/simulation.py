@@ -8,7 +8,7 @@ The command holds over the tick and the robot follows it exactly:
     \text{velocity order:}\quad & q \leftarrow q + v\,dt
 
 which is the exact motion under such a command: what a run shows is the controller, not the integrator. Where a
-configuration is more than a number a joint, the sum is the robot's own ``integrate``.
+configuration is more than one number per joint, the sum is the robot's own ``integrate``.
 
 At torque order the acceleration that holds is the one which the torque gives where the tick begins, which makes the
 motion that of the acceleration order. Real motors hold the torque instead. For that, and for a robot that is not quite
@@ -93,10 +93,10 @@ def simulate(
     proof : callable, optional
         The judge of the solutions of those ticks (default: ``solution.certify().ok``).
     changes : iterable of Change and Switch
-        Stacks to go over to on the way, of which the controller keeps the last; contacts to make and to release, each
-        of which must be in the other state by then.
+        Changes of the stack, the controller keeps the last one; and contacts to make or release, each of which must be
+        in the other state by then.
     progress : callable, optional
-        Told the share of the run that is done, about a hundred times.
+        Called with the share of the run that is done, about a hundred times.
     plant : Plant, optional
         What the torques move, at torque order (default: the model of the controller). The record then holds the states
         that were measured, and the accelerations and torques that were commanded.
@@ -211,7 +211,7 @@ class _Run:
             q, v = check_moved(self._controller.robot, self._plant.advance(q, v, step.tau, dt), "plant")
         else:
             q, v, a = follow(self._integrate, step, q, v, dt)
-        q.flags.writeable = v.flags.writeable = False  # ours, and kept as they are: a robot need not copy them
+        q.flags.writeable = v.flags.writeable = False  # read-only, so that a robot need not copy them
         self._q, self._v = q, v
         return np.asarray(a)
 

@@ -34,8 +34,8 @@ def has_forces(stack: Stack, figure: Figure) -> bool:
 class ContactForces:
     """An arrow for the force at each point of a contact, as the last tick commands it, and the support polygon.
 
-    The polygon is around the points of all contacts that bear something, as seen from above. A contact with one wrench
-    has one arrow, at its centre of pressure.
+    The polygon encloses the points of all contacts with forces, seen from above. A contact with one wrench has one
+    arrow, at its centre of pressure.
     """
 
     def put(self, server: viser.ViserServer, session: Session, figure: Figure) -> None:
@@ -54,7 +54,7 @@ class ContactForces:
         )
 
     def show(self, session: Session) -> None:
-        """Those of the last tick."""
+        """Draw the forces of the last tick."""
         step = session.motion.step
         acting, points = [], []
         if step is not None and step.ok:

@@ -24,8 +24,7 @@ PICTURES, WORDS = 20.0, 4
 class Window:
     """A session, and the page that shows it; closed by `close`, or as a context manager.
 
-    The picture has a thread of its own, which looks at the session and is never waited for. Where no page is open
-    nothing is drawn.
+    A separate thread draws the picture, and the session never waits for it. Nothing is drawn while no page is open.
 
     Parameters
     ----------
@@ -107,15 +106,15 @@ def live(
     q0 : array, shape (nq,), optional
         Where it begins (default: the robot's home).
     host : str
-        Where it listens: by default to this machine alone. A warning tells who else can connect.
+        Address to listen on (default: this machine only). A warning tells who else can connect.
     port : int
-        Or the next that is free.
+        Port to use, or the next one that is free.
     certify : int
         Every so many-th tick is put to the certificate and explained; 0 for none.
     folder : path
         Where recordings are saved.
     overlays : sequence of Overlay
-        What else is drawn, see :class:`tasks.view.scene.Overlay`.
+        Other things to draw, see :class:`tasks.view.scene.Overlay`.
 
     Raises
     ------

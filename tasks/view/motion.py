@@ -91,7 +91,7 @@ class Motion:
         The last tick.
     verdict : Verdict or None
     fault : str or None
-        Why nothing moves any more; :meth:`reset` begins anew.
+        Why the motion has stopped; :meth:`reset` restarts it.
     samples : deque of Sample
         Of the last 10 s.
     """
@@ -125,7 +125,7 @@ class Motion:
         self.change(self.controller.stack, 0.0)
 
     def change(self, stack: Stack, duration: float) -> None:
-        """Go over to another stack in so many seconds.
+        """Change to another stack within `duration` [s].
 
         Raises
         ------

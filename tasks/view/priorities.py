@@ -48,7 +48,7 @@ class Priorities:
         return [self._all[k] for k in self._order]
 
     def move(self, place: int, by: int) -> Stack:
-        """Let the level at a place change it with the one above (by = -1) or below (by = 1).
+        """Exchange the level at a place with the one above (by = -1) or below (by = 1).
 
         Raises
         ------

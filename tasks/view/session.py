@@ -26,14 +26,14 @@ from .targets import Target, targets_of
 
 #: How long a change of priorities takes [s].
 CHANGE = 0.5
-#: What the loop catches up with after it was held up [s]; the rest is left out.
+#: The longest delay that the loop catches up [s]; the rest is left out.
 LATE = 0.1
 #: The longest sleep of the loop [s].
 NAP = 0.02
 
 
 class Session:
-    """A motion that is paused, reset, reordered, recorded, by whoever calls, from any thread.
+    """A motion that any thread can pause, reset, reorder and record.
 
     The loop is one thread, in :meth:`run`; what other threads want of it goes through :meth:`do`.
 
@@ -53,11 +53,11 @@ class Session:
     targets : list of Target
     running : bool
     speed : float
-        Seconds of motion a second.
+        Seconds of motion per second of real time.
     rate : float
-        Ticks a second of late.
+        Recent ticks per second.
     message : str
-        What was refused, or done, last.
+        The last error, or the last action done.
     """
 
     def __init__(self, controller: Controller, q0: ArrayLike | None = None, *, certify: int = 25) -> None:
@@ -75,7 +75,7 @@ class Session:
     # What is wanted of it.
 
     def do(self, wish: Callable[[], Any]) -> None:
-        """Have something done between two ticks; what it refuses becomes the message."""
+        """Run an action between two ticks; its error, if any, becomes the message."""
         self._wishes.put(wish)
 
     def pause(self, paused: bool = True) -> None:
@@ -176,7 +176,7 @@ class Session:
     # The loop.
 
     def serve(self, wait: float = 0.0) -> None:
-        """Do what was wanted since, after waiting so long for the first [s]."""
+        """Run the requested actions, after waiting up to `wait` [s] for the first."""
         while True:
             try:
                 wish = self._wishes.get(timeout=wait) if wait > 0.0 else self._wishes.get_nowait()
@@ -189,7 +189,7 @@ class Session:
                 self.message = str(refused)
 
     def advance(self, seconds: float) -> int:
-        """The ticks that are due after so much time of the clock; how many were made.
+        """Run the ticks that are due after `seconds` of real time; returns how many were run.
 
         Where the machine is too slow, the time of the motion falls behind the clock; it does not pile up.
         """

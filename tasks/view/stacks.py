@@ -1,8 +1,8 @@
-"""A default stack for a robot of which only the model is known, as `hqp live` starts with.
+"""A default stack for any robot model; `hqp live` starts with it.
 
-An arm: its limits, then the position of its tip, then how that is turned, then a posture. A robot that stands on feet:
-its limits, feet that stay, the centre of mass, hands, a posture. Feet and hands are found, not named: the ends of the
-chains of joints; feet are those of a floating base that are lowest at home, hands the others that enough joints move.
+Arm: limits, position of the tip, orientation of the tip, posture. Robot on feet: limits, fixed feet, centre of mass,
+hands, posture. Feet and hands are found among the ends of the joint chains: feet are the lowest ends at home of a robot
+with a floating base; hands are other ends with enough joints.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ WHOLE = 6
 def ready_controller(robot: PinocchioRobot, dt: float) -> Controller[Array, None, None]:
     """A controller of the stack to begin with, at velocity order.
 
-    A robot without limits of acceleration is given `BRAKES` for its joints: without any, a strict stack whose target is
-    out of reach throws a stretched arm from one limit of its speed to the other.
+    A robot without limits of acceleration is given `BRAKES` for its joints: without such limits, a strict stack with
+    a target out of reach makes a stretched arm jump from one speed limit to the other.
 
     Raises
     ------

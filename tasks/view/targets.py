@@ -36,9 +36,9 @@ class Target:
     turn : PlacementTask, AxisTask or None
         The task that follows its rotation.
     p : array, shape (3,)
-        Where it is [m]; coordinates that no task wants are those of the robot when it began.
+        Its position [m]; coordinates that no task controls are those of the robot at the start.
     R : array, shape (3, 3)
-        How it is turned.
+        Its orientation.
     """
 
     name: str
@@ -50,14 +50,14 @@ class Target:
 
     @property
     def free(self) -> tuple[bool, bool, bool]:
-        """Along which axes dragging it means something."""
+        """Along which axes dragging it has an effect."""
         if isinstance(self.point, PlacementTask):
             return 0 in self.point.mask, 1 in self.point.mask, 2 in self.point.mask
         return (True, True, True)
 
     @property
     def fixed(self) -> bool:
-        """Whether it can be dragged: a target that is a function of time goes its own way."""
+        """Whether the target is constant, so that it can be dragged; a function of time cannot."""
         goals = [] if self.point is None else [_goal(self.point)]
         if self.turn is not None:
             goals.append(self.turn.target if isinstance(self.turn, AxisTask) else self.turn.rotation)
@@ -69,7 +69,7 @@ class Target:
         Raises
         ------
         InvalidInput
-            If a task does not take it; it then stays where it was.
+            If a task refuses it; the target then stays where it was.
         """
         if p is not None and self.point is not None:
             before = self.p

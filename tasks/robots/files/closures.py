@@ -1,8 +1,9 @@
-"""Equality constraints of a MuJoCo model that close chains: points that are connected, bodies that are welded.
+"""Equality constraints of a MuJoCo model that close chains: connected points and welded bodies.
 
-A *connect* holds a point of one body at a point of another, a *weld* also turns them alike; of sites, both hold the
-sites themselves. MuJoCo keeps the points in the coordinates of the bodies: of a connect that of the first body before
-that of the second, of a weld the other way round, and the second body turns as the first does times a quaternion.
+A *connect* holds a point of one body at a point of another; a *weld* also holds their relative rotation. If they name
+sites, the sites themselves are held. MuJoCo keeps the points in the coordinates of the bodies: a connect has the point
+of the first body first, a weld that of the second. The rotation of the second body is that of the first times a
+quaternion.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ def closed_chains(
     names: list[str],
     what: str,
 ) -> tuple[list[Closure], list[str]]:
-    """The closed chains of the robot, and the equalities that are left out, with why.
+    """The closed chains of the robot, and the equalities that are left out, with reasons.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 r"""Equality constraints and tendons of a MuJoCo model that couple joints, read as mimic joints.
 
 A joint equality with a linear polynomial, :math:`q_1 - q_1^0 = a_0 + a_1 (q_2 - q_2^0)`, makes a joint follow another.
-What would bound a sum of joints cannot be said by joints, and is refused; closed chains are read by :mod:`.closures`.
+A constraint on a sum of joints cannot be a mimic joint, and is refused; closed chains are read by :mod:`.closures`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from .ties import Tie
 
 
 def active(mj: mujoco.MjModel) -> list[int]:
-    """The equalities that count."""
+    """The equalities that are active."""
     off = mj.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_EQUALITY
     return [] if off else [i for i in range(mj.neq) if mj.eq_active0[i]]
 
@@ -42,7 +42,7 @@ def couplings(
     Raises
     ------
     InvalidInput
-        Names the equality or tendon that joints cannot say.
+        If an equality or tendon cannot be a mimic joint; the message names it.
     """
     ties: list[Tie] = []
     for i in active(mj):

@@ -25,17 +25,17 @@ class Description:
     model : pinocchio.Model
         Every joint on its own, tied or not; configurations that the file names as its reference configurations.
     neutral : array, shape (nq,)
-        The configuration from which the file counts.
+        The zero configuration of the file.
     ties : list of Tie
         Joints that follow others.
     fixed : tuple of str
-        Joints of the file that do not move, and are none of the model.
+        Fixed joints of the file, which are not in the model.
     closures : tuple of Closure
         Frames that it holds together, beside its joints.
     scene : mujoco.MjModel or None
         What MuJoCo compiled.
     left_out : tuple of str
-        What else the file has, and why it is no part of the robot.
+        Other contents of the file, and why they are not part of the robot.
     """
 
     model: pin.Model

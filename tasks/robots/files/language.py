@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 #: Suffixes of files that are read, or refused with a hint.
 SUFFIXES = (".urdf", ".xml", ".mjcf", ".mjb", ".xacro", ".sdf", ".srdf", ".usd", ".usda", ".zip")
-#: Of a name, so much is shown.
+#: Longest part of a name that messages show.
 LONGEST = 200
 #: How many files of a folder are named.
 MOST_NAMED = 8
@@ -40,12 +40,12 @@ def looks_like_a_file(source: str | PathLike[str]) -> bool:
 
 
 def check_file(source: str | PathLike[str]) -> Path:
-    """The path of a file that is there.
+    """The path of an existing file.
 
     Raises
     ------
     InvalidInput
-        If it is XML itself, a folder, or not there; tells what to do.
+        If it is XML text, a folder, or missing; the message says what to do.
     """
     text = str(source)
     if text.lstrip().startswith("<"):
@@ -60,7 +60,7 @@ def check_file(source: str | PathLike[str]) -> Path:
         raise InvalidInput(f"robot {text!r} is a folder; name a file in it: {told}")
     try:
         there = path.is_file()
-    except (OSError, ValueError):  # no file can be called so
+    except (OSError, ValueError):  # not a possible file name
         there = False
     if not there:
         raise InvalidInput(f"there is no file {text[:LONGEST]!r}")
@@ -81,7 +81,7 @@ def describe(source: Path | mujoco.MjModel, base: Base | None, bodies: Iterable[
     Raises
     ------
     InvalidInput
-        If it cannot be read, or not exactly; tells the element and the reason.
+        If it cannot be read exactly; the message names the element and the reason.
     MissingPackage
         If it is MJCF, and MuJoCo is not installed.
     """

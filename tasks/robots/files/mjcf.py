@@ -1,6 +1,6 @@
 r"""Robots from MJCF: MuJoCo compiles the file, and the robot is built from what it compiled, joint by joint.
 
-So all that the language has, such as defaults, frames, includes and units, means what it means to MuJoCo. A body is at
+So all features of the format, such as defaults, frames and units, have the meaning MuJoCo gives them. A body is at
 :math:`T = T_{parent} B`, with B its pose there, and each of its joints in turn moves it about its anchor p,
 
 .. math::
@@ -35,7 +35,7 @@ from .description import BASE_JOINT, BASES, Description
 from .mujoco_numbers import BALL, FREE, HINGE, SLIDE, pose, randomise, single_joint, xyzw, yaw_of
 from .scene import Scene, body_names, scene
 
-#: How far places may be from MuJoCo's [m], against the size of the robot, and how often they are compared.
+#: Tolerance for positions against MuJoCo's, relative to the size of the robot, and number of comparisons.
 EXACT, TRIES = 1e-9, 3
 
 
@@ -45,7 +45,7 @@ def read_mjcf(source: Path | mujoco.MjModel, base: Base | None, bodies: Iterable
     Raises
     ------
     InvalidInput
-        If MuJoCo cannot read it, there is no robot in it or several, or it has what cannot be read exactly.
+        If MuJoCo cannot read it, it has no robot or several, or something in it cannot be read exactly.
     """
     bodies = None if bodies is None else list(bodies)
     mj = source if isinstance(source, mujoco.MjModel) else _compiled(source, what)
@@ -78,7 +78,7 @@ class _Reader:
         self.placed: dict[int, tuple[int, pin.SE3]] = {0: (0, pin.SE3.Identity())}  # body -> joint, and where on it
         self.start: list[Array] = []  # the neutral configuration, joint by joint
         self.base = base
-        self.flown: int | None = None  # the free joint in whose place the robot has a planar one
+        self.flown: int | None = None  # the free joint that a planar one replaces in the robot
         if base is not None and len(chosen.roots) > 1:
             raise InvalidInput(f"{what}: base = {base!r}, but there are several robots; each stands as the file says")
         self.world = self._world()
@@ -107,7 +107,7 @@ class _Reader:
     # Bodies and joints.
 
     def _world(self) -> Any:
-        """MuJoCo's data at qpos0: where everything begins."""
+        """MuJoCo's data at qpos0, its reference configuration."""
         data = mujoco.MjData(self.mj)
         data.qpos[:] = self.mj.qpos0
         mujoco.mj_kinematics(self.mj, data)
@@ -143,7 +143,7 @@ class _Reader:
             self._add_frame(mj.body(body).name, carrier, placement, pin.FrameType.BODY)
 
     def _add_base(self, body: int, joints: list[int]) -> tuple[int, pin.SE3]:
-        """What carries a root, and where: the world at its pose, or a joint that moves freely."""
+        """The joint that carries a root body, and the pose on it: the world, or a free joint."""
         mj, start = self.mj, pose(self.world.xpos[body], self.world.xquat[body])
         free = next((j for j in joints if mj.jnt_type[j] == FREE), None)
         asked = self.base if self.base is not None else "fixed" if free is None else "floating"
@@ -267,7 +267,7 @@ class _Reader:
     # Configurations.
 
     def configuration(self, qpos: Array, neutral: Array) -> Array:
-        """The numbers of MuJoCo for the joints of the robot; a base of which it has none stands as in neutral."""
+        """The robot's configuration from qpos; a base that MuJoCo does not have stays neutral."""
         q = np.array(neutral)
         if self.flown is not None:
             address = int(self.mj.jnt_qposadr[self.flown])

@@ -1,4 +1,4 @@
-"""The shapes of an MJCF, those that collide and those that are seen: its compiled geoms on the bodies of a model."""
+"""Collision and visual shapes of an MJCF: its compiled geoms on the bodies of a model."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LAST_SHOWN = 2
 def mjcf_geometry(model: pin.Model, mj: mujoco.MjModel, what: str) -> pin.GeometryModel:
     """The geoms that collide, of all bodies that the model has; meshes become their convex hulls.
 
-    Its collision pairs are those that MuJoCo may look at: bodies that the file excludes are none.
+    Its collision pairs are those that MuJoCo may check, without those that the file excludes.
 
     Raises
     ------

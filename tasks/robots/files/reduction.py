@@ -14,14 +14,14 @@ from ..frame_names import KINDS
 from ..joint_axes import NONE, joint_axes
 from ..ranges import SAME
 
-#: What a frame is called, by its type.
+#: The kind of a frame, by its type.
 KIND_OF = {own: kind for kind, types in KINDS.items() for own in types}
 
 
 def reduced(
     model: pin.Model, positions: Mapping[str, float | None], neutral: Array, what: str
 ) -> tuple[pin.Model, Array]:
-    """The model with these joints held, at a position or, if that is None, in their range nearest to neutral.
+    """The model with these joints locked at a position or, if that is None, in their range nearest to neutral.
 
     Returns
     -------
@@ -30,7 +30,7 @@ def reduced(
     Raises
     ------
     InvalidInput
-        If a joint is unknown, or a position is outside its range; tells the nearest names, and the range.
+        If a joint is unknown, or a position outside its range; the message gives the nearest names, or the range.
     """
     q, held = np.array(neutral), []
     names = list(model.names)[1:]
@@ -69,13 +69,13 @@ def carried(q: Array, before: pin.Model, after: pin.Model) -> Array:
     places = [
         joint.idx_q + i
         for joint, own in zip(kept[1:], list(after.joints)[1:], strict=True)
-        for i in range(own.nq)  # none of one that follows another
+        for i in range(own.nq)  # mimic joints have none
     ]
     return np.asarray(q[places])
 
 
 def _reduced(model: pin.Model, held: list[int], q: Array) -> pin.Model:
-    """Pinocchio's reduced model. It seeks frames by name alone, so that each is given one of its own meanwhile."""
+    """Pinocchio's reduced model; Pinocchio finds frames by name only, so each gets a unique name meanwhile."""
     model = pin.Model(model)
     for i, name in enumerate(model.names):
         model.names[i] = f"joint:{name}" if i else name

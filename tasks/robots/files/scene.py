@@ -1,8 +1,8 @@
 """Finds the bodies of the robot in a MuJoCo model, which may have tables, targets or a second robot.
 
-The children of the world are the roots of trees. A tree without joints is furniture, a mocap body a target, and a body
-that only floats a thing to be handled: they are left out where something with joints is there, and told. Where only one
-body floats and nothing has joints, it is the robot.
+The children of the world are roots of trees. A tree without joints is furniture, a mocap body is a target, and a tree
+with only a free joint is an object to handle. If a tree with other joints exists, all of these are left out and logged.
+If the only movable body is one with a free joint, it is the robot.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ class Scene:
     Attributes
     ----------
     roots : tuple of int
-        The bodies that it begins with; one that floats comes first.
+        Its root bodies; one that floats comes first.
     bodies : tuple of int
-        All of it, each after the one that carries it.
+        All its bodies, each after its parent.
     left_out : tuple of str
-        The rest, and why.
+        All other bodies, with reasons.
     """
 
     roots: tuple[int, ...]
@@ -47,7 +47,7 @@ def scene(mj: mujoco.MjModel, asked: Iterable[str] | None, what: str) -> Scene:
     Raises
     ------
     InvalidInput
-        If there is none, there are several, a name is no body's, or a body is carried by a joint that is no part of it.
+        If there is no robot or several, a name is not a body, or a body is moved by a joint outside the robot.
     """
     names = body_names(mj)
     trees = {root: _tree(mj, root) for root in range(1, mj.nbody) if mj.body_parentid[root] == WORLD}
@@ -89,7 +89,7 @@ KINDS = {"mocap": "mocap", "furniture": "no joints", "free": "floats by itself",
 
 
 def body_names(mj: mujoco.MjModel) -> list[str]:
-    """One a body; of one without a name its number."""
+    """One name per body; its number if it has no name."""
     return [mj.body(i).name or f"body {i}" for i in range(mj.nbody)]
 
 

@@ -1,4 +1,4 @@
-"""Reads what an SRDF says of a robot beside its URDF: groups of joints, and configurations by name."""
+"""Reads an SRDF: groups of joints, and named configurations of a robot."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from .xml import parsed
 
 @dataclass(frozen=True, eq=False)
 class Semantics:
-    """What an SRDF says.
+    """The contents of an SRDF.
 
     Attributes
     ----------
     groups : dict of str to list of str
         The joints of each group, in the order of the model.
     states : dict of str to dict of str to array
-        The configurations, by name: of each joint the numbers of its position.
+        The configurations by name: joint -> numbers of its position.
     unknown : list of str
-        Joints, links and groups that it names, and that are not there.
+        Joints, links and groups in the file that the robot does not have.
     """
 
     groups: Mapping[str, list[str]]
@@ -38,14 +38,14 @@ class Semantics:
 def read_srdf(path: Path, model: pin.Model, what: str) -> Semantics:
     """The groups and the configurations of an SRDF, for a model.
 
-    Configurations that groups have under one name are one, where none says another position of a joint; else each is
-    called ``"group/name"``.
+    Configurations of several groups with the same name are merged if they do not contradict each other; otherwise each
+    is named ``"group/name"``.
 
     Raises
     ------
     InvalidInput
-        If the file cannot be read or has neither, an element has no name, a group holds itself, or a position is no
-        number.
+        If the file cannot be read or has neither, an element has no name, a group contains itself, or a position is
+        not a number.
     """
     root = parsed(path, what)
     elements: dict[str, list[Element]] = {}
@@ -73,7 +73,7 @@ def read_srdf(path: Path, model: pin.Model, what: str) -> Semantics:
 
 
 class _Groups:
-    """The joints of groups, which may name joints, links, chains, and groups."""
+    """The joints of groups; a group may list joints, links, chains and other groups."""
 
     def __init__(self, elements: Mapping[str, list[Element]], model: pin.Model, what: str) -> None:
         self._elements, self._model, self._what = elements, model, what
@@ -103,7 +103,7 @@ class _Groups:
         return [name for name in self._order if name in found]
 
     def told(self, joint: str) -> str:
-        """The joint, noted where the model neither moves nor holds it."""
+        """The joint; noted as unknown if the model has it neither as a joint nor locked."""
         if joint not in self._order and not self._model.existFrame(joint, pin.FrameType.FIXED_JOINT):
             self.unknown.append(joint)
         return joint
@@ -117,7 +117,7 @@ class _Groups:
         return {before.name} if before.type == pin.FrameType.JOINT else set()
 
     def _carriers(self, link: str) -> set[int]:
-        """The numbers of all joints that move a link; none of a link that is not there, which is the world."""
+        """The numbers of all joints that move a link; none for a link not in the model, which is the world."""
         frame = self._frame(link)
         return set() if frame is None else set(list(self._model.supports[frame.parentJoint])[1:])
 

@@ -1,7 +1,7 @@
 r"""Mimic joints: :math:`q = m\, q_{leader} + o`, where the leader may follow another joint in turn.
 
-Both move together, so each has to stay in the range of the other as well: the range of the leader is narrowed to what
-all its followers allow, and its speed to what theirs do. A leader that is fixed has the position 0.
+Both joints move together, so each must also stay in the range of the other: the range and the speed of the leader are
+narrowed to what all its followers allow. A leader that is a fixed joint has the position 0.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ..keeping import Recipe
 from ..ranges import SAME, known
 from .reduction import carried, reduced
 
-#: How far a configuration that a file names may be from its ties [rad], [m].
+#: Tolerance for mimic joints in the named configurations of a file [rad], [m].
 KEYED = 1e-6
 
 
@@ -31,7 +31,7 @@ KEYED = 1e-6
 class Tie:
     """A joint that follows another one: its position is ``factor`` times that of the leader plus ``offset``.
 
-    Without a leader it is the offset.
+    Without a leader its position is the offset.
     """
 
     follower: str
@@ -48,9 +48,9 @@ def resolve(ties: Iterable[Tie], model: pin.Model, fixed: Iterable[str], held: I
     ties : iterable of Tie
     model : pinocchio.Model
     fixed : names
-        Joints of the file that are none of the model, as they do not move.
+        Fixed joints of the file, which are not in the model.
     held : names
-        Joints that are held, and may do without their leader.
+        Locked joints; their leader may be missing.
     what : str
         The file, for messages.
 
@@ -102,7 +102,7 @@ class Arrangement(NamedTuple):
     model : pinocchio.Model
     neutral : array, shape (nq,)
     follower_limits : dict of str to FollowerLimits
-        What the followers of each joint leave to it.
+        The range and speed that the followers of each joint allow it.
     recipe : Recipe or None
         How its ties were made, if it has some.
     """
@@ -121,7 +121,7 @@ def arrange(
     Parameters
     ----------
     model : pinocchio.Model
-        Every joint of it on its own.
+        The model in which every joint is independent.
     neutral : array, shape (nq,)
     ties : list of Tie
         Resolved.
@@ -133,8 +133,8 @@ def arrange(
     Raises
     ------
     InvalidInput
-        If the joints of a tie are left no range, or held where they cannot both be, or lock names no joint or a
-        position outside its range.
+        If the joints of a tie have no common range, or are locked at positions that contradict the tie, or `lock` has
+        an unknown joint or a position outside its range.
     """
     model, neutral, held = pin.Model(model), np.array(neutral), dict(lock)
     groups = _groups(ties, mimic, held, what)
@@ -159,19 +159,19 @@ def arrange(
 
 
 def _itself(leader: str) -> Tie:
-    """A leader as one that follows itself."""
+    """A leader as a tie to itself."""
     return Tie(leader, leader, 1.0, 0.0)
 
 
 def _driver(model: pin.Model, leader: str, ties: list[Tie]) -> Tie:
-    """The independent one of joints that are tied together: the first in the tree, as Pinocchio demands."""
+    """The independent joint among joints tied together: the first in the tree, as Pinocchio demands."""
     return min([_itself(leader), *ties], key=lambda tie: model.getJointId(tie.follower))
 
 
 def _groups(ties: list[Tie], mimic: Mimic, held: dict[str, float | None], what: str) -> dict[str, list[Tie]]:
-    """The ties of each leader; joints that follow none are held where they are, and so noted in `held`.
+    """The ties of each leader; joints without a leader are locked in place, and added to `held`.
 
-    A follower that is held somewhere by hand, while others are held too, has no tie any more.
+    With mimic "lock", a follower that the user locks at a position is no longer tied.
     """
     groups: dict[str, list[Tie]] = {}
     for tie in ties:
@@ -194,7 +194,7 @@ def _column(model: pin.Model, joint: str) -> int:
 
 
 def _left_by_followers(model: pin.Model, driver: Tie, ties: list[Tie]) -> FollowerLimits:
-    """The range and speed of a joint that the ranges and speeds of its followers permit."""
+    """The range and speed of a joint that its followers allow."""
     low, high, speed = -np.inf, np.inf, np.inf
     speeds = known(model.upperVelocityLimit)
     for tie in ties:
@@ -209,7 +209,7 @@ def _left_by_followers(model: pin.Model, driver: Tie, ties: list[Tie]) -> Follow
 
 
 def _narrow(model: pin.Model, leader: str, ties: list[Tie], what: str) -> None:
-    """Give the leader the range and the speed that its followers leave it."""
+    """Narrow the range and speed of the leader to what its followers allow."""
     theirs = _left_by_followers(model, _itself(leader), ties)
     index, column = _q_index(model, leader), _column(model, leader)
     low, high = max(model.lowerPositionLimit[index], theirs.low), min(model.upperPositionLimit[index], theirs.high)
@@ -223,7 +223,7 @@ def _narrow(model: pin.Model, leader: str, ties: list[Tie], what: str) -> None:
 
 
 def _tell_of_configurations(model: pin.Model, leader: str, ties: list[Tie], what: str) -> None:
-    """Tell of configurations that the file names and in which a follower is not where its leader puts it."""
+    """Warn of named configurations in which a follower is not where its leader puts it."""
     for entry in model.referenceConfigurations:
         q = np.array(entry.data())
         for tie in ties:
@@ -239,7 +239,7 @@ def _limit_speed(model: pin.Model, column: int, speed: float) -> None:
 def _hold_together(
     held: dict[str, float | None], leader: str, ties: list[Tie], neutral: float, mimic: Mimic, what: str
 ) -> None:
-    """Hold the followers where the leader puts them; all joints of a tie, if they are to follow and one is held."""
+    """Lock the followers where the leader puts them, or, with "follow", all joints of a tie if one is locked."""
     asked = [tie for tie in ties if tie.follower in held]
     if mimic == "follow" and leader not in held and asked:
         position = held[asked[0].follower]
@@ -260,13 +260,13 @@ def _hold_together(
 def _followed(
     model: pin.Model, neutral: Array, leader: str, ties: list[Tie], made: list[tuple[str, str, float, float]]
 ) -> tuple[pin.Model, Array]:
-    """Tie joints together, and note in `made` what is done: the model, and its neutral configuration."""
+    """Tie joints together, and append the ties to `made`; returns the model and its neutral configuration."""
     all_of, driver = [_itself(leader), *ties], _driver(model, leader, ties)
     index, column = _q_index(model, leader), _column(model, leader)
     whole = FollowerLimits(
         model.lowerPositionLimit[index], model.upperPositionLimit[index], model.upperVelocityLimit[column]
     ).seen_through(driver.factor, driver.offset)
-    torque = known(model.upperEffortLimit)[column] / abs(driver.factor)  # the motor is the leader's
+    torque = known(model.upperEffortLimit)[column] / abs(driver.factor)  # the motor drives the leader
     resists = np.zeros(3)
     for tie in all_of:
         factor, own = tie.factor / driver.factor, _column(model, tie.follower)

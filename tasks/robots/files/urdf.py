@@ -21,9 +21,9 @@ from .description import BASE_JOINT, BASES, Description
 from .ties import Tie
 from .xml import parsed, written
 
-#: The numbers of a tie, and what they are where the file does not say.
+#: The numbers of a mimic element, and their defaults.
 MIMIC = (("multiplier", "1"), ("offset", "0"))
-#: The elements that make the robot, by the element in which they stand; those that may stand there once; attributes.
+#: The elements of a robot by parent element; those that may occur only once; attributes.
 ELEMENTS = {
     "robot": ("link", "joint"),
     "joint": ("origin", "parent", "child", "axis", "limit", "mimic"),
@@ -31,12 +31,12 @@ ELEMENTS = {
     "inertial": ("origin", "mass", "inertia"),
     "collision": ("origin", "geometry"),
 }
-#: What an SRDF has.
+#: Elements of an SRDF.
 SRDF = ("group", "group_state", "disable_collisions")
-#: Elements of others, which may have joints and links of their own.
+#: Elements of other tools, which may contain their own joints and links.
 FOREIGN = ("gazebo", "transmission", "ros2_control", "drake", "sensor")
 ONCE = (*ELEMENTS["joint"], *ELEMENTS["inertial"], "inertial", "geometry")
-#: Of these elements: names that are read, in small letters alone.
+#: Attributes that are read only in lower case.
 ATTRIBUTES = (
     *("name", "type", "xyz", "rpy", "link", "joint", "lower", "upper"),
     *("velocity", "effort", "multiplier", "offset"),
@@ -49,7 +49,7 @@ def read_urdf(path: Path, base: Base | None, what: str) -> Description:
     Raises
     ------
     InvalidInput
-        If it cannot be read exactly; tells the element and why.
+        If it cannot be read exactly; the message names the element and the reason.
     """
     root = parsed(path, what)
     _check_elements(root, path, what)
@@ -85,7 +85,7 @@ def read_urdf(path: Path, base: Base | None, what: str) -> Description:
 
 
 def rename_shared(root: Element) -> dict[str, str]:
-    """Rename joints that share their name with a link, which Pinocchio would confuse: the new names, and the old."""
+    """Rename joints that share their name with a link, which Pinocchio would confuse; returns new name -> old name."""
     links, renamed = {link.get("name") for link in root.findall("link")}, {}
     taken = links | {joint.get("name") for joint in root.findall("joint")}
     for joint in root.findall("joint"):
@@ -105,7 +105,7 @@ def _drop_pictures(root: Element) -> None:
 
 
 def rename(model: pin.Model, names: dict[str, str]) -> None:
-    """Give joints, and their frames, these names in the place of their own."""
+    """Rename joints and their frames."""
     for i, name in enumerate(model.names):
         model.names[i] = names.get(name, name)
     for frame in model.frames:
@@ -114,7 +114,7 @@ def rename(model: pin.Model, names: dict[str, str]) -> None:
 
 
 def _names(name: str) -> Iterator[str]:
-    """This name, and more and more like it."""
+    """This name, then variations of it."""
     while True:
         yield name
         name += "_"
@@ -153,7 +153,7 @@ def _check_elements(root: Element, path: Path, what: str) -> None:
 
 
 def _check_said(lines: list[str], what: str) -> None:
-    """Refuse a mass that urdfdom could not read, and left out; report its other complaints."""
+    """Refuse a file with a mass that urdfdom could not read and left out; report its other messages."""
     errors = [line.strip().removeprefix("Error:").strip() for line in lines if line.lstrip().startswith("Error")]
     for line in errors:
         if any(word in line.lower() for word in ("inertia", "mass")):
@@ -163,7 +163,7 @@ def _check_said(lines: list[str], what: str) -> None:
 
 
 def _check_whole(root: Element, model: pin.Model, what: str) -> None:
-    """Refuse a file of which links or joints are not in the model, as nothing ties them to its first tree."""
+    """Refuse a file with links or joints missing from the model because they are not connected to its first tree."""
     frames = {kind: {frame.name for frame in model.frames if frame.type in own} for kind, own in KINDS.items()}
     for tag, kind in ("link", "body"), ("joint", "joint"):
         for element in root.findall(tag):
@@ -196,7 +196,7 @@ def _number(element: Element, key: str, default: str, what: str) -> float:
 
 
 def _check_axes(joints: list[Element], what: str) -> None:
-    """Refuse axes that Pinocchio does not take: those of length zero, and of planar joints any other than z."""
+    """Refuse axes that Pinocchio does not support: of length zero, or, for planar joints, other than z."""
     for joint in joints:
         axis, name, kind = joint.find("axis"), joint.get("name"), joint.get("type")
         if axis is None and kind == "planar":
@@ -206,7 +206,7 @@ def _check_axes(joints: list[Element], what: str) -> None:
         try:
             own = np.array([float(number) for number in axis.get("xyz", "").split()])
         except ValueError:
-            continue  # urdfdom says what is wrong with it
+            continue  # urdfdom reports the error
         if not own.any():
             raise InvalidInput(f"{what}: the axis of joint {name!r} is {axis.get('xyz')}; it must have a direction")
         if kind == "planar" and (own.shape != (3,) or own[0] or own[1] or own[2] < 0.0):
@@ -216,7 +216,7 @@ def _check_axes(joints: list[Element], what: str) -> None:
 
 
 def _open(joints: list[Element], tied: set[str | None]) -> None:
-    """Give tied joints that turn without end one number, an angle, from which that of the other can be counted."""
+    """Give tied continuous joints one number, an angle, so that the tie can be a linear equation."""
     for joint in joints:
         if joint.get("name") in tied and joint.get("type") == "continuous":
             joint.set("type", "revolute")

@@ -9,20 +9,20 @@ from xml.etree.ElementTree import Element
 
 from hqp import InvalidInput
 
-#: Comments, which here may have dashes inside, and text for others; the declaration; the first element; a namespace
-#: without prefix; an ampersand that begins no entity.
+#: Comments (dashes inside are accepted) and CDATA; the declaration; the first element; a namespace without prefix; an
+#: ampersand that does not begin an entity.
 COMMENT = re.compile(r"<!--.*?-->|<!\[CDATA\[.*?\]\]>", re.DOTALL)
 NAMESPACE = re.compile(r"\sxmlns\s*=\s*(\"[^\"]*\"|'[^']*')")
 DECLARATION = re.compile(r"\s*<\?xml[^>]*\?>")
 ENCODING = re.compile(r"\s*<\?xml[^>]*?encoding\s*=\s*[\"']([\w.:-]+)[\"']")
 FIRST = re.compile(r"<\s*(?:\w+:)?([A-Za-z_][\w.-]*)")
 AMPERSAND = re.compile(r"&(?!(?:[\w.:-]+|#\w+);)")
-#: Encodings that a file tells by its first bytes.
+#: Encodings by the first bytes of a file.
 MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
 
 
 def text_of(path: Path, what: str) -> str:
-    """What is written in a file, in the encoding that it says, or else in UTF-8.
+    """The text of a file, in the encoding it declares, or else in UTF-8.
 
     Raises
     ------
@@ -56,18 +56,18 @@ def root_of(path: Path, what: str) -> str:
     except InvalidInput:
         if not path.is_file():
             raise
-        text = path.read_bytes().decode("latin-1")  # names of elements are plain
+        text = path.read_bytes().decode("latin-1")  # names of elements are ASCII
     first = FIRST.search(DECLARATION.sub("", COMMENT.sub("", text), count=1))
     return first.group(1) if first else ""
 
 
 def parsed(path: Path, what: str) -> Element:
-    """The root element of an XML file. Namespaces without a prefix mean nothing: the elements are read without them.
+    """The root element of an XML file. Namespaces without a prefix are ignored.
 
     Raises
     ------
     InvalidInput
-        If it cannot be read, or is no XML; tells the line.
+        If it cannot be read, or is not XML; the message gives the line.
     """
     text = COMMENT.sub(lambda comment: "\n" * comment.group().count("\n"), text_of(path, what))
     text = NAMESPACE.sub("", AMPERSAND.sub("&amp;", DECLARATION.sub("", text, count=1).strip()))
@@ -78,7 +78,7 @@ def parsed(path: Path, what: str) -> Element:
 
 
 def written(root: Element, what: str) -> str:
-    """The text of an element and all that is in it.
+    """The XML text of an element and its contents.
 
     Raises
     ------
