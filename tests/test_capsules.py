@@ -173,7 +173,7 @@ def test_links_as_capsules_keep_off_a_pole_and_off_each_other() -> None:
         (lambda: link_capsules(PANDA, ["panda_hnd"]), "did you mean 'panda_hand'"),
         (lambda: link_capsules(PANDA, []), "empty"),
         (lambda: link_capsules(PANDA, "panda_hand"), "bodies"),
-        (lambda: link_capsules(PANDA, [3]), "3 is no body"),
+        (lambda: link_capsules(PANDA, [3]), "a body = 3 is a int"),
         (lambda: link_capsules(PlanarArm([1.0])), "load_robot"),
         (lambda: PANDA.with_capsules(["panda_hand_tcp"]), "no body with a shape"),
         (lambda: LinkCapsule("a", "b", 0.1, start=[0.0, np.nan, 0.0]), "finite"),

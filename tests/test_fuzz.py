@@ -109,6 +109,17 @@ def spatial(folder: Path) -> Any:
     return load_robot(urdf(folder), tip="link3")
 
 
+def with_a_ball(robot: Any) -> Any:
+    """The same robot with one shape, on its first link."""
+    import coal
+    import pinocchio as pin
+
+    shapes, frame = pin.GeometryModel(), robot.model.getFrameId("link1")
+    parent = robot.model.frames[frame].parentJoint
+    shapes.addGeometryObject(pin.GeometryObject("ball", parent, frame, pin.SE3.Identity(), coal.Sphere(0.1)))
+    return robot.with_geometry(shapes)
+
+
 @cache
 def record() -> Record:
     return simulate(controller(), [0.4, 0.3, 0.2], duration=0.05)
@@ -242,7 +253,7 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "Line": made(Line, [0.0, 0.0], [1.0, 0.0], 1.0, timing=tasks.cubic),
         "LinearHolonomicTask": made(tasks.LinearHolonomicTask, np.eye(3)[:2], [0.1, 0.2], q, **gain),
         "LinkCapsule": made(tasks.LinkCapsule, "joint0", "joint1", 0.1, name="own"),
-        "link_capsules": made(tasks.link_capsules, spatial_robot, bodies=["panda_hand"]),
+        "link_capsules": made(tasks.link_capsules, new(lambda: with_a_ball(robot())), bodies=["link1"]),
         "LookAtTask": made(tasks.LookAtTask, [1.0, 0.0, 1.0], axis=[0.0, 0.0, 1.0], **framed),
         "ManipulabilityTask": made(tasks.ManipulabilityTask, p, gain=1.0, weight=1.0, name="own"),
         "MinimumMotionTask": made(tasks.MinimumMotionTask, 1.0, gain=1.0, name="own"),

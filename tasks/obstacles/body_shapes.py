@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from hqp import InvalidInput
+from hqp.errors import brief
 
 from ..base.checks import Array, suggestion
 from ..robots.frame import WORLD
@@ -116,7 +117,7 @@ def shapes_of(robot: Any, what: str) -> Any:
         If it is not a robot with shapes.
     """
     if not on_pinocchio(robot):
-        raise InvalidInput(f"{what}: {robot!r} has no shapes; it needs a robot of load_robot")
+        raise InvalidInput(f"{what}: {brief(robot)} has no shapes; it needs a robot of load_robot")
     return robot.geometry()
 
 

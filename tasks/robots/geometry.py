@@ -178,13 +178,13 @@ def bodies_with_shapes(robot: Any, asked: Iterable[str] | None, what: str) -> li
     carriers = [body for body in dict.fromkeys(bodies_of(robot.model, robot.geometry())) if body != WORLD]
     if asked is None:
         return carriers
-    named = list(dict.fromkeys(listed(asked, f"{what}: bodies", "frames of bodies")))
+    named = [of_type(body, str, f"{what}: a body") for body in listed(asked, f"{what}: bodies", "frames of bodies")]
     for body in named:
-        if not isinstance(body, str) or body not in carriers:
-            raise InvalidInput(f"{what}: {brief(body)} is no body with a shape{suggestion(str(body), carriers)}")
+        if body not in carriers:
+            raise InvalidInput(f"{what}: {brief(body)} is no body with a shape{suggestion(body, carriers)}")
     if not named:
         raise InvalidInput(f"{what}: bodies is empty; leave it out for all bodies with shapes")
-    return named
+    return list(dict.fromkeys(named))
 
 
 def neighbours(model: pin.Model, first: int, second: int) -> bool:
