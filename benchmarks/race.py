@@ -29,8 +29,10 @@ RACED = (
 )
 #: The shortest of so many calls from the same start counts: what the machine adds is never negative.
 REPETITIONS = 3
-#: Draws that a slow method gets at most, spread over all; and how the start without any memory is called.
-FEW, COLD = 16, "cold"
+#: Draws that a slow method gets at most, spread over all.
+FEW = 16
+#: How the starts without any memory are called: a solver that knows the sizes, and one call of :func:`hqp.solve`.
+COLD, ONE_SHOT = "cold", "one shot"
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,7 @@ class Timing:
     Attributes
     ----------
     method, start : str
-        Start is `COLD`, or how far the targets moved since the problem just solved, as in ``2 %``.
+        Start is `COLD`, `ONE_SHOT`, or how far the targets moved since the problem just solved, as in ``2 %``.
     draw : int
     seconds : float
     certified : bool
@@ -81,7 +83,7 @@ def race(
             here = [method for method in able if draw % every == 0 or not method.slow]
             if draw == 0:
                 _warm_up(here, base)
-            starts = {COLD: base} | {
+            starts = {COLD: base, ONE_SHOT: base} | {
                 f"{100 * s:g} %": moved(base, np.random.default_rng([seed, k, 1]), s) for s in shares
             }
             for number, (start, problem) in enumerate(starts.items(), start=draw):
@@ -95,8 +97,8 @@ def _problem(methods: Sequence[Method], start: str, draw: int, base: Hierarchy, 
     """Timings of all methods on one problem, cold or warm."""
     found: dict[str, tuple[float, Array]] = {}
     for method in methods:
-        prepare = partial(method.cold, problem) if start == COLD else partial(method.warm, base, problem)
-        found[method.name] = _shortest(method, prepare)
+        prepare = {COLD: partial(method.cold, problem), ONE_SHOT: partial(method.one_shot, problem)}
+        found[method.name] = _shortest(method, prepare.get(start, partial(method.warm, base, problem)))
     certified = {name: proved(problem, x) for name, (_, x) in found.items()}
     truth = next((x for name, (_, x) in found.items() if certified[name]), np.full(problem.n, np.nan))
     for name, (seconds, x) in found.items():
@@ -117,4 +119,5 @@ def _warm_up(methods: Sequence[Method], problem: Hierarchy) -> None:
     """Let everything be imported and compiled."""
     for method in methods:
         method.cold(problem)()
+        method.one_shot(problem)()
         method.warm(problem, problem)()

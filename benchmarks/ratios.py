@@ -31,8 +31,8 @@ def table(family: str, timings: Sequence[Timing]) -> list[Row]:
     -------
     median, p90, p99
         Of the seconds, draw by draw.
-    ratio
-        Median of the ratios to the yardstick's seconds, draw by draw.
+    ratio, its p90
+        Median and 90th percentile of the ratios to the yardstick's seconds, draw by draw.
     of medians
         Ratio of the medians, over the draws that both have.
     """
@@ -59,6 +59,7 @@ def _row(here: Mapping[int, Timing], reference: Mapping[int, Timing]) -> Row:
         "p90 us": f"{1e6 * np.quantile(seconds, 0.9):.1f}",
         "p99 us": f"{1e6 * np.quantile(seconds, 0.99):.1f}",
         "ratio": f"{np.median(mine / theirs):.3g}" if both else "",
+        "its p90": f"{np.quantile(mine / theirs, 0.9):.3g}" if both else "",
         "of medians": f"{np.median(mine) / np.median(theirs):.3g}" if both else "",
         "error": f"{max(t.error for t in here.values()):.0e}",
         "certified": f"{sum(t.certified for t in here.values())}/{len(here)}",

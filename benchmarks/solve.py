@@ -17,7 +17,7 @@ from hqp.files.whole import writable
 
 from .families.control import CONTROL
 from .methods import METHODS, required
-from .race import COLD, FEW, REPETITIONS, race, raced
+from .race import COLD, FEW, ONE_SHOT, REPETITIONS, race, raced
 from .ratios import table, yardstick
 from .registry import select
 from .tables import Row, save, show, terminal
@@ -44,7 +44,7 @@ def solve(
         Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=path)
     ] = None,
 ) -> None:
-    """Time solvers on problems of controllers: cold, and warm after the targets have moved."""
+    """Time solvers on problems of controllers: cold, in one shot, and warm after the targets have moved."""
     families = select(family, CONTROL, "family")
     methods = required(select(method, METHODS, "method")) if method else raced()
     shares = list(dict.fromkeys(SHARES if moved is None else moved))
@@ -69,7 +69,8 @@ def solve(
             if out is not None:
                 save(out, rows)
     printer.print(
-        f"{COLD}: nothing remembered but the sizes; 2 %: warm, targets moved by so much since the problem just solved\n"
-        f"us: best of {REPETITIONS} calls from Python; ratio: median of the ratios, draw by draw\n"
+        f"{COLD}: nothing remembered but the sizes; {ONE_SHOT}: one call of hqp.solve, nothing made before;\n"
+        f"2 %: warm, targets moved by so much since the problem just solved\n"
+        f"us: best of {REPETITIONS} calls from Python; ratio, its p90: of the ratios, draw by draw\n"
         f"error: largest relative distance from a certified answer; cascades are slow: {FEW} draws at most"
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hqp import Hierarchy, Solution, Solver
+from hqp import Hierarchy, Solution, Solver, solve
 from hqp.backends import BACKENDS, BackendInfo
 
 from ..families import Family
@@ -47,6 +47,9 @@ class Backend(Method):
         solver.solve(problem)
         solver.forget()
         return lambda: solver.solve(problem)
+
+    def one_shot(self, problem: Hierarchy, setting: Setting = TIGHT) -> Call:
+        return lambda: solve(problem, backend=self.name, settings=setting.settings)
 
     def warm(self, before: Hierarchy, now: Hierarchy, setting: Setting = TIGHT) -> Call:
         solver = Solver(self.name, settings=setting.settings)

@@ -73,6 +73,10 @@ class Method(ABC):
     def cold(self, problem: Hierarchy, setting: Setting = TIGHT) -> Call:
         """Solve without a warm start; only the structure is known."""
 
+    def one_shot(self, problem: Hierarchy, setting: Setting = TIGHT) -> Call:
+        """Solve a problem that nothing was prepared for, as :func:`hqp.solve` does; `cold` where there is no other."""
+        return self.cold(problem, setting)
+
     @abstractmethod
     def warm(self, before: Hierarchy, now: Hierarchy, setting: Setting = TIGHT) -> Call:
         """Solve `now` right after `before`."""
