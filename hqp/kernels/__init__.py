@@ -2,9 +2,9 @@
 
 Terms. Rows, bounds and slacks are *weighted* here, :math:`a_i = d_i A_i`. The *force* of a violated row is
 :math:`\\|a_i\\| |w_i|`, the forces of a level are the sum of these; multipliers, times the length of their row, are
-compared with that sum. A level is *met* if all its slacks are within their tolerances. A *frozen* row keeps its value on
-all lower levels. A *hard* row is a satisfied inequality of a higher level, which must stay satisfied. The *working set*
-is the set of hard rows that are kept at a bound.
+compared with that sum. A level is *met* if all its slacks are within their tolerances. A *frozen* row keeps its value
+on all lower levels. A *hard* row is a satisfied inequality of a higher level, which must stay satisfied. The *working
+set* is the set of hard rows that are kept at a bound.
 
 Arguments that most kernels share:
 

@@ -151,7 +151,7 @@ def leave_inactive(here, last):
 
 @inner
 def measure(here, k, last):
-    """Write ``value``, a_i x, of all rows down to level k that are not frozen; returns the length of x for tolerances."""
+    """Write ``value`` = a_i x of all rows down to level k that are not frozen; returns :func:`.extent.extent`."""
     ptr, kind, v, x = marks(here, at.PTR), marks(here, at.KIND), vector(here, at.VALUE), vector(here, at.X)
     for i in range(ptr[min(k + 1, last)]):
         if kind[i] != FROZEN:

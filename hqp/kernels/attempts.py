@@ -2,9 +2,9 @@
 
 1. A sweep with the known sides (:mod:`.sweep`); rows that contradict their side change it, and the sweep is repeated.
 2. Level by level (:mod:`.levels`): first warm, from the sides at the end of each level of the last solve, then cold.
-3. If neither gives an answer, or a rank is in doubt (:mod:`.doubt`) and the compiled certificate (:mod:`.proof`) rejects
-   the answer: both again, with the smallest rank tolerance that round-off allows. This answer counts only if the
-   certificate accepts it.
+3. If neither gives an answer, or a rank is in doubt (:mod:`.doubt`) and the compiled certificate (:mod:`.proof`)
+   rejects the answer: the same again, with the smallest rank tolerance that round-off allows. This answer counts only
+   if the certificate accepts it.
 4. The safe method (:mod:`.active_set`), from the last point that is known to be exact.
 """
 
