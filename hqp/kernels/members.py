@@ -138,7 +138,7 @@ def leave(place, count, here):
 
 @inner
 def wants(count, here):
-    """Write the multipliers with all members as equalities, L^T ``wanted`` = D^-1 z; returns the objective, sum z^2 / D."""
+    """Solve L^T ``wanted`` = D^-1 z: multipliers with all members as equalities; returns the objective, sum z^2 / D."""
     D, z, wanted = vector(here, at.DIAGONAL), vector(here, at.Z), vector(here, at.WANTED)
     F = matrix(here, at.FACTOR)
     objective = 0.0

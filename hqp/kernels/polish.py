@@ -178,7 +178,7 @@ def judge(here, k, last, frozen, hard, rank, own):
 
 @inner
 def holds(here, last):
-    """Whether x keeps the slacks of all active rows, and the bounds of all inactive ones, of the levels 0 .. last - 1."""
+    """Whether x keeps the slacks of active rows and the bounds of inactive ones on all levels above the last."""
     ptr, side, x = marks(here, at.PTR), marks(here, at.SIDE), vector(here, at.X)
     tol = vector(here, at.OPTION)[at.TOL]
     lo, hi, norm, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)

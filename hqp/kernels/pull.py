@@ -1,11 +1,11 @@
-r"""The rows S of a level in its least squares in the safe method: which they are at x, and which a step adds or removes.
+r"""The rows S in the least squares of a level of the safe method: which they are at x, and how a step changes them.
 
 With the bounds b that these rows are pulled to, objective and gradient of the level are
 
 .. math:: \tfrac12 \|S x - b\|^2, \qquad g = S^T (S x - b).
 
-A row *pulls*, that is, belongs to S, if it is an equality, violated, or *held*: a row that a step brings to its bound is
-held there, so that the next Newton step does not leave the bound again. It is released once nothing else is left to
+A row *pulls*, that is, belongs to S, if it is an equality, violated, or *held*: a row that a step brings to its bound
+is held there, so that the next Newton step does not leave the bound again. It is released once nothing else is left to
 gain.
 """
 
@@ -113,7 +113,7 @@ def pull_of_reference(here, size):
 
 @inner
 def release(here, count, forces):
-    """Release the held row, of the `count` in ``ids``, that pulls most from inside its bounds; False if there is none."""
+    """Release the held row among the `count` in ``ids`` that pulls most from inside; False if there is none."""
     ids, held = marks(here, at.IDS), marks(here, at.HELD)
     lo, hi, v, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.VALUE), vector(here, at.NORM)
     worst, leaves = DUAL * forces, integer(-1)

@@ -33,7 +33,7 @@ def clear_sign(forces, total, weakest):
 
 @inner
 def clear_of_basis(here, low, high, forces):
-    """:func:`clear_sign` for the multipliers from :func:`.working_set.balance` of the rows low .. high - 1 of the basis."""
+    """:func:`clear_sign` for the multipliers of rows low .. high - 1 of V, from :func:`.working_set.balance`."""
     pivot, norm, multiplier = marks(here, at.PIVOT), vector(here, at.NORM), vector(here, at.MULTIPLIER)
     L = matrix(here, at.L)
     total, weakest = 0.0, 1.0

@@ -19,7 +19,10 @@ ALONE, SQUARINGS = 1e-8, 50
 
 @inner
 def volume(ids, rank, L, c):
-    """The product of the singular values of `rank` independent rows: the determinant of the triangle L[ids[r]][c + q]."""
+    """The product of the singular values of `rank` independent rows: the determinant of their triangle.
+
+    The triangle is ``L[ids[r]][c + q]``.
+    """
     total = 1.0
     for r in range(rank):
         total *= L[ids[r]][c + r]
@@ -39,7 +42,7 @@ def share_of_smallest(ids, rank, L, c, H, R, threshold):
 
 @inner
 def invert(ids, rank, L, c, H):
-    """Write the inverse of the triangle ``L[ids[r]][c + q]``, column j to H[j]; returns the sum of its squared entries."""
+    """Write the inverse of the triangle ``L[ids[r]][c + q]``, column j to H[j]; returns its squared Frobenius norm."""
     total = 0.0
     for j in range(rank):
         column = H[j]
