@@ -27,8 +27,8 @@ FREE_RANK = 1e-12
 OWN_RANK = 4e-9
 #: Round-off of a sum of forces, relative to the forces.
 BALANCED = 64 * float(np.finfo(np.float64).eps)
-#: Largest residual of a level that passes, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``, after the slacks of
-#: its rows were shifted within their tolerances.
+#: Largest residual of a level that passes, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``, after the slacks
+#: of its rows were shifted within their tolerances.
 STATIONARITY = 1e-10
 #: Upper limit of that tolerance if the rows that hold the level back are badly conditioned.
 BLURRED = 1e-6
@@ -149,7 +149,7 @@ class Above:
         self.free, self.signed = self._all_free[:0], self._all_signed[:0]
 
     def balance(self, forces: Forces, count: int) -> Balance:
-        """Balance the forces of a level by the first `count` rows, those above it; `count` must not fall between calls."""
+        """Balance the forces of a level by the `count` rows above it; `count` must not fall between calls."""
         if not forces.push.any():  # met: nothing to improve
             return Balance(True, 0.0, 0.0, np.zeros(count))
 

@@ -49,8 +49,8 @@ class LevelCertificate:
     residual_norm
         ``||D_k w_k||``.
     stationarity
-        Norm of the part of the gradient that no admissible multipliers balance, relative to the sum of the forces of the
-        level; 0 is perfect.
+        Norm of the part of the gradient that no admissible multipliers balance, relative to the sum of the forces of
+        the level; 0 is perfect.
     gap
         Upper bound of ``f_k(x) - f_k*``, with ``f = residual_norm^2 / 2``, for an optimum within `radius` of x.
     shortfall
@@ -84,7 +84,7 @@ class Certificate:
     earlier : tuple of Certificate
         If levels are damped: the proofs of all stages but the last. This certificate is the proof of the last one.
     softened : tuple of int
-        The softened levels. All others are strictly optimal, given what the levels above attain.
+        The softened levels. All others are strictly optimal in the null space that these leave.
     handed : tuple of LevelCertificate
         For each level softened because of curvature: whether lower levels kept its rows that are not declared soft.
 
@@ -260,7 +260,7 @@ class _Judge:
         return self._verdict(k, level.name, forces, own.start, length(level.weights * self._rows.slack[own]))
 
     def last(self, away: Array, tolerance: Array) -> LevelCertificate:
-        """Judge the implicit last level, ``min ||away||``, given all others; `tolerance` is that of each entry of `away`."""
+        """Judge the implicit last level ``min ||away||``, given all others; an entry within its `tolerance` counts as 0."""
         h, push = self._hierarchy, np.where(np.abs(away) > tolerance, away, 0.0)
         forces = Forces(np.eye(h.n), push, tolerance, np.full(h.n, EITHER_WAY))
         return self._verdict(len(h.levels), "min ||x - x_ref||", forces, h.m, length(away))
