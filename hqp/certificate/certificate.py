@@ -260,7 +260,7 @@ class _Judge:
         return self._verdict(k, level.name, forces, own.start, length(level.weights * self._rows.slack[own]))
 
     def last(self, away: Array, tolerance: Array) -> LevelCertificate:
-        """Judge the implicit last level ``min ||away||``, given all others; an entry within its `tolerance` counts as 0."""
+        """Judge the implicit last level ``min ||away||``, given all others; entries within `tolerance` count as 0."""
         h, push = self._hierarchy, np.where(np.abs(away) > tolerance, away, 0.0)
         forces = Forces(np.eye(h.n), push, tolerance, np.full(h.n, EITHER_WAY))
         return self._verdict(len(h.levels), "min ||x - x_ref||", forces, h.m, length(away))
