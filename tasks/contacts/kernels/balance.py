@@ -88,9 +88,9 @@ def rate(centre, height):
     return math.sqrt(GRAVITY / max(centre[2] - height, LOW))
 
 
-#: Table of a capture point and of a support: the order, number of joint velocities; block of the centre of mass; number
-#: of contacts, their list; A and bounds. Then, for a capture point: target, gain; for a support: margin and gain, number
-#: of rows, most points, work space.
+#: Table of a capture point and of a support: the order, number of joint velocities; block of the centre of mass;
+#: number of contacts, their list; A and bounds. Then, for a capture point: target, gain; for a support: margin and
+#: gain, number of rows, most points, work space.
 ORDER, N, CENTRE, CONTACTS, TABLE, MATRIX, LOWER, UPPER = range(8)
 GOAL, GAIN = 8, 9
 MARGIN, ROWS, MOST, WORK = 8, 9, 10, 11

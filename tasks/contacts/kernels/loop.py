@@ -16,7 +16,7 @@ LAW, FIRST, SECOND, POINT, OTHER, KEPT, WORK, MAP, FORCES = range(9)
 
 @inner
 def moved(block, J, point, n, sign, rows, A, measured, r):
-    """Add `sign` times a point of a frame: its Jacobian to A, its drift to the measured values, minus its position, too.
+    """Add `sign` times the Jacobian of a point of a frame to A, and its drift, and minus its position, to `measured`.
 
     With more than 3 rows, the rotation of the frame counts as well. r (3,) is work space.
     """

@@ -36,7 +36,7 @@ from ...robots.kernels.block import JACOBIAN
 
 @inner
 def jacobian(frame, n, axes, reading, rows, G, J, work):
-    """Write the Jacobian G (6 * n,) of a frame along the axes of a task, and that of the task, J = reading G (rows * n,).
+    """Write the Jacobian of a frame along the axes of a task, G (6 * n,), and of the task, J = reading G (rows * n,).
 
     Parameters
     ----------
