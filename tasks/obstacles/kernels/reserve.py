@@ -10,8 +10,8 @@ faster than w, the distance D of the cores obeys
         - \lVert g_k - n n^T g_k \rVert \sin\delta \right)
 
 where s is how far p and the obstacle move at most, :math:`\delta = \sum_i w_i\, dt` how far the link rotates by its
-revolute joints i, :math:`g_k = p - x_k` with the ends x_k of the obstacle's core, and b the largest acceleration of p at
-constant joint velocities,
+revolute joints i, :math:`g_k = p - x_k` with the ends x_k of the obstacle's core, and b the largest acceleration of p
+at constant joint velocities,
 
 .. math:: b = \sum_{i,j} w_i w_j c_{\max(i, j)}, \qquad c_j = \lVert J_j \rVert + C (e^\delta - 1).
 
@@ -56,7 +56,7 @@ def fastest(v, velocity, limited, acceleration, braked, dt, reached, w):
 
 @inner
 def columns(address, n, witness, w, dt, c, turns):
-    """Write how far each joint moves the witness, c (n,) per unit, and how fast it turns the link, `turns` (n,) [rad/s].
+    """Write how far each joint moves the witness, c (n,) per unit, and how fast it turns the link, `turns` (n,).
 
     `address` is that of the link's block. Returns delta [rad].
     """

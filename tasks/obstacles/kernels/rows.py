@@ -15,13 +15,13 @@ from .reserve import fastest, reserve
 
 #: Table of every part: the order; number of rows, of unknowns; A and bounds; its numbers; rate and tick; velocities.
 ORDER, ROWS, N, MATRIX, LOWER, UPPER, NUMBERS, TICK, V = range(9)
-#: Table of a distance limit, after that: the table of its pairs; velocity and acceleration limits of the joints (0: none
-#: in the stack), number of velocities of a floating base; work space (3 n,), and a mark for each pair. Its numbers are
-#: margin and gain.
+#: Table of a distance limit, after that: the table of its pairs; velocity and acceleration limits of the joints (0:
+#: none in the stack), number of velocities of a floating base; work space (3 n,), and a mark for each pair. Its numbers
+#: are margin and gain.
 PAIRS, VELOCITY, ACCELERATION, BASE, WORK, CHOSEN = range(9, 15)
 #: Numbers of an avoidance task, which has PAIRS, too: influence, speed, gain.
 INFLUENCE, SPEED, GAIN = range(3)
-#: Table of a self-collision limit, after V, with margin and gain as numbers: its contacts, and the blocks of both bodies.
+#: Table of a self-collision limit, after V, with margin and gain as numbers: its contacts, the blocks of both bodies.
 CONTACTS, BODIES = range(9, 11)
 #: Contact: distance, unit normal from the second body to the first, the witness of each. CONTACT is the size.
 DISTANCE, NORMAL, FIRST, SECOND, CONTACT = 0, 1, 4, 7, 10
@@ -41,7 +41,7 @@ def gradient(address, n, normal, point, sign, row):
 
 @inner
 def drift_along(address, normal, point):
-    """The drift ``n^T J' v`` [m/s^2] of a point fixed to a frame: its acceleration while the joints do not accelerate."""
+    """The drift ``n^T J' v`` [m/s^2] of a point fixed to a frame: its acceleration at constant joint velocities."""
     block = floats(address, 0, at.JACOBIAN)
     r0, r1, r2 = point[0] - block[0], point[1] - block[1], point[2] - block[2]
     a, b, c = normal[0], normal[1], normal[2]
@@ -97,7 +97,7 @@ def choose(pairs, found, rows, chosen):
 
 @inner
 def least(told, address, found, shape, row, w):
-    """The least n^T J x [m/s], [m/s^2] that a distance limit allows; NaN if the reserve is infinite, or a number is NaN."""
+    """The least n^T J x [m/s], [m/s^2] that a distance limit allows; NaN if the reserve is not finite, or an input NaN."""
     number, tick, v = floats(told[NUMBERS], 0, 2), floats(told[TICK], 0, 2), floats(told[V], 0, told[N])
     dt, accelerating = tick[1], told[ORDER] == of.ACCELERATION
     shift = math.sqrt(dot(shape, near.SHIFT, shape, near.SHIFT))
