@@ -97,7 +97,7 @@ def choose(pairs, found, rows, chosen):
 
 @inner
 def least(told, address, found, shape, row, w):
-    """The least n^T J x [m/s], [m/s^2] that a distance limit allows; NaN if the reserve is not finite, or an input NaN."""
+    """The least n^T J x [m/s], [m/s^2] that a distance limit allows; NaN if the reserve is infinite or an input NaN."""
     number, tick, v = floats(told[NUMBERS], 0, 2), floats(told[TICK], 0, 2), floats(told[V], 0, told[N])
     dt, accelerating = tick[1], told[ORDER] == of.ACCELERATION
     shift = math.sqrt(dot(shape, near.SHIFT, shape, near.SHIFT))
