@@ -40,7 +40,7 @@ class ContactForces:
     """
 
     def put(self, server: viser.ViserServer, session: Session, figure: Figure) -> None:
-        """Add arrows and polygon to the scene, once; the scale of the arrows follows from size and weight of the robot."""
+        """Add arrows and polygon to the scene, once; the arrows are scaled by the size and the weight of the robot."""
         robot: Any = session.motion.controller.robot
         size = float(np.linalg.norm(figure.bounds[1] - figure.bounds[0]))
         self._figure, self._weight = figure, GRAVITY * sum(inertia.mass for inertia in robot.model.inertias)
@@ -87,7 +87,7 @@ class ContactForces:
 
 
 def around(points: Array) -> Array:
-    """The edges of the convex polygon around points (k, 3), seen from above, shape (edges, 2, 3); none if it is flat."""
+    """The edges of the convex polygon around points (k, 3), seen from above, shape (edges, 2, 3); none without area."""
     from scipy.spatial import ConvexHull, QhullError
 
     try:

@@ -1,4 +1,4 @@
-"""A controller in closed loop with its model, tick by tick, with what is shown, plotted, explained and recorded of it."""
+"""A controller in closed loop with its model, tick by tick: what is shown, plotted, explained and recorded of it."""
 
 from __future__ import annotations
 
