@@ -134,7 +134,7 @@ class Session:
         return [task for task in map(_task, self.priorities.parts) if task is not None]
 
     def set_gain(self, task: Task, gain: float) -> None:
-        """Set the gain of a task [1/s] while it runs; gains of several rows keep their ratios, the largest becomes this.
+        """Set the gain of a task [1/s], live; gains of several rows keep their ratios, and the largest becomes this.
 
         Raises
         ------
