@@ -20,7 +20,6 @@ from . import layout as plain
 from .call import called
 from .compile import inner, integer
 from .memory import floats, ints, marks, matrix, vector
-from .orthogonal import length
 from .symmetric import cholesky, eigen, smallest
 
 #: Up to this ratio of the curvature to the smallest squared singular value of J, the linearisation is trusted.
@@ -331,16 +330,20 @@ def ratio_of(bent, least):
 
 @inner
 def norm_of(here, count):
-    """The largest singular value of the `count` rows J; if they are more than n, the length of the first."""
+    """The largest singular value of the `count` rows J, by the smaller of J J' and J' J."""
     n, J, M = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), matrix(here, at.M)
-    values, most, side = vector(here, at.VALUES), 0.0, count if count <= n else n
-    if count > n:
-        return length(J[0], n)
+    values, most, few = vector(here, at.VALUES), 0.0, count <= n
+    side = count if few else n
     for r in range(side):
         for q in range(r + 1):
-            one, other, total = J[r], J[q], 0.0
-            for j in range(n):
-                total += one[j] * other[j]
+            total = 0.0
+            if few:
+                one, other = J[r], J[q]
+                for j in range(n):
+                    total += one[j] * other[j]
+            else:
+                for i in range(count):
+                    total += J[i][r] * J[i][q]
             M[r][q] = M[q][r] = total
     eigen(M, matrix(here, at.U), values, side)
     for r in range(side):
