@@ -31,7 +31,7 @@ from tasks import (
     Within,
     load_robot,
 )
-from tasks.base.loops import run_all
+from tasks.base.loops import address, ready, run_all
 from tasks.base.rotations import exp
 from tasks.robots.chain import APART, carried
 from tasks.rows.part import Tick
@@ -167,6 +167,35 @@ def test_half_the_square_of_an_error_bends_by_it(name, seed):
 @pytest.mark.parametrize("seed", range(2))
 def test_what_rows_hold_leaves_its_place_by_it(name, seed):
     check_held(name, seed)
+
+
+def bound_of(plan, rows):
+    """F of the bound of a part, at the state of the last tick."""
+    table, F = plan.curvature.table.numbers.copy(), np.zeros((rows, rows))
+    table[0] = address(F)
+    ready(plan.bound)(address(table))
+    return F
+
+
+@robots
+@pytest.mark.parametrize("size", [1e-3, 0.3])
+def test_bounds_are_above_the_norm_and_near_to_it(name, size):
+    """Exact where no turn has a length."""
+    robot, rng, bounded = robot_named(name), np.random.default_rng(4), 0
+    for label, kind in kinds(name).items():
+        q, task = somewhere(rng, robot, label, kind, size)
+        work = AtWork(task, robot, NOW)
+        if work.plan.bound is None:
+            continue
+        e, _ = work.at(q)
+        F, bounded = bound_of(work.plan, len(e)), bounded + 1
+        for w in (e, *rng.normal(size=(5, len(e)))):
+            norm, most = np.linalg.norm(work.plan.curvature_of(w)), np.sqrt(w @ F @ w)
+            assert norm <= most * (1.0 + 1e-9) + 1e-15, label
+            # All curvature of what turns comes from the length of e where one joint alone turns it.
+            turns = task.reading() is not None and task.rotation is not None
+            assert most <= norm * (1.0 + 1e-9) + (0.1 * norm + 0.5 * size * np.linalg.norm(w) * robot.nv if turns else 0.0)
+    assert bounded > 0
 
 
 @pytest.mark.sweep

@@ -164,14 +164,14 @@ def contract(here, first, end):
         for j in range(n):
             row[j] = 0.0
     some, total = False, 0.0
-    for p in range(of[first], of[end]):
-        begin, count = calls[5 * p + 3], calls[5 * p + 4]
-        weights, needed = floats(calls[5 * p + 2], 0, count), False
+    for p in range(at.CALL * of[first], at.CALL * of[end], at.CALL):
+        begin, count = calls[p + 3], calls[p + 4]
+        weights, needed = floats(calls[p + 2], 0, count), False
         for i in range(count):
             weights[i] = wanted[begin + i]
             needed = needed or weights[i] != 0.0
         if needed:
-            called(calls[5 * p], calls[5 * p + 1])
+            called(calls[p], calls[p + 1])
             some = True
     if some:
         for i in range(n):
@@ -179,6 +179,40 @@ def contract(here, first, end):
             for j in range(n):
                 total += row[j] * row[j]
     return math.sqrt(total)
+
+
+@inner
+def find_bounds(here):
+    """Have the loops that bound curvatures write, for this state, what :func:`bound` reads."""
+    calls, of = marks(here, at.CALLS), marks(here, at.CALLS_OF)
+    for p in range(0, at.CALL * of[ints(here, 0, plain.HEAD)[plain.LEVELS]], at.CALL):
+        if calls[p + 5] != 0:
+            called(calls[p + 5], calls[p + 6])
+
+
+@inner
+def bound(here, first, end):
+    r"""An upper bound of the norm that :func:`contract` returns, at a fraction of its cost; infinite if there is none.
+
+    Part by part :math:`\sqrt{w^T F w}`, with the matrices F of :func:`find_bounds`.
+    """
+    calls, of, wanted, most = marks(here, at.CALLS), marks(here, at.CALLS_OF), vector(here, at.WANTED), 0.0
+    for p in range(at.CALL * of[first], at.CALL * of[end], at.CALL):
+        begin, count, needed, square = calls[p + 3], calls[p + 4], False, 0.0
+        for i in range(count):
+            needed = needed or wanted[begin + i] != 0.0
+        if not needed:
+            continue
+        if calls[p + 5] == 0:
+            return math.inf
+        F = floats(calls[p + 7], 0, count * count)
+        for i in range(count):
+            total = 0.0
+            for j in range(count):
+                total += F[count * i + j] * wanted[begin + j]
+            square += wanted[begin + i] * total
+        most += math.sqrt(abs(square))  # below zero by round-off alone
+    return most
 
 
 @inner
@@ -204,7 +238,7 @@ def add_bent(here, d, positive, negative):
             for j in range(n):
                 total += row[j] * direction[j]
             M[p][q] = M[q][p] = total
-    for _ in range(2):  # L^-1 M L^-T: by columns, by rows
+    for _ in range(2 if ints(here, 0, plain.HEAD)[at.STIFF] != 0 else 0):  # L^-1 M L^-T: by columns, by rows
         for q in range(d):
             row = M[q]
             for p in range(d):
@@ -252,8 +286,8 @@ def measure(here, k, d, count, size):
         for p in range(d):
             for q in range(d):
                 M[p][q] += left[p] * left[q]
-    cholesky(M, L, d)
     if some:
+        cholesky(M, L, d)
         for r in range(count):
             row = G[r]
             for p in range(d):
@@ -267,22 +301,26 @@ def measure(here, k, d, count, size):
 def bend(here, k, count, d, above, least, damped):
     r"""Write the damping ``P`` of level k, shape (d, d): :math:`P = [|S_u| + [S_o]_+ + \sqrt\alpha [S_o]_- - G^T G]_+`.
 
-    `least` is the smallest squared singular value of G. Where the norms of the curvatures alone are small enough, P is
-    0 and nothing else is computed. Returns the largest eigenvalue of P, and the ratio of the curvature to `least`.
+    `least` is the smallest squared singular value of G. Where the norms of the curvatures alone, or their bounds, are
+    small enough, P is 0 and nothing else is computed. Returns the largest eigenvalue of P, and the ratio of the
+    curvature to `least`, 0 where that is known to be trusted.
     """
     head, U, values = ints(here, 0, plain.HEAD), matrix(here, at.U), vector(here, at.VALUES)
     E, G, kept, P = matrix(here, at.E), matrix(here, at.G), matrix(here, at.KEPT), matrix(here, at.P)
     n, S, more = head[plain.N], matrix(here, at.S), 0.0
+    for i in range(d):
+        for j in range(d):
+            P[i][j] = 0.0
+    pushed = above > 0 and multipliers(here, k, above, damped)
+    if bound(here, k, k + 1) + (bound(here, head[at.TOP], k) if pushed else 0.0) <= TRUSTED * least:
+        return 0.0, 0.0
     own = contract(here, k, k + 1)
-    if above > 0 and multipliers(here, k, above, damped):
+    if pushed:
         if own > 0.0:  # both are needed, one after the other
             for i in range(n):
                 for j in range(n):
                     kept[i][j] = S[i][j]
         more = contract(here, head[at.TOP], k)
-    for i in range(d):
-        for j in range(d):
-            P[i][j] = 0.0
     ratio = ratio_of(own + more, least)
     if ratio <= TRUSTED:
         return 0.0, ratio

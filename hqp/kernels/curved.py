@@ -13,15 +13,18 @@ import math
 from . import curved_layout as at
 from . import layout as plain
 from .active_set import OPTIMAL
-from .bend import TRUSTED, bend, gather, measure, norm_of, project, stack_above
+from .bend import TRUSTED, bend, find_bounds, gather, measure, norm_of, project, stack_above
 from .call import called_on
 from .compile import entry, inner, integer, stamp
 from .hand_over import freeze, hold
+from .lacking import leave_off_above, note_lacking
 from .memory import floats, given, ints, marks, matrix, vector
 from .solver import SUSPECT
 from .stage import write_stage
 from .trust import crowded, quiet
 
+#: Larger values of the last x count as unknown: their squares are too large for a hierarchy.
+FASTEST = 1e12
 #: Ratio of the curvature to the smallest squared singular value of the rows from which the lean has its full weight.
 DOUBTED = 2.5
 #: Weight of the lean, which pulls a level towards the last x, relative to its rows and damping, times the root of
@@ -61,6 +64,15 @@ def note_errors(here):
 
 
 @inner
+def note_last(here):
+    """Set the last x to NaN, unknown, if one of its numbers means nothing."""
+    last = vector(here, at.LAST)
+    for j in range(ints(here, 0, plain.HEAD)[plain.N]):
+        if not abs(last[j]) <= FASTEST:
+            last[0] = math.nan
+
+
+@inner
 def solve_stage(here, k, d, count, size, lean, alike):
     """Write the stage of level k and solve it; returns the outcome, and x goes to ``points[k]``.
 
@@ -74,7 +86,9 @@ def solve_stage(here, k, d, count, size, lean, alike):
     head[at.STAGE], vector(here, at.NORMS)[k] = k, size
     directory = marks(here, at.DIRECTORIES)[k]
     outcome = called_on(head[at.SOLVE], directory, marks(here, at.NUMBERS)[k])
-    x = vector(directory, plain.X)
+    x, told = vector(directory, plain.X), ints(directory, 0, plain.HEAD)
+    head[at.SWEEPS] += told[plain.SWEEPS]
+    head[at.ITERATIONS] += told[plain.ITERATIONS]
     for j in range(head[plain.N]):
         point[j] = x[j]
     return outcome
@@ -99,16 +113,20 @@ def solve_stages(here, gate):
     head, strengths, J = ints(here, 0, plain.HEAD), vector(here, at.STRENGTHS), matrix(here, at.J)
     d, levels = head[plain.N], head[plain.LEVELS]
     outcome, opened, above, damped, first = integer(OPTIMAL), False, integer(0), 0.0, True
-    head[at.OPENED] = levels
+    head[at.OPENED], x = levels, vector(marks(here, at.DIRECTORIES)[levels], plain.X)
+    head[at.STIFF] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
     at_bounds = crowded(here, vector(here, at.LAST))
     begin(here)
     for k in range(head[at.TOP], levels):
         strengths[k] = 0.0
+        if head[at.LOOKS_AHEAD] != 0 and k > head[at.TOP]:
+            leave_off_above(here, x, d)
+            note_lacking(here, k)
         count = gather(here, k)
         least, size = project(here, count, d), 0.0
         if opened:
             size = norm_of(here, count)
-            measure(here, k, d, count, size)
+            head[at.STIFF] = 1 if measure(here, k, d, count, size) else 0
         spared = marks(here, at.CURVED)[k] == at.SPARED
         if spared:
             strength, ratio = spare(here, d)
@@ -130,7 +148,7 @@ def solve_stages(here, gate):
         outcome = solve_stage(here, k, d, count, size, lean, alike)
         if outcome != OPTIMAL:
             return outcome
-        opened, strengths[k] = True, math.sqrt(strength)
+        opened, strengths[k], x = True, math.sqrt(strength), matrix(here, at.POINTS)[k]
         damped += strength
         if k + 1 < levels:
             d = freeze(here, k, count, d, matrix(here, at.POINTS)[k], size)
@@ -150,6 +168,8 @@ def solve_all(here, numbers):
     if strict == SUSPECT:
         return strict
     note_errors(here)
+    find_bounds(here)
+    note_last(here)
     if vector(here, at.LAST)[0] == vector(here, at.LAST)[0]:
         answer = vector(marks(here, at.DIRECTORIES)[levels], plain.X)
         gate = crowded(here, answer) if strict == OPTIMAL else 1.0

@@ -8,16 +8,20 @@ from __future__ import annotations
 
 #: Numbers at the head, beside N, LEVELS and ROWS: the first level that was solved in its own stage (LEVELS: none); the
 #: outcome; the last stage that was solved; the address of the loop that solves a hierarchy; how many parts measure
-#: errors; the first curved level; and whether the solver leaves the basis of the strict answer in memory.
+#: errors; the first curved level; and whether the solver leaves the basis of the strict answer in memory. Whether
+#: METRIC is more than the identity; sweeps and iterations of all stages; and whether any row has a WORTH.
 OPENED, OUTCOME, STAGE, SOLVE, MEASURES, TOP, QUICK = 5, 6, 7, 8, 9, 10, 11
+STIFF, SWEEPS, ITERATIONS, LOOKS_AHEAD = 12, 13, 14, 15
 
 #: Which levels are curved: not 0 if a level may be damped, SPARED if it is always left strict. Then for the stage of
 #: every level: its directory (one more at the end: that of the strict hierarchy); its numbers; how many dense rows and
 #: rows it has; where the rows of each level begin in it; where the dense rows of each level begin (-1: it has none).
 CURVED = 1
 (DIRECTORIES, NUMBERS, SIZES, FIRST, DENSE) = range(8, 13)
-# Loops that contract curvatures, five numbers each: loop, its table, address of its weights, first row, rows. CALLS_OF:
-# where the loops of each level begin.
+# Loops that contract curvatures, CALL numbers each: loop, its table, address of its weights, first row, rows; and the
+# loop that bounds them (0: there is none), its table, address of what it writes. CALLS_OF: where the loops of each
+# level begin.
+CALL = 8
 (CALLS, CALLS_OF) = range(13, 15)
 # What the caller keeps up to date: gain dt of the levels, aims of their damping, last x; five numbers for each part:
 # addresses of its errors, of the lower and the upper end of its band, first row, rows. ERRORS: errors of all rows.
@@ -38,7 +42,9 @@ CURVED = 1
 # How a level was softened, for the record in the solution: its rows of damping, each with its bound; the norm of its
 # rows, by which soft rows and lean are scaled; and for every row that is handed over, its combination of weighted rows.
 (DAMPED, NORMS, COMBINED) = range(49, 52)
-PLACES = 52
+# Of every row, the error that a unit of its bound is worth; 0: its error is as it is measured.
+WORTH = 52
+PLACES = 53
 
 #: Value of CURVED: the level counts as curved, but is left strict.
 SPARED = 2

@@ -125,10 +125,11 @@ def compliance(here, count, d, size):
         matrix(here, at.HALF),
         vector(here, at.VALUES),
     )
+    stiff = ints(here, 0, plain.HEAD)[at.STIFF] != 0
     for i in range(d):  # D = P + |J|^2 (1 - L^-1 L^-T); by columns of L^-1
         for j in range(d):
-            E[i][j] = P[i][j] + (size * size if i == j else 0.0)
-    for c in range(d):
+            E[i][j] = P[i][j] + (size * size if stiff and i == j else 0.0)
+    for c in range(d if stiff else 0):
         column = half[0]
         for p in range(c, d):
             total = 1.0 if p == c else 0.0

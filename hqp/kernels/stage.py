@@ -65,6 +65,11 @@ def write_above(here, k, A, lower, upper, weights):
 def out_of_metric(here, given, d, to):
     """Write L X L' (d, d) to place `to`, for the matrix X at place `given` and the metric factor L."""
     L, X, out, half = matrix(here, at.METRIC), matrix(here, given), matrix(here, to), matrix(here, at.HALF)
+    if ints(here, 0, plain.HEAD)[at.STIFF] == 0:  # L is the identity
+        for p in range(d):
+            for q in range(d):
+                out[p][q] = X[p][q]
+        return
     for p in range(d):
         row = half[p]
         for q in range(d):

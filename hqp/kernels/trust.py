@@ -9,8 +9,9 @@ import math
 
 from . import curved_layout as at
 from . import layout as plain
-from .bend import TRUSTED, contract, gather
+from .bend import TRUSTED, bound, contract, gather
 from .compile import inner
+from .lacking import note_lacking
 from .memory import ints, marks, matrix, vector
 from .solver import levels_that_count
 
@@ -91,6 +92,20 @@ def pushed(here, there, k, c, n):
 
 
 @inner
+def leave_off(here, there, c, n):
+    """Write to ``reach`` where the levels above leave off: the strict x along the first c rows of V alone."""
+    V, x, out = matrix(there, plain.V), vector(there, plain.X), vector(here, at.REACH)
+    for j in range(n):
+        out[j] = 0.0
+    for q in range(c):
+        direction, along = V[q], 0.0
+        for j in range(n):
+            along += direction[j] * x[j]
+        for j in range(n):
+            out[j] += along * direction[j]
+
+
+@inner
 def quiet(here, there):
     """Whether the strict answer needs no damping, from the basis that the solver has left in the directory `there`.
 
@@ -106,7 +121,13 @@ def quiet(here, there):
     for q in range(cut[last]):
         if lower[pivot[q]] != upper[pivot[q]]:
             return False
+    for j in range(n):
+        if marks(there, plain.PINNED)[j] >= 0:  # the basis is one of the other variables
+            return False
     for k in range(head[at.TOP], levels):
+        if head[at.LOOKS_AHEAD] != 0 and k > head[at.TOP]:
+            leave_off(here, there, cut[min(k, last)], n)
+            note_lacking(here, k)
         count, least = gather(here, k), math.inf
         if marks(here, at.CURVED)[k] == at.SPARED:
             continue
@@ -121,8 +142,11 @@ def quiet(here, there):
             return False
         else:
             least = least_of(L, pivot, first, cut[k + 1], vector(here, at.VALUES))
+        some = first > 0 and pushed(here, there, k, first, n)
+        if bound(here, k, k + 1) + (bound(here, head[at.TOP], k) if some else 0.0) <= TRUSTED * least:
+            continue
         bent = contract(here, k, k + 1)
-        if first > 0 and pushed(here, there, k, first, n):
+        if some:
             bent += contract(here, head[at.TOP], k)
         if bent > TRUSTED * least:
             return False

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..backends.native import ONE_SWEEP, SIGNATURE, Memory, door, make_ready
+from ..backends.native import ONE_SWEEP, SIGNATURE, SWEEPS_ALONE, Memory, door, make_ready
 from ..guard import Guard
 from ..hierarchy import Hierarchy
 from ..kernels import curved as kernel
@@ -83,6 +83,7 @@ class CurvedSolver:
             self._memories = [Memory(structure, self.settings) for structure in structures]
             self._directories = np.array([memory.address for memory in self._memories], dtype=np.int64)
             self._quickly, self._strict = address_of(kernel_solver.solve, SIGNATURE), self._memories[-1]
+            self._lowest = self._memories[self._levels - 1]
         self.relinearise(linearisation)
         self._guard, self._failed, self._raised = Guard("the solver"), dict[int, Solution](), list[BaseException]()
         self._zero = np.zeros(hierarchy.n)
@@ -123,13 +124,13 @@ class CurvedSolver:
 
     def _solved(self, hierarchy: Hierarchy, given: Array) -> Solution:
         """What the native solver has just found."""
-        opened, sweeps, iterations = self._head.item(at.OPENED), 0, 0
+        told = self._head.item
+        opened = told(at.OPENED)
         if opened < self._levels:
-            for memory in self._memories[opened : self._levels]:
-                sweeps += memory.head.item(plain.SWEEPS)
-                iterations += memory.head.item(plain.ITERATIONS)
-            x = self._memories[self._levels - 1].x.copy()
-            return self._solution(hierarchy, given, x, Counts(sweeps, iterations), opened)
+            sweeps, iterations = told(at.SWEEPS), told(at.ITERATIONS)
+            swept = iterations == 0 and sweeps < len(SWEEPS_ALONE)
+            counts = SWEEPS_ALONE[sweeps] if swept else Counts(sweeps, iterations)
+            return self._solution(hierarchy, given, self._lowest.x.copy(), counts, opened)
         told = self._strict.head.item
         sweeps, iterations = told(plain.SWEEPS), told(plain.ITERATIONS)
         solution = new(Solution)

@@ -14,7 +14,7 @@ from ..hierarchy import Hierarchy, Label, Level
 from ..kernels import curved_layout as at
 from ..kernels import layout as plain
 from .curved_stages import Declared
-from .linearisation import Linearisation
+from .linearisation import Bound, Linearisation
 
 #: The numbers that tell how levels were softened; they lie in one block.
 TOLD = at.POINTS, at.STRENGTHS, at.NORMS, at.STIFFNESS, at.COMBINED, at.DAMPED
@@ -45,6 +45,11 @@ def stage_of(hierarchy: Hierarchy, k: int, curved: Sequence[int]) -> Hierarchy:
     return Hierarchy(levels, n=n)
 
 
+def in_numbers(bound: Bound | None) -> tuple[int, int, int]:
+    """The three numbers of a loop that bounds curvatures."""
+    return (0, 0, 0) if bound is None else (bound.loop, bound.table, bound.matrix.ctypes.data)
+
+
 class Work:
     """The work memory of the kernel, and its directory."""
 
@@ -61,7 +66,10 @@ class Work:
             rows = np.cumsum([0, *(0 if level.A is None else len(level) for level in stage.levels)])
             dense[k, : k + 1] = [-1 if level.A is None else row for level, row in zip(stage.levels, rows, strict=False)]
         whose = np.searchsorted(hierarchy.pointers[1:], [c.row for c in linearisation.contractions], side="right")
-        calls = [(c.loop, c.table, c.weights.ctypes.data, c.row, len(c.weights)) for c in linearisation.contractions]
+        calls = [
+            (c.loop, c.table, c.weights.ctypes.data, c.row, len(c.weights), *in_numbers(c.bound))
+            for c in linearisation.contractions
+        ]
         measured = [
             (*(array.ctypes.data for array in part[:3]), part.row, len(part.error)) for part in linearisation.errors
         ]
@@ -75,7 +83,7 @@ class Work:
             at.SIZES: sizes,
             at.FIRST: first,
             at.DENSE: dense,
-            at.CALLS: np.array(calls, dtype=np.int64).reshape(-1, 5),
+            at.CALLS: np.array(calls, dtype=np.int64).reshape(-1, at.CALL),
             at.CALLS_OF: np.searchsorted(whose, np.arange(levels + 1)),
             at.MEASURED: np.array(measured, dtype=np.int64).reshape(-1, 5),
         }
@@ -92,17 +100,19 @@ class Work:
         made |= {place: np.zeros(shape) for place, shape in reals.items()}
         made |= {
             at.SCALES: linearisation.scales,
+            at.WORTH: linearisation.worth,
             at.SHARES: linearisation.shares,
             at.AIMS: linearisation.aims,
             at.LAST: linearisation.last,
         }
         made[at.S] = linearisation.curvature
         directory = np.zeros(plain.HEAD + 3 * at.PLACES, dtype=np.int64)
-        directory[[plain.N, plain.LEVELS, plain.ROWS, at.MEASURES, at.TOP]] = (
+        directory[[plain.N, plain.LEVELS, plain.ROWS, at.MEASURES, at.LOOKS_AHEAD, at.TOP]] = (
             n,
             levels,
             m,
             len(measured),
+            linearisation.worth.any(),
             next((k for k, curved in enumerate(linearisation.curved) if curved), levels),
         )
         entries = directory[plain.HEAD :].reshape(-1, 3)

@@ -9,6 +9,22 @@ from typing import Any, NamedTuple
 from ..arrays import Array
 
 
+class Bound(NamedTuple):
+    """A loop that bounds curvatures: with weights w, the norm of their sum is at most the root of w' F w.
+
+    Attributes
+    ----------
+    loop, table : int
+        Its address, and that of its arguments.
+    matrix : array, shape (rows, rows)
+        Where it writes F.
+    """
+
+    loop: int
+    table: int
+    matrix: Array
+
+
 class Contraction(NamedTuple):
     """A loop that adds the curvatures of some rows, each times its weight, to a matrix.
 
@@ -20,12 +36,15 @@ class Contraction(NamedTuple):
         Where it finds the weights.
     row : int
         The first of its rows in the hierarchy.
+    bound : Bound, optional
+        What bounds the result, without which it is computed in every step.
     """
 
     loop: int
     table: int
     weights: Array
     row: int
+    bound: Bound | None = None
 
 
 class Errors(NamedTuple):
@@ -60,6 +79,9 @@ class Linearisation:
         What the contractions add to.
     scales : array, shape (m,)
         The rate at which the error of each row is to be reduced, relative to the fastest.
+    worth : array, shape (m,)
+        The error that a unit of a row's bound is worth, scaled; 0: the error is as measured. With a worth, the error
+        of a level below the first curved one is what it lacks where the levels above it leave off, times that.
     shares : array, shape (levels,)
         The share of its error that a level removes in one step.
     aims : array, shape (levels, n)
@@ -77,6 +99,7 @@ class Linearisation:
     contractions: Sequence[Contraction]
     curvature: Array
     scales: Array
+    worth: Array
     shares: Array
     aims: Array
     last: Array

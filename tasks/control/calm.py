@@ -6,7 +6,7 @@ import numpy as np
 
 from hqp import Hierarchy, Settings, Solution
 from hqp.solver.curved import CurvedSolver
-from hqp.solver.linearisation import Contraction, Errors, Linearisation
+from hqp.solver.linearisation import Bound, Contraction, Errors, Linearisation
 
 from ..base.checks import Array
 from ..rows.hierarchy_writer import HierarchyWriter
@@ -14,8 +14,6 @@ from ..rows.task import Task
 
 #: Text of explanations for a task with a direction in which the joints hardly move it.
 STRAIGHT = "the arm is straight in this direction"
-#: Larger values of the last x count as unknown: their squares are too large for a hierarchy.
-FASTEST = 1e12
 
 
 def curved_levels(rows: HierarchyWriter) -> tuple[int, ...]:
@@ -48,27 +46,31 @@ def linearised(rows: HierarchyWriter, dt: float | None, curved: tuple[int, ...],
             table = Table(weights, S, *plan.curvature.table.told[2:])
             tables.append(table)
             loop = compiled(plan.curvature.kernel)
-            contractions.append(Contraction(loop, address(table), weights, row))
-    kept = tables, work
-    scales, shares = paces(gains_of(rows), rows.hierarchy.m, dt, len(curved))
-    return Linearisation(curved, errors, contractions, S, scales, shares, rows.every_aim, last, STRAIGHT, kept)
+            bound = None
+            if plan.bound is not None:
+                most = np.zeros((site.rows, site.rows))
+                tables.append(Table(most, S, *plan.curvature.table.told[2:]))
+                bound = Bound(compiled(plan.bound), address(tables[-1]), most)
+            contractions.append(Contraction(loop, address(table), weights, row, bound))
+    paced = paces(rows, dt, len(curved))
+    return Linearisation(curved, errors, contractions, S, *paced, rows.every_aim, last, STRAIGHT, (tables, work))
 
 
-def gains_of(rows: HierarchyWriter) -> list[tuple[slice, Task]]:
-    """The rows that follow the law of a task, and the task that has their gain."""
-    parts = [
-        (slice(row, row + site.rows), getattr(part, "task", part)) for _, row, part, _, site in rows.work if site.off
-    ]
-    return [(own, task) for own, task in parts if isinstance(task, Task)]
+def paces(rows: HierarchyWriter, dt: float | None, levels: int) -> tuple[Array, Array, Array]:
+    """Of each row the gain K relative to the largest, and what a unit of it is worth; of a level, what a tick removes.
 
-
-def paces(tasks: list[tuple[slice, Task]], rows: int, dt: float | None, levels: int) -> tuple[Array, Array]:
-    """The gain of each row relative to the largest, and the share of its error that a level removes in one tick."""
-    gains = np.zeros(rows)
-    for own, task in tasks:
-        gains[own] = task.gain
+    At acceleration order a row asks for K^2 times its error, and is worth one over that, if it is one of a task with a
+    curvature. At velocity order errors are as they are measured.
+    """
+    gains, bent = np.zeros(rows.hierarchy.m), np.zeros(rows.hierarchy.m)
+    for _, row, part, plan, site in rows.work:
+        task, own = getattr(part, "task", part), slice(row, row + site.rows)
+        if site.off and isinstance(task, Task):
+            gains[own], bent[own] = task.gain, plan.curvature is not None and rows.shared.order == "acceleration"
     fastest = float(gains.max())
-    return gains / (fastest or 1.0), np.full(levels, fastest * dt if dt and fastest else 1.0)
+    scales, worth = gains / (fastest or 1.0), np.zeros(len(gains))
+    np.divide(scales, gains**2, out=worth, where=bent * gains > 0.0)
+    return scales, worth, np.full(levels, fastest * dt if dt and fastest else 1.0)
 
 
 class CalmSolver:
@@ -93,7 +95,7 @@ class CalmSolver:
         rows.brake(k for k, kind in enumerate(curved) if kind == 1)
         self._linearisation = linearised(rows, dt, curved, self._last)
         self._solver = CurvedSolver(rows.hierarchy, self._linearisation, backend, settings)
-        self._planned, self._tuned, self._gains = rows.planned, rows.tuned, gains_of(rows)
+        self._planned, self._tuned = rows.planned, rows.tuned
 
     def solve(self, hierarchy: Hierarchy, last: Array | None = None) -> Solution:
         """Solve the rows as they are filled now; `last` is the x of the previous tick, None or NaN if it is unknown."""
@@ -101,11 +103,10 @@ class CalmSolver:
         if self._planned != rows.planned:
             self._linearisation = linearised(rows, self._dt, self._curved, self._last)
             self._solver.relinearise(self._linearisation)
-            self._planned, self._tuned, self._gains = rows.planned, rows.tuned, gains_of(rows)
+            self._planned, self._tuned = rows.planned, rows.tuned
         elif self._tuned != rows.tuned:
             told = self._linearisation
-            told.scales[:], told.shares[:] = paces(self._gains, hierarchy.m, self._dt, len(self._curved))
+            told.scales[:], told.worth[:], told.shares[:] = paces(rows, self._dt, len(self._curved))
             self._tuned = rows.tuned
-        known = last is not None and self._dt is not None and (np.abs(last) <= FASTEST).all()
-        self._last[:] = last if known else np.nan
+        self._last[:] = np.nan if last is None or self._dt is None else last
         return self._solver.solve(hierarchy)

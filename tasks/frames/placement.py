@@ -117,7 +117,7 @@ class PlacementTask(FrameTask, LoopTask):
             isinstance(self.rotation, AboutZ),
             np.array(self.mask, dtype=np.int64),
         )
-        return Plan((call,), moves, curvature=self._curvature(site, law))
+        return Plan((call,), moves, curvature=self._curvature(site, law), bound=self._bound())
 
     def _goals(self) -> tuple[object, ...]:
         """What it is to come to: its position, its rotation, or both."""
@@ -131,6 +131,15 @@ class PlacementTask(FrameTask, LoopTask):
         first, mask = (0 if self.position is not None else 3), np.array(self.mask, dtype=np.int64)
         told = law, self.axes, self.rotation is not None, first, mask
         return bending(site, bends.bend_placement, self.bends(site), bends.WORK_SIZE, *told)
+
+    def _bound(self) -> Any:
+        """The loop that bounds the curvature; None if the coordinates that the task lacks have a part in it."""
+        from .kernels import placement as loops
+        from .kernels.bounds import bound_placement
+
+        angular = [i for i in self.mask if i >= 3 or self.position is None]
+        simple = self.axes == loops.WORLD and self.relative_to is None and len(angular) in (0, 3)
+        return bound_placement if simple else None
 
     def reading(self) -> Reading | None:
         first = 0 if self.position is not None else 3

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -39,6 +39,9 @@ class Plan:
         Adds ``S(w)`` of :mod:`tasks.rows.curvature`, on request, at the state of the last tick. The first two
         entries of its table are where the weights (rows,) are, and the sum (nv, nv); whoever runs it may put other
         addresses there. Without one the rows are linear, or their curvature is not known.
+    bound : callable, optional
+        A loop with the table of `curvature`, but for the first entry: F (rows, rows), which it writes, so that the
+        Frobenius norm of S(w) is at most the root of w' F w.
     """
 
     calls: tuple[Call, ...] = ()
@@ -46,6 +49,7 @@ class Plan:
     python: Callable[[Tick], None] | None = None
     why: str = ""
     curvature: Call | None = None
+    bound: Any = None
 
     def curvature_of(self, weights: ArrayLike) -> Array:
         """``S(w)`` of these weights, one a row, at the state of the last tick; shape (nv, nv).

@@ -130,11 +130,16 @@ def turn_bends(axes, block, work):
     along_world(axes, block, work, ERROR, ERROR)
     e0, e1, e2 = work[ERROR + 3], work[ERROR + 4], work[ERROR + 5]
     half = 0.5 * math.sqrt(e0 * e0 + e1 * e1 + e2 * e2)
-    longer = (1.0 - half / math.tan(half)) / (4.0 * half * half) if half > SMALL else 1.0 / 12.0 + half * half / 180.0
     bend.no_map(work, bend.ONE)
     bend.add_part(work, bend.ONE, bend.ANGULAR, 1.0)
     bend.add_cross(work, bend.OTHER, e0, e1, e2, bend.ANGULAR, 1.0)
-    bend.add_form(work, w0, w1, w2, longer)
+    bend.add_form(work, w0, w1, w2, longer(half))
+
+
+@inner
+def longer(half):
+    """The c of a rotation vector of twice this length."""
+    return (1.0 - half / math.tan(half)) / (4.0 * half * half) if half > SMALL else 1.0 / 12.0 + half * half / 180.0
 
 
 @stamp
