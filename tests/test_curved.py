@@ -145,23 +145,6 @@ def test_a_stack_without_curvature_is_solved_plainly() -> None:
     assert (default(np.zeros(3)).v == strict(np.zeros(3)).v).all()
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_the_order_of_the_tasks_of_one_level_does_not_matter(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    robot = PlanarArm([0.5, 0.5, 0.5], velocity_limit=2.0)
-    q, v = rng.uniform(0.0, 0.3, 3), rng.uniform(-0.5, 0.5, 3)
-    tip = PositionTask([1.7, 0.3], gain=2.0)
-    together = [PositionTask([0.9, 0.8], gain=2.0, weight=3.0), PostureTask([0.2] * 3, gain=1.0, weight=0.1)]
-    one, other = (
-        Controller(robot, JointLimits() >> tip >> sum(parts[1:], parts[0]) >> PostureTask([0.0] * 3, gain=1.0), dt=DT)
-        for parts in (together, together[::-1])  # five rows of three joints, the shortest or the longest first
-    )
-    mine, theirs = one(q, v), other(q, v)
-    assert mine.relaxed
-    assert mine.relaxed[0].damping > 0.0
-    np.testing.assert_allclose(theirs.v, mine.v, atol=1e-8)
-
-
 def test_an_exception_below_the_loops_comes_up(monkeypatch: pytest.MonkeyPatch) -> None:
     robot = arm(1)
     controller = Controller(robot, stack(robot, 1), dt=DT, backend="cascade:qpsolvers/quadprog")

@@ -19,6 +19,7 @@ from .compile import entry, inner, integer, stamp
 from .hand_over import freeze, hold
 from .lacking import leave_off_above, note_lacking
 from .memory import floats, given, ints, marks, matrix, vector
+from .redundant import least_apart
 from .solver import SUSPECT
 from .stage import write_stage
 from .trust import crowded, quiet
@@ -124,10 +125,12 @@ def solve_stages(here, gate):
             note_lacking(here, k)
         count = gather(here, k)
         least, size = project(here, count, d), 0.0
+        spared = marks(here, at.CURVED)[k] == at.SPARED
+        if not spared:
+            least = least_apart(here, k, count, d, above, least)
         if opened:
             size = norm_of(here, count)
             head[at.STIFF] = 1 if measure(here, k, d, count, size) else 0
-        spared = marks(here, at.CURVED)[k] == at.SPARED
         if spared:
             strength, ratio = spare(here, d)
         else:

@@ -148,13 +148,18 @@ def compliance(here, count, d, size):
     eigen(M, U, values, count)
     rank = integer(0)
     for r in range(count):
-        if values[r] > NONE * NONE * size * size and rank < d:
-            row, own = half[rank], U[r]
+        if rank == d:
+            break
+        row, own = half[rank], U[r]
+        for p in range(d):
+            row[p] = 0.0
+        for i in range(count):
             for p in range(d):
-                row[p] = 0.0
-            for i in range(count):
-                for p in range(d):
-                    row[p] += own[i] / values[r] * G[i][p]
+                row[p] += own[i] * G[i][p]
+        reach = length(row, d)  # the singular value; the root of values[r] is one only above 1e-8 of the largest
+        if reach > NONE * size:
+            for p in range(d):
+                row[p] /= reach * reach
             for i in range(count):
                 U[rank][i] = own[i]
             rank += 1
@@ -201,7 +206,7 @@ def soften(here, k, count, d, x, size):
             value += row[j] * x[j]
         reached[i] = value
         reach, _ = along(here, row, d, left)
-        if d == 0 or not reach > 0.0:
+        if d == 0 or not reach > NONE * size:
             continue
         stiff = STIFF / vector(here, at.SHARES)[ints(here, 0, plain.HEAD)[at.TOP]]
         if soft[r] * STIFFEST > stiff:

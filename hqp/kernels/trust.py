@@ -13,6 +13,7 @@ from .bend import TRUSTED, bound, contract, gather
 from .compile import inner
 from .lacking import note_lacking
 from .memory import ints, marks, matrix, vector
+from .redundant import balance, longest, weight_of
 from .solver import levels_that_count
 
 #: Share of its range within which a row is near a bound, and the power with which the nearness counts.
@@ -106,6 +107,30 @@ def leave_off(here, there, c, n):
 
 
 @inner
+def repeated(here, there, k, count, end):
+    """Whether those of the `count` rows of level k that are none of the first `end` rows of V repeat others.
+
+    As :func:`.redundant.least_apart` decides, but by the triangle in the directory `there`.
+    """
+    n, J, ids = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), marks(here, at.IDS)
+    pivot, weights, size = marks(there, plain.PIVOT), vector(here, plain.WEIGHTS), 0.0
+    pull, wanted = vector(here, at.PULL), vector(here, at.WANTED)
+    for j in range(n):
+        pull[j] = 0.0
+    for r in range(count):
+        u = weight_of(r)
+        for q in range(end):
+            if pivot[q] == ids[r]:
+                u = 0.0
+        wanted[ids[r]] = -u * weights[ids[r]]
+        size += u * u
+        for j in range(n):
+            pull[j] += u * J[r][j]
+    pushed(here, there, k, end, n)
+    return balance(here, k, longest(here, count), math.sqrt(size))
+
+
+@inner
 def quiet(here, there):
     """Whether the strict answer needs no damping, from the basis that the solver has left in the directory `there`.
 
@@ -138,7 +163,7 @@ def quiet(here, there):
         if k >= last:
             for i in range(ptr[k], ptr[k + 1]):
                 least = min(least, weights[i] * weights[i])
-        elif cut[k + 1] - first < count:  # some of the rows depend on others
+        elif cut[k + 1] - first < count and not repeated(here, there, k, count, cut[k + 1]):
             return False
         else:
             least = least_of(L, pivot, first, cut[k + 1], vector(here, at.VALUES))

@@ -1,0 +1,98 @@
+"""Laws of damping by curvature: the same tasks, said in other words, give the same motion."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tasks import Controller, JointLimits, OrientationTask, PlanarArm, PositionTask, PostureTask
+
+DT, N = 0.01, 4
+#: From exactly straight, where singular values are zero, to well bent; with a target out of reach, and one in reach.
+BENDS, FAR, NEAR = (0.0, 0.01, 0.1, 0.3, 1.0), [1.9, 0.6], [0.9, 0.5]
+
+
+def arm():
+    return PlanarArm([0.5, 0.4, 0.3, 0.2], velocity_limit=3.0)
+
+
+def tip(target, **options):
+    return PositionTask(target, gain=5.0, **options)
+
+
+def posture():
+    return PostureTask([0.4, 1.0, 0.7, 0.5], gain=1.0)
+
+
+def states():
+    for k, bend in enumerate(BENDS):
+        rng = np.random.default_rng(k)
+        yield np.array([0.3, 0.0, 0.0, 0.0]) + bend * rng.uniform(-1.0, 1.0, N), np.zeros(N)
+        yield np.array([0.3, 0.0, 0.0, 0.0]) + bend * rng.uniform(-1.0, 1.0, N), rng.normal(0.0, 0.2, N)
+
+
+def answer(stack, q, v):
+    return Controller(arm(), JointLimits() >> stack >> posture(), dt=DT)(q, v)
+
+
+HALF = 0.5**0.5
+SAME = {
+    "a level with another weight": lambda target: tip(target, weight=3.0),
+    "twice on the level": lambda target: tip(target, weight=HALF) + tip(target, weight=HALF, name="again"),
+    "three times on the level": lambda target: (
+        tip(target, weight=0.6) + tip(target, weight=0.6, name="again") + tip(target, weight=0.28**0.5, name="third")
+    ),
+}
+
+
+@pytest.mark.parametrize("target", [FAR, NEAR], ids=["far", "near"])
+@pytest.mark.parametrize("words", SAME)
+def test_weights_of_a_level_as_a_whole_change_nothing(words: str, target: list[float]) -> None:
+    damped = 0
+    for q, v in states():
+        once, other = answer(tip(target), q, v), answer(SAME[words](target), q, v)
+        np.testing.assert_allclose(other.v, once.v, atol=1e-4)
+        assert len(other.relaxed) == len(once.relaxed)
+        damped += len(once.relaxed)
+    assert damped
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_order_of_the_tasks_of_a_level_changes_nothing(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    q, v = rng.uniform(0.0, 0.3, N), rng.uniform(-0.5, 0.5, N)
+    together = [tip([0.9, 0.8], weight=3.0), PostureTask([0.2] * N, gain=1.0, weight=0.1)]
+    one, other = (  # six rows of four joints, the longest first or the shortest
+        answer(tip([1.7, 0.3]) >> first + second, q, v) for first, second in (together, together[::-1])
+    )
+    assert one.relaxed[0].damping > 0.0
+    np.testing.assert_allclose(other.v, one.v, atol=1e-8)
+
+
+#: A bent arm, and a target that is 2 cm away.
+BENT = np.array([0.1, 0.8, 0.6, 0.4])
+CLOSE = arm().at(BENT, np.zeros(N)).pose[:2] + [0.02, -0.01]
+REDUNDANT = {
+    "the same again below": lambda: tip(CLOSE) >> tip(CLOSE, name="again"),
+    "the same again, beside": lambda: tip(CLOSE) + tip(CLOSE, name="again", weight=2.0),
+    "a pose below its position": lambda: tip(CLOSE) >> tip(CLOSE, name="again") + OrientationTask(1.88, gain=5.0),
+    "a posture twice": lambda: tip(CLOSE) >> PostureTask([0.4] * N, gain=1.0) >> PostureTask([0.5] * N, gain=1.0),
+}
+
+
+@pytest.mark.parametrize("said", REDUNDANT)
+def test_in_reach_rows_that_repeat_others_leave_the_stack_strict(said: str) -> None:
+    stack = JointLimits() >> REDUNDANT[said]() >> posture()
+    for v in np.zeros(N), np.array([0.2, -0.1, 0.1, 0.2]):
+        default, strict = (Controller(arm(), stack, dt=DT, damping=damping)(BENT, v) for damping in ("curvature", None))
+        assert default.relaxed == ()
+        np.testing.assert_array_equal(default.v, strict.v)
+
+
+@pytest.mark.parametrize("bend", [0.0, 1e-6, 1e-3])
+def test_repeated_rows_do_not_hide_a_singularity(bend: float) -> None:
+    q = np.array([0.3, bend, -bend, bend])
+    once, twice = answer(tip(FAR), q, np.zeros(N)), answer(tip(FAR) >> tip(FAR, name="again"), q, np.zeros(N))
+    assert once.relaxed[0].damping > 0.1
+    assert twice.relaxed[0].damping == pytest.approx(once.relaxed[0].damping)
+    assert twice.relaxed[1].damping > 0.1
