@@ -194,7 +194,9 @@ def test_bounds_are_above_the_norm_and_near_to_it(name, size):
             assert norm <= most * (1.0 + 1e-9) + 1e-15, label
             # All curvature of what turns comes from the length of e where one joint alone turns it.
             turns = task.reading() is not None and task.rotation is not None
-            assert most <= norm * (1.0 + 1e-9) + (0.1 * norm + 0.5 * size * np.linalg.norm(w) * robot.nv if turns else 0.0)
+            assert most <= norm * (1.0 + 1e-9) + (
+                0.1 * norm + 0.5 * size * np.linalg.norm(w) * robot.nv if turns else 0.0
+            )
     assert bounded > 0
 
 
