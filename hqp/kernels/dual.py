@@ -104,7 +104,7 @@ def exchange(i, frozen, count, delta, size, here):
     z, p, force = vector(here, at.Z), vector(here, at.WANTED), vector(here, at.FORCE)
     s, pressed = side[i], 0.0
     goal = target(s, lo[i], hi[i])
-    while pressed > 0.0 or z[count] * s > ROUGH * (abs(goal) + norm[i] * size):  # else what the members want meets it
+    while pressed > 0.0 or z[count] * s > ROUGH * (abs(goal) + norm[i] * size):  # else the members meet its bound
         blocks, reach = gives_way(i, count, here)
         if blocks < 0:  # violated by round-off only: the point of the level above satisfies this row
             kind[i] = IGNORED

@@ -21,7 +21,7 @@ UNKNOWNS, ROUNDS = 12, 16
 
 @inner
 def guess(here, last):
-    """Set ``side`` to the active rows of the weighted problem; False if these are too many, or not found in ROUNDS."""
+    """Set ``side`` to the active rows of the weighted problem; False beyond the limits UNKNOWNS and ROUNDS."""
     head = ints(here, 0, at.HEAD)
     n, first = head[at.N], 1 if head[at.BOXED] != 0 else 0
     ptr, side, kind, depth = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.DEPTH)

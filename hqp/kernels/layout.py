@@ -14,7 +14,7 @@ import numpy as np
 #: Numbers at the head of the directory. The structure: unknowns, levels, rows, and whether level 0 is plain bounds on
 #: distinct variables.
 N, LEVELS, ROWS, BOXED = 0, 1, 2, 3
-#: Input of a solve: whether SIDE holds a guess, and whether the lengths of all rows are known to be allowed. Output:
+#: Input of a solve: whether SIDE holds a guess, and whether the entries of very long rows were checked before. Output:
 #: the level of the status, sweeps, iterations, outcome.
 WARM, TRUSTED, LEVEL, SWEEPS, ITERATIONS, OUTCOME = 4, 5, 6, 7, 8, 15
 #: For many hierarchies in one call: how many (0: one); how many numbers each has; and the addresses of their x_ref (0:

@@ -5,8 +5,8 @@ In the null space of the frozen rows V[:frozen], with C the active rows of the l
 .. math:: \min_x \|S x - g_S\|^2 \quad \text{subject to} \quad C x = g_C, \qquad x = x_E + V^T y,
 
 is solved by pivoted Gram-Schmidt and reflections (:mod:`.orthogonal`), without softness. If the level is not met,
-multipliers of C must balance :math:`g = S^T w`, all with the right sign; and no inactive row may be violated. If no row
-contradicts this, the level is proved optimal, given those above.
+multipliers of C must balance :math:`g = S^T w`; they and the slacks w of inequality rows must have the right signs. No
+inactive row may be violated. If no row contradicts this, the level is proved optimal, given those above.
 """
 
 from __future__ import annotations
@@ -107,10 +107,10 @@ def judge(here, k, last, frozen, hard, rank, own):
     Returns
     -------
     faults : int
-        Active rows with a multiplier of the wrong sign, inactive rows that are violated, and dependent rows of C that
-        are not at their bound.
+        Active rows with a multiplier, or a slack, of the wrong sign; inactive rows that are violated; and dependent
+        rows of C that are not at their bound.
     worst : int
-        The active row whose multiplier has the most wrong sign, or -1.
+        The active row whose multiplier, or slack, has the most wrong sign, or -1.
     pull : float
         The forces of the level; 0 if it is met.
     """

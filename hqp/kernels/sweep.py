@@ -157,7 +157,7 @@ def solve_levels(here, k, end, c, f, tau):
 
 @inner
 def arrive(here, last, c, f):
-    """Add V[:c]' y to the ``x`` of :func:`fix_variables`, with one step of refinement if x_0 is far away."""
+    """Add V[:c]' y to the ``x`` of :func:`fix_variables`, with one step of refinement if round-off of x_0 matters."""
     free, x, y, V = marks(here, at.FREE), vector(here, at.X), vector(here, at.Y), matrix(here, at.V)
     marks(here, at.CUT)[last] = c
     for q in range(c):

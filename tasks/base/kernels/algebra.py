@@ -18,8 +18,8 @@ from hqp.kernels.compile import inner
 
 from ..rank import RANK_TOLERANCE
 
-#: Rows are orthogonal if the cosine between them is at most the first; a row is round-off if its squared norm is at most
-#: the second share of the largest.
+#: Rows are orthogonal if the cosine between them is at most the first; a row is round-off if its squared norm is at
+#: most the second share of the largest.
 RIGHT_ANGLE, ROUND_OFF = 2e-15, 1e-31
 #: The most sweeps. Convergence is quadratic, after about 5; rows that are mere round-off may not converge.
 SWEEPS = 30
@@ -172,7 +172,7 @@ def alone(J, m, n, h, damping, x, work):
 
 @inner
 def best_way(J, m, n, way, work):
-    """Write the first left singular vector u_1 of J, the direction in which J x can be largest; its largest entry is positive.
+    """Write the first left singular vector u_1 of J, along which J x can be largest; its largest entry is positive.
 
     Parameters
     ----------

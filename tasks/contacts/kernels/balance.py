@@ -1,7 +1,6 @@
 r"""Loops of balance: the rows of the centroidal momentum, of the capture point, and of the support polygon.
 
-The capture point of a linear inverted pendulum is :math:`c + \dot c / \omega`, :math:`\omega = \sqrt{g / h}`, with the
-centre of mass c at the height h above the contact points that bear.
+:mod:`tasks.contacts.balance` has the equations of the capture point and of the pendulum.
 """
 
 from __future__ import annotations
@@ -19,15 +18,15 @@ from . import layout as own
 GRAVITY = 9.81
 #: Smallest height [m] of the pendulum; a contact whose normal has a smaller cosine with the vertical is a wall.
 LOW, WALL = 1e-3, 0.5
-#: Corners of the hull that span no more area [m^2] than this with their neighbours are left out.
+#: Points count as the same, or as on a line, up to this squared distance, or twice the area that they span [m^2].
 FLAT = 1e-10
 #: Entries of a contact that may bear: its slot; block of its frame; axes of its surface; its points, and how many.
 SLOT, BLOCK, AXES, POINTS, COUNT = range(5)
 FIELDS = 5
 
 
-#: Table of a momentum: the table of its law; the map G (6 x n, by columns) and its drift; the first of its six rows that
-#: counts; target and its rate.
+#: Table of a momentum: the table of its law; the map G (6 x n, by columns) and its drift; the first of the six rows of
+#: G that counts; target and its rate.
 LAW, MAP, DRIFT, FIRST, TARGET = range(5)
 
 
@@ -89,9 +88,9 @@ def rate(centre, height):
     return math.sqrt(GRAVITY / max(centre[2] - height, LOW))
 
 
-#: Table of a capture point and of a support: the order, number of joint velocities; block of the centre of mass; number
-#: of contacts, their list; A and bounds. Then of a capture point its target and gain; of a support its margin and gain,
-#: number of rows, most points, work space.
+#: Table of a capture point and of a support: the order, number of joint velocities; block of the centre of mass;
+#: number of contacts, their list; A and bounds. Then, for a capture point: target, gain; for a support: margin and
+#: gain, number of rows, most points, work space.
 ORDER, N, CENTRE, CONTACTS, TABLE, MATRIX, LOWER, UPPER = range(8)
 GOAL, GAIN = 8, 9
 MARGIN, ROWS, MOST, WORK = 8, 9, 10, 11

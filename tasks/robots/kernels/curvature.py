@@ -33,7 +33,7 @@ N, BLOCK, AXES, ACROSS, DOWN, COUNT, PAIRS = range(7)
 LENGTH = 7
 #: Table of a frame seen from another one, its root: the tables of both in the world (0: no root), and the block.
 FRAME, ROOT, SEEN = range(3)
-#: Velocities y (9,): linear and angular ones of the frame, as the root sees it; angular one of the root in its own axes.
+#: Velocities y (9,): linear and angular of the frame, as the root sees it; angular of the root, in its own axes.
 LINEAR, ANGULAR, TURNING = 0, 3, 6
 Y = 9
 #: Work space: f, g; K by rows; two maps X, Y (3 x 9), by rows; a column of L, and K times it.

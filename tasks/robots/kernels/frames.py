@@ -18,9 +18,9 @@ from hqp.kernels.memory import floats, ints
 from ...base.kernels.rotation import crossed, turned_back
 from . import block as at
 
-#: Table of a frame on a joint: unknowns; its block; whether drifts are needed; pose of the joint (R by columns, p); pose
-#: of the frame on the joint (R by rows, p); the joint Jacobians (6 x columns, by columns); how many columns move the
-#: frame, which, and the joint velocity of each; velocity and acceleration of the joint (6,).
+#: Table of a frame on a joint: unknowns; its block; whether drifts are needed; pose of the joint (R by columns, p);
+#: pose of the frame on the joint (R by rows, p); the joint Jacobians (6 x columns, by columns); how many columns move
+#: the frame, which, and the joint velocity of each; velocity and acceleration of the joint (6,).
 N, BLOCK, DRIFTS, CARRIED, ORIGIN, MOUNTED, JOINTS, SUPPORTS, SUPPORT, MOTION, CHANGE = range(11)
 #: Table of the end of a link of a planar arm, after DRIFTS: lengths of the links, q, v, and the number of the link.
 LENGTHS, Q, V, LINKS = range(3, 7)
@@ -205,7 +205,7 @@ def relative_drifts(out, root, frame, R):
 @stamp
 @entry
 def symmetric(here):
-    """Write the symmetric matrix whose upper triangle is given. Table: n, the triangle (by columns), the matrix (n, n)."""
+    """Write a symmetric matrix from its upper triangle. Table: n, the triangle (by columns), the matrix (n, n)."""
     told = ints(here, 0, 3)
     n = told[0]
     half, whole = floats(told[1], 0, n * n), floats(told[2], 0, n * n)
