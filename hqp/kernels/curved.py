@@ -24,6 +24,8 @@ from .solver import SUSPECT
 from .stage import write_stage
 from .trust import crowded, quiet
 
+#: Outcome beside those of the solver: the strict answer is the optimum, and one sweep without iterations has found it.
+AT_ONCE = -2
 #: Larger values of the last x count as unknown: their squares are too large for a hierarchy.
 FASTEST = 1e12
 #: Ratio of the curvature to the smallest squared singular value of the rows from which the lean has its full weight.
@@ -189,5 +191,10 @@ def solve_curved(here, numbers):
     """Solve the hierarchy at the address `numbers`, with the curved levels of the directory; returns the outcome."""
     head = ints(here, 0, plain.HEAD)
     given(here, numbers)
-    head[at.OUTCOME] = solve_all(here, numbers)
-    return head[at.OUTCOME]
+    outcome = solve_all(here, numbers)
+    if outcome == OPTIMAL and head[at.QUICK] != 0 and head[at.OPENED] == head[plain.LEVELS]:
+        told = ints(marks(here, at.DIRECTORIES)[head[plain.LEVELS]], 0, plain.HEAD)
+        if told[plain.SWEEPS] == 1 and told[plain.ITERATIONS] == 0:
+            outcome = integer(AT_ONCE)
+    head[at.OUTCOME] = outcome
+    return outcome

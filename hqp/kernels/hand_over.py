@@ -163,13 +163,18 @@ def compliance(here, count, d, size):
             for i in range(count):
                 U[rank][i] = own[i]
             rank += 1
+    product = vector(here, at.MU)
     for r in range(rank):
+        for j in range(d):
+            product[j] = 0.0
+        for i in range(d):
+            row, part = E[i], half[r][i]
+            for j in range(d):
+                product[j] += part * row[j]
         for q in range(r + 1):
-            total = 0.0
-            for i in range(d):
-                row, part = E[i], half[r][i]
-                for j in range(d):
-                    total += part * row[j] * half[q][j]
+            other, total = half[q], 0.0
+            for j in range(d):
+                total += product[j] * other[j]
             M[r][q] = M[q][r] = total
     eigen(M, P, values, rank)  # P is no longer needed
     for r in range(rank):

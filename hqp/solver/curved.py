@@ -13,7 +13,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..backends.native import ONE_SWEEP, SIGNATURE, SWEEPS_ALONE, Memory, door, make_ready
@@ -26,6 +25,7 @@ from ..kernels import solver as kernel_solver
 from ..kernels.active_set import OPTIMAL
 from ..kernels.call import KNOWN, address_of
 from ..kernels.compile import INTERPRETED
+from ..kernels.curved import AT_ONCE
 from ..settings import Settings
 from ..solution import Counts, Solution, Stages, Status
 from .curved_stages import Stage, handed, softened
@@ -35,6 +35,7 @@ from .solver import DEFAULT_BACKEND, Solver, solve_once
 
 WHAT = "curved levels"
 new = object.__new__
+ONCE = ONE_SWEEP[0]
 #: What a loop calls in Python: it gets a directory and numbers, and gives an outcome.
 CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, ctypes.c_int64)
 
@@ -114,8 +115,16 @@ class CurvedSolver:
         """Solve it, as its linearisation is now."""
         given = hierarchy.numbers.copy()  # the proof is about these numbers, even if they are overwritten later
         with self._guard:
-            if self._native and self._run(hierarchy.address) == OPTIMAL:
-                return self._solved(hierarchy, given)
+            if self._native:
+                outcome = self._run(hierarchy.address)
+                if outcome == AT_ONCE:  # as nearly always
+                    solution = new(Solution)
+                    fields = solution.__dict__
+                    fields["x"], fields["status"] = self._strict.x.copy(), Status.OPTIMAL
+                    fields["counts"], fields["_noted"] = ONCE, (hierarchy, given, self._zero, self._always)
+                    return solution
+                if outcome == OPTIMAL:
+                    return self._solved(hierarchy, given)
             try:
                 return self._solve(hierarchy, given)
             finally:
@@ -136,9 +145,7 @@ class CurvedSolver:
         solution = new(Solution)
         fields = solution.__dict__
         fields["x"], fields["status"] = self._strict.x.copy(), Status.OPTIMAL
-        fields["counts"] = (
-            ONE_SWEEP[iterations] if sweeps == 1 and iterations < len(ONE_SWEEP) else Counts(sweeps, iterations)
-        )
+        fields["counts"] = Counts(sweeps, iterations)
         fields["_noted"] = hierarchy, given, self._zero, self._always
         return solution
 
@@ -174,9 +181,7 @@ class CurvedSolver:
             fields["_points"], fields["_aims"] = self._work.declare(), self._linearisation.aims.copy()
         return solution
 
-    def _tell(
-        self, solution: Solution, points: tuple[int, int, NDArray[np.int64], Array], aims: Array | None
-    ) -> Stages:
+    def _tell(self, solution: Solution, points: tuple[int, int, Array], aims: Array | None) -> Stages:
         """The stages of an answer, by what the given hierarchy and the declared softening make them."""
         given, declared, curved = solution.hierarchy, self._work.declared(*points), self._linearisation.curved
         assert aims is not None

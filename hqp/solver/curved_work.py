@@ -92,7 +92,8 @@ class Work:
         ints, reals = at.shapes(n, levels, m, widest)
         made: dict[int, NDArray[Any]] = dict(arrays)
         made |= {place: np.zeros(shape[0] * shape[1], dtype=np.int64) for place, shape in ints.items()}
-        self._told, begin = np.zeros(sum(math.prod(reals[place]) for place in TOLD)), 0
+        self._told, begin = np.zeros(m + sum(math.prod(reals[place]) for place in TOLD)), m
+        made[at.STATE] = self._told[:m].view(np.int64)  # in the same block, to be copied with it
         for place in TOLD:
             rows, columns = reals.pop(place)
             made[place] = self._told[begin : begin + rows * columns].reshape(rows, columns)
@@ -125,14 +126,15 @@ class Work:
         self._kept, self._directory = (made, linearisation), directory
         self.head, self.address = directory[: plain.HEAD], int(directory.ctypes.data)
         self.points: Array = made[at.POINTS]
-        self._states, self._shapes = made[at.STATE], [made[place].shape for place in TOLD]
+        self._shapes, self._rows = [made[place].shape for place in TOLD], m
 
-    def declare(self) -> tuple[int, int, NDArray[np.int64], Array]:
+    def declare(self) -> tuple[int, int, Array]:
         """A copy of the numbers that tell how levels were softened; :meth:`declared` unpacks it when it is read."""
-        return self.head.item(at.OPENED), self.head.item(at.STAGE), self._states.copy(), self._told.copy()
+        return self.head.item(at.OPENED), self.head.item(at.STAGE), self._told.copy()
 
-    def declared(self, opened: int, last: int, states: NDArray[np.int64], told: Array) -> Declared:
+    def declared(self, opened: int, last: int, block: Array) -> Declared:
         """The same, array by array."""
+        states, told = block[: self._rows].view(np.int64), block[self._rows :]
         ends = np.cumsum([rows * columns for rows, columns in self._shapes])
         parts = [part.reshape(shape) for part, shape in zip(np.split(told, ends[:-1]), self._shapes, strict=True)]
         points, strengths, norms, stiffness, combined, damped = parts

@@ -14,6 +14,9 @@ from ..rows.task import Task
 
 #: Text of explanations for a task with a direction in which the joints hardly move it.
 STRAIGHT = "the arm is straight in this direction"
+#: The deceleration of joints at the ends of their ranges, where no acceleration is limited [rad/s^2]: from the speeds
+#: of arms they come to rest within 50 ms, not within a tick. Elsewhere nothing is braked.
+GENTLE = 60.0
 
 
 def curved_levels(rows: HierarchyWriter) -> tuple[int, ...]:
@@ -92,7 +95,7 @@ class CalmSolver:
     ) -> None:
         self.backend = backend
         self._rows, self._dt, self._curved, self._last = rows, dt, curved, np.full(rows.hierarchy.n, np.nan)
-        rows.brake(k for k, kind in enumerate(curved) if kind == 1)
+        rows.brake((k for k, kind in enumerate(curved) if kind == 1), GENTLE)
         self._linearisation = linearised(rows, dt, curved, self._last)
         self._solver = CurvedSolver(rows.hierarchy, self._linearisation, backend, settings)
         self._planned, self._tuned = rows.planned, rows.tuned

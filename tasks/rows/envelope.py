@@ -106,12 +106,16 @@ class Envelope:
     ----------
     velocity, acceleration : array, shape (nv,)
         The tightest limits [rad/s], [rad/s^2]; infinite where there is none.
+    ends : array, shape (nv,)
+        The deceleration with which a joint comes to rest at the end of its range [rad/s^2]: its acceleration limit, or
+        where there is none, what :meth:`ease_ends` was told.
     has_velocity, has_acceleration : bool
         Whether the stack itself has such a limit.
     """
 
     def __init__(self, n: int) -> None:
-        self.velocity, self.acceleration = np.full((2, n), np.inf)
+        self.velocity, self.acceleration, self.ends = np.full((3, n), np.inf)
+        self._gentle = np.inf
         self.has_velocity = self.has_acceleration = False
         #: Writes the rows of all limits, and how fast the joints brake; every tick, before the loops that read it.
         self.calls: tuple[Call, ...] = ()
@@ -136,6 +140,17 @@ class Envelope:
         """
         self._claims.append(Claim(kind, values[0], values[1], site.lower, site.upper, part, return_speed))
 
+    def ease_ends(self, deceleration: float) -> None:
+        """Bring joints to rest at the ends of their ranges with at most this [rad/s^2], where nothing else limits it.
+
+        Only their speed near an end is bounded: wherever they are and however fast, they keep their ranges.
+        """
+        self._gentle = deceleration
+        self._note_ends()
+
+    def _note_ends(self) -> None:
+        self.ends[:] = np.where(np.isfinite(self.acceleration), self.acceleration, self._gentle)
+
     def close(self, shared: Shared) -> None:
         """Have the loop ready, when all claims are there, and the rate of braking from rest.
 
@@ -158,6 +173,7 @@ class Envelope:
         self.has_velocity, self.has_acceleration = (self._has(kind) for kind in ("velocity", "acceleration"))
         self.velocity[:] = self._tightest("velocity", shared.robot)
         self.acceleration[:] = self._tightest("acceleration", shared.robot)
+        self._note_ends()
         limited = np.any([np.isfinite(claim.low) | np.isfinite(claim.high) for claim in ranges], axis=0)
         if ranges and shared.order == "acceleration" and np.isinf(self.acceleration[limited]).any():
             raise InvalidInput(
@@ -251,6 +267,7 @@ class Envelope:
             loop.TICK: shared.braking,
             loop.VELOCITY: self.velocity,
             loop.ACCELERATION: self.acceleration,
+            loop.ENDS: self.ends,
             loop.LEFT: np.empty(2 * shared.n),
             loop.ROWS: Table(*chain.from_iterable(rows)),
             loop.ROWS_COUNT: len(rows),

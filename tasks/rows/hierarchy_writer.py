@@ -78,6 +78,7 @@ class HierarchyWriter:
     """
 
     planned = tuned = 0
+    _ends = np.inf
 
     def __init__(
         self,
@@ -107,9 +108,14 @@ class HierarchyWriter:
         if isinstance(robot, Live) and live:
             watch_alone(robot, self)
 
-    def brake(self, levels: Iterable[int]) -> None:
-        """Keep the aims of these levels up to date, too: somebody else damps them."""
+    def brake(self, levels: Iterable[int], ends: float) -> None:
+        """Keep the aims of these levels up to date, too: somebody else damps them.
+
+        And bring joints without an acceleration limit to rest at the ends of their ranges with `ends` [rad/s^2].
+        """
         self._take_note(levels)
+        self._ends = ends
+        self.shared.envelope.ease_ends(ends)
         self._chain()
 
     def _take_note(self, damped: Iterable[int]) -> None:
@@ -212,6 +218,7 @@ class HierarchyWriter:
                 part.claim(site)
                 self._views.append((part, site))
                 self._weights.append((view.weights[own], np.zeros(0, dtype=np.intp)))
+        shared.envelope.ease_ends(self._ends)
         shared.envelope.close(shared)
         self._embed = self._embedding()
         self.plans: list[tuple[RowWriter, Plan]] = [(part, Plan()) for part, _ in self._views]

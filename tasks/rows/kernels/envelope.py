@@ -16,12 +16,12 @@ from hqp.kernels.memory import floats, ints
 from . import law as of
 
 #: Table: the order, number of joints n; velocities; positions, their number, and the place of each joint among them
-#: (-1: none); rate and tick; the tightest velocity and acceleration limits (n,); the range of x that the limits so far
-#: leave, least and most (2 n,); the addresses of lower and upper bounds that are written, and how many pairs; the
-#: claims, one for each limit, and how many.
+#: (-1: none); rate and tick; the tightest velocity and acceleration limits (n,), and the deceleration at the ends of ranges
+#: (n,); the range of x that the limits so far leave, least and most (2 n,); the addresses of lower and upper
+#: bounds that are written, and how many pairs; the claims, one for each limit, and how many.
 ORDER, N, V, POSITIONS, NQ, PLACES, TICK = range(7)
-VELOCITY, ACCELERATION, LEFT, ROWS, ROWS_COUNT, CLAIMS, CLAIMS_COUNT = range(7, 14)
-LENGTH = 14
+VELOCITY, ACCELERATION, ENDS, LEFT, ROWS, ROWS_COUNT, CLAIMS, CLAIMS_COUNT = range(7, 15)
+LENGTH = 15
 #: Of a claim: its kind; lowest and highest value (2 n,) and the return speed; the lower and upper bounds that it cuts.
 KIND, NUMBERS, LOWER, UPPER = range(4)
 FIELDS = 4
@@ -56,7 +56,7 @@ def largest_velocity(room, acceleration, dt):
 def kept_range(order, q, v, low, high, return_speed, speed, acceleration, dt):
     """The least and the most x with which a joint keeps its range low .. high, or returns to it.
 
-    `speed` and `acceleration` are the tightest limits of this joint.
+    `speed` is the tightest limit of this joint, `acceleration` that of its braking at the end of the range.
     """
     if order == of.DISPLACEMENT:
         return low - q, high - q
@@ -102,7 +102,7 @@ def write_claim(told, claim, least, most):
     """Cut the bounds of one limit down to its claim, widened to meet `least` and `most`, and then these as well."""
     n, order, kind, dt = told[N], told[ORDER], claim[KIND], floats(told[TICK], 1, 1)[0]
     v, q, places = floats(told[V], 0, n), floats(told[POSITIONS], 0, told[NQ]), ints(told[PLACES], 0, n)
-    speed, acceleration = floats(told[VELOCITY], 0, n), floats(told[ACCELERATION], 0, n)
+    speed, ends = floats(told[VELOCITY], 0, n), floats(told[ENDS], 0, n)
     number, lower, upper = floats(claim[NUMBERS], 0, 2 * n + 1), floats(claim[LOWER], 0, n), floats(claim[UPPER], 0, n)
     for j in range(n):
         low, high = -math.inf, math.inf
@@ -110,7 +110,7 @@ def write_claim(told, claim, least, most):
             low, high = claimed(kind, order, v[j], number[j], number[n + j], dt)
         elif places[j] >= 0:
             position, back = q[places[j]], number[2 * n]
-            low, high = kept_range(order, position, v[j], number[j], number[n + j], back, speed[j], acceleration[j], dt)
+            low, high = kept_range(order, position, v[j], number[j], number[n + j], back, speed[j], ends[j], dt)
         low, high = min(low, most[j]), max(high, least[j])
         least[j], most[j] = max(least[j], low), min(most[j], high)
         lower[j], upper[j] = max(lower[j], low), min(upper[j], high)
