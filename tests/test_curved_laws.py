@@ -5,7 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tasks import Controller, JointLimits, OrientationTask, PlanarArm, PositionTask, PostureTask
+from tasks import (
+    AxisTask,
+    Controller,
+    JointLimits,
+    OrientationTask,
+    PlanarArm,
+    PositionTask,
+    PostureTask,
+    load_robot,
+)
 
 DT, N = 0.01, 4
 #: From exactly straight, where singular values are zero, to well bent; with a target out of reach, and one in reach.
@@ -71,7 +80,7 @@ def test_the_order_of_the_tasks_of_a_level_changes_nothing(seed: int) -> None:
 
 #: A bent arm, and a target that is 2 cm away.
 BENT = np.array([0.1, 0.8, 0.6, 0.4])
-CLOSE = arm().at(BENT, np.zeros(N)).pose[:2] + [0.02, -0.01]
+CLOSE = np.array([0.02, -0.01]) + arm().at(BENT, np.zeros(N)).pose[:2]
 REDUNDANT = {
     "the same again below": lambda: tip(CLOSE) >> tip(CLOSE, name="again"),
     "the same again, beside": lambda: tip(CLOSE) + tip(CLOSE, name="again", weight=2.0),
@@ -87,6 +96,18 @@ def test_in_reach_rows_that_repeat_others_leave_the_stack_strict(said: str) -> N
         default, strict = (Controller(arm(), stack, dt=DT, damping=damping)(BENT, v) for damping in ("curvature", None))
         assert default.relaxed == ()
         np.testing.assert_array_equal(default.v, strict.v)
+
+
+def test_a_direction_above_a_whole_orientation_leaves_the_stack_strict() -> None:
+    robot = load_robot("panda", lock=["panda_finger_joint1"])
+    here, q = robot.at(robot.home, np.zeros(robot.nv)).frame(), robot.home + 0.002
+    hand, turn = PositionTask(here.position, gain=20.0), OrientationTask(here.rotation, gain=20.0)
+    for level in AxisTask(here.rotation[:, 2], gain=20.0), PositionTask(here.position, gain=5.0, name="again"):
+        stack = JointLimits() >> hand >> level >> turn >> PostureTask(robot.home, gain=1.0)
+        default, strict = (Controller(robot, stack, dt=0.005, damping=damping) for damping in ("curvature", None))
+        step = default(q, np.zeros(robot.nv))
+        assert step.relaxed == ()
+        np.testing.assert_array_equal(step.v, strict(q, np.zeros(robot.nv)).v)
 
 
 @pytest.mark.parametrize("bend", [0.0, 1e-6, 1e-3])

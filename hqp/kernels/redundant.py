@@ -24,8 +24,9 @@ from .symmetric import eigen
 
 #: Squared singular values up to this share of the squared length of the longest row may be those of redundant rows.
 REPEATED = 1e-10
-#: Up to this share of the length of rows and combination, the curvatures balance.
-BALANCED = 1e-5
+#: Curvatures balance up to this share of the length of rows and combination. (Where a direction is held above and a
+#: whole orientation below, they do so but for the error that is left.)
+BALANCED = 1e-2
 #: The weights in the combination that is tested are 1 plus the fractions of multiples of this, the golden ratio.
 UNEQUAL = 0.6180339887498949
 
@@ -50,14 +51,40 @@ def longest(here, count):
 
 
 @inner
-def balance(here, k, whole, size):
+def across(here, rows, first, end):
+    """The Frobenius norm of S across the orthonormal rows first .. end - 1, in their complement; S is overwritten."""
+    n, S, norm = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.S), 0.0
+    for turn in range(2):  # S (I - V'V), then the same of its transpose
+        for i in range(n):
+            own = S[i]
+            for q in range(first, end):
+                row, along = rows[q], 0.0
+                for j in range(n):
+                    along += own[j] * row[j]
+                for j in range(n):
+                    own[j] -= along * row[j]
+        for i in range(n if turn == 0 else 0):
+            for j in range(i):
+                S[i][j], S[j][i] = S[j][i], S[i][j]
+    for i in range(n):
+        for j in range(n):
+            norm += S[i][j] * S[i][j]
+    return math.sqrt(norm)
+
+
+@inner
+def balance(here, k, whole, size, rows, first, end):
     """Whether the curvatures of levels up to k, contracted with ``wanted``, balance; undoes what this test wrote.
 
-    `whole` is the squared length of the longest row, `size` the length of the combination.
+    They need to do so only where the levels above leave room: across the orthonormal rows first .. end - 1 of `rows`.
+    `whole` is the squared length of the longest row J, `size` the length of the combination.
     """
-    left = contract(here, ints(here, 0, plain.HEAD)[at.TOP], k + 1)
+    most = BALANCED * math.sqrt(whole) * size
+    balanced = (
+        contract(here, ints(here, 0, plain.HEAD)[at.TOP], k + 1) <= most or across(here, rows, first, end) <= most
+    )
     gather(here, k)
-    return left <= BALANCED * math.sqrt(whole) * size
+    return balanced
 
 
 @inner
@@ -102,4 +129,4 @@ def least_apart(here, k, count, d, above, least):
         for j in range(n):
             pull[j] += u[r] * J[r][j]
     multipliers(here, k, above, 0.0)
-    return own if balance(here, k, whole, math.sqrt(size)) else least
+    return own if balance(here, k, whole, math.sqrt(size), matrix(here, at.BASIS), d, n) else least

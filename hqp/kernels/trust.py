@@ -107,8 +107,8 @@ def leave_off(here, there, c, n):
 
 
 @inner
-def repeated(here, there, k, count, end):
-    """Whether those of the `count` rows of level k that are none of the first `end` rows of V repeat others.
+def repeated(here, there, k, count, first, end):
+    """Whether those of the `count` rows of level k that are none of its rows first .. end - 1 of V repeat others.
 
     As :func:`.redundant.least_apart` decides, but by the triangle in the directory `there`.
     """
@@ -127,7 +127,7 @@ def repeated(here, there, k, count, end):
         for j in range(n):
             pull[j] += u * J[r][j]
     pushed(here, there, k, end, n)
-    return balance(here, k, longest(here, count), math.sqrt(size))
+    return balance(here, k, longest(here, count), math.sqrt(size), matrix(there, plain.V), 0, first)
 
 
 @inner
@@ -163,7 +163,7 @@ def quiet(here, there):
         if k >= last:
             for i in range(ptr[k], ptr[k + 1]):
                 least = min(least, weights[i] * weights[i])
-        elif cut[k + 1] - first < count and not repeated(here, there, k, count, cut[k + 1]):
+        elif cut[k + 1] - first < count and not repeated(here, there, k, count, first, cut[k + 1]):
             return False
         else:
             least = least_of(L, pivot, first, cut[k + 1], vector(here, at.VALUES))
