@@ -8,6 +8,7 @@ import pytest
 from tasks import (
     AxisTask,
     Controller,
+    Freeze,
     JointLimits,
     OrientationTask,
     PlanarArm,
@@ -108,6 +109,33 @@ def test_a_direction_above_a_whole_orientation_leaves_the_stack_strict() -> None
         step = default(q, np.zeros(robot.nv))
         assert step.relaxed == ()
         np.testing.assert_array_equal(step.v, strict(q, np.zeros(robot.nv)).v)
+
+
+def held(robot, joint):
+    """A joint held in three ways, each with how far the motion may differ from that of a robot that has it locked."""
+    yield lambda task: Freeze([joint]) >> JointLimits() >> task, 1e-6
+    yield lambda task: JointLimits() >> Freeze([joint]) >> task, 1e-6
+    yield lambda task: JointLimits() >> PostureTask([0.0], joints=[joint], gain=20.0) >> task, 0.05
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_joint_that_is_held_is_as_good_as_locked(seed: int) -> None:
+    joint, at = "panda_joint3", 2
+    robot = load_robot("panda", lock=["panda_finger_joint1"])
+    locked = load_robot("panda", lock={"panda_finger_joint1": 0.0, joint: 0.0})
+    rng, home = np.random.default_rng(seed), np.where(np.arange(robot.nv) == at, 0.0, robot.home)
+    q, v = np.clip(home + rng.normal(0.0, 0.5, robot.nv), *robot.position_limit), rng.normal(0.0, 0.3, robot.nv)
+    q[at] = v[at] = 0.0
+    here = robot.at(q, v).frame()
+    hand = PositionTask(here.position + rng.normal(0.0, 0.5, 3), gain=20.0)
+    turn = OrientationTask(robot.at(home, v).frame().rotation, gain=20.0)
+    stack = JointLimits() >> hand >> turn >> PostureTask(np.delete(home, at), gain=1.0)
+    expected = Controller(locked, stack, dt=0.005)(np.delete(q, at), np.delete(v, at))
+    assert expected.relaxed[0].damping > 0.0
+    for hold, off in held(robot, joint):
+        stack = hold(hand) >> turn >> PostureTask(home, gain=1.0)
+        step = Controller(robot, stack, dt=0.005)(q, v)
+        np.testing.assert_allclose(np.delete(step.v, at), expected.v, atol=off)
 
 
 @pytest.mark.parametrize("bend", [0.0, 1e-6, 1e-3])

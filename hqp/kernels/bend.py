@@ -95,14 +95,23 @@ def project(here, count, d):
 
 
 @inner
-def stack_above(here, count, above):
-    """Append the `count` rows J to the `above` rows of the levels above, and to their Gram matrix; returns the sum."""
+def stack_above(here, count, above, free):
+    """Append the `count` rows J to the `above` rows of the levels above, and to their Gram matrix; returns the sum.
+
+    They are taken along the first `free` directions of the basis.
+    """
     n, J, ids = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), marks(here, at.IDS)
     all_above, whose, gram = matrix(here, at.ABOVE), marks(here, at.WHOSE), matrix(here, at.GRAM)
     for r in range(count):
         row, own = all_above[above], J[r]
         for j in range(n):
             row[j] = own[j]
+        for b in range(free, n):
+            direction, total = matrix(here, at.BASIS)[b], 0.0
+            for j in range(n):
+                total += direction[j] * row[j]
+            for j in range(n):
+                row[j] -= total * direction[j]
         whose[above] = ids[r]
         for q in range(above + 1):
             other, total = all_above[q], 0.0
@@ -329,10 +338,10 @@ def bend(here, k, count, d, above, least, damped):
             E[i][j] = 0.0
     if more > 0.0:
         add_bent(here, d, 1.0, 1.0)
-        if own > 0.0:
-            for i in range(n):
-                for j in range(n):
-                    S[i][j] = kept[i][j]
+    if pushed and own > 0.0:
+        for i in range(n):
+            for j in range(n):
+                S[i][j] = kept[i][j]
     if own > 0.0:
         add_bent(here, d, 1.0, math.sqrt(vector(here, at.SHARES)[k]))
     total = 0.0  # the norm again, now of the curvature along Z alone
@@ -367,23 +376,25 @@ def ratio_of(bent, least):
 
 
 @inner
-def norm_of(here, count):
-    """The largest singular value of the `count` rows J, by the smaller of J J' and J' J."""
-    n, J, M = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), matrix(here, at.M)
-    values, most, few = vector(here, at.VALUES), 0.0, count <= n
-    side = count if few else n
-    for r in range(side):
+def norm_of(here, count, free):
+    """The largest singular value of the `count` rows J along the first `free` directions of the basis."""
+    n, J, M, half = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), matrix(here, at.M), matrix(here, at.HALF)
+    values, basis, most = vector(here, at.VALUES), matrix(here, at.BASIS), 0.0
+    for r in range(count):
+        one = J[r]
+        for b in range(free, n):
+            direction, total = basis[b], 0.0
+            for j in range(n):
+                total += one[j] * direction[j]
+            half[r][b - free] = total
         for q in range(r + 1):
-            total = 0.0
-            if few:
-                one, other = J[r], J[q]
-                for j in range(n):
-                    total += one[j] * other[j]
-            else:
-                for i in range(count):
-                    total += J[i][r] * J[i][q]
+            other, total = J[q], 0.0
+            for j in range(n):
+                total += one[j] * other[j]
+            for b in range(n - free):
+                total -= half[r][b] * half[q][b]
             M[r][q] = M[q][r] = total
-    eigen(M, matrix(here, at.U), values, side)
-    for r in range(side):
+    eigen(M, matrix(here, at.U), values, count)
+    for r in range(count):
         most = max(most, values[r])
     return math.sqrt(most)

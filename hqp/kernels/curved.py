@@ -31,8 +31,8 @@ FASTEST = 1e12
 #: Ratio of the curvature to the smallest squared singular value of the rows from which the lean has its full weight.
 DOUBTED = 2.5
 #: Weight of the lean, which pulls a level towards the last x, relative to its rows and damping, times the root of
-#: gain dt: on the first level, and below it. The lean makes x lag by its square over the gain; at 1/2 the closed loop
-#: is critically damped.
+#: gain dt: on the first level that has a curvature, and below it. The lean makes x lag by its square over the gain; at
+#: 1/2 the closed loop is critically damped.
 LEAN, LEAN_BELOW = 0.0316, 0.6
 #: The c in the metric of the lean, G'G + P + c |J|^2: as a rule; and if the last x moves along bounds, on the first
 #: level and below it.
@@ -108,18 +108,31 @@ def spare(here, d):
 
 
 @inner
+def hold_above(here):
+    """Hold the equalities of the levels above the first curved one, a frozen joint, say; returns what is left."""
+    head, ids, J = ints(here, 0, plain.HEAD), marks(here, at.IDS), matrix(here, at.J)
+    lower, upper, d = vector(here, plain.LOWER), vector(here, plain.UPPER), head[plain.N]
+    for k in range(head[at.TOP]):
+        for r in range(gather(here, k)):
+            if lower[ids[r]] == upper[ids[r]]:
+                d = hold(here, J[r], d)
+    return d
+
+
+@inner
 def solve_stages(here, gate):
     """Solve stage by stage from the first level on that is damped or leans; returns the outcome of the last stage.
 
     `gate`, from 0 to 1, scales the lean of all levels. OPENED is set to the first level with a stage of its own.
     """
     head, strengths, J = ints(here, 0, plain.HEAD), vector(here, at.STRENGTHS), matrix(here, at.J)
-    d, levels = head[plain.N], head[plain.LEVELS]
-    outcome, opened, above, damped, first = integer(OPTIMAL), False, integer(0), 0.0, True
+    of = marks(here, at.CALLS_OF)  # a level without curvature, a joint held by a posture, say, is not the first task
+    levels, above, outcome, opened, damped, first = head[plain.LEVELS], integer(0), integer(OPTIMAL), False, 0.0, True
     head[at.OPENED], x = levels, vector(marks(here, at.DIRECTORIES)[levels], plain.X)
     head[at.STIFF] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
     at_bounds = crowded(here, vector(here, at.LAST))
     begin(here)
+    d = free = hold_above(here)
     for k in range(head[at.TOP], levels):
         strengths[k] = 0.0
         if head[at.LOOKS_AHEAD] != 0 and k > head[at.TOP]:
@@ -131,7 +144,7 @@ def solve_stages(here, gate):
         if not spared:
             least = least_apart(here, k, count, d, above, least)
         if opened:
-            size = norm_of(here, count)
+            size = norm_of(here, count, free)
             head[at.STIFF] = 1 if measure(here, k, d, count, size) else 0
         if spared:
             strength, ratio = spare(here, d)
@@ -139,17 +152,17 @@ def solve_stages(here, gate):
             strength, ratio = bend(here, k, count, d, above, least, damped)
         fade = min(1.0, max(0.0, (ratio - TRUSTED) / (DOUBTED - TRUSTED))) ** 3
         gate = max(gate, fade)
-        above = stack_above(here, count, above)
+        above = stack_above(here, count, above, free)
         if strength == 0.0 and (gate == 0.0 or spared) and not opened:
             for r in range(count):
                 d = hold(here, J[r], d)
-            first = False
+            first = first and of[k + 1] == of[k]
             continue
         if not opened:
-            head[at.OPENED], size = k, norm_of(here, count)
+            head[at.OPENED], size = k, norm_of(here, count, free)
         lean = 0.0 if spared else math.sqrt(gate) * (LEAN if first else LEAN_BELOW)
         alike = max(ALIKE, at_bounds * (ALIKE_AT_BOUNDS if first else ALIKE_BELOW))
-        first = False
+        first = first and of[k + 1] == of[k]
         outcome = solve_stage(here, k, d, count, size, lean, alike)
         if outcome != OPTIMAL:
             return outcome
