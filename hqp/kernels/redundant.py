@@ -51,9 +51,12 @@ def longest(here, count):
 
 
 @inner
-def across(here, rows, first, end):
-    """The Frobenius norm of S across the orthonormal rows first .. end - 1, in their complement; S is overwritten."""
-    n, S, norm = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.S), 0.0
+def across(here, rows, first, end, n):
+    """The Frobenius norm of S (n, n) across the orthonormal rows first .. end - 1, in their complement.
+
+    S is overwritten.
+    """
+    S, norm = matrix(here, at.S), 0.0
     for turn in range(2):  # S (I - V'V), then the same of its transpose
         for i in range(n):
             own = S[i]
@@ -70,21 +73,6 @@ def across(here, rows, first, end):
         for j in range(n):
             norm += S[i][j] * S[i][j]
     return math.sqrt(norm)
-
-
-@inner
-def balance(here, k, whole, size, rows, first, end):
-    """Whether the curvatures of levels up to k, contracted with ``wanted``, balance; undoes what this test wrote.
-
-    They need to do so only where the levels above leave room: across the orthonormal rows first .. end - 1 of `rows`.
-    `whole` is the squared length of the longest row J, `size` the length of the combination.
-    """
-    most = BALANCED * math.sqrt(whole) * size
-    balanced = (
-        contract(here, ints(here, 0, plain.HEAD)[at.TOP], k + 1) <= most or across(here, rows, first, end) <= most
-    )
-    gather(here, k)
-    return balanced
 
 
 @inner
@@ -129,4 +117,8 @@ def least_apart(here, k, count, d, above, least):
         for j in range(n):
             pull[j] += u[r] * J[r][j]
     multipliers(here, k, above, 0.0)
-    return own if balance(here, k, whole, math.sqrt(size), matrix(here, at.BASIS), d, n) else least
+    most = BALANCED * math.sqrt(whole * size)
+    balanced = contract(here, ints(here, 0, plain.HEAD)[at.TOP], k + 1) <= most
+    balanced = balanced or across(here, matrix(here, at.BASIS), d, n, n) <= most
+    gather(here, k)  # as it was
+    return own if balanced else least

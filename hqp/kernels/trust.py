@@ -10,10 +10,10 @@ import math
 from . import curved_layout as at
 from . import layout as plain
 from .bend import TRUSTED, bound, contract, gather
-from .compile import inner
+from .compile import inner, integer
 from .lacking import note_lacking
 from .memory import ints, marks, matrix, vector
-from .redundant import balance, longest, weight_of
+from .redundant import BALANCED, across, longest, weight_of
 from .solver import levels_that_count
 
 #: Share of its range within which a row is near a bound, and the power with which the nearness counts.
@@ -64,24 +64,30 @@ def least_of(L, pivot, first, end, column):
 
 
 @inner
-def pushed(here, there, k, c, n):
+def pushed(here, there, k, c, f):
     """Write the multipliers of the rows above level k as weights ``wanted`` of their curvatures; whether there are any.
 
-    As :func:`.bend.multipliers`, but from the triangle of the first c rows of V in the directory `there`.
+    As :func:`.bend.multipliers`, but from the triangle of the first c rows of V, over the f free variables, in the
+    directory `there`.
     """
-    V, L, pivot = matrix(there, plain.V), matrix(there, plain.L), marks(there, plain.PIVOT)
+    V, L, pivot, free = (
+        matrix(there, plain.V),
+        matrix(there, plain.L),
+        marks(there, plain.PIVOT),
+        marks(there, plain.FREE),
+    )
     pull, mu, wanted = vector(here, at.PULL), vector(here, at.MU), vector(here, at.WANTED)
     ptr, weights, some = marks(here, plain.PTR), vector(here, plain.WEIGHTS), False
     for i in range(ptr[ints(here, 0, plain.HEAD)[at.TOP]], ptr[k]):
         wanted[i] = 0.0
-    for j in range(n):
-        some = some or pull[j] != 0.0
+    for t in range(f):
+        some = some or pull[free[t]] != 0.0
     if not some:
         return False
     for q in range(c):
         direction, total = V[q], 0.0
-        for j in range(n):
-            total += direction[j] * pull[j]
+        for t in range(f):
+            total += direction[t] * pull[free[t]]
         mu[q] = total
     for q in range(c - 1, -1, -1):
         row = L[pivot[q]]
@@ -93,41 +99,54 @@ def pushed(here, there, k, c, n):
 
 
 @inner
-def leave_off(here, there, c, n):
-    """Write to ``reach`` where the levels above leave off: the strict x along the first c rows of V alone."""
-    V, x, out = matrix(there, plain.V), vector(there, plain.X), vector(here, at.REACH)
-    for j in range(n):
-        out[j] = 0.0
+def leave_off(here, there, c, f):
+    """Write to ``reach`` where the levels above leave off: the strict x along the first c rows of V alone.
+
+    Variables that are not among the f free ones are held.
+    """
+    V, x, out, free = matrix(there, plain.V), vector(there, plain.X), vector(here, at.REACH), marks(there, plain.FREE)
+    for j in range(ints(here, 0, plain.HEAD)[plain.N]):
+        out[j] = x[j]
+    for t in range(f):
+        out[free[t]] = 0.0
     for q in range(c):
         direction, along = V[q], 0.0
-        for j in range(n):
-            along += direction[j] * x[j]
-        for j in range(n):
-            out[j] += along * direction[j]
+        for t in range(f):
+            along += direction[t] * x[free[t]]
+        for t in range(f):
+            out[free[t]] += along * direction[t]
 
 
 @inner
-def repeated(here, there, k, count, first, end):
+def repeated(here, there, k, count, first, end, f):
     """Whether those of the `count` rows of level k that are none of its rows first .. end - 1 of V repeat others.
 
-    As :func:`.redundant.least_apart` decides, but by the triangle in the directory `there`.
+    As :func:`.redundant.least_apart` decides, but by the triangle in the directory `there`; f as in :func:`pushed`.
     """
     n, J, ids = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), marks(here, at.IDS)
-    pivot, weights, size = marks(there, plain.PIVOT), vector(here, plain.WEIGHTS), 0.0
-    pull, wanted = vector(here, at.PULL), vector(here, at.WANTED)
+    pivot, free, weights, size = marks(there, plain.PIVOT), marks(there, plain.FREE), vector(here, plain.WEIGHTS), 0.0
+    pull, wanted, S = vector(here, at.PULL), vector(here, at.WANTED), matrix(here, at.S)
     for j in range(n):
         pull[j] = 0.0
     for r in range(count):
         u = weight_of(r)
-        for q in range(end):
+        for q in range(first, end):
             if pivot[q] == ids[r]:
                 u = 0.0
         wanted[ids[r]] = -u * weights[ids[r]]
         size += u * u
         for j in range(n):
             pull[j] += u * J[r][j]
-    pushed(here, there, k, end, n)
-    return balance(here, k, longest(here, count), math.sqrt(size), matrix(there, plain.V), 0, first)
+    pushed(here, there, k, end, f)
+    most = BALANCED * math.sqrt(longest(here, count) * size)
+    balanced = contract(here, ints(here, 0, plain.HEAD)[at.TOP], k + 1) <= most
+    if not balanced:
+        for i in range(f):
+            for j in range(f):
+                S[i][j] = S[free[i]][free[j]]
+        balanced = across(here, matrix(there, plain.V), 0, first, f) <= most
+    gather(here, k)  # as it was
+    return balanced
 
 
 @inner
@@ -140,18 +159,21 @@ def quiet(here, there):
     head, ptr = ints(here, 0, plain.HEAD), marks(here, plain.PTR)
     n, levels, last, cut = head[plain.N], head[plain.LEVELS], levels_that_count(there), marks(there, plain.CUT)
     pivot, L, weights = marks(there, plain.PIVOT), matrix(there, plain.L), vector(here, plain.WEIGHTS)
-    lower, upper, ids = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, at.IDS)
+    lower, upper, ids, f = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, at.IDS), integer(0)
     if cut[last] < 0 or ints(there, 0, plain.HEAD)[plain.SWEEPS] != 1:  # no basis, or one of another guess
         return False
     for q in range(cut[last]):
         if lower[pivot[q]] != upper[pivot[q]]:
             return False
     for j in range(n):
-        if marks(there, plain.PINNED)[j] >= 0:  # the basis is one of the other variables
+        pinned = marks(there, plain.PINNED)[j]
+        if pinned < 0:
+            f += 1
+        elif lower[pinned] != upper[pinned]:
             return False
     for k in range(head[at.TOP], levels):
         if head[at.LOOKS_AHEAD] != 0 and k > head[at.TOP]:
-            leave_off(here, there, cut[min(k, last)], n)
+            leave_off(here, there, cut[min(k, last)], f)
             note_lacking(here, k)
         count, least = gather(here, k), math.inf
         if marks(here, at.CURVED)[k] == at.SPARED:
@@ -163,11 +185,11 @@ def quiet(here, there):
         if k >= last:
             for i in range(ptr[k], ptr[k + 1]):
                 least = min(least, weights[i] * weights[i])
-        elif cut[k + 1] - first < count and not repeated(here, there, k, count, first, cut[k + 1]):
+        elif cut[k + 1] - first < count and not repeated(here, there, k, count, first, cut[k + 1], f):
             return False
         else:
             least = least_of(L, pivot, first, cut[k + 1], vector(here, at.VALUES))
-        some = first > 0 and pushed(here, there, k, first, n)
+        some = first > 0 and pushed(here, there, k, first, f)
         if bound(here, k, k + 1) + (bound(here, head[at.TOP], k) if some else 0.0) <= TRUSTED * least:
             continue
         bent = contract(here, k, k + 1)
