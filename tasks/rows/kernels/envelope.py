@@ -16,8 +16,8 @@ from hqp.kernels.memory import floats, ints
 from . import law as of
 
 #: Table: the order, number of joints n; velocities; positions, their number, and the place of each joint among them
-#: (-1: none); rate and tick; the tightest velocity and acceleration limits (n,), and the deceleration at the ends of ranges
-#: (n,); the range of x that the limits so far leave, least and most (2 n,); the addresses of lower and upper
+#: (-1: none); rate and tick; the tightest velocity and acceleration limits (n,), and the deceleration at the ends of
+#: ranges (n,); the range of x that the limits so far leave, least and most (2 n,); the addresses of lower and upper
 #: bounds that are written, and how many pairs; the claims, one for each limit, and how many.
 ORDER, N, V, POSITIONS, NQ, PLACES, TICK = range(7)
 VELOCITY, ACCELERATION, ENDS, LEFT, ROWS, ROWS_COUNT, CLAIMS, CLAIMS_COUNT = range(7, 15)
