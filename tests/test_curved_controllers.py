@@ -18,6 +18,7 @@ from tasks import (
     Damped,
     DistanceLimit,
     JointLimits,
+    JointPositionLimit,
     OrientationTask,
     PlanarArm,
     PlaneLimit,
@@ -28,6 +29,7 @@ from tasks import (
     planar_links,
     simulate,
 )
+from tasks.control.calm import GENTLE
 
 DT = 0.005
 
@@ -228,3 +230,42 @@ def test_rows_above_plain_bounds_stay_what_they_are() -> None:
         for own, given in zip(stage.hierarchy.levels[:1], step.solution.hierarchy.levels, strict=False):
             np.testing.assert_array_equal(own.A, given.A)
     assert step.solution.levels[0].residual_norm <= 1e-9
+
+
+def led_to_its_end(damping: str | None, robot: PlanarArm | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and velocities of an arm whose first joint is led past the end of its range, fast."""
+    robot = PlanarArm([0.5, 0.5, 0.5], position_limit=(-0.4, 0.4), velocity_limit=3.0) if robot is None else robot
+    stack = JointLimits() >> PositionTask([0.8, 0.9], gain=10.0) >> PostureTask([0.0] * 3, gain=1.0)
+    controller = Controller(robot, stack, dt=DT, damping=damping)
+    q, v, places, speeds = np.array([-0.3, 0.2, 0.1]), np.zeros(3), [], []
+    for _ in range(120):
+        step = controller(q, v)
+        q, v = q + DT * step.v, step.v
+        places.append(q)
+        speeds.append(v)
+    return np.array(places), np.array(speeds)
+
+
+def test_joints_come_to_rest_at_the_ends_of_their_ranges_not_within_a_tick() -> None:
+    """By default; a strict stack does what it is told."""
+    (strict, fast), (gentle, slow) = led_to_its_end(None), led_to_its_end("curvature")
+    for places in strict, gentle:
+        assert np.abs(places).max() <= 0.4 + 1e-9
+        np.testing.assert_allclose(np.abs(places[-1]).max(), 0.4, atol=1e-9)
+    hardest = [-np.diff(np.abs(speeds), axis=0).min() / DT for speeds in (fast, slow)]
+    assert hardest[0] > 100.0
+    assert hardest[1] <= GENTLE * (1.0 + 1e-6)
+
+
+def test_a_limit_of_the_robot_counts_for_its_ends_and_goes_again() -> None:
+    robot = PlanarArm([0.5, 0.5, 0.5], position_limit=(-2.0, 2.0), velocity_limit=3.0)
+    near = np.array([1.9, 0.3, 0.1])
+    ends = JointPositionLimit()
+    controller = Controller(robot, ends >> PositionTask([-0.8, 0.9], gain=10.0), dt=DT)
+    most = []
+    for limit in None, 20.0, None:
+        robot.acceleration_limit = None if limit is None else np.full(3, limit)
+        controller(near)
+        most.append(controller.bounds(ends)[1][0])
+    assert most[0] == most[2] == pytest.approx(np.sqrt(2.0 * GENTLE * 0.1), rel=0.1)
+    assert most[1] == pytest.approx(np.sqrt(2.0 * 20.0 * 0.1), rel=0.1)

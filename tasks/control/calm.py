@@ -55,24 +55,37 @@ def linearised(rows: HierarchyWriter, dt: float | None, curved: tuple[int, ...],
                 tables.append(Table(most, S, *plan.curvature.table.told[2:]))
                 bound = Bound(compiled(plan.bound), address(tables[-1]), most)
             contractions.append(Contraction(loop, address(table), weights, row, bound))
-    paced = paces(rows, dt, len(curved))
+    paced = paces(gains_of(rows), rows.hierarchy.m, dt, len(curved))
     return Linearisation(curved, errors, contractions, S, *paced, rows.every_aim, last, STRAIGHT, (tables, work))
 
 
-def paces(rows: HierarchyWriter, dt: float | None, levels: int) -> tuple[Array, Array, Array]:
-    """Of each row the gain K relative to the largest, and what a unit of it is worth; of a level, what a tick removes.
+def gains_of(rows: HierarchyWriter) -> list[tuple[slice, Task, bool]]:
+    """The rows that follow the law of a task, the task that has their gain, and whether they look ahead.
 
-    At acceleration order a row asks for K^2 times its error, and is worth one over that, if it is one of a task with a
-    curvature. At velocity order errors are as they are measured.
+    Those of tasks with a curvature do, at acceleration order.
     """
-    gains, bent = np.zeros(rows.hierarchy.m), np.zeros(rows.hierarchy.m)
-    for _, row, part, plan, site in rows.work:
-        task, own = getattr(part, "task", part), slice(row, row + site.rows)
-        if site.off and isinstance(task, Task):
-            gains[own], bent[own] = task.gain, plan.curvature is not None and rows.shared.order == "acceleration"
+    ahead = rows.shared.order == "acceleration"
+    parts = [
+        (slice(row, row + site.rows), getattr(part, "task", part), ahead and plan.curvature is not None)
+        for _, row, part, plan, site in rows.work
+        if site.off
+    ]
+    return [(own, task, looks) for own, task, looks in parts if isinstance(task, Task)]
+
+
+def paces(
+    tasks: list[tuple[slice, Task, bool]], rows: int, dt: float | None, levels: int
+) -> tuple[Array, Array, Array]:
+    """The gain K of each row relative to the largest, what a unit of the row is worth, and the share of a tick.
+
+    A row that looks ahead asks for K^2 times its error. The share is that of the error which a level removes in a tick.
+    """
+    gains, worth = np.zeros(rows), np.zeros(rows)
+    for own, task, looks in tasks:
+        gains[own], worth[own] = task.gain, looks
     fastest = float(gains.max())
-    scales, worth = gains / (fastest or 1.0), np.zeros(len(gains))
-    np.divide(scales, gains**2, out=worth, where=bent * gains > 0.0)
+    scales = gains / (fastest or 1.0)
+    np.divide(scales, gains**2, out=worth, where=worth > 0.0)
     return scales, worth, np.full(levels, fastest * dt if dt and fastest else 1.0)
 
 
@@ -98,7 +111,7 @@ class CalmSolver:
         rows.brake((k for k, kind in enumerate(curved) if kind == 1), GENTLE)
         self._linearisation = linearised(rows, dt, curved, self._last)
         self._solver = CurvedSolver(rows.hierarchy, self._linearisation, backend, settings)
-        self._planned, self._tuned = rows.planned, rows.tuned
+        self._planned, self._tuned, self._gains = rows.planned, rows.tuned, gains_of(rows)
 
     def solve(self, hierarchy: Hierarchy, last: Array | None = None) -> Solution:
         """Solve the rows as they are filled now; `last` is the x of the previous tick, None or NaN if it is unknown."""
@@ -106,10 +119,10 @@ class CalmSolver:
         if self._planned != rows.planned:
             self._linearisation = linearised(rows, self._dt, self._curved, self._last)
             self._solver.relinearise(self._linearisation)
-            self._planned, self._tuned = rows.planned, rows.tuned
+            self._planned, self._tuned, self._gains = rows.planned, rows.tuned, gains_of(rows)
         elif self._tuned != rows.tuned:
             told = self._linearisation
-            told.scales[:], told.worth[:], told.shares[:] = paces(rows, self._dt, len(self._curved))
+            told.scales[:], told.worth[:], told.shares[:] = paces(self._gains, hierarchy.m, self._dt, len(self._curved))
             self._tuned = rows.tuned
         self._last[:] = np.nan if last is None or self._dt is None else last
         return self._solver.solve(hierarchy)
