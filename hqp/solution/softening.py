@@ -79,7 +79,7 @@ def in_words(soft: Softened, labels: list[Label], singular: str) -> str:
     said = {
         "singular": singular,
         "above": "the levels above leave little to move it by in this direction",
-        "calm": "so that x changes calmly in this direction",
+        "calm": "so that the answer changes smoothly in this direction",
     }[soft.cause]
     order = np.argsort(-np.abs(soft.direction), kind="stable")
     main = [i for i in map(int, order) if abs(soft.direction[i]) >= NAMED] or [int(order[0])]

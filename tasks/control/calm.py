@@ -13,7 +13,7 @@ from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.task import Task
 
 #: Text of explanations for a task with a direction in which the joints hardly move it.
-STRAIGHT = "the arm is straight in this direction"
+STRAIGHT = "the joints move it little in this direction"
 #: Larger values of the last x count as unknown: their squares are too large for a hierarchy.
 FASTEST = 1e12
 
