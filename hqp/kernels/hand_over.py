@@ -108,12 +108,52 @@ def freeze(here, k, count, d, x, size):
 
 
 @inner
+def separate(here, count, d, size):
+    r"""Left singular vectors of G to U, the largest singular values first, and :math:`S^{-1} V^T` to HALF; how many.
+
+    At most d: beside those, round-off has eigenvalues of :math:`G G^T` too. A singular value is the length of its
+    combination of rows, which is exact where the root of an eigenvalue is not.
+    """
+    G, M, U = matrix(here, at.G), matrix(here, at.M), matrix(here, at.U)
+    half, values = matrix(here, at.HALF), vector(here, at.VALUES)
+    for r in range(count):
+        for q in range(r + 1):
+            one, other, total = G[r], G[q], 0.0
+            for p in range(d):
+                total += one[p] * other[p]
+            M[r][q] = M[q][r] = total
+    eigen(M, U, values, count)
+    rank = integer(0)
+    for r in range(min(count, d)):
+        largest = r
+        for i in range(r + 1, count):
+            if values[i] > values[largest]:
+                largest = i
+        values[r], values[largest] = values[largest], values[r]
+        own, other, row = U[r], U[largest], half[r]
+        for i in range(count):
+            own[i], other[i] = other[i], own[i]
+        for p in range(d):
+            row[p] = 0.0
+        for i in range(count):
+            for p in range(d):
+                row[p] += own[i] * G[i][p]
+        reach = length(row, d)
+        if reach <= NONE * size:
+            break
+        for p in range(d):
+            row[p] /= reach * reach
+        rank += 1
+    return rank
+
+
+@inner
 def compliance(here, count, d, size):
     """How softly the level gives way in each combination Q of its rows: eigenvalues of S^-1 V' D V S^-1, G = U' S V'.
 
     D is its damping, and what soft rows above it add. Returns how many combinations there are.
     """
-    G, P, L, M = matrix(here, at.G), matrix(here, at.P), matrix(here, at.METRIC), matrix(here, at.M)
+    P, L, M = matrix(here, at.P), matrix(here, at.METRIC), matrix(here, at.M)
     U, Q, E, half, values = (
         matrix(here, at.U),
         matrix(here, at.Q),
@@ -134,25 +174,7 @@ def compliance(here, count, d, size):
         for i in range(c, d):
             for j in range(c, d):
                 E[i][j] -= size * size * column[i] * column[j]
-    for r in range(count):
-        for q in range(r + 1):
-            one, other, total = G[r], G[q], 0.0
-            for p in range(d):
-                total += one[p] * other[p]
-            M[r][q] = M[q][r] = total
-    eigen(M, U, values, count)
-    rank = integer(0)
-    for r in range(count):
-        if values[r] > NONE * NONE * size * size and rank < d:
-            row, own = half[rank], U[r]
-            for p in range(d):
-                row[p] = 0.0
-            for i in range(count):
-                for p in range(d):
-                    row[p] += own[i] / values[r] * G[i][p]
-            for i in range(count):
-                U[rank][i] = own[i]
-            rank += 1
+    rank = separate(here, count, d, size)
     for r in range(rank):
         for q in range(r + 1):
             total = 0.0
