@@ -1,19 +1,22 @@
-r"""The safe method: one level after the other, each by a primal active set in what the levels above leave free.
+r"""The safe method: solves one level after the other by a primal active-set method.
 
-Level k starts at the x of the level above, feasible for all that is decided, and minimises
+Level k starts at the x of the level above, which is feasible for all levels above, and minimises
 
 .. math:: \tfrac12 \sum_{i \in k} \operatorname{dist}(a_i x, [l_i, u_i])^2
 
-subject to the *frozen* rows, whose value no longer changes, and the *hard* rows, inequalities above that are met.
-Every iteration takes the Newton step of the rows that are violated, inside the frozen rows and the *working set*
-W of hard rows that are kept at their bound; goes along it to the exact minimum or to the first hard row in the
-way, which joins W; and drops the row of W whose multiplier is most wrong, once nothing is left to gain. At a
-degenerate vertex, where steps have length zero, a non-negative least squares over all rows at their bound finds a
-direction that none of them blocks, or proves that there is none: no cycles.
+subject to the *frozen* rows, whose values no longer change, and the *hard* rows, satisfied inequalities of the levels
+above. The *working set* W are the hard rows that are kept at a bound. Every iteration
 
-So the method is *anytime*: stopped at level k, all levels above are exactly optimal, and x is feasible for them.
-Which rows pull is told by :mod:`.pull`, how far to go by :mod:`.line_search`, and what is frozen at the end of a level
-by :mod:`.decide`. W is kept by :mod:`.working_set`, and left by :mod:`.escape` where it blocks itself.
+1. takes the Newton step of the violated rows, in the null space of the frozen rows and of W;
+2. goes along it to the exact minimum, or to the first hard row that blocks, which then joins W;
+3. if nothing is left to gain, drops the row of W whose multiplier has the most wrong sign.
+
+At a degenerate vertex, where steps have length zero, a non-negative least squares over all rows at a bound finds a
+direction that none of them blocks, or proves that there is none. So the method cannot cycle.
+
+The method is *anytime*: if it is stopped at level k, all levels above are exactly optimal, and x is feasible for them.
+:mod:`.pull` finds the violated rows, :mod:`.line_search` the step length, :mod:`.decide` the rows that a level freezes;
+:mod:`.working_set` updates W, :mod:`.escape` leaves degenerate vertices.
 """
 
 from __future__ import annotations
@@ -35,25 +38,25 @@ from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance, remove
 
 OPTIMAL, SUBOPTIMAL, STALLED = 0, 1, 2
 
-#: Nothing is left to gain if the step changes the rows that pull by no more than this share of what they miss,
-#: or of the numbers that this is computed from.
+#: Nothing is left to gain if the step changes the violated rows by no more than the first share of their slacks, or the
+#: second share of the numbers that the slacks are computed from.
 GAINS, ROUND_OFF = 1e-11, 1e-15
-#: Relative changes below this are none: of x, of the objective, and of a row that depends on others.
+#: Smaller relative changes count as none: of x, of the objective, and of a row that depends on others.
 NOTHING = 1e-14
-#: So many steps of length zero, beside one for each row of the working set, before :func:`.escape.escape`.
+#: Steps of length zero before :func:`.escape.escape` is called, in addition to one for each row of the working set.
 PATIENCE = 3
 
 
 @inner
 def active_set(here, last):
-    """Solve levels 0 .. last from ``x``, one after the other, until :func:`.dual.late` says stop.
+    """Solve levels 0 .. last from ``x``, one after the other, until :func:`.dual.late` returns True.
 
-    On return ``side`` is the active set at ``x``.
+    On return ``x`` is the solution and ``side`` its active set.
 
     Returns
     -------
     status, level : int
-        The level is that of the first status which is not OPTIMAL.
+        OPTIMAL and last + 1, or the first other status and the level that has it.
     """
     status, level = integer(OPTIMAL), integer(last + 1)
     frozen = working = integer(0)
@@ -70,18 +73,19 @@ def active_set(here, last):
 
 @inner
 def minimise(here, k, last, frozen, working):
-    """Solve level k from x, which the levels above allow, within the frozen rows.
+    """Solve level k from ``x``, which must be feasible for the levels above; ``x`` is then the solution.
 
     Returns
     -------
     status : int
     forces : float
-        Those of the level that the multipliers of the working set balance; 0 if it is met, or not optimal.
+        Forces of the level, which the multipliers of the working set balance; 0 if it is met, or not optimal.
     working : int
+        Rows of the working set at the end.
     """
     head = ints(here, 0, at.HEAD)
     n, ptr, x, d = head[at.N], marks(here, at.PTR), vector(here, at.X), vector(here, at.D)
-    full = False  # whether the last step was a whole Newton step, of rows that are still those that pull
+    full = False  # whether the last step was a whole Newton step and the violated rows are still the same
     lowest, since, still = math.inf, integer(0), integer(0)  # iterations without progress; steps of length zero
     while True:
         size = measure(here, k, last)
@@ -99,7 +103,7 @@ def minimise(here, k, last, frozen, working):
             return integer(STALLED), 0.0, working
 
         gain = 0.0 if full else newton(here, k, last, frozen + working, count)
-        # Nothing left to gain inside W: a row is let go, of this level or of W; where none pulls away, x is optimal.
+        # Nothing is left to gain with this W: release a row of this level, or drop one of W; if none, x is optimal.
         if full or gain <= GAINS * math.sqrt(square) or gain <= ROUND_OFF * scale:
             full = False
             if release(here, count, forces):
@@ -130,7 +134,7 @@ def minimise(here, k, last, frozen, working):
 
 @inner
 def forget(here, last):
-    """No row is decided or at a bound yet."""
+    """Reset ``kind``, ``held`` and ``side``: no row is decided, or at a bound, yet."""
     ptr, kind, held, side = marks(here, at.PTR), marks(here, at.KIND), marks(here, at.HELD), marks(here, at.SIDE)
     for i in range(ptr[last]):
         kind[i], held[i], side[i] = FUTURE, INACTIVE, INACTIVE
@@ -138,7 +142,7 @@ def forget(here, last):
 
 @inner
 def leave_inactive(here, last):
-    """Hard rows that are not in the working set are inactive."""
+    """Set ``side`` of all hard rows outside the working set to INACTIVE."""
     ptr, kind, side = marks(here, at.PTR), marks(here, at.KIND), marks(here, at.SIDE)
     for i in range(ptr[last]):
         if kind[i] == HARD:
@@ -147,7 +151,7 @@ def leave_inactive(here, last):
 
 @inner
 def measure(here, k, last):
-    """The size of x, and the values there of all rows down to level k that are not frozen."""
+    """Write ``value`` = a_i x of all rows down to level k that are not frozen; returns :func:`.extent.extent`."""
     ptr, kind, v, x = marks(here, at.PTR), marks(here, at.KIND), vector(here, at.VALUE), vector(here, at.X)
     for i in range(ptr[min(k + 1, last)]):
         if kind[i] != FROZEN:
@@ -157,7 +161,10 @@ def measure(here, k, last):
 
 @inner
 def newton(here, k, last, c, count):
-    """The step d to the least squares of the rows that pull, in what V[:c] leaves free; by how much it changes them."""
+    """The Newton step ``d`` of the `count` rows ``ids``: ``min ||S d - missing||`` with d in the null space of V[:c].
+
+    Returns ``||S d||``, by how much the step changes these rows.
+    """
     if k == last:
         return newton_of_reference(here, c)
     n, tau = ints(here, 0, at.HEAD)[at.N], vector(here, at.OPTION)[at.TAU]
@@ -186,7 +193,7 @@ def newton(here, k, last, c, count):
 
 @inner
 def newton_of_reference(here, c):
-    """The same of the last level: the way to x_0, less its part along V[:c], and its length."""
+    """The Newton step ``d`` of the last level: x_0 - x, projected onto the null space of V[:c]; returns its length."""
     n, V = ints(here, 0, at.HEAD)[at.N], matrix(here, at.V)
     g, d, scratch = vector(here, at.G), vector(here, at.D), vector(here, at.SCRATCH)
     for j in range(n):
@@ -200,7 +207,7 @@ def newton_of_reference(here, c):
 
 @inner
 def most_wrong(here, forces, frozen, working):
-    """The place in the basis of the row of the working set whose multiplier is most wrong; -1 if all are right."""
+    """The position in V of the working-set row whose multiplier has the most wrong sign; -1 if all signs are right."""
     n, pivot, side = ints(here, 0, at.HEAD)[at.N], marks(here, at.PIVOT), marks(here, at.SIDE)
     norm, multiplier = vector(here, at.NORM), vector(here, at.MULTIPLIER)
     balance(frozen, frozen + working, n, here)
@@ -215,7 +222,7 @@ def most_wrong(here, forces, frozen, working):
 
 @inner
 def drop(here, place, c):
-    """Take the row at this place of the basis of c rows out of the working set."""
+    """Take the row at position `place` of the basis V[:c] out of the working set."""
     kind, pivot = marks(here, at.KIND), marks(here, at.PIVOT)
     kind[pivot[place]] = HARD
     remove(place, c, here)
@@ -223,7 +230,7 @@ def drop(here, place, c):
 
 @inner
 def join(here, i, c):
-    """Add hard row i, which blocks, to the working set, on top of V[:c]; False if it depends on what is there."""
+    """Append hard row i, which blocks the step, to V[:c] and the working set; False if it depends on V[:c]."""
     kind, side, slope = marks(here, at.KIND), marks(here, at.SIDE), vector(here, at.SLOPE)
     if not append(i, c, here, NOTHING):
         return False

@@ -1,10 +1,11 @@
-"""What is tried, one after the other, until there is an answer with its proof.
+"""The order of the methods that are tried until one gives an answer with its proof.
 
-One sweep with the sides that are known, whose contradictions change sides at once; level by level, warm, then cold
-(:mod:`.levels`). Where a rank is in doubt (:mod:`.doubt`), the compiled certificate decides (:mod:`.proof`). If it does
-not accept the answer, or there is none, the same is tried with ranks as sharp as round-off allows, from there on; only
-what the certificate accepts counts. What is left is for the safe method (:mod:`.active_set`), from the last point that
-is known to be exact.
+1. A sweep with the known sides (:mod:`.sweep`); rows that contradict their side change it, and the sweep is repeated.
+2. Level by level (:mod:`.levels`): first warm, from the sides at the end of each level of the last solve, then cold.
+3. If neither gives an answer, or a rank is in doubt (:mod:`.doubt`) and the compiled certificate (:mod:`.proof`)
+   rejects the answer: the same again, with the smallest rank tolerance that round-off allows. This answer counts only
+   if the certificate accepts it.
+4. The safe method (:mod:`.active_set`), from the last point that is known to be exact.
 """
 
 from __future__ import annotations
@@ -22,21 +23,21 @@ from .rows import value_of
 from .sweep import sweep
 from .working_set import FROZEN
 
-#: Where an attempt starts: from the sides that are known, by one sweep; level by level, from those at the end of each
-#: level or from none.
+#: How an attempt starts: a sweep with the known sides; level by level from the sides at the end of each level of the
+#: last solve; level by level from no sides.
 SIDES, WARM, COLD = 0, 1, 2
 
-#: How many rounds of repair in a row may fail to bring the number of contradictions down.
+#: How many repairs in a row may fail to reduce the number of contradictions.
 PATIENCE = 1
-#: So many contradictions are repaired even where levels above others are not met.
+#: Up to so many contradictions are repaired even if a higher level is not met.
 FEW = 2
-#: Where a row that counts as dependent shows that it is not, less of it has to be left, down to round-off.
+#: Factor on the rank tolerance, down to round-off, each time that a row which counts as dependent proves not to be.
 SHARPER = 0.1
 
 
 @inner
 def seed(here, last):
-    """Nothing is known of the end of each level: the sides of the last answer are taken for it."""
+    """Take ``side``, the active set of the last answer, as the sides at the end of every level, ``saved``."""
     m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
     side, saved = marks(here, at.SIDE), marks(here, at.SAVED)
     for k in range(last + 1):
@@ -46,7 +47,7 @@ def seed(here, last):
 
 @inner
 def repair(here, last):
-    """Let all rows that contradict the guess change sides."""
+    """Set ``side`` to ``follow``: all rows that contradict their side change it."""
     ptr, side, follow = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.FOLLOW)
     for i in range(ptr[last]):
         side[i] = follow[i]
@@ -54,7 +55,7 @@ def repair(here, last):
 
 @inner
 def first_contradiction(here, last):
-    """The highest level with a row that contradicts its side."""
+    """The highest level with a row that contradicts its side; `last` if there is none."""
     ptr, side, follow = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.FOLLOW)
     for k in range(last):
         for i in range(ptr[k], ptr[k + 1]):
@@ -65,7 +66,7 @@ def first_contradiction(here, last):
 
 @inner
 def contested(here, last):
-    """Whether a level above the last one that counts is not met."""
+    """Whether one of the levels 0 .. last - 2 is not met."""
     forces_of = vector(here, at.FORCES)
     met = True
     for k in range(last - 1):
@@ -75,7 +76,10 @@ def contested(here, last):
 
 @inner
 def verify(here, last):
-    """Sweep, and let contradictions change sides as long as that makes progress: the number of those that are left."""
+    """Sweep and repair as long as the contradictions become fewer; returns how many are left, 0 with a proof.
+
+    The rank tolerance is reduced while a row that counts as dependent proves not to be.
+    """
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
     fewest, left, tau = head[at.ROWS] + 1, PATIENCE, option[at.TAU]
     while True:
@@ -84,7 +88,7 @@ def verify(here, last):
         if faults == 0 and blurred and tau > SHARPEST:
             tau *= SHARPER
             continue
-        if tau < option[at.TAU]:  # ranks were as sharp as was needed, and not as was asked for
+        if tau < option[at.TAU]:  # the rank tolerance used was smaller than the one set
             head[at.DOUBT] = 1
         left = PATIENCE if faults < fewest else left - 1
         fewest = min(fewest, faults)
@@ -95,9 +99,10 @@ def verify(here, last):
 
 @inner
 def stop_early(here, k, last):
-    """At the limit: the point that is exact above level k, and one step from it that makes k better, and nothing worse.
+    """At the iteration or time limit: set x to EXACT, which is exact above level k, plus a step that improves level k.
 
-    The step ends at the first row of the levels above that is in the way, or where the level is best.
+    The step goes towards the present x. It ends at the minimum of level k along it, or at the first row of the levels
+    above that blocks, so that no level above becomes worse.
     """
     n, ptr = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR)
     kind, norm = marks(here, at.KIND), vector(here, at.NORM)
@@ -125,14 +130,16 @@ def stop_early(here, k, last):
 
 @inner
 def attempt(here, last, start, warm):
-    """Solve for levels 0 .. last from this start on, and from those behind it.
+    """Solve levels 0 .. last from this start (SIDES, WARM or COLD), then from the later ones, until there is a proof.
+
+    `warm` tells whether there are sides at the end of each level; without them WARM is left out.
 
     Returns
     -------
     faults : int
-        0 where x is proved.
+        0 if x is proved optimal.
     exact_above : int
-        The levels above this one are exact at EXACT.
+        EXACT is optimal for all levels above this one.
     """
     head = ints(here, 0, at.HEAD)
     exact_above = integer(0)
@@ -153,7 +160,7 @@ def attempt(here, last, start, warm):
 
 @inner
 def copy(here, source, into):
-    """Copy a point."""
+    """Copy the vector (n,) at one place of the directory to another."""
     x, y = vector(here, source), vector(here, into)
     for j in range(ints(here, 0, at.HEAD)[at.N]):
         y[j] = x[j]
@@ -161,9 +168,9 @@ def copy(here, source, into):
 
 @inner
 def accepted(here, last):
-    """Whether what has just been proved is beyond doubt, or the certificate accepts it. DOUBT tells."""
+    """Whether no rank of the proved answer is in doubt, or the certificate accepts it; DOUBT is set to 1 if neither."""
     head = ints(here, 0, at.HEAD)
-    if head[at.DAMPED] == 0:  # else the stages of the damped levels are judged together
+    if head[at.DAMPED] == 0:  # the stages of damped levels are judged together, later
         head[at.DOUBT] = doubtful(here) and not proves(here, last)
     else:
         head[at.DOUBT] = 0
@@ -172,9 +179,14 @@ def accepted(here, last):
 
 @inner
 def work_out(here, last, start, warm):
-    """Solve for levels 0 .. last from this start on: a status of :mod:`.active_set`, and the level of it.
+    """Solve levels 0 .. last by all methods in turn, from this start on (see :func:`attempt`).
 
-    DOUBT is set where an answer that is OPTIMAL is yet to be accepted by the certificate.
+    DOUBT is 1 if the answer is OPTIMAL but the certificate must still judge it.
+
+    Returns
+    -------
+    status, level : int
+        As of :func:`.active_set.active_set`.
     """
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
     faults, exact_above = attempt(here, last, start, warm)
@@ -205,7 +217,7 @@ def work_out(here, last, start, warm):
 
 @inner
 def play_safe(here, last):
-    """Solve for levels 0 .. last from EXACT by the safe method, and prove it: as :func:`work_out`."""
+    """Solve levels 0 .. last by the safe method from EXACT, and prove the answer; returns as :func:`work_out`."""
     head = ints(here, 0, at.HEAD)
     copy(here, at.EXACT, at.X)
     status, level = active_set(here, last)
@@ -216,8 +228,8 @@ def play_safe(here, last):
         if faults == 0:
             accepted(here, last)
             return status, level
-        copy(here, at.SAFE, at.X)  # where round-off decides what the sweep says, it has the last word
-        if status == OPTIMAL:  # and no proof
+        copy(here, at.SAFE, at.X)  # the sweep contradicts by round-off: the answer of the safe method stays
+        if status == OPTIMAL:  # but it has no proof
             status, level = STALLED, first_contradiction(here, last)
     head[at.HISTORY] = 0
     if status == STALLED and head[at.DAMPED] == 0 and proves(here, last):

@@ -1,13 +1,14 @@
-r"""How a curved level is damped: from what its linearisation leaves out.
+r"""How strongly a curved level is damped: computed from the curvature that its linearisation leaves out.
 
-A level asks for :math:`J x = b` because something is off by :math:`e`, and J is how that changes: a Gauss-Newton step,
-which leaves out how J itself changes. Where e is large beside the square of the smallest singular value of J, such
-steps overshoot, tick after tick. What is left out are the curvatures H of the own rows, contracted with their errors,
-and of the rows above, contracted with what those push with:
+A level asks for :math:`J x = b` to reduce an error :math:`e` whose Jacobian is J: a Gauss-Newton step, which ignores
+that J changes. Where the curvature is large compared with the square of the smallest singular value of J, such steps
+overshoot, tick after tick. Ignored are the curvatures H of the rows of the level, contracted with their errors, and
+those of the rows above, contracted with their multipliers:
 
 .. math:: S_o = -\sum_i e_i H_i, \qquad S_u = \sum_j \mu_j H_j, \qquad \mu = \arg\min |J_a^T \mu - J^T e|.
 
-All of that in the directions Z that the rows held above leave. See :mod:`hqp.solver.curved` for the law.
+All this is projected onto Z, an orthonormal basis (its d rows) of the null space of the rows held above. The law itself
+is :func:`bend`; `docs/theory.md` derives it.
 """
 
 from __future__ import annotations
@@ -22,15 +23,20 @@ from .memory import floats, ints, marks, matrix, vector
 from .orthogonal import length
 from .symmetric import cholesky, eigen, smallest
 
-#: Where the curvatures are so small beside the least square of the rows, the linearisation is trusted.
+#: Up to this ratio of the curvature to the smallest squared singular value of J, the linearisation is trusted.
 TRUSTED = 0.3
-#: What is added to the rows above, relative to the longest, so that multipliers of nearly dependent ones stay small.
+#: Added to the Gram matrix of the rows above, relative to its largest diagonal entry: it bounds the multipliers of
+#: nearly dependent rows.
 DEPENDENT = 1e-10
 
 
 @inner
 def gather(here, k):
-    """The rows of level k that are in play, weighted, to J, and the weights of their curvatures: how many."""
+    """Collect the equalities of level k, and its inequalities that have an error; returns how many these are.
+
+    Writes their numbers ``ids``, weighted rows ``J``, the weights ``wanted`` of their curvatures (by row number), and
+    ``pull`` = J' e.
+    """
     head, ptr, col = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, plain.COL)
     n, row_of, ids = head[plain.N], marks(here, plain.ROW_OF), marks(here, at.IDS)
     lower, upper, weights = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, plain.WEIGHTS)
@@ -63,7 +69,7 @@ def gather(here, k):
 
 @inner
 def project(here, count, d):
-    """J along the directions Z that are left, to G; a bound from below for its smallest singular value, squared."""
+    """Write ``G`` = J Z', shape (count, d); returns a lower bound of its smallest squared singular value."""
     n, basis = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS)
     J, G, gram = matrix(here, at.J), matrix(here, at.G), matrix(here, at.E)
     for i in range(count):
@@ -91,7 +97,7 @@ def project(here, count, d):
 
 @inner
 def stack_above(here, count, above):
-    """Take the rows at hand to those above, for the levels below: how many these are then."""
+    """Append the `count` rows J to the `above` rows of the levels above, and to their Gram matrix; returns the sum."""
     n, J, ids = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), marks(here, at.IDS)
     all_above, whose, gram = matrix(here, at.ABOVE), marks(here, at.WHOSE), matrix(here, at.GRAM)
     for r in range(count):
@@ -110,7 +116,10 @@ def stack_above(here, count, above):
 
 @inner
 def multipliers(here, k, above, damped):
-    """The weights of the curvatures above level k: what the rows there push with. False if they do not."""
+    """Write the multipliers mu of the `above` rows of the levels above k, as weights ``wanted`` of their curvatures.
+
+    `damped` is the sum of the squared damping strengths above, added to the Gram matrix. False if all mu are zero.
+    """
     head, gram, L, mu = ints(here, 0, plain.HEAD), matrix(here, at.GRAM), matrix(here, at.TRIANGLE), vector(here, at.MU)
     n, all_above, whose, pull = head[plain.N], matrix(here, at.ABOVE), marks(here, at.WHOSE), vector(here, at.PULL)
     ptr, wanted, weights = marks(here, plain.PTR), vector(here, at.WANTED), vector(here, plain.WEIGHTS)
@@ -148,7 +157,7 @@ def multipliers(here, k, above, damped):
 
 @inner
 def contract(here, first, end):
-    """The curvatures of levels first .. end, contracted with the weights that are wanted, to S; its norm."""
+    """Write ``S``, the curvatures of levels first .. end - 1 contracted with ``wanted``; returns its Frobenius norm."""
     n = ints(here, 0, plain.HEAD)[plain.N]
     calls, of, wanted, S = marks(here, at.CALLS), marks(here, at.CALLS_OF), vector(here, at.WANTED), matrix(here, at.S)
     for i in range(n):
@@ -175,7 +184,10 @@ def contract(here, first, end):
 
 @inner
 def add_bent(here, d, positive, negative):
-    """Add to E what S is in the directions that are left, each of its eigenvectors by its size, times these shares."""
+    """Add to E the matrix M = L^-1 Z S Z' L^-T with its eigenvalues made positive, each times the factor of its sign.
+
+    L is ``metric``. Positive eigenvalues are multiplied by `positive`, negative ones by ``-negative``.
+    """
     n, basis, L = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), matrix(here, at.METRIC)
     S, U, E, values = matrix(here, at.S), matrix(here, at.U), matrix(here, at.E), vector(here, at.VALUES)
     M, half = matrix(here, at.M), matrix(here, at.HALF)
@@ -216,7 +228,7 @@ def add_bent(here, d, positive, negative):
 
 @inner
 def measure(here, k, d, count, size):
-    """How stiff the soft rows above make the directions that are left: L L' = 1 + R' R, and G in these: whether any."""
+    """Write L, L L' = I + R' R for the soft rows R above along Z, and replace G by G L^-T; whether there are any."""
     head, ptr, state = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.STATE)
     n, basis, L, M, G = (
         head[plain.N],
@@ -254,11 +266,10 @@ def measure(here, k, d, count, size):
 
 @inner
 def bend(here, k, count, d, above, least, damped):
-    """How strongly level k is damped, as a matrix P in the directions that are left: its norm, 0 if not at all.
+    r"""Write the damping ``P`` of level k, shape (d, d): :math:`P = [|S_u| + [S_o]_+ + \sqrt\alpha [S_o]_- - G^T G]_+`.
 
-    And how large the curvatures are beside the least square of the rows.
-
-    In reach nothing but the norms of the curvatures is looked at.
+    `least` is the smallest squared singular value of G. Where the norms of the curvatures alone are small enough, P is
+    0 and nothing else is computed. Returns the largest eigenvalue of P, and the ratio of the curvature to `least`.
     """
     head, U, values = ints(here, 0, plain.HEAD), matrix(here, at.U), vector(here, at.VALUES)
     E, G, kept, P = matrix(here, at.E), matrix(here, at.G), matrix(here, at.KEPT), matrix(here, at.P)
@@ -287,7 +298,7 @@ def bend(here, k, count, d, above, least, damped):
                     S[i][j] = kept[i][j]
     if own > 0.0:
         add_bent(here, d, 1.0, math.sqrt(vector(here, at.SHARES)[k]))
-    total = 0.0  # and now along the directions that are left
+    total = 0.0  # the norm again, now of the curvature along Z alone
     for i in range(d):
         for j in range(d):
             total += E[i][j] * E[i][j]
@@ -314,13 +325,13 @@ def bend(here, k, count, d, above, least, damped):
 
 @inner
 def ratio_of(bent, least):
-    """How large curvatures are beside the least square of the rows."""
+    """The ratio of a curvature to the smallest squared singular value of the rows."""
     return bent / least if least > 0.0 else math.inf if bent > 0.0 else 0.0
 
 
 @inner
 def norm_of(here, count):
-    """The largest singular value of J."""
+    """The largest singular value of the `count` rows J; if they are more than n, the length of the first."""
     n, J, M = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), matrix(here, at.M)
     values, most, side = vector(here, at.VALUES), 0.0, count if count <= n else n
     if count > n:

@@ -1,4 +1,4 @@
-"""Loops that are known by their address alone: to call one from another, without compiling it into that one."""
+"""Calls of compiled loops by their address, so that a loop can call another one without compiling it anew."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .compile import INTERPRETED
 
 
 def _call(count):
-    """An intrinsic (loop, numbers) -> what the loop at this address gives for so many numbers."""
+    """Signature and code of an intrinsic that calls the loop at an address with `count` integers."""
 
     def build(context, builder, signature, arguments):
         long = ir.IntType(64)
@@ -25,19 +25,19 @@ def _call(count):
 
 @intrinsic
 def called(typing, loop, here):
-    """Call the loop at this address with what it is told."""
+    """Call the loop at address `loop` with one argument, the address of its table or directory; returns its result."""
     return _call(1)
 
 
 @intrinsic
 def called_on(typing, loop, here, numbers):
-    """The same for a loop of two addresses."""
+    """Call the loop at address `loop` with two arguments, such as a directory and numbers; returns its result."""
     return _call(2)
 
 
 @cache
 def address_of(kernel, signature):
-    """The address of a compiled loop; where the interpreter runs loops, a number by which it knows this one."""
+    """The address of a loop compiled for this signature; where the interpreter runs loops, its place in KNOWN."""
     if INTERPRETED:
         KNOWN.append(kernel)
         return len(KNOWN) - 1
@@ -46,7 +46,7 @@ def address_of(kernel, signature):
     return int(found.library.get_pointer_to_function(found.fndesc.llvm_cfunc_wrapper_name))
 
 
-#: Loops that the interpreter knows by their number.
+#: Where the interpreter runs loops: the loops whose "address" is their place here.
 KNOWN: list[Callable[..., int]] = []
 
 if INTERPRETED:

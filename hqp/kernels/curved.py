@@ -1,8 +1,9 @@
-r"""Curved levels: each a stage of its own from the first on that is damped (:mod:`.bend`), in one call.
+r"""Solves a hierarchy with curved levels in one call: from the first damped level on, every level is its own stage.
 
-A stage is a plain hierarchy (:mod:`.stage`): the levels above, held where they are, and this one, with rows for what of
-those above is soft (:mod:`.hand_over`), and rows of damping. The compiled solver that solves it is called by its
-address. Where no level is damped, the hierarchy is solved as it stands.
+How strongly a level is damped is decided in :mod:`.bend`. A stage is a plain hierarchy (:mod:`.stage`): the levels
+above, held at the values that they reached, and this level, with the soft rows of the levels above (:mod:`.hand_over`)
+and rows of damping. The compiled solver is called by its address. If no level is damped, the hierarchy is solved as it
+is given.
 """
 
 from __future__ import annotations
@@ -21,19 +22,20 @@ from .solver import SUSPECT
 from .stage import write_stage
 from .trust import crowded, quiet
 
-#: From where on curvatures count so much, beside the least square of the rows, that levels lean with all their weight.
+#: Ratio of the curvature to the smallest squared singular value of the rows from which the lean has its full weight.
 DOUBTED = 2.5
-#: How strongly a level leans on the last x, relative to its rows and its damping, times the root of gain dt: the first
-#: one, and those below it. A lean is a lag of its square over the gain: at 1/2 the closed loop is critically damped.
+#: Weight of the lean, which pulls a level towards the last x, relative to its rows and damping, times the root of
+#: gain dt: on the first level, and below it. The lean makes x lag by its square over the gain; at 1/2 the closed loop
+#: is critically damped.
 LEAN, LEAN_BELOW = 0.0316, 0.6
-#: What the lean takes every direction for at least, relative to the longest row, squared; and what where the last x is
-#: at bounds: on the first level, and below it.
+#: The c in the metric of the lean, G'G + P + c |J|^2: as a rule; and if the last x moves along bounds, on the first
+#: level and below it.
 ALIKE, ALIKE_AT_BOUNDS, ALIKE_BELOW = 0.08, 0.3, 1.0
 
 
 @inner
 def begin(here):
-    """All is as it is given, and all directions are left."""
+    """Reset: every row as it is given, Z all directions (the identity), their metric L the identity."""
     head, basis, metric = ints(here, 0, plain.HEAD), matrix(here, at.BASIS), matrix(here, at.METRIC)
     state = marks(here, at.STATE)
     for i in range(head[plain.ROWS]):
@@ -46,7 +48,7 @@ def begin(here):
 
 @inner
 def note_errors(here):
-    """By how much every row is off: its error, as far as that is outside its band, and as fast as it is to go."""
+    """Write ``errors``: how far the error of every row is outside its band, times the scale (rate) of the row."""
     scales = vector(here, at.SCALES)
     errors, calls, of = vector(here, at.ERRORS), marks(here, at.MEASURED), ints(here, 0, plain.HEAD)[at.MEASURES]
     for p in range(of):
@@ -60,7 +62,11 @@ def note_errors(here):
 
 @inner
 def solve_stage(here, k, d, count, size, lean, alike):
-    """The stage of level k: its outcome."""
+    """Write the stage of level k and solve it; returns the outcome, and x goes to ``points[k]``.
+
+    `d` directions are left, and the level has `count` rows of norm `size`; `lean` and `alike` as of
+    :func:`.stage.weigh_lean`, the lean here without the factor 1 / sqrt(gain dt).
+    """
     head, point = ints(here, 0, plain.HEAD), matrix(here, at.POINTS)[k]
     if vector(here, at.LAST)[0] != vector(here, at.LAST)[0]:
         lean = 0.0
@@ -76,7 +82,7 @@ def solve_stage(here, k, d, count, size, lean, alike):
 
 @inner
 def spare(here, d):
-    """No damping: what :func:`hqp.kernels.bend.bend` gives of a level that is left strict."""
+    """Set P to 0, and return what :func:`.bend.bend` returns for a level without damping."""
     P = matrix(here, at.P)
     for i in range(d):
         for j in range(d):
@@ -86,7 +92,10 @@ def spare(here, d):
 
 @inner
 def solve_stages(here, gate):
-    """The stages from the first level on that is damped, or leans: the outcome of the last."""
+    """Solve stage by stage from the first level on that is damped or leans; returns the outcome of the last stage.
+
+    `gate`, from 0 to 1, scales the lean of all levels. OPENED is set to the first level with a stage of its own.
+    """
     head, strengths, J = ints(here, 0, plain.HEAD), vector(here, at.STRENGTHS), matrix(here, at.J)
     d, levels = head[plain.N], head[plain.LEVELS]
     outcome, opened, above, damped, first = integer(OPTIMAL), False, integer(0), 0.0, True
@@ -130,7 +139,7 @@ def solve_stages(here, gate):
 
 @inner
 def solve_all(here, numbers):
-    """Strict where nothing speaks against it, else in stages: the outcome of the last solve."""
+    """Solve the strict hierarchy, then in stages if a level has to be damped; returns the outcome of the last solve."""
     head = ints(here, 0, plain.HEAD)
     levels, gate = head[plain.LEVELS], 0.0
     if head[at.QUICK] != 0:
@@ -154,7 +163,7 @@ def solve_all(here, numbers):
 @stamp
 @entry
 def solve_curved(here, numbers):
-    """Solve the hierarchy at the address `numbers`, with the curved levels that the directory lists."""
+    """Solve the hierarchy at the address `numbers`, with the curved levels of the directory; returns the outcome."""
     head = ints(here, 0, plain.HEAD)
     given(here, numbers)
     head[at.OUTCOME] = solve_all(here, numbers)

@@ -1,52 +1,56 @@
-"""The directory of a hierarchy with curved levels, for :mod:`.curved`: as :mod:`.layout` says, with places of its own.
+"""The directory of a hierarchy with curved levels, for :mod:`.curved`: built like that of :mod:`.layout`.
 
-The first eight places are those of any hierarchy: PTR, COL, ROW_OF, A, LOWER, UPPER, WEIGHTS (:mod:`.layout`).
+The first eight places are those of any hierarchy, except that WHOLE is CURVED here: PTR, COL, ROW_OF, A, LOWER, UPPER,
+WEIGHTS.
 """
 
 from __future__ import annotations
 
-#: Numbers at the head beside N and LEVELS of any hierarchy: the first level that was solved in a stage of its own (as
-#: many as there are levels: none), the outcome, its stage, the loop that solves a hierarchy, how many
-#: parts measure errors, the first level
-#: that is curved, and whether the answer of the whole leaves a basis.
+#: Numbers at the head, beside N, LEVELS and ROWS: the first level that was solved in its own stage (LEVELS: none); the
+#: outcome; the last stage that was solved; the address of the loop that solves a hierarchy; how many parts measure
+#: errors; the first curved level; and whether the solver leaves the basis of the strict answer in memory.
 OPENED, OUTCOME, STAGE, SOLVE, MEASURES, TOP, QUICK = 5, 6, 7, 8, 9, 10, 11
 
-#: Which levels are curved: may be damped, or are SPARED, so that they count and are held, but never give way. For every
-#: level, the directory of its stage, and of the whole as it is; its numbers; how many rows of A and rows these have; of
-#: every level above it, where its rows begin there, and those of A (-1: none).
+#: Which levels are curved: not 0 if a level may be damped, SPARED if it is always left strict. Then for the stage of
+#: every level: its directory (one more at the end: that of the strict hierarchy); its numbers; how many dense rows and
+#: rows it has; where the rows of each level begin in it; where the dense rows of each level begin (-1: it has none).
 CURVED = 1
 (DIRECTORIES, NUMBERS, SIZES, FIRST, DENSE) = range(8, 13)
-# Loops that contract curvatures, level by level: address, table, address of the weights, row, rows.
+# Loops that contract curvatures, five numbers each: loop, its table, address of its weights, first row, rows. CALLS_OF:
+# where the loops of each level begin.
 (CALLS, CALLS_OF) = range(13, 15)
-# What the caller keeps up to date: gain dt of the levels, aims of their damping, last x. Part by part, the addresses of
-# its errors and of its band, below and above, row, rows; and what comes of them, the errors of all rows.
+# What the caller keeps up to date: gain dt of the levels, aims of their damping, last x; five numbers for each part:
+# addresses of its errors, of the lower and the upper end of its band, first row, rows. ERRORS: errors of all rows.
 (SHARES, AIMS, LAST, MEASURED, ERRORS) = range(15, 20)
-# Of the level at hand: its rows in play, weighted, and these along the directions that are left; the weights of
-# curvatures; and the pull of its errors.
+# Of the level at hand: numbers of its active rows, the weighted rows J, G = J Z'; weights of curvatures, by row number;
+# and J' e.
 (IDS, J, G, WANTED, PULL) = range(20, 25)
-# All rows in play above it, whose they are, their Gram matrix, its triangle, and multipliers.
+# All active rows of the levels above, their row numbers, their Gram matrix, its Cholesky factor, and multipliers.
 (ABOVE, WHOSE, GRAM, TRIANGLE, MU) = range(25, 30)
-# An orthonormal basis, first of it the directions Z that are left; a triangle that says how stiff these are.
+# An orthonormal basis of all directions, its first d rows are Z; Cholesky factor L of the metric of Z; work space.
 (BASIS, METRIC, REACH) = range(30, 33)
-# Curvature; its damping; symmetric matrices of work, eigenvectors and eigenvalues; combinations of rows.
+# Curvature S; damping P; symmetric matrices to work in, eigenvectors U and eigenvalues; Q, combinations of rows.
 (S, P, E, U, VALUES, M, HALF, KEPT, Q) = range(33, 42)
-# What has become of every row: how it is held, the row itself, its value, how stiff it is.
+# What every row is below its level: its state (GIVEN .. LOST), the row, its value, and its stiffness if it is SOFT.
 (STATE, ROW, VALUE, STIFFNESS) = range(42, 46)
-# What every level has reached, and how strongly it was damped.
+# Of every level: the x of its stage, and the root of its largest damping. SCALES: of every row, the scale of its error.
 (POINTS, STRENGTHS, SCALES) = range(46, 49)
-# How a level was softened, as answers tell it: its rows of damping, each with its bound; the norm of its rows, by which
-# soft rows and lean are scaled; and of every row, as what it is handed over: a combination of the weighted ones.
+# How a level was softened, for the record in the solution: its rows of damping, each with its bound; the norm of its
+# rows, by which soft rows and lean are scaled; and for every row that is handed over, its combination of weighted rows.
 (DAMPED, NORMS, COMBINED) = range(49, 52)
 PLACES = 52
 
-#: A curved level that is left strict.
+#: Value of CURVED: the level counts as curved, but is left strict.
 SPARED = 2
-#: What becomes of a row below its level: as it is given; a combination of its level, held, or soft; or nothing.
+#: State of a row below its level: as it is given; replaced by a combination of rows that is held, or soft; or dropped.
 GIVEN, HELD, SOFT, LOST = 0, 1, 2, 3
 
 
 def shapes(n, levels, m, widest):
-    """Shape of every array of work, integers and numbers apart: two dicts by place."""
+    """Shapes of all work arrays, place -> (rows, columns), as two dicts: of integers and of floats.
+
+    `m` is the number of all rows, `widest` that of the largest level.
+    """
     ints, wide = {IDS: (widest, 1), STATE: (m, 1), WHOSE: (m, 1)}, max(n, widest)
     reals = {J: (widest, n), G: (widest, n), WANTED: (m, 1), PULL: (n, 1), ERRORS: (m, 1)}
     reals |= {ABOVE: (m, n), GRAM: (m, m), TRIANGLE: (m, m), MU: (max(m, n), 1), VALUES: (wide, 1), REACH: (n, 1)}
