@@ -267,7 +267,7 @@ def test_position_and_rotation_of_one_frame_are_one_target_and_move_their_tasks(
     target.move([0.4, 0.1, 0.3], R)
     np.testing.assert_allclose(position.target(0.0)[0], [0.4, 0.1, 0.3])
     np.testing.assert_allclose(rotation.target(0.0)[0], R, atol=1e-12)
-    assert target.fixed
+    assert target.draggable
     assert target.free == (True, True, True)
 
 
@@ -306,7 +306,7 @@ def test_the_angle_of_a_planar_arm_is_unwrapped():
 def test_a_target_in_time_goes_its_own_way(ur5):
     state = ur5.at(ur5.home, np.zeros(6))
     (target,) = targets_of([OrientationTask(Turn(np.eye(3), from_rpy(0, 0, 1.0), 2.0), gain=1.0)], state)
-    assert not target.fixed
+    assert not target.draggable
     target.follow(2.0)
     np.testing.assert_allclose(target.R, from_rpy(0, 0, 1.0), atol=1e-12)
 
