@@ -174,6 +174,19 @@ GUARDS = {
 }
 
 
+def test_a_level_with_fewer_directions_than_rows_keeps_what_it_reached() -> None:
+    """Three rows of orientation in the one direction that a position leaves to four joints: the posture has none."""
+    held = ["panda_finger_joint1", "panda_joint3", "panda_joint5", "panda_joint7"]
+    robot, rng = load_robot("panda", lock=held), np.random.default_rng(0)
+    for _ in range(60):
+        q, goal = (rng.uniform(*robot.position_limit) for _ in range(2))
+        there = robot.at(goal).frame()
+        tasks = PositionTask(there.position, gain=3.0) >> OrientationTask(there.rotation, gain=3.0)
+        stack = JointLimits() >> tasks >> PostureTask(robot.home, gain=1.0)
+        step = Controller(robot, stack, dt=0.01)(q, rng.uniform(-0.5, 0.5, 4))
+        assert step.solution.certify().ok
+
+
 @pytest.mark.parametrize("kind", GUARDS)
 @pytest.mark.parametrize("gain", [5.0, 1.0 / DT])
 def test_no_limit_pays_for_calm(kind: str, gain: float) -> None:

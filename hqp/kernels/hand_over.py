@@ -109,10 +109,10 @@ def freeze(here, k, count, d, x, size):
 
 @inner
 def separate(here, count, d, size):
-    r"""Left singular vectors of G to U, the largest singular values first, and :math:`S^{-1} V^T` to HALF; how many.
+    r"""Write the left singular vectors of G to U, and :math:`S^{-1} V^T` to HALF; returns how many there are.
 
-    At most d: beside those, round-off has eigenvalues of :math:`G G^T` too. A singular value is the length of its
-    combination of rows, which is exact where the root of an eigenvalue is not.
+    At most d: :math:`G G^T` has further eigenvalues, which are round-off. A singular value is the length of its
+    combination of rows; the root of an eigenvalue is less accurate by orders of magnitude.
     """
     G, M, U = matrix(here, at.G), matrix(here, at.M), matrix(here, at.U)
     half, values = matrix(here, at.HALF), vector(here, at.VALUES)
@@ -124,25 +124,25 @@ def separate(here, count, d, size):
             M[r][q] = M[q][r] = total
     eigen(M, U, values, count)
     rank = integer(0)
-    for r in range(min(count, d)):
-        largest = r
-        for i in range(r + 1, count):
-            if values[i] > values[largest]:
-                largest = i
-        values[r], values[largest] = values[largest], values[r]
-        own, other, row = U[r], U[largest], half[r]
+    for r in range(count):
+        own, row, larger = U[r], half[rank], integer(0)
         for i in range(count):
-            own[i], other[i] = other[i], own[i]
+            if values[i] > values[r] or (values[i] == values[r] and i < r):
+                larger += 1
+        if larger >= d:
+            continue
         for p in range(d):
             row[p] = 0.0
         for i in range(count):
             for p in range(d):
                 row[p] += own[i] * G[i][p]
         reach = length(row, d)
-        if reach <= NONE * size:
-            break
+        if not reach > NONE * size:  # nor where it is no number
+            continue
         for p in range(d):
             row[p] /= reach * reach
+        for i in range(count):
+            U[rank][i] = own[i]
         rank += 1
     return rank
 

@@ -62,7 +62,14 @@ class PointingTask(FrameTask, LoopTask):
         moves = site.keep_up(self, "target", *target)
         call = Call(kernel, law, self.block(site), target, axis, np.zeros(work_size(site.shared.n)))
         curvature = curvature_call(
-            site, kernels.bend_direction, self.motion_curvature(site), kernels.WORK_SIZE, law, target, axis, at_point
+            site,
+            kernels.direction_curvature,
+            self.motion_curvature(site),
+            kernels.WORK_SIZE,
+            law,
+            target,
+            axis,
+            at_point,
         )
         return Plan((call,), moves, curvature=curvature)
 

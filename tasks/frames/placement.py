@@ -130,7 +130,7 @@ class PlacementTask(FrameTask, LoopTask):
 
         first, mask = (0 if self.position is not None else 3), np.array(self.mask, dtype=np.int64)
         told = law, self.axes, self.rotation is not None, first, mask
-        return curvature_call(site, kernels.bend_placement, self.motion_curvature(site), kernels.WORK_SIZE, *told)
+        return curvature_call(site, kernels.placement_curvature, self.motion_curvature(site), kernels.WORK_SIZE, *told)
 
     def reading(self) -> Reading | None:
         first = 0 if self.position is not None else 3

@@ -126,7 +126,7 @@ class PlaneTask(FrameTask, LoopTask):
         moves = site.keep_up(self, "target", *target)
         call = Call(write_plane, site.law(self), self.block(site), target, self.normal)
         curvature = curvature_call(
-            site, kernels.bend_plane, self.motion_curvature(site), kernels.WORK_SIZE, self.normal
+            site, kernels.plane_curvature, self.motion_curvature(site), kernels.WORK_SIZE, self.normal
         )
         return Plan((call,), moves, curvature=curvature)
 
