@@ -92,6 +92,21 @@ def test_a_state_that_is_none_is_refused_and_the_former_name_warns() -> None:
         plant.place(q, v)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ({"t": float("nan")}, "a switch: t"),
+        ({"t": "1"}, "a switch: t"),
+        ({"on": 1}, "a switch: on"),
+        ({"duration": -1.0}, "a switch: duration"),
+        ({"contact": None}, "a switch: contact"),
+    ],
+)
+def test_a_wrong_switch_is_refused_at_once(wrong: dict, told: str) -> None:
+    with pytest.raises(InvalidInput, match=told):
+        Switch(**({"t": 1.0, "contact": "left", "on": True} | wrong))
+
+
 @pytest.mark.parametrize("name", SCENES)
 def test_points_are_where_the_model_has_them(name: str) -> None:
     here = scene(name)

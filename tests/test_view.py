@@ -35,6 +35,7 @@ from tasks import (
     Turn,
     Within,
     from_rpy,
+    link_capsules,
     load_robot,
 )
 from tasks.cli import run
@@ -425,6 +426,45 @@ def test_geoms_of_an_mjcf_are_drawn_as_they_are_and_where_mujoco_has_them():
     assert np.ptp(seen[0][:, 2]) == pytest.approx(2.0 * (half + radius), abs=1e-6)
     np.testing.assert_allclose(np.abs(seen[1]), np.broadcast_to(mj.geom_size[4], seen[1].shape), atol=1e-9)
     np.testing.assert_allclose(seen[2], mj.mesh_vert, atol=1e-6)
+
+
+def test_bodies_without_a_name_are_drawn_and_collide():
+    pytest.importorskip("trimesh")
+    mujoco = pytest.importorskip("mujoco")
+    ball = '<geom type="sphere" size=".1"/>'
+    text = f"""<mujoco><worldbody><body><joint axis="0 1 0"/>{ball}<body pos="0 0 .5" name="body1">
+        <joint name="k" axis="0 1 0"/>{ball}<body pos="0 0 .5"><joint axis="0 1 0"/>{ball}</body></body></body>
+        </worldbody></mujoco>"""
+    robot = load_robot(mujoco.MjModel.from_xml_string(text), velocity_limit=2.0)
+    assert [mesh.joint for mesh in meshes_of(robot)[0]] == [1, 2, 3]
+    assert [capsule.frame for capsule in link_capsules(robot)] == ["body1_", "body1", "body3"]
+
+
+@pytest.mark.parametrize("place", ["0 0 0.3", "0 0 0"])
+def test_a_robot_of_one_joint_is_shown_whatever_it_has_to_be_drawn(place, tmp_path):
+    """Also where nothing can be: two joints at one point, no shapes."""
+    pytest.importorskip("trimesh")
+    inertia = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+    links = "".join(
+        f'<link name="{n}"><inertial><mass value="1"/>{inertia}</inertial></link>' for n in ("my base", "b")
+    )
+    path = tmp_path / "one.urdf"
+    path.write_text(
+        f'<robot name="one">{links}<joint name="elbow &lt;b&gt; &amp; co" type="revolute"><parent link="my base"/>'
+        f'<child link="b"/><origin xyz="{place}"/><axis xyz="0 1 0"/>'
+        '<limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>'
+    )
+    session = Session(ready_controller(load_robot(path), 0.01), certify=1)
+    session.targets[0].move(p=np.array([0.3, 0.0, 0.1]))
+    with Window(session, port=8600) as window:
+        session.motion.tick()
+        window.show()
+        assert "elbow &lt;b&gt; &amp; co" in window.panel.joints.content
+        assert "its own rows are zero" in window.panel.reasons.content
+        drawn = "nothing is drawn" if place == "0 0 0" else "capsules from joint to joint"
+        assert drawn in window.scene.figure.note
+        assert np.isfinite(window.scene.figure.bounds).all()
+    assert session.motion.verdict.certified
 
 
 def test_a_model_without_shapes_is_drawn_as_capsules_and_says_so():

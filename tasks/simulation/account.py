@@ -29,7 +29,7 @@ class Shortfall:
     lacks : dict of str to float
         Unit -> Euclidean norm of what is missing.
     causes : tuple of str
-        What held it back: damping first, then the strongest; empty if its own rows contradict each other.
+        What held it back: damping first, then the strongest; of a level that contradicts itself, how.
     """
 
     level: str
@@ -53,6 +53,7 @@ def shortfalls(solution: Solution) -> tuple[Shortfall, ...]:
                 for unit, norm in part.residual.items():
                     lacks[unit] = (lacks.get(unit, 0.0) ** 2 + norm**2) ** 0.5
             causes = tuple((["damping"] if level.damped else []) + [str(cause) for cause in level.causes])[:MOST_NAMED]
+            causes = (level.own,) if level.contradicts else causes
             found.append(Shortfall(name, {unit: norm for unit, norm in lacks.items() if norm > 0.0}, causes))
     return tuple(found)
 
