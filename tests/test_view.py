@@ -69,6 +69,12 @@ def session(**options) -> Session:
     return Session(controller, Q, **options)
 
 
+@pytest.fixture
+def unhurried(monkeypatch):
+    """No tick takes time, however busy the machine is."""
+    monkeypatch.setattr("tasks.view.session.perf_counter", lambda: 0.0)
+
+
 @pytest.fixture(scope="module")
 def ur5():
     return load_robot("ur5")
@@ -85,7 +91,7 @@ def window(ur5, tmp_path):
 # Priorities.
 
 
-def test_levels_are_moved_and_the_controller_follows_within_the_time_of_a_change():
+def test_levels_are_moved_and_the_controller_follows_within_the_time_of_a_change(unhurried):
     live = session()
     live.advance(0.05)
     live.move_level(2, -1)
@@ -149,7 +155,7 @@ def test_damping_goes_with_its_level():
 # Time.
 
 
-def test_the_clock_decides_how_many_ticks_are_due():
+def test_the_clock_decides_how_many_ticks_are_due(unhurried):
     live = session()
     assert live.advance(0.055) == 5
     assert live.motion.t == pytest.approx(0.05)
@@ -203,7 +209,7 @@ def test_it_runs_by_the_clock_until_it_is_ended():
     assert not loop.is_alive()
 
 
-def test_a_fault_stops_the_time_and_is_told():
+def test_a_fault_stops_the_time_and_is_told(unhurried):
     live = session()
     live.motion.q = np.full(3, np.nan)
     live.advance(0.02)

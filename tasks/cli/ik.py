@@ -71,23 +71,14 @@ def ik(
     iterations: Annotated[int, typer.Option("--iterations", min=1, help="Most iterations, restarts included.")] = 300,
     tolerance: Annotated[
         float | None,
-        typer.Option(
-            "--tolerance",
-            help="Error that counts as reached, in m and in rad (default: 1e-4 m and 1e-3 rad).",
-            metavar="T",
-        ),
+        typer.Option("--tolerance", help="Error that counts as none [m], [rad] (default: 1e-4, 1e-3).", metavar="T"),
     ] = None,
     lock: Lock = None,
     base: Base = None,
     body: Body = None,
     plot: Annotated[
         Path | None,
-        typer.Option(
-            "--plot",
-            help="Write a drawing of the robot at the answer to this PNG.",
-            parser=command.path,
-            metavar="FILE",
-        ),
+        typer.Option("--plot", help="Draw the robot at the answer, to this PNG.", parser=command.path, metavar="FILE"),
     ] = None,
 ) -> None:
     """Solve inverse kinematics for a pose of a frame.

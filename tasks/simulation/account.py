@@ -16,6 +16,8 @@ from ..base.checks import Array
 MOST_NAMED = 3
 #: A residual up to this size is round-off [m/s], [rad/s], ...
 ROUND_OFF = 1e-9
+#: A level that lacks up to this counts as met: damping and contacts leave residuals of such sizes [m/s], [rad/s], ...
+NEGLIGIBLE = 1e-7
 
 
 @dataclass(frozen=True)
@@ -59,8 +61,8 @@ def shortfalls(solution: Solution) -> tuple[Shortfall, ...]:
 
 
 def met(level: LevelExplanation) -> bool:
-    """Whether a level lacks nothing but round-off."""
-    return all(norm <= ROUND_OFF for part in level.parts for norm in part.residual.values())
+    """Whether a level lacks nothing that matters."""
+    return all(norm <= NEGLIGIBLE for part in level.parts for norm in part.residual.values())
 
 
 @dataclass(frozen=True)
