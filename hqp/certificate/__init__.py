@@ -1,4 +1,4 @@
-"""The proof that a point is lexicographically optimal, its multipliers, and what they explain."""
+"""Certificates, the proofs that a point is lexicographically optimal, and explanations, made from their multipliers."""
 
 from .causes import Cause
 from .certificate import Certificate, LevelCertificate, certify

@@ -1,9 +1,10 @@
 r"""Stationarity of one level: whether multipliers of the rows above balance its gradient.
 
-Row i of a level pulls at x with the force :math:`\|a_i\| d_i^2 w_i` along its unit normal. Rows of the levels above
-push back: equalities and violated rows either way, rows at a bound only inward. So the free normals are projected
-out, and the multipliers of the others follow from a non-negative least squares. Its residual is round-off where x is
-optimal, or vanishes when the slacks of the level shift within the tolerances of their rows.
+Row i of a level acts on x with the force :math:`\|a_i\| d_i^2 w_i` along its unit normal. Rows of the levels above act
+against it: equalities and violated rows with a multiplier of either sign (*free* rows), rows at a bound with one sign
+only (*signed* rows). So the free normals are projected out, and the multipliers of the signed rows follow from a
+non-negative least squares. If x is optimal, its residual is round-off, or it vanishes when the slacks of the level
+shift within the tolerances of their rows.
 """
 
 from __future__ import annotations
@@ -19,23 +20,24 @@ from ..hierarchy import Side
 from .rows import RowStates
 from .subspace import RowSpace, row_space
 
-#: Rank decision among normals: the weak choice, so that either answer to a near-singular one passes.
+#: Rank tolerance of the free normals. It is small, so that an answer passes however its solver decided a doubtful rank.
 FREE_RANK = 1e-12
-#: The same, of what the rows of a level can still move: what a solver may have taken for zero, with a margin.
+#: Rank tolerance of the rows of the level itself, projected onto the null space of the free normals: the largest that a
+#: solver may have used, with a margin.
 OWN_RANK = 4e-9
 #: Round-off of a sum of forces, relative to the forces.
 BALANCED = 64 * float(np.finfo(np.float64).eps)
-#: Stationarity asked of a level, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``, where the slacks of
-#: its rows may shift within their tolerances.
+#: Largest residual of a level that passes, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``, after the slacks
+#: of its rows were shifted within their tolerances.
 STATIONARITY = 1e-10
-#: Upper limit of that tolerance, however badly conditioned the rows are that hold the level back.
+#: Upper limit of that tolerance if the rows that hold the level back are badly conditioned.
 BLURRED = 1e-6
-#: A row that can carry at most this share of the remaining force is ignored.
+#: A row whose tolerance can balance at most this share of the residual is ignored.
 NEGLIGIBLE = 1e-15
-#: A row at a bound whose multiplier is more than this share of the forces in a level holds it back: see :class:`Above`.
+#: A row at a bound *holds* a level if its multiplier is more than this share of the forces, see :class:`Above`.
 HOLDS = 1e-8
 
-#: Sides as the numbers that arrays of them hold.
+#: The sides INACTIVE and EQUALITY, as entries of arrays.
 INSIDE, EITHER_WAY = np.int8(Side.INACTIVE), np.int8(Side.EQUALITY)
 
 
@@ -45,13 +47,13 @@ class Forces(NamedTuple):
     Attributes
     ----------
     units : array, shape (m, n)
-        Unit vectors along which the rows pull.
+        Unit normals of the rows.
     push : array, shape (m,)
         Force of each row: ``norm_i d_i^2 w_i``, zero if its slack is within its tolerance.
     blur : array, shape (m,)
-        The part of that force that the tolerance may hide.
-    sides : array of int8
-        Side of each row: at a bound it pulls in one direction only, out of what the row allows.
+        How much that force could change with a slack within the tolerance.
+    sides : array of int8, shape (m,)
+        Side of each row. The force of an inequality at a bound can only change in the direction of that bound.
     """
 
     units: Array
@@ -65,14 +67,14 @@ class Balance(NamedTuple):
 
     Attributes
     ----------
-    exact
-        Whether the remaining force is round-off.
-    scale
+    exact : bool
+        Whether the residual force is round-off.
+    scale : float
         The sum of all forces in the level.
-    stationarity
-        The remaining force, relative to `scale`.
-    multipliers : array
-        Over all rows of the levels above.
+    stationarity : float
+        Norm of the residual force, relative to `scale`.
+    multipliers : array, shape (rows above,)
+        Of all rows of the levels above.
     """
 
     exact: bool
@@ -82,20 +84,22 @@ class Balance(NamedTuple):
 
 
 class _Attempt(NamedTuple):
-    """The forces of a level, balanced as well as the rows above it can.
+    """The forces of a level, balanced as far as the rows above can. All forces are relative to their sum.
 
     Attributes
     ----------
     span : RowSpace
-        Of the normals of `free`.
+        Span of the normals of `free`.
     free, pressing : array of int
-        Rows that push either way, and that push inward.
-    normals, mu : array
-        Normals of rows that push inward, less their part in the span; and their multipliers, relative to all forces.
+        Free rows, and those signed rows that do not depend on them.
+    normals : array, shape (pressing, n)
+        Outward normals of `pressing`, projected onto the orthogonal complement of the span.
+    mu : array, shape (pressing,)
+        Multipliers of `pressing`, not negative.
     left : array, shape (n,)
-        The force that is not balanced.
+        The residual force.
     pushed : array, shape (n,)
-        The force that the free rows have to balance.
+        The force that the free rows have to balance: gradient plus the forces of `pressing`.
     """
 
     span: RowSpace
@@ -108,18 +112,18 @@ class _Attempt(NamedTuple):
 
     @property
     def straight(self) -> bool:
-        """Whether almost no force is left."""
+        """Whether the residual force is within STATIONARITY."""
         return length(self.left) <= STATIONARITY
 
 
 class Above:
-    """The rows of the levels above one level, as one goes down the levels.
+    """The rows of the levels above the level at hand, and how they balance it, from the highest level down.
 
-    A row at a bound that *holds* a level, with a positive multiplier, cannot leave its bound without loss for that
-    level: for all levels below it is as good as an equality, and may push either way. In exact arithmetic that follows
-    from the conditions alone, by adding a large multiple of what balances the level that it holds. In floating point
-    the multiple would magnify what round-off, or a rank decision, has left of that balance. So a level that is not
-    balanced otherwise is asked once more, rows that hold a level above it being free.
+    A row at a bound that *holds* a level, with a positive multiplier, cannot leave its bound without making that level
+    worse. So for all levels below it acts as an equality: its multiplier may have either sign. In exact arithmetic this
+    follows from the optimality conditions: one can add a large multiple of the balance of the level that the row holds.
+    In floating point that multiple would magnify round-off and rank errors of the balance. So a level that is not
+    balanced otherwise is tried once more, with the rows that hold a level above as free rows.
 
     Parameters
     ----------
@@ -130,9 +134,9 @@ class Above:
     Attributes
     ----------
     free : array of int
-        Rows above that push either way: equalities and violated rows.
+        Rows above whose multipliers may have either sign: equalities and violated rows.
     signed : array of int
-        Rows above that push one way, inward: those at a bound.
+        Rows above whose multipliers have one sign: inequalities at a bound.
     """
 
     def __init__(self, units: Array, rows: RowStates) -> None:
@@ -145,7 +149,7 @@ class Above:
         self.free, self.signed = self._all_free[:0], self._all_signed[:0]
 
     def balance(self, forces: Forces, count: int) -> Balance:
-        """Balance the forces of a level by the `count` rows that are above it, no fewer than the last time."""
+        """Balance the forces of a level by the `count` rows above it; `count` must not fall between calls."""
         if not forces.push.any():  # met: nothing to improve
             return Balance(True, 0.0, 0.0, np.zeros(count))
 
@@ -162,7 +166,7 @@ class Above:
             span.grow(self._units[free])
             attempts.append(self._balance(gradient, span, free, self.signed[~holding]))
         straight = (one for one in attempts if one.straight)
-        blurred = (one for one in attempts if _round_off(one, forces, scale))  # takes most of the time
+        blurred = (one for one in attempts if _round_off(one, forces, scale))  # the slow test, so it comes second
         found = next(chain(straight, blurred), None)
         exact, best = found is not None, found or attempts[0]
         multipliers = self._multipliers(best, scale, count)
@@ -172,13 +176,13 @@ class Above:
         return Balance(exact, scale, length(best.left), multipliers)
 
     def _balance(self, gradient: Array, span: RowSpace, free: NDArray[np.intp], signed: NDArray[np.intp]) -> _Attempt:
-        """Balance the forces by free rows, with their span, and signed ones."""
+        """Balance the gradient, relative to the sum of forces, by free rows, with their span, and by signed rows."""
         left = span.project(gradient)
         pressing, normals, mu = signed[:0], self._units[:0], np.zeros(0)
         if len(signed) and length(left) > BALANCED:
             outward = self._rows.sides[signed, None] * self._units[signed]
             normals = span.project(outward)
-            able = lengths(normals) > FREE_RANK  # the others depend on free ones: what is left of them is round-off
+            able = lengths(normals) > FREE_RANK  # the others depend on free rows: their remainder is round-off
             pressing, normals = signed[able], normals[able]
             mu = _nonnegative(normals, -left)
             left = left + mu @ normals
@@ -186,7 +190,7 @@ class Above:
         return _Attempt(span, free, pressing, normals, mu, left, gradient)
 
     def _multipliers(self, attempt: _Attempt, scale: float, count: int) -> Array:
-        """The multipliers of all `count` rows above."""
+        """The multipliers of all `count` rows above, in the unit of the gradient per unit of the row."""
         norms, sides, pressing, free = self._rows.norms, self._rows.sides, attempt.pressing, attempt.free
         multipliers = np.zeros(count)
         multipliers[pressing] = scale * attempt.mu * sides[pressing] / norms[pressing]
@@ -195,7 +199,7 @@ class Above:
 
 
 def _round_off(attempt: _Attempt, forces: Forces, scale: float) -> bool:
-    """Whether the remaining force is the round-off that a perfect x would leave."""
+    """Whether the residual force is round-off: an exact x could leave as much."""
     left, normals, mu, span = attempt.left, attempt.normals, attempt.mu, attempt.span
     pressing, kept, smallest = normals[mu > 0.0], np.zeros((len(left), 0)), 1.0
     if len(pressing):
@@ -204,7 +208,7 @@ def _round_off(attempt: _Attempt, forces: Forces, scale: float) -> bool:
         smallest = min(smallest, float(sizes.min()))
 
     def exact(rest: float) -> bool:
-        """Round-off, magnified where the normals that balance the level are nearly dependent."""
+        """Whether a residual is round-off, which nearly dependent normals magnify by one over their singular value."""
         if STATIONARITY < rest <= BLURRED:
             return rest * min(smallest, span.smallest()) <= BALANCED
         return rest <= STATIONARITY
@@ -213,8 +217,8 @@ def _round_off(attempt: _Attempt, forces: Forces, scale: float) -> bool:
         return True
     carriers = forces.sides != INSIDE
     own = span.project(forces.units[carriers])
-    # A direction in which the level hardly moves while those rows press may count as none: a rank decision that
-    # could go either way.
+    # Only the residual in directions in which the rows of the level can still move counts. Directions in which they
+    # hardly can are left out: a solver may have decided that rank either way.
     moves, _, _ = row_space(own - (own @ kept) @ kept.T, OWN_RANK)
     left = moves @ (moves.T @ left)
     if exact(length(left)):
@@ -223,7 +227,7 @@ def _round_off(attempt: _Attempt, forces: Forces, scale: float) -> bool:
 
 
 def _nonnegative(rows: Array, target: Array) -> Array:
-    """The mu >= 0 that minimises ``||rows^T mu - target||``."""
+    """The mu >= 0, shape (m,), that minimises ``||rows^T mu - target||``, for rows (m, n)."""
     if not len(rows):
         return np.zeros(0)
     from scipy.optimize import lsq_linear, nnls
@@ -236,26 +240,27 @@ def _nonnegative(rows: Array, target: Array) -> Array:
 
 
 def _carried(left: Array, normals: Array, mu: Array, own: Array, capacity: Array, sides: NDArray[np.int8]) -> float:
-    """What remains of `left` when every row of the level may shift its slack within its tolerance.
+    """The norm of the residual force `left` if every slack of the level may shift within the tolerance of its row.
 
-    A backward error: is the point exact for slacks that round-off cannot tell from its own? A shift moves the balance
-    along the row of `own`, by up to its `capacity` either way, at a bound one way; the multipliers may follow.
+    This is a backward error: is the point exact for slacks that round-off cannot tell from its own? A shift of row i
+    changes the residual along own[i], by up to capacity[i] in both directions, or in one for a row at a bound. The
+    multipliers `mu` of `normals` may change with it.
     """
     from scipy.optimize import lsq_linear
 
     unit, sizes = length(left) or 1.0, lengths(own)
-    # Of a multiplier that may grow, the normal leads away from what is left: then all shifts together have to reach it.
+    # If no multiplier can reduce the residual by growing, the shifts alone must; return early if they cannot.
     if (normals @ left >= -BALANCED).all() and capacity @ np.abs(own @ left) < unit * (unit - STATIONARITY):
         return unit
     reach = np.minimum(capacity * sizes / unit, 1e6)
     able = reach > NEGLIGIBLE
     own, sides, sizes, reach = own[able], sides[able], sizes[able], reach[able]
-    matrix = np.concatenate([own / sizes[:, None], normals]).T  # directions of length one, whatever the rows are worth
+    matrix = np.concatenate([own / sizes[:, None], normals]).T  # unit directions, so that the problem is well scaled
     low = np.concatenate([np.where(sides == Side.UPPER, 0.0, -reach), -mu / unit])
     high = np.concatenate([np.where(sides == Side.LOWER, 0.0, reach), np.full(len(mu), np.inf)])
     target = -left / unit
     try:
-        # The shortest shift, in units of what each row can, mostly is within the bounds.
+        # The shortest shift, relative to the capacity of each row, is mostly within the bounds.
         scales = np.concatenate([reach, np.minimum(mu / unit, 1e6)])
         shift = scales * np.linalg.lstsq(matrix * scales, target, rcond=FREE_RANK)[0]
         if not ((low <= shift) & (shift <= high)).all() or length(matrix @ shift - target) > STATIONARITY / unit:

@@ -1,4 +1,4 @@
-"""The causes that hold a level back: rows of the levels above, each with the force by which it pushes."""
+"""The causes that hold a level back: rows of the levels above with their forces, ``multiplier * row``."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LEAST_SHARE = 1e-6
 class Cause:
     """A cause that holds a level back: rows of one part on a level above.
 
-    It is one inequality row, or several if they have places, or the equality rows of the part.
+    It is one inequality row, or all equality rows of the part, or all its rows if they have places, such as obstacles.
 
     Attributes
     ----------
@@ -34,11 +34,11 @@ class Cause:
     force : array, shape (n,)
         The force with which they push: the sum of multiplier times row.
     strength : float
-        Norm of the force, in the unit of the gradient of the level held back.
+        Norm of the force, in the unit of the gradient of the level that is held back.
     share : float
-        Share in the strengths of all causes of that level.
+        The strength divided by the sum of the strengths of all causes of that level.
     where : str
-        For rows that have places: at how many of them.
+        For rows that have places: the part, and at how many of its places.
     """
 
     level: int
@@ -57,7 +57,7 @@ class Cause:
         return in_words(self.part, self.row, self.side) if self.row or self.side is not Side.EQUALITY else self.part
 
     def data(self) -> dict[str, Any]:
-        """Plain Python, as JSON takes it."""
+        """The cause as plain Python data, ready for JSON."""
         return {
             "level": self.level, "part": self.part, "row": self.row, "side": side_in_words(self.side),
             "rows": list(self.rows), "strength": self.strength, "share": self.share,
@@ -67,7 +67,19 @@ class Cause:
 def causes_of(
     hierarchy: Hierarchy, labels: list[Label], rows: RowStates, dense: Array, multipliers: Array
 ) -> tuple[Cause, ...]:
-    """The causes with these multipliers, strongest first; equal ones, up to round-off, in the order of rows."""
+    """The causes of one level, strongest first; causes of equal share, up to round-off, in the order of their rows.
+
+    Parameters
+    ----------
+    hierarchy : Hierarchy
+    labels : list of Label
+        Of all rows.
+    rows : RowStates
+    dense : array, shape (m, n)
+        All rows of the hierarchy.
+    multipliers : array, shape (rows above,)
+        Of the level, over all rows of the levels above it.
+    """
     groups: dict[tuple[int, str, str, Side, int], list[int]] = {}
     for row in map(int, np.flatnonzero(multipliers)):
         (k, _), label, side = hierarchy.locate(row), labels[row], Side(rows.sides[row])
@@ -90,7 +102,7 @@ def causes_of(
 
 
 def _where(hierarchy: Hierarchy, labels: list[Label], part: str, own: tuple[int, ...]) -> str:
-    """At how many of its places a part pushes with these rows; empty where they have none."""
+    """The part, and at how many of its places these rows are; empty if they have no places."""
     places = {labels[row].place for row in own}
     if not all(places):
         return ""

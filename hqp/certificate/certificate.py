@@ -1,4 +1,4 @@
-r"""The certificate: proves or refutes that an x is lexicographically optimal, whoever computed it.
+r"""The certificate: proves or refutes that an x is lexicographically optimal, from whatever solver it comes.
 
 With :math:`w_k = A_k x - \operatorname{clip}(A_k x, l_k, u_k)`, x is optimal **iff** every level k
 has multipliers :math:`\lambda_{kj}` (j < k) with
@@ -12,10 +12,10 @@ has multipliers :math:`\lambda_{kj}` (j < k) with
         = 0              & \text{strictly inside.}
     \end{cases}
 
-Each level is a convex QP with affine constraints, hence *iff*; and the multipliers of different
-levels are independent, hence one sign-constrained least squares a level: project out the free
-normals, then non-negative least squares over the signed ones. Its residual must be round-off, or must
-vanish when the slacks of the level shift within the tolerances of their rows. Nothing here knows a backend.
+Each level is a convex QP with affine constraints, hence *iff*. The multipliers of different levels are independent,
+so that each level is one sign-constrained least squares: free normals are projected out, then a non-negative least
+squares over the signed ones follows. Its residual must be round-off, or must vanish when the slacks of the level shift
+within the tolerances of their rows. Nothing here depends on a backend.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from ..hierarchy import Hierarchy
 from .balance import EITHER_WAY, Above, Forces
 from .rows import ROUND_OFF, RowStates, row_states
 
-#: Beyond this x, squares of residuals overflow.
+#: Largest entry of x that is judged: beyond it, squares of residuals overflow.
 FURTHEST = 1e60
 
 
@@ -43,19 +43,20 @@ class LevelCertificate:
     Attributes
     ----------
     level, name
-        Index and name; the implicit last level comes last, under the name ``min ||x - x_ref||``.
+        Number and name; the implicit last level comes last, with the name ``min ||x - x_ref||``.
     ok
         Whether this level is optimal, given what the levels above it attain at x.
     residual_norm
         ``||D_k w_k||``.
     stationarity
-        What no admissible multipliers balance, relative to the forces in the level; 0 is perfect.
+        Norm of the part of the gradient that no admissible multipliers balance, relative to the sum of the forces of
+        the level; 0 is perfect.
     gap
-        Bound on ``f_k(x) - f_k*`` with ``f = residual_norm^2 / 2``, for an optimum within `radius` of x.
+        Upper bound of ``f_k(x) - f_k*``, with ``f = residual_norm^2 / 2``, for an optimum within `radius` of x.
     shortfall
-        By how much the residual norm could at most still fall (from `gap`).
-    multipliers : array
-        Over all rows of the levels above, positive where an upper bound holds the level back.
+        The most by which the residual norm could still be reduced, computed from `gap`.
+    multipliers : array, shape (rows above,)
+        Of all rows of the levels above, positive where an upper bound holds the level back.
     """
 
     level: int
@@ -70,7 +71,7 @@ class LevelCertificate:
 
 @dataclass(frozen=True, eq=False)
 class Certificate:
-    """The verdict on x, level by level; ``bool(certificate)`` and ``.ok`` say it in one word.
+    """The verdict on x, level by level; ``bool(certificate)`` and ``.ok`` tell whether x is optimal.
 
     Attributes
     ----------
@@ -79,20 +80,20 @@ class Certificate:
     unique
         Whether the implicit last level ``min ||x - x_ref||`` was judged too.
     radius
-        The distance within which `gap` holds.
+        The `gap` of each level holds for optima within this distance of x.
     earlier : tuple of Certificate
-        Where levels are damped, the proofs of the stages before the last one, of which this is.
+        If levels are damped: the proofs of all stages but the last. This certificate is the proof of the last one.
     softened : tuple of int
-        The levels that gave way. All others are strictly optimal below what these have left.
+        The softened levels. All others are strictly optimal in the null space that these leave.
     handed : tuple of LevelCertificate
-        For levels softened because of curvature: whether lower levels kept what is not declared soft.
+        For each level softened because of curvature: whether lower levels kept its rows that are not declared soft.
 
     Notes
     -----
-    Stages are proved on the numbers of the hierarchy that was given, copied before anybody solved it, never on those
-    that were solved. The declared softening is added to them, see ``solution.relaxed``: lambda and aim, or directions
-    and stiffness. Not proved are: that the softening was necessary and no larger than necessary; that the given rows
-    are those of the robot; and what a controller computes from x, such as torques, or a blend during a change.
+    Stages are proved on the numbers of the given hierarchy, copied before it was solved, never on the numbers that the
+    solver used. The declared softening is added to these (``solution.relaxed``): lambda and aim, or directions and
+    stiffness. It is not proved that the softening was necessary, or no larger than necessary; that the given rows are
+    those of the robot; and what a controller computes from x, such as torques, or a blend during a change.
     """
 
     x: Array
@@ -105,7 +106,7 @@ class Certificate:
 
     @property
     def stages(self) -> tuple[Certificate, ...]:
-        """The proof of every stage by itself, in order."""
+        """The certificates of all stages, each by itself, in the order in which they were solved."""
         return (*self.earlier, replace(self, earlier=(), softened=(), handed=()))
 
     @property
@@ -115,7 +116,7 @@ class Certificate:
 
     @property
     def failed(self) -> LevelCertificate | None:
-        """The highest level that falls short, in the first stage that has one, or None."""
+        """The first level that is not optimal, stage by stage from the highest level down, or None."""
         judged = (level for stage in (*self.earlier, self) for level in stage.levels)
         return next((level for level in (*judged, *self.handed) if not level.ok), None)
 
@@ -135,7 +136,7 @@ class Certificate:
         return "\n".join([self._head(), *told])
 
     def _head(self) -> str:
-        """What is proved, or where the proof ends."""
+        """One line: what is proved, or which level fails and by how much."""
         failed = self.failed
         if failed is not None and failed in self.handed:
             return f"NOT optimal: {_title(failed)}: levels below have moved by {failed.residual_norm:.3g} what it held"
@@ -168,14 +169,14 @@ def certify(
     ----------
     hierarchy : Hierarchy
     x : array, shape (n,)
-        The point to judge, from any source.
+        The point to judge, from any solver.
     x_ref : array, shape (n,), optional
         Reference of the implicit last level (default: zero).
     unique
         Whether to include the implicit last level ``min ||x - x_ref||``.
     tolerance
-        Relative tolerance on rows, see :func:`hqp.certificate.row_states`; answers that are exact to
-        round-off pass at 1e-9, first-order ones need what they claim.
+        Relative tolerance on rows, see :func:`hqp.certificate.row_states`. Answers that are exact to round-off pass at
+        1e-9; for answers of first-order solvers, pass the accuracy that these claim.
 
     Returns
     -------
@@ -184,8 +185,8 @@ def certify(
     Raises
     ------
     InvalidInput
-        If x or x_ref has the wrong shape or is not finite, x reaches beyond 1e60, the tolerance is
-        not between 0 and 1, unique not True or False, or the hierarchy has a fault.
+        If x or x_ref has the wrong shape or is not finite, an entry of x is larger than 1e60, the tolerance is not
+        between 0 and 1, unique is not True or False, or the hierarchy has a fault.
 
     Examples
     --------
@@ -212,7 +213,7 @@ def certify(
     if fault:
         raise InvalidInput(fault)
 
-    with np.errstate(all="ignore"):  # of what over- or underflows, the comparisons below make a refusal
+    with np.errstate(all="ignore"):  # where numbers over- or underflow, the comparisons below refuse x
         rows = row_states(hierarchy, point, reference, tolerance)
         judge = _Judge(hierarchy, rows, length(point) + length(reference))
         levels = [judge.level(k) for k in range(len(hierarchy.levels))]
@@ -223,7 +224,21 @@ def certify(
 
 
 class _Judge:
-    """What is judged, from the highest level down."""
+    """Judges the levels of a hierarchy at x, in turn from the highest down.
+
+    Parameters
+    ----------
+    hierarchy : Hierarchy
+    rows : RowStates
+        The rows at x.
+    size : float
+        ``||x|| + ||x_ref||``.
+
+    Attributes
+    ----------
+    radius : float
+        ``size`` plus the largest distance of x from a row, see :attr:`Certificate.radius`.
+    """
 
     def __init__(self, hierarchy: Hierarchy, rows: RowStates, size: float) -> None:
         norms, force = rows.norms, rows.norms * hierarchy.weights**2
@@ -239,13 +254,13 @@ class _Judge:
         self._above = Above(self._forces.units, rows)
 
     def level(self, k: int) -> LevelCertificate:
-        """Level k, given those above it."""
+        """Judge level k, given those above it; to be called for every level, from the highest down."""
         own, level = slice(*self._hierarchy.pointers[k : k + 2]), self._hierarchy.levels[k]
         forces = Forces._make(part[own] for part in self._forces)
         return self._verdict(k, level.name, forces, own.start, length(level.weights * self._rows.slack[own]))
 
     def last(self, away: Array, tolerance: Array) -> LevelCertificate:
-        """The implicit last level ``min ||away||``, given all others."""
+        """Judge the implicit last level ``min ||away||``, given all others; entries within `tolerance` count as 0."""
         h, push = self._hierarchy, np.where(np.abs(away) > tolerance, away, 0.0)
         forces = Forces(np.eye(h.n), push, tolerance, np.full(h.n, EITHER_WAY))
         return self._verdict(len(h.levels), "min ||x - x_ref||", forces, h.m, length(away))

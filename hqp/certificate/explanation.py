@@ -11,7 +11,7 @@ from .parts import PartExplanation
 if TYPE_CHECKING:
     from rich.table import Table
 
-#: Causes that a line of text names.
+#: The most causes, or parts, that a line of text names.
 MOST_NAMED = 3
 
 
@@ -22,21 +22,22 @@ class LevelExplanation:
     Attributes
     ----------
     level, name
-        Index and name.
+        Number and name.
     proved : bool
-        Whether the level is optimal by the certificate. If not, the causes do not explain all that is missing.
+        Whether the certificate accepts the level. If not, the causes do not explain all that is missing.
     contradicts : bool
-        Whether the level is not met although nothing above pushes: its own rows contradict each other, or are zero.
+        Whether the level is not met although no row above holds it back: its own rows contradict each other, or are
+        zero.
     rank, fixing : int
-        Directions of x which the level fixes, and by how many equality and violated rows.
+        How many directions of x the level fixes, and how many equality and violated rows fix them.
     at_bound : int
-        Its other rows that are at a bound.
+        How many of its other rows are at a bound.
     parts : tuple of PartExplanation
     causes : tuple of Cause
         The strongest first.
     inner : float
-        How far the pulls of its parts cancel each other: the sum of their norms less the norm of their sum, in the unit
-        of the strengths.
+        How far the forces of its parts cancel each other: the sum of their norms less the norm of their sum, in the
+        unit of the strengths.
     damped : str
         Why the solver relaxed the level, and in which direction; empty if it did not.
     zero : bool
@@ -85,7 +86,7 @@ class LevelExplanation:
         return f"{short}: {why}" + ("" if self.proved else "; not proved optimal")
 
     def _beside(self) -> str:
-        """The name of the level, if none of its parts has the same name."""
+        """The name of the level and a colon; empty if it has none, or one like the name of a part."""
         alike = (part.part in self.name or self.name in part.part for part in self.parts)
         known = not self.name or not self.parts or any(alike)
         return "" if known else f"{self.name}: "
@@ -103,7 +104,7 @@ class LevelExplanation:
         return f"{self.at_bound} of {self.rows} rows at a bound" if self.rows else "no rows"
 
     def data(self) -> dict[str, Any]:
-        """Plain Python, as JSON takes it."""
+        """The explanation as plain Python data, ready for JSON."""
         return {
             "level": self.level, "name": self.name, "met": self.met, "proved": self.proved,
             "contradicts": self.contradicts, "rank": self.rank, "fixing": self.fixing, "at_bound": self.at_bound,
@@ -119,7 +120,7 @@ class Explanation:
     Attributes
     ----------
     levels : tuple of LevelExplanation
-        All but the implicit last one; none where nothing was solved.
+        All levels but the implicit last one; empty if nothing was solved.
     message : str
         The message of the solution.
     """
@@ -135,7 +136,7 @@ class Explanation:
     def __rich__(self) -> Table:
         from rich.box import SIMPLE_HEAD
         from rich.table import Table
-        from rich.text import Text  # as it stands: a name may look like markup
+        from rich.text import Text  # not plain strings: a name may look like markup
 
         table = Table(box=SIMPLE_HEAD, pad_edge=False, caption=Text(self.message) if self.message else None)
         for title in ("level", "part", "state", "short by", "rank", "held back by"):
@@ -154,5 +155,5 @@ class Explanation:
         return table
 
     def data(self) -> dict[str, Any]:
-        """Plain Python, as JSON takes it."""
+        """The explanation as plain Python data, ready for JSON."""
         return {"message": self.message, "levels": [level.data() for level in self.levels]}

@@ -1,4 +1,4 @@
-"""The rows that a softened level hands over: those that the levels below must keep at the values which it reached."""
+"""The rows that a softened level hands over: the levels below must keep them at the values that this level reached."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Array, length
 from .certificate import LevelCertificate
 
-#: How far rows may be moved, in units of the tolerance of a row: what the loops take for no direction, with a margin.
+#: How far lower levels may move such a row, in units of the tolerance: more than the kernels neglect as round-off.
 MARGIN = 10.0
 
 
@@ -20,11 +20,11 @@ class Handed(NamedTuple):
     ----------
     level : int
     rows : array, shape (any, n)
-        Combinations of its weighted rows, all but those that are declared soft.
+        Combinations of its weighted rows, without those that are declared soft.
     length : float
-        Norm of all its weighted rows together, to judge whether a combination is round-off.
+        Norm of all its weighted rows together, to which round-off is relative.
     reached : array, shape (n,)
-        The x that its own stage found.
+        The x of its own stage.
     """
 
     level: int
@@ -34,7 +34,7 @@ class Handed(NamedTuple):
 
 
 def left_alone(handed: Handed, name: str, x: Array, tolerance: float) -> LevelCertificate:
-    """Whether x keeps these rows at the values that the level reached; the residual is how far x moved them.
+    """Judge whether x keeps these rows at the values that the level reached; the residual is how far x moved them.
 
     Parameters
     ----------
@@ -43,10 +43,11 @@ def left_alone(handed: Handed, name: str, x: Array, tolerance: float) -> LevelCe
     name : str
         Name of the level.
     x : array, shape (n,)
+        The point to judge.
     tolerance : float
         As of :func:`hqp.certify`.
     """
-    with np.errstate(all="ignore"):  # an x out of all bounds is judged, not warned about
+    with np.errstate(all="ignore"):  # a huge x is judged without warnings
         moved = length(handed.rows @ (x - handed.reached))
         size = handed.length * (length(x) + length(handed.reached))
     share = moved / size if size > 0.0 else 0.0

@@ -1,4 +1,4 @@
-"""How far the rows of one part on one level are from being met, in their units."""
+"""What the rows of one part on one level lack, in their units."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ class PartExplanation:
     ----------
     part : str
     labels : tuple of Label
-        Of its rows.
-    missing : array
-        What each row lacks: required bound minus attained value, in the unit of the row, whatever its weight; 0 where
+        Labels of its rows.
+    missing : array, shape (rows,)
+        What each row lacks: required bound minus attained value, in the unit of the row, without its weight; 0 where
         it is satisfied within its tolerance.
-    weights : array
-        Of the rows inside their level.
+    weights : array, shape (rows,)
+        Weights of the rows.
     """
 
     part: str
@@ -34,23 +34,23 @@ class PartExplanation:
 
     @property
     def met(self) -> bool:
-        """Whether every row is satisfied."""
+        """Whether every row is satisfied within its tolerance."""
         return not self.missing.any()
 
     @property
     def residual(self) -> dict[str, float]:
-        """Euclidean norm of what is missing, for every unit that the rows have."""
+        """Unit -> Euclidean norm of what the rows of that unit lack."""
         units = [label.unit for label in self.labels]
         return {unit: length(self.missing[[own == unit for own in units]]) for unit in dict.fromkeys(units)}
 
     @property
     def short_by(self) -> str:
-        """The residual in words, as in ``0.02 m/s and 0.1 rad/s``; empty where the part is met."""
+        """The residual in words, as in ``0.02 m/s and 0.1 rad/s``; empty if the part is met."""
         return " and ".join(f"{norm:.3g} {unit}".rstrip() for unit, norm in self.residual.items() if norm > 0.0)
 
     @property
     def weighed(self) -> str:
-        """The weights in words, as in ``(weight 0.01)``; empty where all are 1."""
+        """The weights in words, as in ``(weight 0.01)``; empty if all are 1."""
         least, most = float(self.weights.min(initial=np.inf)), float(self.weights.max(initial=-np.inf))
         if not len(self.weights) or least == most == 1.0:
             return ""
@@ -58,14 +58,14 @@ class PartExplanation:
 
     @property
     def lacking(self) -> str:
-        """The residual in words, and the weights; empty where the part is met."""
+        """The residual and the weights in words; empty if the part is met."""
         return "" if self.met else f"{self.short_by} {self.weighed}".rstrip()
 
     def __str__(self) -> str:
         return f"{self.part} met" if self.met else f"{self.part} short by {self.lacking}"
 
     def data(self) -> dict[str, Any]:
-        """Plain Python, as JSON takes it."""
+        """The part as plain Python data, ready for JSON."""
         rows = [
             {"row": label.row, "unit": label.unit, "missing": float(missing), "weight": float(weight)}
             for label, missing, weight in zip(self.labels, self.missing, self.weights, strict=True)
@@ -74,7 +74,7 @@ class PartExplanation:
 
 
 def parts_of(labels: list[Label], missing: Array, weights: Array) -> tuple[PartExplanation, ...]:
-    """The rows of one level, part by part."""
+    """The rows of one level, part by part; `missing` and `weights` have an entry for each row, as `labels`."""
     rows: dict[str, list[int]] = {}
     for row, label in enumerate(labels):
         rows.setdefault(label.part, []).append(row)

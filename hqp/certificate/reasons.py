@@ -1,10 +1,10 @@
-r"""Which row stopped which level: the multipliers of the certificate, in the words of the labels.
+r"""Explains which rows hold each level back, from the multipliers of the certificate, in the words of the labels.
 
-A level k that is not met pulls at x with its gradient :math:`A_k^T D_k^2 w_k`. Where x is optimal, rows of the levels
-above push back, row i with the force :math:`\lambda_i a_i`, and all forces sum to minus the gradient. These rows are
-the causes: an inequality row by itself, the equality rows of one part together. Where the pulls of the level's own
-rows cancel, nothing above pushes, and the level contradicts itself. Where rows depend on each other the multipliers
-are not unique; those of the certificate are valid ones.
+A level k that is not met has the gradient :math:`A_k^T D_k^2 w_k`. If x is optimal, rows of the levels above balance
+it: row i with the force :math:`\lambda_i a_i`, and all these forces sum to minus the gradient. These rows are the
+causes: each inequality row by itself, the equality rows of one part together. If the forces of the level's own rows
+cancel, no row above is needed, and the level contradicts itself. If rows depend on each other, the multipliers are not
+unique; those of the certificate are valid ones.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ from .rows import RowStates
 def explain(
     hierarchy: Hierarchy, certificate: Certificate, rows: RowStates, ranks: Iterable[int]
 ) -> tuple[LevelExplanation, ...]:
-    """The levels of a hierarchy, explained.
+    """Explain every level of a hierarchy at a solution.
 
     Parameters
     ----------
     hierarchy : Hierarchy
     certificate : Certificate
-        Of its solution; the multipliers are taken from here.
+        The certificate of the solution, which has the multipliers.
     rows : RowStates
-        At the same x, by the same tolerance.
+        The rows at the same x, with the same tolerance.
     ranks : iterable of int
-        Of every level.
+        The rank of every level.
     """
     labels = [hierarchy.label_of(row) for row in range(hierarchy.m)]
     dense, missing = hierarchy.dense(), np.where(rows.violated, -rows.slack, 0.0)
@@ -64,7 +64,7 @@ def explain(
 
 
 def _cancels(A: Array, norms: Array, weights: Array, missing: Array, tolerance: Array) -> bool:
-    """Whether the pulls of violated rows sum to zero, to round-off or to what their tolerances may hide."""
+    """Whether the forces of the violated rows sum to zero, up to round-off and the tolerances of the rows."""
     force = norms * weights**2
     blur = length((force * tolerance)[missing != 0.0])
     gradient = length(A.T @ np.where(norms > 0.0, weights**2 * missing, 0.0))
@@ -72,7 +72,7 @@ def _cancels(A: Array, norms: Array, weights: Array, missing: Array, tolerance: 
 
 
 def _inner(A: Array, pull: Array, labels: list[Label]) -> float:
-    """How far the pulls of the parts of a level cancel each other."""
+    """How far the forces of the parts of a level cancel: the sum of their norms less the norm of their sum."""
     parts = np.array([label.part for label in labels])
     pulls = [A[parts == part].T @ pull[parts == part] for part in dict.fromkeys(parts.tolist())]
     lengths = sum(map(length, pulls))

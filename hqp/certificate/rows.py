@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from ..arrays import Array, length
 from ..hierarchy import Hierarchy, Side
 
-#: Round-off of A x, in units of the length of the rows and of the way that took part in it, see :func:`travel`.
+#: Round-off of A x, relative to the length of the row and the distance T of :func:`travel`.
 ROUND_OFF = 256 * np.finfo(np.float64).eps
 
-#: What a long x may add to the tolerance of a row that it hardly moves.
+#: Share of ``||a_i|| ||x||`` in the tolerance of a row.
 LENGTH = 1e-1
 
 
@@ -36,7 +36,7 @@ class RowStates:
     norms
         Euclidean norms of the rows.
     way
-        The longest way that takes part in x, see :func:`travel`.
+        The distance T that x has travelled, see :func:`travel`.
     """
 
     slack: Array
@@ -48,7 +48,7 @@ class RowStates:
 
 
 def excess(value: Array, lower: Array, upper: Array) -> Array:
-    """``value`` minus the nearest admissible value: the slack w of rows whose A x is `value`.
+    """The slack w of rows: their `value` minus the nearest admissible value.
 
     Parameters
     ----------
@@ -65,44 +65,44 @@ def allowance(
 ) -> Array:
     r"""How far each row may be from its bound and still count as on it.
 
-    With the bound :math:`b_i` next to :math:`a_i x`, the tolerance :math:`\tau`, and the way :math:`T`,
+    With the bound :math:`b_i` nearest to :math:`a_i x`, the tolerance :math:`\tau`, and the distance :math:`T`,
 
     .. math:: t_i = \tau (|a_i x| + |b_i| + 0.1 \|a_i\| \|x\|) + 256 \varepsilon \|a_i\| T.
 
-    A solver that is to be certified allows no more: the same with its own, smaller tolerance. Where that is a tenth of
-    the certificate's, :math:`\tau (|b_i| + \|a_i\| \|x\|) + 256 \varepsilon \|a_i\| T` will do.
+    A solver whose answers are to be certified must allow no more: the same with its own, smaller tolerance. If that is
+    a tenth of the certificate's, :math:`\tau (|b_i| + \|a_i\| \|x\|) + 256 \varepsilon \|a_i\| T` is small enough.
 
     Parameters
     ----------
     value, slack, norms : array, shape (m,)
-        A x, the slacks w, and the norms of the rows of A; the latter two may be one number for all.
+        A x, the slacks w, and the norms of the rows of A; the latter two may be one number for all rows.
     size, way : float
-        ``||x||``, and the longest way that takes part in x, see :func:`travel`, or as much of it as is known: a size of
-        x alone says nothing of its round-off where it is the small difference of large numbers.
+        ``||x||``, and the distance T of :func:`travel`, as far as it is known. ``||x||`` alone does not tell the
+        round-off of an x that is a small difference of large numbers.
     tolerance : float
         Relative to the data.
 
     Returns
     -------
     array, shape (m,)
-        t, in the unit of each row.
+        The t_i, in the unit of each row.
     """
     flat = tolerance * LENGTH * size + ROUND_OFF * max(size, way)
     return tolerance * (np.abs(value) + np.abs(value - slack)) + flat * norms
 
 
 def pull(slack: Array, norms: Array, cuts: Sequence[int] = (0,)) -> float:
-    """How far the slacks of a level, weighted like its norms, would take x, row by row: the largest step of any level.
+    r"""The longest step of x that the slacks of any level ask for: :math:`\max |w_i| \|a_i\| / \max \|a_j\|^2`.
 
-    A row that is short beside others of its level has little say in x, however far its own bound is away. A row alone
-    gets what it asks for, or cannot move x at all.
+    It is relative to the longest row of the level, because a shorter one has little influence on x, however large its
+    slack is. Levels of a single row do not count: such a row is met, or cannot move x at all.
 
     Parameters
     ----------
     slack, norms : array, shape (m,)
-        Both times the weights of the rows.
+        Slacks and norms of all rows, both times the weights of the rows.
     cuts : sequence of int
-        The first rows of the levels that have any.
+        The first row of each level that has rows.
     """
     if not len(norms):
         return 0.0
@@ -113,18 +113,19 @@ def pull(slack: Array, norms: Array, cuts: Sequence[int] = (0,)) -> float:
 
 
 def travel(hierarchy: Hierarchy, x: Array, x_ref: Array, slack: Array, norms: Array) -> float:
-    r"""The longest way that takes part in x: what round-off in it is relative to.
+    r"""The distance T that x has travelled, to which its round-off is relative.
 
-    A solver comes from zero or from x_ref, and goes where its levels ask. Round-off of the way stays in x where x
-    itself is next to nothing: at rest above a posture, or where the rows lead from a far x_ref to zero. So
+    A solver starts from zero or from x_ref, and goes where its levels ask. Round-off relative to that distance stays in
+    x even if x itself is tiny: if a level that holds the robot still is above a posture, or if the rows lead from a far
+    x_ref to zero. So
 
     .. math:: T = \max\Bigl(\|x\|, \; \|x - x_\text{ref}\|, \;
         \max_{k,\, i \in k} \frac{d_i^2 |w_i| \|a_i\|}{\max_{j \in k} d_j^2 \|a_j\|^2}\Bigr).
 
-    What a level asks for and does not get is its slack, hence the last term: a posture that cannot be taken counts
-    like an x_ref. What it does get is in x. Two kinds of rows do not count there, because slack means nothing for x:
-    those alone in their level, and those shorter than round-off of the longest row of all, which are round-off
-    themselves, as of a task in a direction in which nothing moves.
+    The last term is the step that a level asks for and does not get, see :func:`pull`: an unreachable posture counts
+    like an x_ref. What a level does get is part of x. Two kinds of rows are left out, as their slack tells nothing of
+    x: those that are alone in their level, and those shorter than the round-off of the longest row of all, which are
+    round-off themselves, as the rows of a task in a direction in which nothing moves.
     """
     cuts = [a for a, b in pairwise(hierarchy.pointers) if a < b]
     asking = np.where(norms > ROUND_OFF * norms.max(initial=0.0), hierarchy.weights * slack, 0.0)
@@ -133,7 +134,7 @@ def travel(hierarchy: Hierarchy, x: Array, x_ref: Array, slack: Array, norms: Ar
 
 
 def row_states(hierarchy: Hierarchy, x: Array, x_ref: Array, tolerance: float) -> RowStates:
-    """Classify every row at x; `tolerance` is relative, see :class:`hqp.Settings`.
+    """Classify every row at x: slack, tolerance, side, and whether it is violated.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Row spaces and null spaces with a rank decision that does not depend on the scale of the rows."""
+"""Row spaces and null spaces, with a rank decision that does not depend on the scale of the rows."""
 
 from __future__ import annotations
 
@@ -6,28 +6,29 @@ import numpy as np
 
 from ..arrays import Array, length
 
-#: Rows whose singular values are all above this one are independent beyond doubt.
+#: Unit rows are clearly independent if all singular values, or pivots, are above this.
 CLEAR = 1e-6
-#: A pivot below this share of the rank tolerance is round-off beyond doubt.
+#: A pivot below this multiple of the rank tolerance is clearly round-off.
 FAR_BELOW = 1e-2
-#: Of so few unknowns the singular value decomposition is as fast, and numpy's: nothing heavier is imported for them.
+#: Up to so many unknowns numpy's singular value decomposition is as fast, so that scipy need not be imported.
 FEW = 8
-#: Refinements of multipliers, each of which gains ``CLEAR^2 / eps``, four digits, or more; and where they end.
+#: The most refinements of multipliers, each of which gains a factor ``CLEAR^2 / eps``, four digits, or more; and the
+#: relative residual at which they end.
 REFINEMENTS, SETTLED = 3, 1e-14
 
 
 def split(rows: Array, norms: Array, tolerance: float) -> tuple[Array, Array]:
-    """Orthonormal bases of the row space of `rows` and of its null space.
+    """Orthonormal bases of the row space and of the null space of `rows`.
 
     Parameters
     ----------
     rows : array, shape (m, n)
         Usually ``A Z``: rows already projected onto the null space of higher levels.
     norms : array, shape (m,)
-        Norms of the *original* rows of A. Cutting relative to these, not to ``A Z`` itself, is
-        what keeps the round-off of a fully dependent row (1e-16) from being taken for a direction.
-    tolerance
-        Singular values of the rows divided by `norms` up to this one count as zero.
+        Norms of the *original* rows of A. The rank decision is relative to these, not to ``A Z`` itself: otherwise the
+        round-off of a dependent row (1e-16) would count as a direction.
+    tolerance : float
+        Singular values of the rows divided by `norms`, up to this one, count as zero.
 
     Returns
     -------
@@ -40,7 +41,7 @@ def split(rows: Array, norms: Array, tolerance: float) -> tuple[Array, Array]:
 
 
 def row_space(units: Array, tolerance: float) -> tuple[Array, Array, float]:
-    """The same for rows that are already in units of their norms; also the smallest singular value kept (1 if none).
+    """:func:`split` for rows divided by their norms; also returns the smallest singular value kept (1 if none).
 
     Parameters
     ----------
@@ -60,16 +61,23 @@ def row_space(units: Array, tolerance: float) -> tuple[Array, Array, float]:
 class RowSpace:
     """The span of rows, extended block by block.
 
-    A block of rows adds the directions that are new in it, from a QR decomposition with column pivoting of what
-    projection leaves of them. The pivots tell the rank where it is beyond doubt. Where it is not, or where there are
-    few unknowns, the singular values of all rows so far tell it, as in :func:`row_space`.
+    A new block is projected onto the orthogonal complement of the span, and a QR decomposition with column pivoting of
+    the result gives the new directions. The rank follows from the pivots if these are clear. Otherwise, or with few
+    unknowns, it follows from the singular values of all rows so far, as in :func:`row_space`.
+
+    Parameters
+    ----------
+    n : int
+        Number of unknowns.
+    tolerance : float
+        Singular values up to this one count as zero.
 
     Attributes
     ----------
     rows : array, shape (m, n)
         The rows added so far, divided by their norms.
     basis : array, shape (n, r)
-        Orthonormal.
+        An orthonormal basis of the span.
     """
 
     def __init__(self, n: int, tolerance: float) -> None:
@@ -79,7 +87,7 @@ class RowSpace:
         self._factor: Array | None = self._gram
 
     def grow(self, units: Array) -> None:
-        """Add a block of rows."""
+        """Add a block of rows, shape (k, n), divided by their norms."""
         if not len(units):
             return
         self.rows = np.concatenate([self.rows, units])
@@ -91,18 +99,18 @@ class RowSpace:
                 self._factorise(self.rows)
 
     def project(self, vectors: Array) -> Array:
-        """Each row less its part in the span."""
+        """Project vectors, shape (n,) or (k, n), onto the orthogonal complement of the span."""
         return vectors - (vectors @ self.basis) @ self.basis.T
 
     def smallest(self) -> float:
-        """The smallest singular value of the rows that is not zero; 1 if there is none."""
+        """The smallest singular value of the rows above the tolerance; 1 if there is none."""
         return row_space(self.rows, self._tolerance)[2]
 
     def combine(self, vector: Array) -> Array:
-        r"""The shortest :math:`\lambda` with ``rows^T lambda`` next to a vector.
+        r"""The least-norm :math:`\lambda`, shape (m,), that minimises ``||rows^T lambda - vector||``.
 
-        With the coordinates :math:`C` of the rows in the basis it is :math:`C (C^T C)^{-1}` times those of the vector;
-        refined, because :math:`C^T C` squares the condition number.
+        With the coordinates :math:`C` of the rows in the basis, it is :math:`C (C^T C)^{-1}` times the coordinates of
+        the vector; with iterative refinement, because :math:`C^T C` squares the condition number.
         """
         if not self.basis.size:
             return np.zeros(len(self.rows))
@@ -120,7 +128,7 @@ class RowSpace:
         return found
 
     def _extend(self, units: Array) -> bool:
-        """Add to the basis what is new in a block; False where the pivots do not tell the rank."""
+        """Add the new directions of a block to the basis; False if its pivots leave the rank in doubt."""
         from scipy.linalg.lapack import dgeqp3, dorgqr
 
         n, known = self.basis.shape
@@ -133,12 +141,12 @@ class RowSpace:
             return False
         if rank:
             directions, _, _ = dorgqr(factors[:, :rank], scalars[:rank])
-            directions -= self.basis @ (self.basis.T @ directions)  # once more, for what was short
+            directions -= self.basis @ (self.basis.T @ directions)  # again: short rows have lost digits
             self.basis = np.concatenate([self.basis, directions], axis=1)
         return True
 
     def _factorise(self, units: Array) -> bool:
-        """Add a block to C^T C, and factorise it; False where a singular value of C may be next to zero."""
+        """Add a block to C^T C, and compute its Cholesky factor; False if a singular value of C may be near zero."""
         from scipy.linalg.lapack import dpocon, dpotrf
 
         known, rank = len(self._gram), self.basis.shape[1]

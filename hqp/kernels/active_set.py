@@ -5,7 +5,7 @@ Level k starts at the x of the level above, which is feasible for all levels abo
 .. math:: \tfrac12 \sum_{i \in k} \operatorname{dist}(a_i x, [l_i, u_i])^2
 
 subject to the *frozen* rows, whose values no longer change, and the *hard* rows, satisfied inequalities of the levels
-above. The *working set* W are the hard rows that are kept at a bound. Every iteration
+above. The *working set* W is the set of hard rows that are kept at a bound. Every iteration
 
 1. takes the Newton step of the violated rows, in the null space of the frozen rows and of W;
 2. goes along it to the exact minimum, or to the first hard row that blocks, which then joins W;

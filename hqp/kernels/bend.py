@@ -35,7 +35,7 @@ def gather(here, k):
     """Collect the equalities of level k, and its inequalities that have an error; returns how many these are.
 
     Writes their numbers ``ids``, weighted rows ``J``, the weights ``wanted`` of their curvatures (by row number), and
-    ``pull`` = J' e.
+    ``pull`` = J' e, with the errors weighted like the rows.
     """
     head, ptr, col = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, plain.COL)
     n, row_of, ids = head[plain.N], marks(here, plain.ROW_OF), marks(here, at.IDS)

@@ -1,18 +1,17 @@
-r"""Damped levels: stage by stage (:mod:`hqp.damping.staged`), in one pass over one basis where all is warm.
+r"""Damped levels, solved stage by stage (:mod:`hqp.damping.staged`); if all active sets are known, with a single basis.
 
-A stage is a plain hierarchy: the levels down to a damped one, with a bound on every variable more in that one, the
-*rows of damping* :math:`\lambda (x - r_k) = 0`, with the aim :math:`r_k` of the level, which is :math:`x_\text{ref}`
-unless given. In the sweep they cost next to nothing. Where x starts at :math:`x_0 = r_k` and V is orthonormal, they are
-:math:`\lambda y = 0` in the directions that the level itself adds to V, so that its least squares has as many rows more
-as directions:
+A stage is a plain hierarchy: the levels down to a damped one, which gets one more bound on every variable, the *rows of
+damping* :math:`\lambda (x - r_k) = 0`; the aim :math:`r_k` of the level is :math:`x_\text{ref}` unless given. In the
+sweep they cost next to nothing: as :math:`x_0 = r_k` and V is orthonormal, they are :math:`\lambda y = 0` for the
+directions that the level itself adds to V. So its least squares gets one more row for each of these directions:
 
 .. math:: \min_y \|L_k y - r\|^2 + \lambda^2 \|y\|^2 .
 
-In the next stage the rows of the level keep the value that they have: the same directions, the same y. So where the
-guess of the next stage agrees on all rows down to there, the sweep goes on below, on top of the basis that there is;
-where that stage starts at another :math:`x_0`, y is shifted by :math:`V` times the difference.
-Every stage is verified like any hierarchy, with the force of the damping in the balance of its level; where that fails,
-its rows of damping are rows like any other, and it is solved as such (:mod:`.solver`), and verified by a plain sweep.
+In the next stage the rows of the level keep their values, with the same directions and the same y. If the guess of that
+stage agrees on all rows down to this level, the sweep therefore continues below it, on top of the same basis; if that
+stage starts at another :math:`x_0`, y is shifted by :math:`V` times the difference.
+Every stage is verified like any hierarchy, with the force of the damping in the balance of its level. If that fails,
+the rows of damping become ordinary rows, and the stage is solved (:mod:`.attempts`) and verified like any hierarchy.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ from .solver import SUSPECT, UNEVEN, levels_that_count, load, note_blur, start_c
 from .sweep import arrive, enter_level, fix_variables, note_level, solve_levels
 from .verdict import STRICT, judge_multipliers, judge_rows
 
-#: How many rows, where they have not been entered.
+#: Value of `count`: the rows of the level were not entered yet.
 UNKNOWN = -1
 #: As :data:`hqp.hierarchy.LARGEST`.
 LARGEST = 1e30
@@ -41,11 +40,9 @@ LARGEST = 1e30
 
 @inner
 def with_rows(here, last, level, damping, warm):
-    """The stage of a damped level in the twin of this directory, where its damping is rows like any other.
+    """Solve the stage of damped `level` in the twin directory, where its rows of damping are ordinary rows.
 
-    Returns
-    -------
-    status : int
+    Writes ``x`` and ``side``, and returns a status of :mod:`.active_set`. `warm` as of :func:`.attempts.work_out`.
     """
     head = ints(here, 0, at.HEAD)
     there, n, damped = head[at.TWIN], head[at.N], head[at.DAMPED]
@@ -94,10 +91,10 @@ def with_rows(here, last, level, damping, warm):
 
 @inner
 def solve_damped_level(here, k, c, f, damping, count, rank):
-    """Level k of the guess with its damping, on top of V[:c]: how many directions it adds, and the weakest share.
+    """Solve level k of the guess with its damping on top of V[:c]; `count`, `rank` are of its rows, if entered already.
 
-    That is how much of a row was left when it became one of them, relative to its length. `count` is how many rows
-    have been entered already, or UNKNOWN.
+    Returns how many rows V gains, and the smallest share of its length that projection left of a row when it became
+    one of them.
     """
     m = ints(here, 0, at.HEAD)[at.ROWS]
     ids, y, w, rhs = marks(here, at.IDS), vector(here, at.Y), vector(here, at.W), vector(here, at.RHS)
@@ -120,16 +117,16 @@ def solve_damped_level(here, k, c, f, damping, count, rank):
 
 @inner
 def sweep_stage(here, last, level, damping, through, c, count, rank, tau):
-    """Solve and judge the guess for levels 0 .. last, of which those before `through` stand in V[:c] already.
+    """Solve and judge the guess for levels 0 .. last; those above level `through` are in the basis V[:c] already.
 
-    `level` is the one that is damped, or STRICT; `count` and `rank` are of its rows, if they are next in the basis.
+    `level` is the damped one, or STRICT; `count` and `rank` are of its rows if these are entered already.
 
     Returns
     -------
-    faults : int
-    blurred : bool
+    faults, blurred
+        As of :func:`.sweep.sweep`.
     through, c : int
-        What of the basis the next stage can go on with.
+        The part of the basis that the next stage can use: V[:c], of the levels above `through`.
     """
     f = fix_variables(here)
     if level == STRICT:
@@ -153,7 +150,7 @@ def sweep_stage(here, last, level, damping, through, c, count, rank, tau):
 
 @inner
 def expect(here, slot, last, warm, through):
-    """Set the sides to the guess for this stage; False if rows before level `through` are others than the basis has."""
+    """Set ``side`` to the guess for this stage; False if the basis has other active rows above level `through`."""
     m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
     side, known = marks(here, at.SIDE), marks(here, at.STAGES)[slot * m :]
     lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
@@ -172,13 +169,12 @@ def expect(here, slot, last, warm, through):
 
 @inner
 def run_stage(here, slot, last, level, damping, warm, through, c, count, rank):
-    """One stage: x, and its sides for the next time.
+    """Solve one stage, and keep its ``side`` at place `slot` of STAGES for the next solve; see :func:`sweep_stage`.
 
     Returns
     -------
     status : int
     through, c : int
-        Levels that stand in the basis, and its rows.
     """
     head, tau = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.TAU]
     m, ptr, side = head[at.ROWS], marks(here, at.PTR), marks(here, at.SIDE)
@@ -215,7 +211,7 @@ def run_stage(here, slot, last, level, damping, warm, through, c, count, rank):
 
 @inner
 def freeze_level(here, level):
-    """From now on the rows of a damped level that are equalities, or violated, keep their value."""
+    """Freeze equalities and violated rows of a damped level: both bounds become their value at x."""
     ptr, w = marks(here, at.PTR), vector(here, at.W)
     lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
     size, way = lengths(here)
@@ -232,7 +228,7 @@ def freeze_level(here, level):
 
 @inner
 def solve_stages(here):
-    """All stages; a status of :mod:`.active_set`, SUSPECT or UNEVEN."""
+    """Solve all stages, one after the other; returns a status of :mod:`.active_set`, SUSPECT or UNEVEN."""
     head = ints(here, 0, at.HEAD)
     n, levels, damped, warm = head[at.N], head[at.LEVELS], head[at.DAMPED], head[at.WARM] != 0
     head[at.WARM] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
@@ -299,7 +295,7 @@ def solve_stages(here):
 
 @inner
 def bounded(numbers, rows, n):
-    """Whether all of them mean something."""
+    """Whether all entries of `numbers`, shape (rows, n), are finite and of a size up to LARGEST."""
     good = True
     for d in range(rows):
         for j in range(n):
@@ -309,7 +305,7 @@ def bounded(numbers, rows, n):
 
 @inner
 def start_at(here, reference, c):
-    """Let x start at this reference from now on; whether that is another one than before."""
+    """Let x start at this reference, ``x0``, and shift y[:c] accordingly; whether the reference has changed."""
     n, x0, same = ints(here, 0, at.HEAD)[at.N], vector(here, at.X0), True
     for j in range(n):
         same = same and x0[j] == reference[j]
@@ -323,7 +319,7 @@ def start_at(here, reference, c):
 
 @inner
 def shift(here, c, old, new):
-    """What y is in V[:c] where x does not start at the old x0 but at a new one."""
+    """Add V (old - new) to y[:c]: so x = x_0 + V' y keeps its part along V[:c] when x_0 changes from `old` to `new`."""
     n = ints(here, 0, at.HEAD)[at.N]
     pinned, free = marks(here, at.PINNED), marks(here, at.FREE)
     y, V = vector(here, at.Y), matrix(here, at.V)
@@ -342,7 +338,7 @@ def shift(here, c, old, new):
 @stamp
 @entry
 def solve_damped(here, numbers):
-    """Solve the hierarchy at the address `numbers`, with the damped levels that the directory lists."""
+    """Solve the hierarchy at the address `numbers`, with the damped levels of the directory; returns the outcome."""
     head = ints(here, 0, at.HEAD)
     given(here, numbers)
     head[at.OUTCOME] = solve_stages(here)

@@ -1,4 +1,4 @@
-"""How much a level is damped: rules of :mod:`hqp.damping` that look at the level, and where its rows stand."""
+"""The damping of a level by the rules of :mod:`hqp.damping` that depend on its rows, and tests of rows at x."""
 
 from __future__ import annotations
 
@@ -15,17 +15,21 @@ from .sweep import enter_level, fix_variables, solve_levels
 #: Kinds of rules, see :mod:`hqp.damping`.
 FIXED, MANIPULABILITY, SINGULAR_VALUE, ERROR = 0, 1, 2, 3
 
-#: Up to here a row of a damped level counts as dependent: next to round-off, for damping bounds what becomes of it.
+#: Rank tolerance of a damped level: near round-off, because damping bounds what nearly dependent rows can do.
 DEPENDENT = 1e-14
-#: What is solved to the tolerance on rows is judged by one that is so much larger.
+#: Rows are solved to the tolerance of the settings, and judged by this multiple of it.
 JUDGED = 10.0
-#: Round-off of a row, relative to the way that x has come: as :data:`hqp.certificate.rows.ROUND_OFF`.
+#: Round-off of a row, relative to its length and the distance that x has travelled: as
+#: :data:`hqp.certificate.rows.ROUND_OFF`.
 ROUND_OFF = 256 * 2.0**-52
 
 
 @inner
 def forgiven(here, i, value, bound, size, way):
-    """How far row i may be from this bound and still count as on it: as :func:`hqp.certificate.allowance` says."""
+    """How far the value of row i may be from `bound` and still count as on it, by :func:`hqp.certificate.allowance`.
+
+    `size` and `way` are those of :func:`lengths`.
+    """
     tol, norm = JUDGED * vector(here, at.OPTION)[at.TOL], vector(here, at.NORM)[i]
     known = abs(bound) if abs(bound) < math.inf else 0.0
     return tol * (abs(value) + known + 0.1 * norm * size) + ROUND_OFF * norm * way
@@ -33,7 +37,7 @@ def forgiven(here, i, value, bound, size, way):
 
 @inner
 def lengths(here):
-    """Of x, and of the longest way that it has come, from the aim of the level."""
+    """The norm of x, and the larger of it and ``||x - x_0||``, where x_0 is the aim of the level."""
     n = ints(here, 0, at.HEAD)[at.N]
     x, x0, away = vector(here, at.X), vector(here, at.X0), 0.0
     for j in range(n):
@@ -44,7 +48,7 @@ def lengths(here):
 
 @inner
 def satisfied(here, end, x):
-    """Whether x violates none of the rows before `end`."""
+    """Whether x violates none of the rows 0 .. end - 1, without any tolerance."""
     lo, hi = vector(here, at.LO), vector(here, at.HI)
     for i in range(end):
         value = value_of(i, x, here)
@@ -55,7 +59,7 @@ def satisfied(here, end, x):
 
 @inner
 def unequal(here, end):
-    """Whether there are inequalities before row `end`."""
+    """Whether there is an inequality among the rows 0 .. end - 1."""
     lo, hi, some = vector(here, at.LO), vector(here, at.HI), False
     for i in range(end):
         some = some or (lo[i] != hi[i] and (lo[i] != -math.inf or hi[i] != math.inf))
@@ -77,7 +81,10 @@ def lacking(here, level):
 
 @inner
 def activate(here, end, through):
-    """Let the sides of rows before `end` be where x is; False if those before level `through` do not fit the basis."""
+    """Set ``side`` of the rows 0 .. end - 1 by their value at x.
+
+    False if a row above level `through` gets another side than it has in the present basis.
+    """
     ptr, side = marks(here, at.PTR), marks(here, at.SIDE)
     lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
     same, known = True, ptr[through]
@@ -101,15 +108,18 @@ def activate(here, end, through):
 
 @inner
 def by_singular_values(here, d, level, through, c):
-    """The lambda of a rule that looks at the singular values of the level's active rows in what those above leave.
+    """The damping of a level by rule number d, from the singular values of its active rows in the remaining null space.
+
+    The levels above `through` are in V[:c] already.
 
     Returns
     -------
     damping : float
+        lambda.
     through, c : int
-        What stands in the basis.
+        The levels above `through` = `level` are then in V[:c].
     count, rank : int
-        Of the rows of the level, which have been entered on top of that.
+        Active rows of the level, and their rank; they are entered on top of V[:c].
     """
     head, tau = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.TAU]
     ids, rule = marks(here, at.IDS), matrix(here, at.RULES)[d]

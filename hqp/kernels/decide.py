@@ -1,7 +1,7 @@
-"""What a level decides for those below it, in the safe method: what is frozen, and what is hard from here on.
+"""Which rows a solved level of the safe method freezes, and which become hard, for the levels below.
 
-A row that is violated, or an equality, keeps its value: it is frozen. So is a row of the working set whose multiplier
-is clear: whatever moves it would cost this level. All others become hard: satisfied, and to stay so.
+Frozen are its equalities and violated rows, and those rows of the working set whose multiplier is clearly positive:
+any change of them would make this level worse. All other rows of the level become hard: satisfied, and to stay so.
 """
 
 from __future__ import annotations
@@ -15,17 +15,18 @@ from .pull import tolerances
 from .rows import EQUALITY, LOWER, UPPER, copy_row
 from .working_set import FROZEN, HARD, WORKING, append
 
-#: Rows of the working set whose multiplier is beyond this share of the forces are frozen.
+#: A row of the working set is frozen if its multiplier, times its length, is more than this share of the forces.
 CLEAR = 1e-8
 
 
 @inner
 def decide(here, k, forces, frozen, working):
-    """Freeze level k at x, and make the working set of what is left of the last one.
+    """Freeze level k at x, and rebuild the working set from the rows of the old one that are not frozen.
 
     Returns
     -------
     frozen, working : int
+        Rows of V that span the frozen rows, and rows of the new working set.
     """
     n, tau = ints(here, 0, at.HEAD)[at.N], vector(here, at.OPTION)[at.TAU]
     ids, pivot, slots = marks(here, at.IDS), marks(here, at.PIVOT), marks(here, at.SLOTS)
@@ -43,7 +44,10 @@ def decide(here, k, forces, frozen, working):
 
 @inner
 def implicit_equalities(here, forces, frozen, working):
-    """Freeze rows of the working set that hold the level back, list them, and queue the whole set: how many."""
+    """Freeze the rows of the working set that hold the level back; returns how many.
+
+    These are listed in ``ids``, the whole working set in ``queue``.
+    """
     pivot, ids, queue = marks(here, at.PIVOT), marks(here, at.IDS), marks(here, at.QUEUE)
     kind, side, norm = marks(here, at.KIND), marks(here, at.SIDE), vector(here, at.NORM)
     multiplier, count = vector(here, at.MULTIPLIER), integer(0)
@@ -60,7 +64,10 @@ def implicit_equalities(here, forces, frozen, working):
 
 @inner
 def decide_rows(here, k, count):
-    """Freeze the rows of level k that are violated, and equalities, and list them after `count` others: how many."""
+    """Freeze violated rows and equalities of level k, and append them to the `count` rows in ``ids``; returns the sum.
+
+    All others become hard, with the bounds ``low``, ``high`` and the tolerance ``allowed``.
+    """
     tol, ptr, ids = vector(here, at.OPTION)[at.TOL], marks(here, at.PTR), marks(here, at.IDS)
     kind, side, norm, w = marks(here, at.KIND), marks(here, at.SIDE), vector(here, at.NORM), vector(here, at.W)
     lo, hi, v = vector(here, at.LO), vector(here, at.HI), vector(here, at.VALUE)
@@ -92,7 +99,10 @@ def decide_rows(here, k, count):
 
 @inner
 def rejoin(here, frozen, candidates):
-    """The working set anew, of those in the queue that are still hard, and independent of the frozen rows: how many."""
+    """Rebuild the working set from the first `candidates` rows of ``queue``; returns how many rows it has.
+
+    A row joins if it is still hard, and independent of the frozen rows and of those that joined before.
+    """
     kind, queue, tau = marks(here, at.KIND), marks(here, at.QUEUE), vector(here, at.OPTION)[at.TAU]
     working = integer(0)
     for q in range(candidates):

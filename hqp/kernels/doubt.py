@@ -1,8 +1,8 @@
-"""Ranks that could be others: rows that count as dependent, and yet would move a level if they did not.
+"""Finds rank decisions that are in doubt: rows count as dependent, but the solution would change if they did not.
 
-Where limits saturate, rows that depend on others in exact arithmetic do so up to round-off, magnified by the condition
-of the others. Then the rank is arbitrary, but what follows from it for the levels below is not: what such rows pull
-with along what is left of them stays unbalanced, and the certificate has to agree.
+Rows that depend on others in exact arithmetic, as where limits saturate, depend on them only up to round-off, magnified
+by the condition number of the others. Their rank is then arbitrary, but the levels below depend on it: the forces of
+such rows along what projection leaves of them stay unbalanced. So the certificate has to accept the answer.
 """
 
 from __future__ import annotations
@@ -14,19 +14,20 @@ from .compile import inner
 from .memory import ints, marks, vector
 from .signs import CLEAR
 
-#: What round-off leaves of a row that depends on others, at most, where these are well conditioned.
+#: Smallest rank tolerance: well-conditioned others leave no larger share of a dependent row, by round-off.
 SHARPEST = 2e-12
-#: Of rows of which more is left nobody doubts the dependence: a rank tolerance that was set on purpose says so.
+#: Dependent rows of which a larger share is left are not in doubt: the user has set such a rank tolerance on purpose.
 MOST = 1e-9
-#: A row that is this much shorter than another of its level may disappear in the round-off of that one.
+#: A row that is shorter by this factor than another of its level may disappear in the round-off of that one.
 EVEN = 1e-8
 
 
 @inner
 def note_doubt(here, begin, rank, count, pull):
-    """Note if the dependent rows of a level that is not met leave too much of its forces unbalanced.
+    """Set DOUBT to 1 if the dependent rows of an unmet level leave too much of its forces, `pull`, unbalanced.
 
-    They are the last of the `count` rows that stand in the list of rows from `begin` on, behind `rank` others.
+    The `count` active rows of the level are in ``ids`` from place `begin` on: first `rank` pivot rows, then dependent
+    ones.
     """
     ids, lengths, w, norm = marks(here, at.IDS), vector(here, at.LENGTHS), vector(here, at.W), vector(here, at.NORM)
     left = 0.0
@@ -39,7 +40,7 @@ def note_doubt(here, begin, rank, count, pull):
 
 @inner
 def is_even(here):
-    """Whether the rows of each level are of comparable length, weights included."""
+    """Whether the weighted rows of each level are of comparable length, see :data:`EVEN`."""
     head, ptr, norm = ints(here, 0, at.HEAD), marks(here, at.PTR), vector(here, at.NORM)
     for k in range(head[at.LEVELS]):
         shortest, longest = math.inf, 0.0
@@ -53,5 +54,5 @@ def is_even(here):
 
 @inner
 def doubtful(here):
-    """Whether an answer that is proved as far as one tolerance goes, or one rank, may be none by others."""
+    """Whether the certificate must judge an answer: a rank is in doubt, or a level has rows of very unequal lengths."""
     return ints(here, 0, at.HEAD)[at.DOUBT] != 0 or not is_even(here)

@@ -1,14 +1,15 @@
-r"""Which rows are active, by a dual active set, in what the frozen rows leave free.
+r"""Finds the active rows of one level by a dual active-set method, in the null space of the frozen rows.
 
-With softness :math:`\delta_i > 0` for the rows of one level, and 0 for those above, the rows before `end` become one
+With a softness :math:`\delta_i > 0` for the rows of the level, and 0 for those above, the rows 0 .. end - 1 make one
 strictly convex problem,
 
 .. math:: \min_x \tfrac12 \|x - x_E\|^2 + \sum_{i \text{ soft}} \frac{w_i^2}{2 \delta_i}, \qquad
    x = x_E - P_W^T \lambda,
 
-whose slacks are :math:`w = \delta \lambda`. Rows that are violated most join the members W, and rows whose multiplier
-comes to push the wrong way leave (Goldfarb and Idnani 1983; in this form Arnstrom, Bemporad and Axehill 2022). A hard
-row that depends on the members is exchanged for the one that gives way first: that is all that degenerate cones need.
+whose slacks are :math:`w = \delta \lambda`; P are the rows projected onto that null space. The *members* W are the
+active set. The most violated rows join W, and rows whose multiplier would get the wrong sign leave (Goldfarb and Idnani
+1983; in this form Arnstrom, Bemporad and Axehill 2022). A hard row that depends on the members replaces the member
+whose multiplier reaches zero first; degenerate vertices need no more than that.
 """
 
 from __future__ import annotations
@@ -22,16 +23,17 @@ from .memory import clock, ints, marks, matrix, vector
 from .rows import INACTIVE, LOWER, UPPER, target
 from .working_set import FROZEN, IGNORED
 
-#: A deadline that never comes.
+#: Value of DEADLINE: there is none.
 NEVER = -1
-#: What counts as violated, relative to the bound and the length of x: at first, and when nothing is any more.
+#: Tolerance of violated rows, relative to the bound and the length of x: at first, and once no row exceeds the first.
 ROUGH, FINE = 1e-6, 1e-9
-#: Rows join together if they are violated by at least this share of the worst.
+#: All rows that are violated by at least this share of the largest violation join in the same round.
 SHARE = 0.5
-#: Objectives that rise by less have not risen; and how often that may happen in a row.
+#: Smallest relative rise of the objective that counts as one; and how many rounds in a row may be without.
 RISES, IDLE = 1e-12, 4
-#: A hard row of which the members leave no more than these shares of its part, of its length, of the softness, is
-#: dependent; and a member takes no part in that if its share is below the last.
+#: A hard row is dependent if its pivot d is at most the sum of PART times its squared free part and WHOLE times its
+#: squared length, or is at most YIELDS times the softness. A member is part of that dependence if its coefficient,
+#: relative to both lengths, is above PARTAKES.
 PART, WHOLE, YIELDS, PARTAKES = 1e-11, 1e-15, 1e-3, 1e-10
 
 
@@ -46,7 +48,10 @@ def late(here):
 
 @inner
 def admit(i, frozen, count, delta, here):
-    """Row i, on its side, becomes member number `count`; False, and it is none, if it is hard and depends on them."""
+    """Append row i, on its ``side``, as member number `count`; False, and it is no member, if it is hard and dependent.
+
+    `delta` is the softness of the level at hand.
+    """
     members, side = marks(here, at.MEMBERS), marks(here, at.SIDE)
     lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
     D, right, soft = vector(here, at.DIAGONAL), vector(here, at.RIGHT), vector(here, at.SOFT)
@@ -63,10 +68,11 @@ def admit(i, frozen, count, delta, here):
 
 @inner
 def gives_way(i, count, here):
-    """The member that gives way first when row i, which depends on the members, comes to press, or -1; and how far.
+    """The member whose multiplier reaches zero first as that of the dependent row i grows, or -1; and how far it grows.
 
-    L^T p = -l: the row, and p times the members, are no change of x at all. Of members that give way together the one
-    that takes most part leaves, so that the row depends on the others no more.
+    With p from L^T p = -l, l being the last row of the factor, a change of multipliers by 1 (row i) and p (members)
+    does not change x. If several reach zero together, the one with the largest coefficient is taken: row i is then
+    independent of the others.
     """
     members, side, norm = marks(here, at.MEMBERS), marks(here, at.SIDE), vector(here, at.NORM)
     p, force, F = vector(here, at.WANTED), vector(here, at.FORCE), matrix(here, at.FACTOR)
@@ -89,15 +95,18 @@ def gives_way(i, count, here):
 
 @inner
 def exchange(i, frozen, count, delta, size, here):
-    """Let row i, which was just refused, take the place of the member that gives way first, if it is needed at all."""
+    """Let the dependent row i replace members until it is independent, unless the members meet its bound already.
+
+    `size` is the length of x. Returns the number of members.
+    """
     members, side, kind = marks(here, at.MEMBERS), marks(here, at.SIDE), marks(here, at.KIND)
     lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
     z, p, force = vector(here, at.Z), vector(here, at.WANTED), vector(here, at.FORCE)
     s, pressed = side[i], 0.0
     goal = target(s, lo[i], hi[i])
-    while pressed > 0.0 or z[count] * s > ROUGH * (abs(goal) + norm[i] * size):  # else what the members want meets it
+    while pressed > 0.0 or z[count] * s > ROUGH * (abs(goal) + norm[i] * size):  # else the members meet its bound
         blocks, reach = gives_way(i, count, here)
-        if blocks < 0:  # round-off, for the point of the level above satisfies it
+        if blocks < 0:  # violated by round-off only: the point of the level above satisfies this row
             kind[i] = IGNORED
             break
         for c in range(count):
@@ -115,12 +124,14 @@ def exchange(i, frozen, count, delta, size, here):
 
 @inner
 def move(here, count):
-    """Let the multipliers go to what the members want; members that come to push the wrong way leave.
+    """Move the multipliers towards those of all members as equalities; members whose sign would become wrong leave.
 
     Returns
     -------
     count : int
+        Members that are left.
     objective : float
+        As of :func:`.members.wants`.
     """
     head = ints(here, 0, at.HEAD)
     members, side = marks(here, at.MEMBERS), marks(here, at.SIDE)
@@ -150,7 +161,7 @@ def move(here, count):
 
 @inner
 def arrive(here, count):
-    """x = x_E - P^T lambda; the length of its longest coordinate."""
+    """Write ``x`` = x_E - P^T lambda; returns its largest coordinate, plus the blur of :func:`.extent.extent`."""
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
     members, force = marks(here, at.MEMBERS), vector(here, at.FORCE)
@@ -169,7 +180,7 @@ def arrive(here, count):
 
 @inner
 def refine(here, count):
-    """One step of iterative refinement of the multipliers: what the factor left of r goes through it again."""
+    """One step of iterative refinement of the multipliers: the residual is solved for with the same factor."""
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
     members, force, wanted = marks(here, at.MEMBERS), vector(here, at.FORCE), vector(here, at.WANTED)
@@ -196,7 +207,11 @@ def refine(here, count):
 
 @inner
 def excesses(here, end, tolerance, size):
-    """By how much rows before `end` that are no members are violated, over their length: the largest."""
+    """Write by how much each row before `end` outside the members is violated, over its length; returns the largest.
+
+    It is signed, positive above the upper bound, in ``slope``; 0 within `tolerance`, which is relative to the bound and
+    to `size`, the length of x.
+    """
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
     col, row_of, side, kind = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.SIDE), marks(here, at.KIND)
@@ -224,13 +239,14 @@ def excesses(here, end, tolerance, size):
 
 @inner
 def settle(here, end, frozen, count, delta, rounds, finest):
-    """Solve the problem of the rows before `end` from the `count` members that are listed, all in the factor.
+    """Solve the problem of the rows before `end`, from the first `count` members, which are in the factor.
+
+    `finest` is the tolerance of violated rows at the end, `delta` the softness of the level at hand.
 
     Returns
     -------
     count : int
-        Of the members then, or -1 if there are more than fit, or more than so many `rounds` are needed. In the end no
-        row is violated by more than the share `finest`.
+        Members at the end; -1 if there are more than fit, or if more than `rounds` rounds would be needed.
     """
     members, side = marks(here, at.MEMBERS), marks(here, at.SIDE)
     excess = vector(here, at.SLOPE)

@@ -1,4 +1,4 @@
-"""The way out of a degenerate vertex, where every step of the active set has length zero."""
+"""Leaves a degenerate vertex, where every step of the active-set method has length zero."""
 
 from __future__ import annotations
 
@@ -10,20 +10,22 @@ from .pull import DUAL
 from .rows import LOWER, UPPER, value_of
 from .working_set import HARD, WORKING, append, balance, remove
 
-#: A row is in the way if the direction leaves it by more than this share of both lengths; and one of which the others
-#: leave no more than the second depends on them.
+#: A row blocks a direction if the direction violates it by more than the first share of both lengths; and it counts as
+#: dependent if projection leaves no more than the second share of its length.
 LEAVES, DEPENDENT = 1e-9, 1e-13
 
 
 @inner
 def escape(here, forces, frozen, working, hard_end):
-    """A direction of descent that no row at its bound blocks: what :func:`nonnegative` leaves.
+    """Find a descent direction ``d`` that no hard row at its bound blocks: the residual of :func:`nonnegative`.
 
-    `d` is zero if there is none: x is optimal. The support is the new working set.
+    If there is none, x is optimal and ``d`` is zero. The rows with positive multipliers are the new working set.
+    `forces` are those of the level, `hard_end` is the end of the levels above.
 
     Returns
     -------
     working : int
+        Rows of the new working set.
     """
     n, d = ints(here, 0, at.HEAD)[at.N], vector(here, at.D)
     pivot, kind = marks(here, at.PIVOT), marks(here, at.KIND)
@@ -40,16 +42,18 @@ def escape(here, forces, frozen, working, hard_end):
 def nonnegative(here, enough, frozen, working, hard_end):
     """Minimise ``||g + sum mu_i s_i a_i||``, mu >= 0, over the hard rows at a bound (Lawson and Hanson 1974).
 
-    s_i is 1 at the upper bound, and all is within what the frozen rows leave. It starts from a working set with
-    positive shares. `d` is what is left, turned round.
+    s_i is 1 at the upper bound and -1 at the lower one; all vectors are projected onto the null space of the frozen
+    rows. It starts from a working set with positive multipliers ``share``. ``d`` is minus the residual. Only the rows
+    before `hard_end` take part.
 
     Returns
     -------
     working : int
+        Rows with a positive multiplier.
     steep : float
-        The length of d; no more is done once it is `enough`.
+        The length of d; the iteration ends when it is at most `enough`.
     stuck : bool
-        Whether it ended because a row in the way depends on those that are kept: nothing can be gained.
+        Whether it ended because a row that blocks d depends on the working set: nothing can be gained.
     """
     n, v, d, g = ints(here, 0, at.HEAD)[at.N], vector(here, at.VALUE), vector(here, at.D), vector(here, at.G)
     kind, side, norm = marks(here, at.KIND), marks(here, at.SIDE), vector(here, at.NORM)
@@ -93,9 +97,9 @@ def nonnegative(here, enough, frozen, working, hard_end):
 
 @inner
 def step_back(here, frozen, working):
-    """Go from the shares towards the multipliers, as far as all stay positive; rows whose share ends leave: how many.
+    """Move ``share`` towards the least-squares multipliers, until one reaches zero; its row leaves the working set.
 
-    Until the working set that is left wants positive shares alone.
+    Repeated until all least-squares multipliers are positive. Returns how many rows the working set then has.
     """
     n, pivot, kind, side = (
         ints(here, 0, at.HEAD)[at.N],

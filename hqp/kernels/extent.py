@@ -1,4 +1,4 @@
-"""The length of x that tolerances are relative to, not shorter than the round-off of the way x came."""
+"""The length of x to which tolerances are relative; it includes the round-off of the starting point x_0."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from .orthogonal import length
 
 @inner
 def extent(x, here):
-    """The length of x to which tolerances are relative, and what the round-off of x_0, where x comes from, adds."""
+    """``||x||`` + BLUR: x starts at x_0, so round-off of the size of x_0 is in it (see :func:`.solver.note_blur`)."""
     return length(x, ints(here, 0, at.HEAD)[at.N]) + vector(here, at.OPTION)[at.BLUR]
 
 
 @inner
 def far(here):
-    """Whether x is so much shorter than x_0, where it comes from, that the round-off of that shows."""
+    """Whether x is so much shorter than its start x_0 that the round-off of x_0 matters: BLUR > ``||x||``."""
     return vector(here, at.OPTION)[at.BLUR] > length(vector(here, at.X), ints(here, 0, at.HEAD)[at.N])

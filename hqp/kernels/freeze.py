@@ -1,4 +1,4 @@
-"""What a level decides for those below it: rows that keep their value from here on."""
+"""Freezes the rows that a level solved by :mod:`.levels` decides: they keep their value on the levels below."""
 
 from __future__ import annotations
 
@@ -15,12 +15,15 @@ from .working_set import FROZEN, HARD
 
 @inner
 def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
-    """Freeze level k where :func:`.polish.polish` has left it; what is satisfied becomes hard.
+    """Freeze equalities and violated rows of level k, and the hard rows that hold it back; its other rows become hard.
+
+    `hard`, `rank`, `own` and `own_rank` are those of :func:`.polish.polish`, which has left x, w and V; `pull` are the
+    forces of the level, 0 if it is met.
 
     Returns
     -------
     frozen : int
-        Rows of V then. x_E has moved to the point next to it that has the values of the frozen rows.
+        Rows of V that span the frozen rows. ``anchor``, x_E, is moved to the nearest point with the values of these.
     """
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
     n, tol = head[at.N], option[at.TOL]
@@ -34,7 +37,7 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
         kind[i], softness[i] = HARD, 0.0
         if side[i] == INACTIVE:
             w[i] = 0.0
-    if pull > 0.0:  # rows above whose multiplier is clear keep their bound for good: implicit equalities
+    if pull > 0.0:  # rows above with a clearly positive multiplier stay at their bound: implicit equalities
         clear = clear_of_basis(here, frozen, frozen + rank, pull)
         for q in range(frozen, frozen + rank):
             i = pivot[q]
@@ -58,7 +61,7 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
             all_frozen, w[i] = False, 0.0
         if pull == 0.0:
             w[i] = 0.0
-    if all_frozen:  # the basis is there already
+    if all_frozen:  # V spans them already
         for j in range(n):
             anchor[j] = x[j]
         return frozen + rank + own_rank
@@ -67,7 +70,7 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
 
 @inner
 def refactor(here, frozen, hard, own):
-    """V and x_E of the frozen rows alone, out of those that are listed: how many rows V gains."""
+    """Rebuild V and x_E from the frozen ones of the `hard` + `own` listed rows; returns how many rows V gains."""
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
     kind, ids, slots, pivot = marks(here, at.KIND), marks(here, at.IDS), marks(here, at.SLOTS), marks(here, at.PIVOT)

@@ -1,7 +1,7 @@
-"""A guess of the active set without a warm start: one weighted problem in place of the strict hierarchy.
+"""Guesses the active set without a warm start: solves one weighted problem in place of the strict hierarchy.
 
-Its x is approximate, but its active rows are mostly right where only the last level cannot be met; the sweep verifies
-them. Where higher levels cannot be met either, finite weights let the levels below shift them, and the guess is poor.
+Its x is approximate. Its active rows are mostly right if only the last level cannot be met; the sweep verifies them. If
+higher levels cannot be met either, the guess is poor, because with finite weights lower levels shift higher ones.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from .working_set import HARD
 
 #: Softness of the highest and of the lowest level, relative to the square of the longest row of the level.
 HARDEST, SOFTEST = 3e-15, 1e-5
-#: With more unknowns, or more rounds, it is not quick, and mostly wrong.
+#: Limits of the guess: with more unknowns, or more rounds, it is slow and mostly wrong.
 UNKNOWNS, ROUNDS = 12, 16
 
 
 @inner
 def guess(here, last):
-    """Set ``side`` to the active rows of the weighted problem; False if they are many, or not found in a few rounds."""
+    """Set ``side`` to the active rows of the weighted problem; False beyond the limits UNKNOWNS and ROUNDS."""
     head = ints(here, 0, at.HEAD)
     n, first = head[at.N], 1 if head[at.BOXED] != 0 else 0
     ptr, side, kind, depth = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.DEPTH)

@@ -1,9 +1,10 @@
-r"""What a curved level hands over to the levels below it: rows that are held, and rows that are soft.
+r"""The rows that a curved level hands over to the levels below: *held* rows, which are hard, and *soft* rows.
 
-Where nothing of a level is damped, all its rows are held. Else they are combined by how softly the level gives way:
-with :math:`G = U S V^T`, its rows in the directions that are left, and D, its damping there, the eigenvalues of
-:math:`S^{-1} V^T D V S^{-1}` are what is missed of a combination over what is met of it. The stiffness below is inverse
-to that, so that it grows without bound as the damping fades: a row that is held is its limit, and nothing is switched.
+If nothing of a level is damped, all its rows are held. Else they are replaced by combinations. With
+:math:`G = U S V^T`, the rows along Z, and D, the damping there, the eigenvectors of :math:`S^{-1} V^T D V S^{-1}`
+combine the rows; an eigenvalue is the ratio of the part of its combination that is missed to the part that is met. The
+stiffness of a soft row is inverse to this ratio: as the damping fades it grows without bound, without a jump to a held
+row.
 """
 
 from __future__ import annotations
@@ -15,20 +16,19 @@ from .memory import ints, marks, matrix, vector
 from .orthogonal import length
 from .symmetric import eigen
 
-#: So stiff against the levels below are soft rows that are met as well as missed, times gain dt; and above the second
-#: number they are held.
+#: Stiffness, times gain dt, of a soft row that is half met; and the stiffness above which a row is held instead.
 STIFF, STIFFEST = 6.0, 1e4
-#: A combination of rows that is so much shorter is none.
+#: A row, or a combination of rows, that is shorter than this share is dropped as round-off.
 NONE = 1e-9
-#: A row further from its bounds than this, relative to both, is violated.
+#: A row is violated if it is further from its bounds than this, relative to its value and that distance.
 VIOLATED = 1e-9
 
 
 @inner
 def set_aside(here, row, d):
-    """Hold one more row below, which is `row` along Z: of Z, one direction less is left.
+    """Turn the d directions Z so that the last one is along `row` (d,), and only the first d - 1 are left.
 
-    By the reflection that brings the last direction to where the row is, :math:`I - 2 u u^T / |u|^2`.
+    Uses the reflection :math:`I - 2 u u^T / |u|^2` that turns the last direction onto the row; `row` is overwritten.
     """
     n, basis, turned = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), vector(here, at.REACH)
     size, total = length(row, d), 0.0
@@ -48,7 +48,7 @@ def set_aside(here, row, d):
 
 @inner
 def along(here, row, d, out):
-    """A row along the directions Z that are left; its length there, and its own."""
+    """Write out[:d] = Z row, the coordinates of a row (n,) along Z; returns their length and that of the row."""
     n, basis = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS)
     for p in range(d):
         direction, total = basis[p], 0.0
@@ -60,7 +60,7 @@ def along(here, row, d, out):
 
 @inner
 def hold(here, row, d):
-    """Hold a row below: how many directions are left."""
+    """Hold a row (n,) on the levels below: take its direction out of Z; returns how many directions are left."""
     left = vector(here, at.MU)
     size, whole = along(here, row, d, left)
     if d > 0 and size > NONE * whole:
@@ -71,7 +71,7 @@ def hold(here, row, d):
 
 @inner
 def combine_nothing(here, k, i):
-    """Below its level k, row i is a combination of no rows yet."""
+    """Set the combination of rows of level k that replaces row i, ``combined[i]``, to zero."""
     ptr, own = marks(here, plain.PTR), matrix(here, at.COMBINED)[i]
     for p in range(ptr[k + 1] - ptr[k]):
         own[p] = 0.0
@@ -79,7 +79,11 @@ def combine_nothing(here, k, i):
 
 @inner
 def freeze(here, k, count, d, x, size):
-    """What of level k is held, or soft, below it, where x is its answer: how many directions are left."""
+    """Hand the `count` active rows of level k, solved by x, to the levels below; returns how many directions are left.
+
+    A level with inequalities, or SPARED: its equalities and violated rows are held, one by one. Else: :func:`soften`.
+    `size` is the norm of the rows.
+    """
     n, ids, state = ints(here, 0, plain.HEAD)[plain.N], marks(here, at.IDS), marks(here, at.STATE)
     lower, upper, weights = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, plain.WEIGHTS)
     reached, rows, J, mixed = (
@@ -149,9 +153,9 @@ def separate(here, count, d, size):
 
 @inner
 def compliance(here, count, d, size):
-    """How softly the level gives way in each combination Q of its rows: eigenvalues of S^-1 V' D V S^-1, G = U' S V'.
+    """Write combinations Q of the rows, and as ``values`` the eigenvalues of S^-1 V' D V S^-1, where G = U' S V'.
 
-    D is its damping, and what soft rows above it add. Returns how many combinations there are.
+    D is the damping of the level plus the effect of the soft rows above. Returns how many combinations there are.
     """
     P, L, M = matrix(here, at.P), matrix(here, at.METRIC), matrix(here, at.M)
     U, Q, E, half, values = (
@@ -196,7 +200,7 @@ def compliance(here, count, d, size):
 
 @inner
 def soften(here, k, count, d, x, size):
-    """The same of a level of equalities: combined by how softly it gives way, each held or soft."""
+    """:func:`freeze` for a level of equalities: its rows are combined by :func:`compliance`, each then held or soft."""
     n, ids, state = ints(here, 0, plain.HEAD)[plain.N], marks(here, at.IDS), marks(here, at.STATE)
     reached, rows, stiffness = vector(here, at.VALUE), matrix(here, at.ROW), vector(here, at.STIFFNESS)
     J, left, Q, soft = matrix(here, at.J), vector(here, at.MU), matrix(here, at.Q), vector(here, at.VALUES)

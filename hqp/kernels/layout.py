@@ -1,8 +1,8 @@
-"""The one address that kernels are handed: a directory of everything they work on.
+"""The directory of all arrays that kernels work on; its address is the one argument `here` of every kernel.
 
-Fifty arrays as arguments cost more than a small solve, and most of the time of compilation. So the arrays lie in
-memory that the caller keeps, and a directory of integers says where: first some numbers, then for every array its
-address, rows and columns. A kernel asks for the arrays that it uses, by name (:mod:`.memory`).
+Passing fifty arrays as arguments would cost more than a small solve, and most of the time of compilation. So the arrays
+lie in memory that the caller keeps, and a directory of integers tells where: first HEAD single numbers, then for every
+array its address, rows and columns. A kernel takes the arrays that it needs by the names below (:mod:`.memory`).
 """
 
 from __future__ import annotations
@@ -11,51 +11,57 @@ from itertools import pairwise
 
 import numpy as np
 
-#: Numbers at the head of the directory: the structure,
+#: Numbers at the head of the directory. The structure: unknowns, levels, rows, and whether level 0 is plain bounds on
+#: distinct variables.
 N, LEVELS, ROWS, BOXED = 0, 1, 2, 3
-#: what a solve is told (whether the sides are a guess; that long rows were looked at), and what it reports,
+#: Input of a solve: whether SIDE holds a guess, and whether the entries of very long rows were checked before. Output:
+#: the level of the status, sweeps, iterations, outcome.
 WARM, TRUSTED, LEVEL, SWEEPS, ITERATIONS, OUTCOME = 4, 5, 6, 7, 8, 15
-#: and for many hierarchies in one call their number (0: one), how many numbers each has, and the addresses of their
-#: x_ref (0: the same for all), x, sides and outcomes.
+#: For many hierarchies in one call: how many (0: one); how many numbers each has; and the addresses of their x_ref (0:
+#: the same for all), x, sides and outcomes.
 COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES = 9, 10, 11, 12, 13, 14
-#: When the call began, by the clock of :mod:`.memory` (0: when the kernel does). And what a solve notes for itself:
-#: when it must end, and whether the sides at the end of each level mean something. And how many levels are damped, the
-#: address of the directory with rows for that, and whether these levels have aims of their own (0: x_ref). And whether
-#: a rank was decided that could be another: see :mod:`.doubt`.
+#: When the call began, by the clock of :mod:`.memory` (0: when the kernel begins); when the solve must end; whether
+#: SAVED holds the sides at the end of each level; how many levels are damped; the address of a second directory, in
+#: which rows of damping are ordinary rows; whether damped levels have aims of their own (0: x_ref); and whether the
+#: rank of a level is in doubt (:mod:`.doubt`). HEAD is the number of these numbers.
 BEGAN, DEADLINE, HISTORY, DAMPED, TWIN, AIMED, DOUBT, HEAD = 16, 17, 18, 19, 20, 21, 22, 23
 
-#: Places in OPTION: relative tolerances on rank and on rows, most iterations, most seconds; and, of each solve, what
-#: round-off in x0 adds to the length of x where a tolerance is relative to it.
+#: Places in OPTION: relative tolerances on rank and on rows; most iterations; most seconds; and BLUR, what the
+#: round-off of x_0 adds to the length of x to which tolerances are relative (:mod:`.extent`).
 TAU, TOL, BUDGET, LIMIT, BLUR = 0, 1, 2, 3, 4
-#: Numbers in a rule of damping: its kind, and what it is told.
+#: Numbers of a damping rule: its kind and two parameters.
 RULE = 3
 
-# The structure. PTR: rows of level k are PTR[k] .. PTR[k + 1]. WHOLE: whether level k bounds every variable once.
-# COL: variable of a plain bound, or -1. ROW_OF: row of A, or -1.
-# The hierarchy as given (A, LOWER, UPPER, WEIGHTS, X_REF), and as it is solved: weighted rows B, bounds LO, HI,
-# lengths NORM (a plain bound's is its weight), and what the last level that counts wants, X0.
+# The structure. PTR: the rows of level k are PTR[k] .. PTR[k + 1] - 1. WHOLE: whether level k bounds every variable
+# once. COL: the variable of a plain bound, or -1. ROW_OF: the row of A, or -1.
+# The hierarchy as given (A, LOWER, UPPER, WEIGHTS, X_REF), and as it is solved: weighted rows B and bounds LO, HI; the
+# lengths NORM of the weighted rows (of a plain bound, its weight); and X0, the reference of the implicit last level.
 (PTR, WHOLE, COL, ROW_OF, A, LOWER, UPPER, WEIGHTS, B, LO, HI, NORM, X_REF, X0, OPTION) = range(15)
-# The point X and the slack W of the rows; a guess SIDE, what contradicts it, FOLLOW, and rows whose multiplier has a
-# clear sign, DECIDED. The basis V, the coefficients L of the rows, what is left of them, R, reflections H, and the
-# rows PIVOT that the basis was made of: see :mod:`.orthogonal`. IDS .. RHS: rows of one level, in order.
+# The point X and the weighted slacks W. The guess SIDE of the active set; FOLLOW, the sides that its contradictions
+# suggest; DECIDED, whether the sign of a row's multiplier is clear. The orthonormal basis V; coefficients L of the rows
+# along V; their remainders R; Householder reflections H; PIVOT, the row from which each row of V was made: see
+# :mod:`.orthogonal`. IDS .. RHS: the active rows of one level, in order.
 (X, W, SIDE, FOLLOW, DECIDED, V, L, R, H, PIVOT, IDS, SLOTS, LENGTHS, RHS) = range(15, 29)
-# Scratch, by variable,
+# Work arrays with an entry for each variable,
 (Y, G, BALANCE, PINNED, FREE, QUEUE, D, MULTIPLIER, SHARE, SCRATCH, SAFE) = range(29, 40)
-# by level, by row,
+# and with an entry for each level (CUT, FORCES) or row.
 (CUT, FORCES, VALUE, SLOPE, LOW, HIGH, ALLOWED, KIND, HELD) = range(40, 49)
-# of the level that is being solved, see :mod:`.levels`: where it starts, the exact point of the levels above, the point
-# of the dual; the sides at the end of each level, (levels + 1, m); the rows less their part along V, P, and how many
-# rows of V that means; and their multipliers,
+# For :mod:`.levels`: x_E, from which the level starts; the exact point of the levels above; the point of the dual; the
+# sides at the end of each level, (levels + 1, m); P, the rows projected onto the null space of V[:DEPTH]; DEPTH, for
+# each row; and the multipliers.
 (ANCHOR, EXACT, APPROACH, SAVED, P, DEPTH, LAMBDA) = range(49, 56)
-# and the members of the dual active set, in order, see :mod:`.members`.
+# For :mod:`.dual` and :mod:`.members`, in the order of the members: their rows, and the arrays of their factor.
 (MEMBERS, FACTOR, DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED) = range(56, 66)
-# And of damped levels, see :mod:`.damped`: which ones; kind and numbers of the rule of each; the sides at the end of
-# each stage, (2 damped + 1, m); of each level lambda, whether x_a was asked for, x_a and x_k; and its aim.
+# For :mod:`.damped`: the damped levels; the rule of each; the sides at the end of each stage, (2 damped + 1, m); of
+# each damped level lambda, whether x_a was computed, x_a and x_k; and its aim.
 (WHICH, RULES, STAGES, PASSED, AIMS) = range(66, 71)
 
 
 def shapes(n, levels, m, dense, widest, damped):
-    """Shape of every array that is not the caller's own, integers and numbers apart: two dicts by place."""
+    """Shapes of all arrays that the caller does not own, place -> (rows, columns): dicts of integer and float arrays.
+
+    `m` is the number of all rows, `dense` that of A, `widest` that of the largest level, `damped` how many are damped.
+    """
     deep, many, spare = widest + n, min(m, 2 * n + 8), n if damped else 0
     ints = dict.fromkeys((SIDE, FOLLOW, DECIDED, KIND, HELD), (m, 1))
     ints |= dict.fromkeys((PINNED, FREE, PIVOT, QUEUE), (n, 1))
@@ -73,22 +79,30 @@ def shapes(n, levels, m, dense, widest, damped):
     return ints, reals
 
 
-#: Places of all integer arrays in memory, and of all arrays of numbers.
+#: Places of all integer arrays in memory, and of all arrays of floats.
 PLACES = tuple(np.array(list(block)) for block in shapes(0, 0, 0, 0, 0, 0))
 
 
 def lay_out(structure, damped=(), rows_of_damping=False):
-    """A directory for hierarchies of this structure, and the sizes of the memory for integers and numbers.
+    """Make a directory for hierarchies of this structure.
 
-    With `rows_of_damping`, the levels that are `damped` have a bound on every variable more, their last rows.
+    Parameters
+    ----------
+    structure : tuple
+        As :attr:`hqp.Hierarchy.structure`.
+    damped : sequence of int
+        The damped levels.
+    rows_of_damping : bool
+        Whether each of these has one more bound on every variable, as its last rows.
 
     Returns
     -------
     directory : int64 array
-        Of every array in memory, instead of its address, where it begins there.
+        For the arrays in memory it has the offset in place of the address, which the caller adds.
     owned : dict
-        Place -> int64 array of the structure, whose addresses are in the directory: to be kept.
+        Place -> int64 array of the structure. The directory has their addresses: the caller must keep them.
     sizes : (int, int)
+        How many integers and floats of memory are needed.
     """
     n, cuts, has_rows, indices = structure
     columns = np.frombuffer(indices, dtype=np.intp)
@@ -98,7 +112,7 @@ def lay_out(structure, damped=(), rows_of_damping=False):
     if rows_of_damping:
         levels = [np.append(own, np.arange(n)) if k in damped else own for k, own in enumerate(levels)]
         columns, cuts = np.concatenate(levels), np.cumsum([0, *map(len, levels)])
-    if damped:  # whose stages have rows of damping, and end there
+    if damped:  # their stages have rows of damping, and end with them
         whole = [every and k > damped[-1] for k, every in enumerate(whole)]
         distinct = [alone and k not in damped for k, alone in enumerate(distinct)]
     dense = columns < 0

@@ -1,12 +1,16 @@
-r"""Level by level: which rows are active, from the highest level to the lowest, each one exact before the next begins.
+r"""Finds the active rows level by level, from the highest to the lowest; each level is exact before the next begins.
 
-Level k has in V what the levels above have decided, and x_E, the point next to x_0 that they allow; W are the rows at
-a bound, of this level and of those above. With W as equalities the level is solved exactly (:mod:`.polish`); mostly
-that is all. Where it contradicts itself, a dual active set finds W in what V leaves free (:mod:`.dual`), and where its
-softness still hides something, primal steps go the rest of the way (:mod:`.primal`). Then the level is frozen
-(:mod:`.freeze`). W at the end of every level is kept, and is where the next solve starts.
+V spans the rows that the levels above k have frozen, and x_E is the point nearest to x_0 with the values of these rows.
+W is the active set of level k: rows at a bound, of this level and of those above.
 
-So a solve is *anytime*: EXACT is optimal for all levels above the one that is being solved.
+1. The level is solved exactly with the rows of W as equalities (:mod:`.polish`); mostly that is all.
+2. If rows contradict this, a dual active-set method finds W in the null space of V (:mod:`.dual`), and the level is
+   solved again with it.
+3. If the softness in the dual method still hides a wrong row, exact primal steps finish the level (:mod:`.primal`).
+4. The rows that the level decides are frozen (:mod:`.freeze`).
+
+W at the end of every level is saved: the next solve starts there. A solve is *anytime*: EXACT is optimal for all levels
+above the one that is being solved.
 """
 
 from __future__ import annotations
@@ -29,26 +33,26 @@ from .working_set import FROZEN, FUTURE, HARD, IGNORED
 
 #: Softness of the level that is being solved, relative to the square of its longest row.
 SOFT = 1e-9
-#: A point satisfies the levels above if it does so up to this share.
+#: Relative tolerance within which a starting point must satisfy the levels above.
 FEASIBLE = 1e-7
 
 
 @step
 def levels(here, last, warm):
-    """Find the sides of levels 0 .. last; with `warm`, from those at the end of each level of the last time.
+    """Find ``side`` for levels 0 .. last; with `warm`, from the sides at the end of each level of the last solve.
 
     Returns
     -------
     level : int
-        The one that could not be solved, with EXACT exact above it; `last` + 1 if all were, and `last` + 2 if x has
-        kept what all of them decided: a proof.
+        The level that could not be solved: EXACT is optimal for those above. `last` + 1 if all were solved; `last` + 2
+        if x also keeps all that they decided, which is a proof.
     """
     ptr, rounds = marks(here, at.PTR), 4 * len(marks(here, at.MEMBERS)) + 4
     k, frozen = begin(here, last)
     while k <= last and not late(here):
         delta, end = take_up(here, k, last, warm), ptr[min(k + 1, last)]
         for turn in range(2):
-            if turn > 0 or k == last:  # the last level is never met: its members are all there is to find
+            if turn > 0 or k == last:  # the last level has no rows of its own, and is hardly ever met: dual at once
                 count = assemble(here, k, last, frozen, delta)
                 count = settle(here, end, frozen, count, delta, rounds, FINE)
                 remember(here, k, last, count)
@@ -76,14 +80,14 @@ def levels(here, last, warm):
 
 @inner
 def begin(here, last):
-    """Nothing is decided yet but level 0 where it is bounds on distinct variables, which all can be kept.
+    """Reset the state; a level 0 of plain bounds on distinct variables is solved here, as these can all be met.
 
     Returns
     -------
     k : int
-        The first level to be solved.
+        The first level to be solved: 1 with such bounds, else 0.
     frozen : int
-        Variables that those bounds fix.
+        How many variables these bounds fix.
     """
     head = ints(here, 0, at.HEAD)
     head[at.DOUBT] = 0
@@ -119,12 +123,12 @@ def begin(here, last):
 
 @inner
 def take_up(here, k, last, warm):
-    """Level k begins: its equalities join W; with `warm`, W is as it was at the end of this level the last time.
+    """Begin level k: its equalities join W, ``side``; with `warm`, W is what the last solve saved for this level.
 
     Returns
     -------
     delta : float
-        Softness of its rows.
+        Softness of the rows of this level.
     """
     m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
     side, kind, saved = marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.SAVED)
@@ -151,9 +155,9 @@ def take_up(here, k, last, warm):
 
 @inner
 def condense(here, k, frozen, delta):
-    """List as many members as the equalities of level k have directions: the same least squares, turned by reflections.
+    """Replace the equalities of level k, more rows than directions, by as many members as they have rank; returns that.
 
-    They have numbers from m on.
+    Householder reflections turn them into rows with the same least squares. These members have the numbers m, m + 1 ...
     """
     head = ints(here, 0, at.HEAD)
     n, m = head[at.N], head[at.ROWS]
@@ -187,7 +191,10 @@ def condense(here, k, frozen, delta):
 
 @inner
 def assemble(here, k, last, frozen, delta):
-    """Factor W: the equalities of level k, then hard rows, then its own; those that depend on the others leave."""
+    """Factor W: first the equalities of level k, then hard rows above, then its inequalities; returns how many members.
+
+    Rows that depend on the members before them, or find no room, become inactive.
+    """
     n = ints(here, 0, at.HEAD)[at.N]
     ptr, side, kind = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.KIND)
     force, carried, norm = vector(here, at.FORCE), vector(here, at.LAMBDA), vector(here, at.NORM)
@@ -218,7 +225,7 @@ def assemble(here, k, last, frozen, delta):
 
 @inner
 def remember(here, k, last, count):
-    """What the dual ended with: its point, and the multipliers of its members."""
+    """Save what the dual method ended with: its x as APPROACH, and the multipliers of its `count` members."""
     head = ints(here, 0, at.HEAD)
     n, m, ptr = head[at.N], head[at.ROWS], marks(here, at.PTR)
     members, force = marks(here, at.MEMBERS), vector(here, at.FORCE)
@@ -234,7 +241,7 @@ def remember(here, k, last, count):
 
 @inner
 def feasible(here, k):
-    """Whether APPROACH satisfies the levels above k."""
+    """Whether APPROACH satisfies the hard rows of the levels above k, within FEASIBLE."""
     ptr, kind, norm = marks(here, at.PTR), marks(here, at.KIND), vector(here, at.NORM)
     lo, hi, point = vector(here, at.LO), vector(here, at.HI), vector(here, at.APPROACH)
     size = extent(point, here)
@@ -248,7 +255,7 @@ def feasible(here, k):
 
 @inner
 def start_again(here, k):
-    """From EXACT, with the W of the level above, and what of level k is violated there."""
+    """Start level k again: APPROACH = EXACT, and W that of the level above plus the rows of level k violated there."""
     head, tol = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.TOL]
     n, m, ptr, saved = head[at.N], head[at.ROWS], marks(here, at.PTR), marks(here, at.SAVED)
     side, kind, norm = marks(here, at.SIDE), marks(here, at.KIND), vector(here, at.NORM)
@@ -273,7 +280,7 @@ def start_again(here, k):
 
 @inner
 def keep(here, k, last):
-    """W at the end of level k."""
+    """Save ``side``, W at the end of level k, for the next solve; frozen rows are left out."""
     m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
     side, kind, saved = marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.SAVED)
     for i in range(ptr[min(k + 1, last)]):
@@ -282,7 +289,7 @@ def keep(here, k, last):
 
 @inner
 def advance(here):
-    """The point of this level is exact for those above the next one."""
+    """EXACT = x: it is optimal for all levels above the next one."""
     n = ints(here, 0, at.HEAD)[at.N]
     x, exact = vector(here, at.X), vector(here, at.EXACT)
     for j in range(n):

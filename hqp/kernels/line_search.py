@@ -1,9 +1,9 @@
-r"""How far to go along d, in the safe method: to the exact minimum of the level, or to the first hard row in the way.
+r"""The step length along d in the safe method: to the exact minimum of the level, or to the first hard row that blocks.
 
 .. math:: \varphi(a) = \tfrac12 \sum_{i \in k} \operatorname{dist}(v_i + a\,s_i, [l_i, u_i])^2, \qquad
    v = A x, \quad s = A d,
 
-is piecewise quadratic and convex: its minimum is found exactly, kink by kink.
+is piecewise quadratic and convex, so that its minimum is found exactly, from one kink of its derivative to the next.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from .orthogonal import length
 from .rows import value_of
 from .working_set import FUTURE, HARD
 
-#: A step changes a row if it does so by more than round-off.
+#: A change of a row along d below this share of both lengths is round-off.
 MOVES = 1e-12
-#: A step this close to 1 is the whole Newton step.
+#: A step length this close to 1 is rounded to 1, the whole Newton step.
 WHOLE = 1e-9
-#: The share of its tolerance by which a hard row may be violated where a steeper one blocks just after it (Harris).
+#: Share of its tolerance by which a hard row may be violated, so that a steeper row just behind it can block (Harris).
 RELAXED = 0.1
 
 
 @inner
 def line_search(here, k, last):
-    """The length of the step along d, and the row that blocks it there, or -1."""
+    """The step length along ``d`` for level k, and the hard row that blocks it there, or -1."""
     ptr, slope, v = marks(here, at.PTR), vector(here, at.SLOPE), vector(here, at.VALUE)
     lo, hi = vector(here, at.LO), vector(here, at.HI)
     rates(here, k, last)
@@ -40,7 +40,7 @@ def line_search(here, k, last):
 
 @inner
 def rates(here, k, last):
-    """How fast each row of level k, and each hard row that may block, changes along d; 0 where that is round-off."""
+    """Write ``slope`` = a_i d of each row of level k and of each hard row; 0 where that is round-off."""
     n, ptr, kind = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR), marks(here, at.KIND)
     norm, slope, d = vector(here, at.NORM), vector(here, at.SLOPE), vector(here, at.D)
     steep = length(d, n)
@@ -54,10 +54,10 @@ def rates(here, k, last):
 
 @inner
 def blocking_row(here, hard_end):
-    """The step at which the first hard row, all before `hard_end`, is at its bound, and that row, or -1.
+    """The step length at which the first hard row before `hard_end` reaches its bound, and that row (none: inf, -1).
 
-    Of rows that are in the way at about the same place, the steepest: how far one may go if all of them give way a
-    little, and then, of those met until there, the one that crosses d at the widest angle (Harris 1973).
+    Ratio test of Harris (1973): the largest step is computed with slightly widened bounds; of the rows that reach their
+    true bound within it, the one with the steepest slope, relative to its length, blocks.
     """
     kind, slope, allowed = marks(here, at.KIND), vector(here, at.SLOPE), vector(here, at.ALLOWED)
     norm, low, high, v = vector(here, at.NORM), vector(here, at.LOW), vector(here, at.HIGH), vector(here, at.VALUE)
@@ -77,7 +77,7 @@ def blocking_row(here, hard_end):
 
 @inner
 def reach_of_reference(here):
-    """The a that minimises ``||x + a d - x_0||``."""
+    """The step length a that minimises ``||x + a d - x_0||``."""
     n = ints(here, 0, at.HEAD)[at.N]
     x, x0, d = vector(here, at.X), vector(here, at.X0), vector(here, at.D)
     steep, reach = length(d, n), 0.0
@@ -89,9 +89,10 @@ def reach_of_reference(here):
 
 @inner
 def best_step(first, end, v, slope, lo, hi):
-    r"""The a >= 0 that minimises :math:`\sum_i \operatorname{dist}(v_i + a\,s_i, [l_i, u_i])^2` over rows first .. end.
+    r"""The a >= 0 that minimises :math:`\sum_i \operatorname{dist}(v_i + a\,s_i, [l_i, u_i])^2`, i = first .. end - 1.
 
-    The derivative is piecewise linear and increasing: from kink to kink, until it changes sign.
+    The derivative is piecewise linear and increasing; its kinks are visited in turn, until it changes sign.
+    `v`, `slope`, `lo`, `hi` have shape (m,).
     """
     start = initial = 0.0
     for turn in range(2 * (end - first) + 2):

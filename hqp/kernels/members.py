@@ -1,7 +1,7 @@
-r"""The factor of the dual active set: members join and leave, and what they want follows.
+r"""The LDL' factor of the members, the active set of the dual method (:mod:`.dual`), with its updates and solves.
 
-Member c is a row b with softness :math:`\delta`, at a bound g. With P its part that the frozen rows leave free
-(:func:`prepare`), the multipliers of all members solve
+Member c is a row b with softness :math:`\delta`, at a bound g. With P, the row projected onto the null space of the
+frozen rows (:func:`prepare`), the multipliers of all members solve
 
 .. math:: (P P^T + \operatorname{diag} \delta)\, \lambda = B x_E - g = r, \qquad P P^T + \operatorname{diag} \delta
    = L D L^T, \qquad z = L^{-1} r .
@@ -20,7 +20,10 @@ from .rows import EQUALITY, copy_row, value_of
 
 @inner
 def prepare(i, frozen, here):
-    """Let P_i be row i less its part along V[:frozen]; what was taken off before stays so, for V only grows."""
+    """Write P_i, row i projected onto the null space of V[:frozen].
+
+    V only grows, so the projection continues from the rows of V that were taken off before, V[:DEPTH[i]].
+    """
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
     depth, scratch = marks(here, at.DEPTH), vector(here, at.SCRATCH)
@@ -39,7 +42,10 @@ def prepare(i, frozen, here):
 
 @inner
 def list_part(i, place, slot, here):
-    """Put P_i at this place of the list of rows, as :func:`.orthogonal.pivots` takes it."""
+    """Put row i at `place` of IDS, SLOTS, LENGTHS, and P_i into R[place], as :func:`.orthogonal.pivots` takes them.
+
+    `slot` is its place relative to the first row of the call of `pivots`.
+    """
     n = ints(here, 0, at.HEAD)[at.N]
     P, R = matrix(here, at.P), matrix(here, at.R)
     mine, row = P[i], R[place]
@@ -51,18 +57,18 @@ def list_part(i, place, slot, here):
 
 @inner
 def start_of(i, goal, here):
-    """r_i = b_i x_E - g."""
+    """The right-hand side r_i = b_i x_E - g of row i, where g is `goal`."""
     return value_of(i, vector(here, at.ANCHOR), here) - goal
 
 
 @inner
 def enter(count, here):
-    """Append member number `count`, listed with its r and softness, to the factor.
+    """Append member number `count` to the factor; its row, r and softness are listed already.
 
     Returns
     -------
     pivot, square : float
-        Its d, and what that was before the other members took their part: next to nothing left means dependent.
+        The new entry of D, and ``||P||^2`` of the row. If the pivot is tiny beside `square`, the row is dependent.
     """
     head = ints(here, 0, at.HEAD)
     n, m = head[at.N], head[at.ROWS]
@@ -102,7 +108,7 @@ def enter(count, here):
 
 @inner
 def leave(place, count, here):
-    """Take the member at this place from the list and from the factor."""
+    """Remove the member at this place from the list of `count` members and from the factor."""
     members = marks(here, at.MEMBERS)
     D, z, right, soft = vector(here, at.DIAGONAL), vector(here, at.Z), vector(here, at.RIGHT), vector(here, at.SOFT)
     force, p, b = vector(here, at.FORCE), vector(here, at.CARRY), vector(here, at.SHED)
@@ -132,7 +138,7 @@ def leave(place, count, here):
 
 @inner
 def wants(count, here):
-    """The multipliers that all members together want: L^T wanted = D^-1 z. Returns the objective, sum z^2 / D."""
+    """Solve L^T ``wanted`` = D^-1 z: multipliers with all members as equalities; returns the objective, sum z^2 / D."""
     D, z, wanted = vector(here, at.DIAGONAL), vector(here, at.Z), vector(here, at.WANTED)
     F = matrix(here, at.FACTOR)
     objective = 0.0
@@ -148,7 +154,7 @@ def wants(count, here):
 
 @inner
 def sign_of(c, here):
-    """The sign that the multiplier of this member must have: 1 at an upper bound, -1 at a lower one, 0 if free."""
+    """The sign that the multiplier of member c must have: 1 at an upper bound, -1 at a lower one, 0 for an equality."""
     m, i = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.MEMBERS)[c]
     if i >= m:
         return 0

@@ -1,9 +1,7 @@
-"""Views of raw memory and the clock, in a form that Numba compiles.
+"""Arrays that view raw memory, and a clock, as intrinsics that Numba compiles.
 
-Views are arrays without an owner, so that no reference is ever counted.
-
-A kernel that cuts fifty arrays from one block, and hands them on, would else spend most of a small solve on
-counters. The caller keeps the block alive.
+The views have no owner, so that no references are counted: a kernel that takes fifty arrays from one block and passes
+them on would otherwise spend most of a small solve on counting. The caller keeps the block alive.
 """
 
 from __future__ import annotations
@@ -23,7 +21,7 @@ from .layout import HEAD, LOWER, UPPER, WEIGHTS, A
 
 
 def _array(kind, axes):
-    """An intrinsic (directory, place) -> the contiguous array there."""
+    """Signature and code of an intrinsic (directory, place) -> the contiguous array of `axes` axes there."""
     array = types.Array(kind, axes, "C")
 
     def build(context, builder, signature, arguments):
@@ -39,7 +37,7 @@ def _array(kind, axes):
 
 
 def _view(context, builder, array, data, shape):
-    """An array of numbers of eight bytes, without an owner."""
+    """An array without an owner, of numbers of eight bytes."""
     item = context.get_constant(types.intp, 8)
     strides = [item] if array.ndim == 1 else [builder.mul(shape[1], item), item]
     view = make_array(array)(context, builder)
@@ -78,19 +76,19 @@ def _raw(kind):
 
 @intrinsic
 def floats(typing, address, first, count):
-    """float64 (count,), from the first-th number after the address on."""
+    """float64 array (count,), which begins `first` numbers after the address."""
     return _raw(types.float64)
 
 
 @intrinsic
 def ints(typing, address, first, count):
-    """int64 (count,), from the first-th number after the address on."""
+    """int64 array (count,), which begins `first` numbers after the address."""
     return _raw(types.int64)
 
 
 @intrinsic
 def given(typing, here, numbers):
-    """Let the arrays of the hierarchy be those at this address: A, lower, upper, weights, one after the other."""
+    """Point A, LOWER, UPPER and WEIGHTS of the directory to the numbers at an address, where they follow each other."""
 
     def build(context, builder, signature, arguments):
         here, address = arguments
@@ -106,7 +104,7 @@ def given(typing, here, numbers):
     return types.void(types.int64, types.int64), build
 
 
-#: Which clock; none where the system has no POSIX clocks, and time limits are not kept.
+#: Which POSIX clock; None if the system has none: time limits are then ignored.
 MONOTONIC = getattr(time, "CLOCK_MONOTONIC", None)
 
 
@@ -157,5 +155,5 @@ if INTERPRETED:
         return 0 if MONOTONIC is None else time.clock_gettime_ns(MONOTONIC)
 
     def _at(address, kind, count):
-        """The numbers there; NumPy's own, as 1 / 0 is to be infinite."""
+        """The numbers at an address, as a NumPy array: its 1 / 0 is infinite, as in compiled kernels."""
         return np.ctypeslib.as_array((kind * int(count)).from_address(int(address))) if count else np.empty(0, kind)

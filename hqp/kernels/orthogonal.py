@@ -1,8 +1,8 @@
-r"""Rows made orthonormal, and the least squares that this leaves: the numerics of every level.
+r"""Orthonormalisation of the rows of a level, and its least squares in the null space of the levels above.
 
-The rows V[0:c] are orthonormal and span what the levels above fix. A row a of the next level is split into
-:math:`a = L V + R`: coefficients along V, and what is left. Gram-Schmidt turns that into new rows of V, the
-longest first, until only dependent rows remain, of which no more is left than a small share of their own length; then
+The rows V[0:c] are orthonormal and span the rows of the levels above. A row a of the next level is split into
+:math:`a = L V + R`: coefficients along V, and a remainder. Pivoted Gram-Schmidt turns the remainders into new rows of
+V, the longest first, until only dependent rows are left, whose remainder is a small share of their length. Then
 
 .. math:: A_k x = L_k y, \qquad x = x_0 + V^T y
 
@@ -16,16 +16,16 @@ import math
 
 from .compile import inner, integer
 
-#: Below this share of its length, what a projection left is projected again.
+#: A remainder below this share of the length of its row is projected again.
 CANCELLED = 0.1
-#: What projection leaves of a row below this share of its length is round-off, which a large slack would magnify. What
-#: is more takes part in the least squares of its level, also where it is too little for a direction of its own.
+#: A remainder below this share of the length of its row is round-off and set to 0, as a large slack would magnify it. A
+#: longer one takes part in the least squares of its level, even if it is too short for a direction of its own.
 NONE = 1e-14
 
 
 @inner
 def project(row, f, V, first, c, coefficients):
-    """Take from row[:f] its part along V[first:c]; *add* the coefficients to those given there, shape (c,)."""
+    """Subtract from row[:f] its part along V[first:c]; its coefficients are *added* to `coefficients`, shape (c,)."""
     q = first
     while q + 3 < c:  # four rows at a time: one pass over `row` serves them all
         v0, v1, v2, v3 = V[q], V[q + 1], V[q + 2], V[q + 3]
@@ -79,7 +79,7 @@ def factor(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
     V : (n, n)
         Rows c, c + 1, ... are written.
     L : (m, n)
-        By row number; columns 0 .. c + rank are written.
+        Coefficients along V, by row number; columns 0 .. c + rank - 1 are written.
 
     Returns
     -------
@@ -91,7 +91,10 @@ def factor(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
 
 @inner
 def separate(ids, count, slots, sizes, R, norm, V, L, first, c, f, tau):
-    """Split the rows R into their part along V[first:c], to L, and what is left, measured; see :func:`factor`."""
+    """Split the rows R: coefficients along V[first:c] to L, remainders to R, their lengths to `sizes`.
+
+    Arguments as of :func:`factor`.
+    """
     for r in range(count):
         slots[r] = r
         row, coefficients = R[r], L[ids[r]]
@@ -108,7 +111,10 @@ def separate(ids, count, slots, sizes, R, norm, V, L, first, c, f, tau):
 
 @inner
 def pivots(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
-    """The longest of the rows that are left becomes the next of V, until only dependent ones remain: the rank."""
+    """Turn the remainders R into rows of V, the longest first, until only dependent ones are left; returns the rank.
+
+    Arguments as of :func:`factor`, after :func:`separate`.
+    """
     rank = integer(0)
     renewed = -1  # the row that was just projected again
     while rank < count and c + rank < f:
@@ -164,9 +170,9 @@ def reflect(vector, column, j, head, scale, rank, count):
 
 @inner
 def triangle(ids, count, rank, L, c, rhs, diagonal, H):
-    """Turn the trapezoid of :func:`level_least_squares` into a lower triangle by reflections, and rhs with it.
+    """Reflect the trapezoid of :func:`level_least_squares` to a lower triangle, and `rhs` with it.
 
-    Its row j is ``H[0][j] .. H[j - 1][j], diagonal[c + j]``; H keeps the reflections, too.
+    Row j of the triangle is ``H[0][j] .. H[j - 1][j], diagonal[c + j]``; H also keeps the reflections.
     """
     for j in range(rank):
         column = H[j]
@@ -174,7 +180,7 @@ def triangle(ids, count, rank, L, c, rhs, diagonal, H):
             column[r] = 0.0
         for r in range(j, count):
             column[r] = L[ids[r]][c + j]
-    # From the last column to the first: the triangle that is there already costs next to nothing.
+    # From the last column to the first: so the triangle in the first `rank` rows costs next to nothing.
     for j in range(rank - 1, -1, -1):
         column = H[j]
         total = column[j] * column[j]
@@ -196,10 +202,10 @@ def triangle(ids, count, rank, L, c, rhs, diagonal, H):
 def level_least_squares(ids, count, rank, L, c, rhs, y, slack, H):
     r"""Minimise ``||L_k y - rhs||`` over y[c : c + rank].
 
-    `L_k` are the rows `ids` of L in the columns c .. c + rank, a trapezoid: lower triangular in its first
-    `rank` rows. Without dependent rows it is solved as it stands and the slack is 0 *exactly*. Else by
-    Householder reflections, and the slack is taken from them, :math:`w = -Q (0, \text{tail})`: orthogonal
-    to the rows whatever the size of w.
+    `L_k` are the rows `ids` of L in the columns c .. c + rank - 1, a trapezoid: lower triangular in its first `rank`
+    rows. Without dependent rows it is solved by substitution, and the slack is *exactly* 0. Otherwise Householder
+    reflections Q make it a triangle, and the slack is :math:`w = -Q (0, \text{tail})`, which is orthogonal to the
+    columns of `L_k` however large it is.
 
     Parameters
     ----------
@@ -219,7 +225,7 @@ def level_least_squares(ids, count, rank, L, c, rhs, y, slack, H):
             slack[ids[r]] = 0.0
         return
     triangle(ids, count, rank, L, c, rhs, y, H)
-    for j in range(rank):  # what is left is lower triangular again
+    for j in range(rank):  # lower triangular again
         total = rhs[j]
         for q in range(j):
             total -= H[q][j] * y[c + q]

@@ -1,12 +1,12 @@
-r"""One level exactly, with its members as equalities: least squares, and what contradicts them.
+r"""Solves one level exactly with its active rows as equalities, and counts the rows that contradict the result.
 
-Within the frozen rows V[:frozen], C are the members among the rows above, S the level's own,
+In the null space of the frozen rows V[:frozen], with C the active rows of the levels above and S those of the level,
 
 .. math:: \min_x \|S x - g_S\|^2 \quad \text{subject to} \quad C x = g_C, \qquad x = x_E + V^T y,
 
-solved by pivoted Gram-Schmidt and reflections (:mod:`.orthogonal`), on top of V. No softness is left in it. Where the
-level is not met, :math:`g = S^T w` must be balanced by C, and all must push the right way; no row outside may be
-violated. Nothing that contradicts that is the proof that the level is optimal, given those above.
+is solved by pivoted Gram-Schmidt and reflections (:mod:`.orthogonal`), without softness. If the level is not met,
+multipliers of C must balance :math:`g = S^T w`; they and the slacks w of inequality rows must have the right signs. No
+inactive row may be violated. If no row contradicts this, the level is proved optimal, given those above.
 """
 
 from __future__ import annotations
@@ -24,7 +24,10 @@ from .working_set import FROZEN, balance
 
 @inner
 def list_members(here, first, end, frozen, begin, room):
-    """List the members among the rows first .. end, from place `begin` on, and copy their free parts to R."""
+    """List the active rows of first .. end - 1 from place `begin` on, and their projections P in R; returns how many.
+
+    At most `room` are listed; the others become inactive.
+    """
     n = ints(here, 0, at.HEAD)[at.N]
     side, kind, R = marks(here, at.SIDE), marks(here, at.KIND), matrix(here, at.R)
     norm, lengths, tau = vector(here, at.NORM), vector(here, at.LENGTHS), vector(here, at.OPTION)[at.TAU]
@@ -48,12 +51,13 @@ def list_members(here, first, end, frozen, begin, room):
 
 @inner
 def polish(here, k, last, frozen):
-    """Solve level k for its members: x, y and the slacks w; of the last level S is empty.
+    """Solve level k with its active rows as equalities: x, y and the slacks w. For the last level S is empty.
 
     Returns
     -------
     hard, rank, own, own_rank : int
-        Rows of C and of S, and of how many of each V and the list of rows, C before S, have directions.
+        Rows of C, their rank, rows of S, their rank. V then has `rank` rows from C, and `own_rank` from S behind them;
+        ``ids`` lists the rows of C, then those of S, each with its pivot rows first.
     """
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
@@ -98,13 +102,15 @@ def polish(here, k, last, frozen):
 
 @inner
 def judge(here, k, last, frozen, hard, rank, own):
-    """What contradicts the members of level k, at the x of :func:`polish`.
+    """Count the rows that contradict the active set of level k, at the x of :func:`polish`.
 
     Returns
     -------
     faults : int
+        Active rows with a multiplier, or a slack, of the wrong sign; inactive rows that are violated; and dependent
+        rows of C that are not at their bound.
     worst : int
-        The member that pushes the wrong way most, or -1.
+        The active row whose multiplier, or slack, has the most wrong sign, or -1.
     pull : float
         The forces of the level; 0 if it is met.
     """
@@ -116,7 +122,7 @@ def judge(here, k, last, frozen, hard, rank, own):
     x, w, g, multiplier = vector(here, at.X), vector(here, at.W), vector(here, at.G), vector(here, at.MULTIPLIER)
     x0 = vector(here, at.X0)
     size, met, pull = extent(x, here), True, 0.0
-    if k == last:  # min ||x - x_0||, which is never met but where x_0 is
+    if k == last:  # min ||x - x_0||, which is met at x_0 alone
         for j in range(n):
             g[j] = x[j] - x0[j]
             pull += abs(g[j])
@@ -163,7 +169,7 @@ def judge(here, k, last, frozen, hard, rank, own):
             value = value_of(i, x, here)
             near = tol * norm[i] * size
             faults += value > hi[i] + near + tol * abs(hi[i]) or value < lo[i] - near - tol * abs(lo[i])
-    for r in range(rank, hard):  # rows of C that depend on the others have to be met by them
+    for r in range(rank, hard):  # rows of C that depend on the pivot rows must be at their bound, too
         i = ids[r]
         goal = target(side[i], lo[i], hi[i])
         faults += abs(value_of(i, x, here) - goal) > tol * (abs(goal) + norm[i] * size)
@@ -172,7 +178,7 @@ def judge(here, k, last, frozen, hard, rank, own):
 
 @inner
 def holds(here, last):
-    """Whether the x of the last level has kept what every level above has decided: slacks, and bounds."""
+    """Whether x keeps the slacks of active rows and the bounds of inactive ones on all levels above the last."""
     ptr, side, x = marks(here, at.PTR), marks(here, at.SIDE), vector(here, at.X)
     tol = vector(here, at.OPTION)[at.TOL]
     lo, hi, norm, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)

@@ -1,4 +1,4 @@
-"""From a point that satisfies the levels above to the optimum of a level: exact steps, one event each."""
+"""Primal active-set steps from a point that satisfies the levels above to the optimum of a level."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from .working_set import FROZEN
 
 #: The most steps of one level.
 STEPS = 60
-#: A step changes a row if it does so by more than round-off, relative to the length of both.
+#: A change of a row along a step below this share of both lengths is round-off.
 MOVES = 1e-12
 
 
 @inner
 def first_event(here, k):
-    """How far to go from APPROACH towards x: to the first row that reaches its bound, from inside or from outside.
+    """The step length from APPROACH towards x to the first row that reaches its bound, from inside or from outside.
 
     Returns
     -------
     reach : float
-        At most 1.
+        The step length, at most 1.
     row, side : int
-        Which row, -1 if none is in the way, and what it becomes.
+        This row, or -1; and the side that it gets.
     """
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
     n, tol = head[at.N], option[at.TOL]
@@ -53,7 +53,7 @@ def first_event(here, k):
             ratio = max(0.0, (bound - value) / rate)
             if ratio < reach and abs(value + rate - bound) > tol * (abs(bound) + norm[i] * size):
                 reach, row, becomes = ratio, i, integer(UPPER if rate > 0.0 else LOWER)
-        elif i >= ptr[k]:  # violated so far, and soon no more
+        elif i >= ptr[k]:  # violated, and within its bounds from this step length on
             bound = target(side[i], lo[i], hi[i])
             slack = (value - bound) * side[i]
             near = tol * (abs(bound) + norm[i] * size)
@@ -66,7 +66,11 @@ def first_event(here, k):
 
 @inner
 def primal(here, k, last, frozen):
-    """Take exact steps from APPROACH until level k is optimal; what :func:`.polish.polish` and its judge say then."""
+    """Take primal steps from APPROACH until level k is optimal, or STEPS are spent.
+
+    Each step goes towards the x of :func:`.polish.polish`, up to the first event; then one row changes its side.
+    Returns what `polish` and :func:`.polish.judge` return at the end: faults, hard, rank, own, own_rank, pull.
+    """
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
     side, start, x = marks(here, at.SIDE), vector(here, at.APPROACH), vector(here, at.X)

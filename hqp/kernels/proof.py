@@ -1,10 +1,10 @@
-r"""The certificate, compiled: whether x is optimal, from the numbers of the hierarchy alone, whoever computed it.
+r"""The compiled certificate: decides whether x is optimal from the numbers of the hierarchy alone.
 
-It decides as :mod:`hqp.certificate.balance` does, level by level: the forces of the level must be balanced by the
-normals of the rows above it, by the free ones either way and by those at a bound inward, up to round-off. What it
-accepts the certificate accepts, whose least squares leave no more; what it does not accept may be optimal yet, for it
-asks neither whether the slacks of the level may shift within their tolerances, nor which rows at a bound hold a level
-above and are free therefore: round-off has a say in which these are.
+As in :mod:`hqp.certificate.balance`, level by level, the normals of the rows above must balance the forces of the level
+up to round-off: free normals (equalities and violated rows) with multipliers of either sign, normals of rows at a bound
+with multipliers of one sign. What it accepts, the certificate accepts too, as its least squares leave no larger
+residual. What it rejects may still be optimal: it does not ask whether the slacks of the level may shift within their
+tolerances, nor which rows at a bound hold a level above and are therefore free, which depends on round-off.
 """
 
 from __future__ import annotations
@@ -21,22 +21,22 @@ from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance
 
 #: As in :mod:`hqp.certificate`: the tolerance on rows, round-off of rows and of forces.
 JUDGED, ROUND_OFF, BALANCED = 1e-9, 256 * 2.0**-52, 64 * 2.0**-52
-#: As there: ranks of free normals, and of what the rows of a level can still move; what is asked of the balance, and
-#: what at the least.
+#: As there: rank tolerances of free normals, and of the rows of the level itself in their null space; the residual that
+#: is allowed, and its upper limit for badly conditioned rows.
 FREE_RANK, OWN_RANK, STATIONARITY, BLURRED = 1e-11, 4e-9, 1e-10, 1e-6
-#: Rows of which the others leave less do not press from the start, for large forces along them balance very little.
+#: Rows at a bound with a smaller remainder are not in the first working set: they need huge multipliers for little.
 CLEAR = 1e-6
-#: By so much of a row's length round-off turns what others leave of it.
+#: Round-off in the direction of a remainder, relative to the length of its row.
 TURNS = 8 * 2.0**-52
-#: What rounding differently must not turn over.
+#: Factor on tolerances, so that other rounding in the certificate cannot reverse an acceptance.
 MARGIN = 0.9
-#: The share of the length of x that adds to the tolerance of a row that it hardly moves.
+#: Share of the length of x in the tolerance of a row, for rows that x hardly changes.
 LENGTH = 0.1
 
 
 @inner
 def proves(here, last):
-    """Whether the certificate accepts x on levels 0 .. last. The basis and its cuts are of no use any more."""
+    """Whether the certificate accepts x on levels 0 .. last. Overwrites the basis V, and CUT."""
     m = ints(here, 0, at.HEAD)[at.ROWS]
     side, kept = marks(here, at.SIDE), marks(here, at.FOLLOW)
     marks(here, at.CUT)[last] = -1
@@ -61,7 +61,10 @@ def proves(here, last):
 
 @inner
 def measure_rows(here):
-    """Values and slacks of all rows, and the lengths that round-off is relative to: of x, and of the way it came."""
+    """Write ``value`` and slack (to ``slope``) of all rows.
+
+    Returns ``||x||``, and the distance T of :func:`hqp.certificate.rows.travel`, to which round-off is relative.
+    """
     head = ints(here, 0, at.HEAD)
     n, ptr, norm, weights = head[at.N], marks(here, at.PTR), vector(here, at.NORM), vector(here, at.WEIGHTS)
     lo, hi, x, x_ref = vector(here, at.LO), vector(here, at.HI), vector(here, at.X), vector(here, at.X_REF)
@@ -90,7 +93,10 @@ def measure_rows(here):
 
 @inner
 def find_sides(here):
-    """Where x is in every row: ``side``, EQUALITY if it may push either way, and what it is violated by, ``slope``."""
+    """Write the side of every row at x to ``held``, EQUALITY if its multiplier is free, and its violation to ``slope``.
+
+    Returns as :func:`measure_rows`.
+    """
     size, way = measure_rows(here)
     norm, lo, hi = vector(here, at.NORM), vector(here, at.LO), vector(here, at.HI)
     value, slack, side = vector(here, at.VALUE), vector(here, at.SLOPE), marks(here, at.HELD)
@@ -116,7 +122,10 @@ def find_sides(here):
 
 @inner
 def gradient(here, k, last, size, way):
-    """The forces of level k: their sum g, and how much they are together; 0 if the level is met."""
+    """Write the gradient ``g`` of level k; returns the sum of its forces, 0 if the level is met.
+
+    `size` and `way` are those of :func:`measure_rows`.
+    """
     head = ints(here, 0, at.HEAD)
     n, ptr, col, row_of = head[at.N], marks(here, at.PTR), marks(here, at.COL), marks(here, at.ROW_OF)
     g, norm, slack, B = vector(here, at.G), vector(here, at.NORM), vector(here, at.SLOPE), matrix(here, at.B)
@@ -149,7 +158,7 @@ def gradient(here, k, last, size, way):
 
 @inner
 def take_up(here, k, frozen):
-    """Put the rows of level k that push either way on top of V[:frozen]: how many rows it has then."""
+    """Append the free rows of level k (``held`` = EQUALITY) to V[:frozen]; returns how many rows it then has."""
     ptr, side = marks(here, at.PTR), marks(here, at.HELD)
     ids, R = marks(here, at.IDS), matrix(here, at.R)
     count = integer(0)
@@ -163,9 +172,9 @@ def take_up(here, k, frozen):
 
 @inner
 def enter(here, count, c):
-    """Put the rows that are listed on top of V[:c], the longest first: how many rows it has then.
+    """Append the `count` rows in ``ids`` and R to V[:c], the longest first; returns how many rows V then has.
 
-    ``balance`` keeps, of each direction of V, how much all these rows together have along it.
+    ``balance[q]`` is the sum of the squared coefficients along V[q] of all rows so far, each divided by its length.
     """
     n, ids, pivot = ints(here, 0, at.HEAD)[at.N], marks(here, at.IDS), marks(here, at.PIVOT)
     norm, spread = vector(here, at.NORM), vector(here, at.BALANCE)
@@ -184,7 +193,7 @@ def enter(here, count, c):
 
 @inner
 def balanced(here, k, last, frozen, scale):
-    """Whether the rows above level k balance its forces g, as far as round-off lets one say."""
+    """Whether the rows above level k balance its gradient ``g``, up to round-off; `scale` is the sum of its forces."""
     hold(here, k)
     working = begin(here, k, frozen)
     working, rest, _ = nonnegative(here, MARGIN * STATIONARITY * scale, frozen, working, marks(here, at.PTR)[k])
@@ -202,7 +211,7 @@ def balanced(here, k, last, frozen, scale):
 
 @inner
 def hold(here, k):
-    """Let the rows above level k that are at a bound press, inward."""
+    """Prepare the rows above level k for :func:`.escape.nonnegative`: those at a bound are hard, free ones frozen."""
     kind, where = marks(here, at.KIND), marks(here, at.HELD)
     value, allowed = vector(here, at.VALUE), vector(here, at.ALLOWED)
     low, high = vector(here, at.LOW), vector(here, at.HIGH)
@@ -216,7 +225,10 @@ def hold(here, k):
 
 @inner
 def begin(here, k, base):
-    """The rows that the solver has kept at their bound, those of them that press: how many."""
+    """Start the working set with the rows that the solver has at their bound, if their multipliers are positive.
+
+    `base` is the number of rows of V that span the free normals. Returns how many rows the working set has.
+    """
     n, end = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR)[k]
     side, kept, where = marks(here, at.SIDE), marks(here, at.FOLLOW), marks(here, at.HELD)
     kind, pivot = marks(here, at.KIND), marks(here, at.PIVOT)
@@ -259,10 +271,10 @@ def begin(here, k, base):
 
 @inner
 def blur(here, base, c):
-    """What round-off in the directions V[:c] may leave of the forces: the weaker a row was, the more.
+    """A bound on the force that round-off in V[:c] may leave unbalanced; a row with a small remainder adds much.
 
-    All n together leave nothing, unless one of them may be nothing but what round-off has turned an earlier one by,
-    which came in another block of rows.
+    If V[:c] spans all n directions, nothing is left, unless a row of V may be mere round-off of a row that came in an
+    earlier block. `base` is the number of rows of V that span the free normals.
     """
     n, pivot, norm = ints(here, 0, at.HEAD)[at.N], marks(here, at.PIVOT), vector(here, at.NORM)
     g, V, L, block = vector(here, at.G), matrix(here, at.V), matrix(here, at.L), marks(here, at.QUEUE)
@@ -282,7 +294,7 @@ def blur(here, base, c):
 
 @inner
 def weakest(here, base, working):
-    """At least the smallest singular value of the normals that balance the level, by how much they have along V."""
+    """An upper bound of the smallest singular value of the normals that balance the level, from their parts along V."""
     pivot = marks(here, at.PIVOT)
     norm, spread, along = vector(here, at.NORM), vector(here, at.BALANCE), vector(here, at.SCRATCH)
     L, least = matrix(here, at.L), 1.0
@@ -302,7 +314,10 @@ def weakest(here, base, working):
 
 @inner
 def moving(here, k, c):
-    """At most how much of d is along what the rows of level k can still move, above :data:`OWN_RANK`, given V[:c]."""
+    """A bound on the part of ``d`` in the row space of level k, projected onto the null space of V[:c].
+
+    Directions with a singular value below OWN_RANK count as none.
+    """
     n, ptr, where = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR), marks(here, at.HELD)
     ids, slots, lengths = marks(here, at.IDS), marks(here, at.SLOTS), vector(here, at.LENGTHS)
     norm, d = vector(here, at.NORM), vector(here, at.D)

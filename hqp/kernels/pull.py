@@ -1,11 +1,12 @@
-r"""The rows of a level that pull at x, in the safe method: how much, and which of them no longer do after a step.
+r"""The rows S in the least squares of a level of the safe method: which they are at x, and how a step changes them.
 
-With rows S that pull to the bounds b, the level is
+With the bounds b that these rows are pulled to, objective and gradient of the level are
 
 .. math:: \tfrac12 \|S x - b\|^2, \qquad g = S^T (S x - b).
 
-A row pulls if it is violated. One that a step brings to its bound is *held* there, from within: it stays in S, so that
-the next Newton step does not lose it, and is let go once nothing else is left to gain.
+A row *pulls*, that is, belongs to S, if it is an equality, violated, or *held*: a row that a step brings to its bound
+is held there, so that the next Newton step does not leave the bound again. It is released once nothing else is left to
+gain.
 """
 
 from __future__ import annotations
@@ -15,15 +16,15 @@ from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .rows import INACTIVE, LOWER, UPPER, value_of
 
-#: In a level that is not met, what a row misses carries a multiplier if it is more than this share of its tolerance.
+#: A slack counts as a force on an unmet level if it is more than this share of the tolerance of its row.
 CARRIES = 1e-4
-#: Multipliers below this share of the forces in their level are zero, as far as the safe method goes.
+#: The safe method takes multipliers below this share of the forces of the level for zero.
 DUAL = 1e-9
 
 
 @inner
 def tolerances(i, size, here):
-    """How far row i may be off its lower and its upper bound, with x of this size."""
+    """The tolerances of row i at its lower and its upper bound; `size` is the length of x."""
     tol, norm = vector(here, at.OPTION)[at.TOL], vector(here, at.NORM)
     lo, hi = vector(here, at.LO), vector(here, at.HI)
     near = tol * norm[i] * size
@@ -32,7 +33,7 @@ def tolerances(i, size, here):
 
 @inner
 def pulls(i, size, here):
-    """Whether row i pulls, to which bound, and its tolerance there; one that does is held from now on."""
+    """Whether row i pulls, to which bound, and its tolerance there; an inequality that pulls is held from now on."""
     held, v = marks(here, at.HELD), vector(here, at.VALUE)
     lo, hi = vector(here, at.LO), vector(here, at.HI)
     t_low, t_high = tolerances(i, size, here)
@@ -49,17 +50,18 @@ def pulls(i, size, here):
 
 @inner
 def pull(here, k, last, size):
-    r"""Find the rows of level k that pull: ``ids``, what each of them misses, by row number, and g.
+    r"""Write the rows of level k that pull, ``ids``, their :math:`b_i - a_i x`, ``slope`` by row number, and ``g``.
 
     Returns
     -------
     count : int
+        How many rows pull.
     forces : float
         :math:`\sum \|a_i\| |b_i - a_i x|`; 0 if the level is met.
     square : float
-        Twice the objective.
+        :math:`\|S x - b\|^2`.
     scale : float
-        Size of the numbers that it is made of.
+        Sum of the sizes of the terms :math:`b_i` and :math:`a_i x`, to which round-off is relative.
     """
     if k == last:
         return pull_of_reference(here, size)
@@ -96,7 +98,7 @@ def pull(here, k, last, size):
 
 @inner
 def pull_of_reference(here, size):
-    """The same of the last level, ``min ||x - x_0||``, which has no rows."""
+    """:func:`pull` for the last level, ``min ||x - x_0||``, which has no rows: count is 0."""
     n, tol = ints(here, 0, at.HEAD)[at.N], vector(here, at.OPTION)[at.TOL]
     x, x0, g = vector(here, at.X), vector(here, at.X0), vector(here, at.G)
     forces = square = scale = 0.0
@@ -111,7 +113,7 @@ def pull_of_reference(here, size):
 
 @inner
 def release(here, count, forces):
-    """Let go of the row of this level that is held at its bound from within and pulls most; False if there is none."""
+    """Release the held row among the `count` in ``ids`` that pulls most from inside; False if there is none."""
     ids, held = marks(here, at.IDS), marks(here, at.HELD)
     lo, hi, v, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.VALUE), vector(here, at.NORM)
     worst, leaves = DUAL * forces, integer(-1)
@@ -129,9 +131,9 @@ def release(here, count, forces):
 
 @inner
 def hold(here, k, last, size):
-    """After a step, hold the rows of level k that have come to a bound; whether the rows that pull are still the same.
+    """Hold the rows of level k that the step has brought to a bound; returns whether the same rows pull as before.
 
-    ``value`` and `size` are still those of the x before.
+    ``x`` is the point after the step; ``value`` and `size` still belong to the x before it.
     """
     ptr, held = marks(here, at.PTR), marks(here, at.HELD)
     lo, hi, norm, v = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.VALUE)

@@ -1,4 +1,4 @@
-"""A row of the hierarchy, plain bound or dense: itself, its value at a point, and the bound that it is held to."""
+"""A row of the hierarchy, plain bound or dense: its vector a_i, its value at a point, and its bound on a side."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from . import layout as at
 from .compile import inner
 from .memory import ints, marks, matrix, vector
 
-#: On which side a row is active.
+#: The sides on which a row can be active, as :class:`hqp.Side`.
 LOWER, INACTIVE, UPPER, EQUALITY = -1, 0, 1, 2
 
 
 @inner
 def value_of(i, x, here):
-    """a_i x."""
+    """The value a_i x of row i, weighted, at x (n,)."""
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
     col, row_of = marks(here, at.COL), marks(here, at.ROW_OF)
@@ -29,7 +29,7 @@ def value_of(i, x, here):
 
 @inner
 def copy_row(i, out, here):
-    """a_i as a dense vector."""
+    """Write the weighted row a_i as a dense vector to out (n,)."""
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
     col, row_of = marks(here, at.COL), marks(here, at.ROW_OF)
@@ -47,5 +47,5 @@ def copy_row(i, out, here):
 
 @inner
 def target(side, low, high):
-    """The bound that a row on this side is held to."""
+    """The bound of a row that is active on this side; of an equality, both are the same."""
     return low if side == LOWER else high

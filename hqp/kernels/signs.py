@@ -1,8 +1,8 @@
-r"""From which size on a multiplier has a sign: less than that may be round-off, and counts as zero.
+r"""The size below which a multiplier may be round-off and counts as zero; above it, its sign is clear.
 
-What may be wrong with the multipliers of a level is what the certificate allows it to leave unbalanced, a share of the
-forces in it. Where the rows that balance it are nearly dependent, round-off of all their forces together is magnified
-by one over the share that the others leave of the weakest of them.
+The error of the multipliers of a level is what the certificate allows the level to leave unbalanced, a share of its
+forces. If the rows that balance it are nearly dependent, the round-off of all forces together is divided by the
+smallest share of its length that projection left of one of these rows.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ from . import layout as at
 from .compile import inner
 from .memory import marks, matrix, vector
 
-#: Shares of the forces in a level: multipliers below the first are zero, those beyond the second are not, and in
-#: between round-off decides.
+#: Shares of the forces of a level: multipliers below the first are zero, those above the second are not; in between the
+#: round-off of this level is the limit.
 CLEAR, CLEAREST = 1e-11, 1e-9
-#: A row that holds a level with less than this share of its forces may not hold it in the eyes of the certificate.
+#: If the multiplier of a row is below this share of the forces, the certificate may not count the row as holding the
+#: level back.
 HELD_FIRMLY = 2e-8
 #: Round-off of a sum of forces, relative to their sizes.
 ROUND_OFF = 16 * 2.0**-52
@@ -22,16 +23,17 @@ ROUND_OFF = 16 * 2.0**-52
 
 @inner
 def clear_sign(forces, total, weakest):
-    """Below this a multiplier is zero: of a level with these forces, balanced by others of this total.
+    """The size below which the multipliers of a level count as zero, times the length of their row.
 
-    `weakest` is the smallest share that a row has added to the basis.
+    `forces` are those of the level, `total` is the sum of its multipliers in the same measure, `weakest` the smallest
+    share of its length that projection left of a row in the basis.
     """
     return min(max(CLEAR * forces, ROUND_OFF * (forces + total) / weakest), CLEAREST * forces)
 
 
 @inner
 def clear_of_basis(here, low, high, forces):
-    """The same for the multipliers that :func:`.working_set.balance` has found for rows low .. high of the basis."""
+    """:func:`clear_sign` for the multipliers of rows low .. high - 1 of V, from :func:`.working_set.balance`."""
     pivot, norm, multiplier = marks(here, at.PIVOT), vector(here, at.NORM), vector(here, at.MULTIPLIER)
     L = matrix(here, at.L)
     total, weakest = 0.0, 1.0

@@ -1,7 +1,7 @@
-r"""Singular values of the rows of one level in what the levels above leave, from their triangle T.
+r"""Singular values of the rows of one level in the null space of the levels above, from their triangle T.
 
-What a rule asks for is the smallest. It is :math:`1 / \|T^{-1}\|_2`, and at least :math:`1 / \|T^{-1}\|_F`, which far
-from singularities is all that has to be known.
+Damping rules need the smallest, :math:`1 / \|T^{-1}\|_2`. It is at least :math:`1 / \|T^{-1}\|_F`: far from
+singularities this bound is enough.
 """
 
 from __future__ import annotations
@@ -10,16 +10,19 @@ import math
 
 from .compile import inner
 
-#: Round-off of a bound, with a margin.
+#: Relative round-off of the bound, with a margin.
 MARGIN = 1e-9
-#: The power of a matrix of trace 1 is one direction if its eigenvalues but one sum to less; and the most squarings:
-#: eigenvalues that are not told apart by then are the same.
+#: The squaring of a matrix of trace 1 ends when the sum of its squared entries is within this of 1: all eigenvalues but
+#: one are then near zero. And the most squarings: eigenvalues that are not separated by then are equal.
 ALONE, SQUARINGS = 1e-8, 50
 
 
 @inner
 def volume(ids, rank, L, c):
-    """The product of the singular values of as many rows as directions: the determinant of a triangle."""
+    """The product of the singular values of `rank` independent rows: the determinant of their triangle.
+
+    The triangle is ``L[ids[r]][c + q]``.
+    """
     total = 1.0
     for r in range(rank):
         total *= L[ids[r]][c + r]
@@ -28,7 +31,10 @@ def volume(ids, rank, L, c):
 
 @inner
 def share_of_smallest(ids, rank, L, c, H, R, threshold):
-    """The smallest singular value of as many rows as directions, over the threshold, at most 1; H and R are work."""
+    """The smallest singular value of `rank` independent rows over the threshold, at most 1.
+
+    The triangle is ``L[ids[r]][c + q]``; H and R are work space.
+    """
     if invert(ids, rank, L, c, H) * threshold * threshold < 1.0 - MARGIN:
         return 1.0
     return min(1.0 / (math.sqrt(largest(rank, H, R)) * threshold), 1.0)
@@ -36,7 +42,7 @@ def share_of_smallest(ids, rank, L, c, H, R, threshold):
 
 @inner
 def invert(ids, rank, L, c, H):
-    """The inverse of the triangle ``L[ids[r]][c + q]``, its column j to H[j]; the sum of its squares."""
+    """Write the inverse of the triangle ``L[ids[r]][c + q]``, column j to H[j]; returns its squared Frobenius norm."""
     total = 0.0
     for j in range(rank):
         column = H[j]
@@ -52,9 +58,10 @@ def invert(ids, rank, L, c, H):
 
 @inner
 def largest(rank, H, R):
-    r"""The largest eigenvalue of :math:`G^T G`, column j of G in H[j]: by powers, each the square of the last.
+    r"""The largest eigenvalue of :math:`G^T G`, with column j of G in H[j], by repeated squaring of the matrix.
 
-    The quotient of Rayleigh is off by the square of what its vector is off, and by nothing where eigenvalues are equal.
+    The Rayleigh quotient of the vector found is returned. Its error is the square of that of the vector, and zero if
+    the largest eigenvalues are equal.
     """
     trace = 0.0
     for i in range(rank):
@@ -87,7 +94,7 @@ def largest(rank, H, R):
 
 @inner
 def square(rank, R):
-    """The square of the symmetric matrix R[:rank, :rank], in rows below it and back; its trace."""
+    """Replace the symmetric matrix R[:rank, :rank] by its square, using the rows below it; returns the trace."""
     trace = 0.0
     for i in range(rank):
         mine, out = R[i], R[rank + i]

@@ -1,10 +1,9 @@
-"""The whole solver: one sweep where the active rows are known, level by level where they are not, and what is behind.
+"""The native solver: loads a hierarchy, chooses how to start, and solves it.
 
-From one tick of a control loop to the next the active rows hardly change, so that one sweep with the last ones is the
-answer, with its proof (:mod:`.sweep`); rows that contradict it change sides at once, as long as that makes progress.
-Where it does not, or there is no last tick, the levels are solved one after the other (:mod:`.levels`), which is a
-proof of its own. A few unknowns are guessed all at once first (:mod:`.guess`). What follows where that fails, or a rank
-is in doubt, is told in :mod:`.attempts`.
+From one tick of a control loop to the next the active rows hardly change: one sweep with those of the last tick mostly
+gives the answer, with its proof (:mod:`.sweep`). Without a last tick, small problems start from a guess of all active
+rows (:mod:`.guess`), others level by level (:mod:`.levels`). :mod:`.attempts` tells what follows if that fails, or a
+rank is in doubt.
 """
 
 from __future__ import annotations
@@ -21,21 +20,25 @@ from .memory import clock, floats, given, ints, marks, matrix, vector
 from .orthogonal import length
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER
 
-#: Outcomes beside the statuses of the safe method: nothing solved, for a number may mean nothing; and found as far as
-#: one tolerance goes, for rows of very different lengths, or as one rank has it that could be another. What is STALLED
-#: or UNEVEN the certificate has to judge.
+#: Outcomes in addition to the statuses of :mod:`.active_set`. SUSPECT: nothing was solved, as a number may be invalid.
+#: UNEVEN: solved, but a level has rows of very different lengths, or a rank is in doubt. An answer that is STALLED or
+#: UNEVEN must be judged by the certificate.
 SUSPECT, UNEVEN = 3, 4
 
-#: As :data:`hqp.hierarchy.LARGEST`: a row that is longer has an entry to be looked at.
+#: As :data:`hqp.hierarchy.LARGEST`. A longer row may have an entry that is too large.
 LARGEST = 1e30
 
-#: Round-off of x, in units of the length of x_0, where it comes from.
+#: Round-off in x, relative to the length of its start x_0.
 ROUND_OFF = 64 * 2.0**-52
 
 
 @inner
 def load(here, warm, trusted):
-    """Weight the rows, measure them, and make the guess fit them; False if a number may mean nothing."""
+    """Write the weighted rows, their bounds and lengths, and correct ``side``; False if a number may be invalid.
+
+    With `warm`, ``side`` is kept where the row has that bound; otherwise only equalities are active. `trusted` tells
+    that rows longer than LARGEST were checked before.
+    """
     head = ints(here, 0, at.HEAD)
     n, m = head[at.N], head[at.ROWS]
     col, side, row_of = marks(here, at.COL), marks(here, at.SIDE), marks(here, at.ROW_OF)
@@ -76,9 +79,10 @@ def load(here, warm, trusted):
 
 @inner
 def levels_that_count(here):
-    """A level of equalities on every variable, all of one weight, is a last level: nothing below can move x.
+    """The number of levels that count: those above the first level of equally weighted equalities on all variables.
 
-    It is what ``min ||x - x0||`` says, with its own x0.
+    Such a level is ``min ||x - x_0||`` with its own x_0, which is written; nothing below can change x. Without one, x_0
+    is x_ref, and all levels count.
     """
     head = ints(here, 0, at.HEAD)
     n, levels = head[at.N], head[at.LEVELS]
@@ -103,7 +107,7 @@ def levels_that_count(here):
 
 @inner
 def start_clock(here):
-    """The time limit counts from when the call began, if that is known."""
+    """Set DEADLINE: the time limit after the call began, or after now if that is unknown; NEVER without a limit."""
     head, limit = ints(here, 0, at.HEAD), vector(here, at.OPTION)[at.LIMIT]
     head[at.DEADLINE] = NEVER
     if limit < math.inf:
@@ -113,14 +117,14 @@ def start_clock(here):
 
 @inner
 def note_blur(here):
-    """What round-off in x0 adds to the length of x where a tolerance is relative to it."""
+    """Set BLUR, what the round-off of x_0 adds to the length of x to which tolerances are relative (:mod:`.extent`)."""
     option = vector(here, at.OPTION)
     option[at.BLUR] = ROUND_OFF / option[at.TOL] * length(vector(here, at.X0), ints(here, 0, at.HEAD)[at.N])
 
 
 @step
 def solve_one(here):
-    """Solve the hierarchy of the directory; see :func:`solve`."""
+    """Solve the one hierarchy that the directory points to; returns as :func:`solve`."""
     head = ints(here, 0, at.HEAD)
     warm = head[at.WARM] != 0
     head[at.WARM] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
@@ -142,12 +146,12 @@ def solve_one(here):
 def solve(here, numbers):
     """Solve the hierarchy at the address `numbers`, in the memory of this directory.
 
-    Or many hierarchies of one structure, one after the other, each warm from its own sides of the last time.
+    If COUNT is not 0, so many hierarchies of one structure are solved in turn, each warm from its own last sides.
 
     Returns
     -------
     outcome : int
-        A status of :mod:`.active_set`, or SUSPECT, UNEVEN; of many, that of the last.
+        A status of :mod:`.active_set`, or SUSPECT, UNEVEN; of many hierarchies, that of the last.
     """
     head = ints(here, 0, at.HEAD)
     n, m, count, warm = head[at.N], head[at.ROWS], head[at.COUNT], head[at.WARM]
@@ -159,7 +163,7 @@ def solve(here, numbers):
         if count > 0:
             for i in range(m):
                 side[i] = sides[i]
-            head[at.HISTORY] = 0  # of a neighbour
+            head[at.HISTORY] = 0  # SAVED belongs to the hierarchy before this one
             head[at.WARM] = warm
             if head[at.REFERENCES] != 0:
                 reference = floats(head[at.REFERENCES], b * n, n)

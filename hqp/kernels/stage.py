@@ -1,4 +1,4 @@
-"""The stage of a curved level, written as a plain hierarchy: levels above, own rows, soft rows, rows of damping."""
+"""Writes the stage of a curved level as a plain hierarchy: levels above, own rows, soft rows, rows of damping."""
 
 from __future__ import annotations
 
@@ -10,13 +10,16 @@ from .compile import inner
 from .memory import floats, ints, marks, matrix, vector
 from .symmetric import cholesky
 
-#: What is added to a matrix that has to be definite, relative to its trace.
+#: Regularisation of a matrix before its Cholesky factorisation, relative to its trace.
 REGULAR = 1e-12
 
 
 @inner
 def give(here, i, place, row, A, lower, upper, weights):
-    """Row i of the hierarchy as it is, in a stage."""
+    """Copy row i of the hierarchy to a stage: as its row `place`, and dense row `row` of A (-1: it is a plain bound).
+
+    `A` is an address; `lower`, `upper` and `weights` are arrays of the stage.
+    """
     n = ints(here, 0, plain.HEAD)[plain.N]
     col, row_of = marks(here, plain.COL), marks(here, plain.ROW_OF)
     if row >= 0:
@@ -35,7 +38,7 @@ def give(here, i, place, row, A, lower, upper, weights):
 
 @inner
 def write_above(here, k, A, lower, upper, weights):
-    """The levels above k in its stage."""
+    """Write the levels above k into its stage: rows as given, held rows, and empty ones in place of all others."""
     head, ptr, state = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.STATE)
     n, levels = head[plain.N], head[plain.LEVELS]
     first, dense = marks(here, at.FIRST), marks(here, at.DENSE)
@@ -60,7 +63,7 @@ def write_above(here, k, A, lower, upper, weights):
 
 @inner
 def out_of_metric(here, given, d, to):
-    """A symmetric matrix in the metric of the soft rows, as it is without it: L X L'."""
+    """Write L X L' (d, d) to place `to`, for the matrix X at place `given` and the metric factor L."""
     L, X, out, half = matrix(here, at.METRIC), matrix(here, given), matrix(here, to), matrix(here, at.HALF)
     for p in range(d):
         row = half[p]
@@ -80,9 +83,9 @@ def out_of_metric(here, given, d, to):
 
 @inner
 def weigh_lean(here, d, count, size, lean, alike):
-    r"""How much the level leans on the last x, :math:`w^2 (G^T G + P + c |J|^2)`, to KEPT.
+    r"""Write the weight of the lean, :math:`w^2 (G^T G + P + c |J|^2)`, to KEPT; `lean` is w, `alike` c, `size` is |J|.
 
-    As its rows and its damping weigh: what they weigh little is not held back more than the rest.
+    It is relative to the rows and the damping, so that directions with small weights do not lag longer than others.
     """
     E, P, G, W = matrix(here, at.E), matrix(here, at.P), matrix(here, at.G), matrix(here, at.KEPT)
     for p in range(d):
@@ -103,7 +106,7 @@ def weigh_lean(here, d, count, size, lean, alike):
 
 @inner
 def along_directions(here, d, x, out):
-    """The coordinates of x in the directions that are left."""
+    """Write out[:d] = Z x, the coordinates of x (n,) along the directions that are left."""
     n, basis = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS)
     for p in range(d):
         direction, total = basis[p], 0.0
@@ -114,7 +117,7 @@ def along_directions(here, d, x, out):
 
 @inner
 def draw(here, k, d, lean):
-    """The matrix M of all damping rows of level k, and towards which x they draw, times M: whether there are any."""
+    """Write M = L P L' + W of damping and lean, and ``mu`` = L P L' r + W v, aim r, last x v; whether M is not 0."""
     M, W, towards = matrix(here, at.M), matrix(here, at.KEPT), vector(here, at.MU)
     there, trace = vector(here, at.VALUES), 0.0
     out_of_metric(here, at.P, d, at.M)
@@ -138,7 +141,11 @@ def draw(here, k, d, lean):
 
 @inner
 def write_damping(here, k, d, count, address, place, row, lower, upper, weights, size, lean, alike):
-    r"""Rows of damping, one a direction: :math:`(y - r)^T L P L^T (y - r) + |y - v|_W^2`, x being :math:`Z^T y`."""
+    r"""Write n rows of damping, d of them not zero: :math:`(y - r)^T L P L^T (y - r) + |y - v|_W^2`, where y = Z x.
+
+    They are the rows of K' Z, with K K' = M of :func:`draw`. `address` is that of A; the first row is `place`, and
+    `row` of A.
+    """
     n, basis, K = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), matrix(here, at.U)
     towards, damped = vector(here, at.MU), matrix(here, at.DAMPED)
     if lean > 0.0:
@@ -166,7 +173,7 @@ def write_damping(here, k, d, count, address, place, row, lower, upper, weights,
 
 @inner
 def write_stage(here, k, d, count, size, lean, alike):
-    """The stage of level k."""
+    """Write the stage of level k: see the module; for the arguments, :func:`.curved.solve_stage`."""
     head, ptr, state = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.STATE)
     n, levels, curved = head[plain.N], head[plain.LEVELS], marks(here, at.CURVED)
     address, sizes = marks(here, at.NUMBERS)[k], marks(here, at.SIZES)

@@ -1,9 +1,9 @@
-r"""One pass: guess on which side every row is active, solve the equalities, judge the whole certificate.
+r"""The sweep: solves the hierarchy for a guess of its active set, in one pass, and checks its whole certificate.
 
-With the rows of the guess as equalities, the hierarchy is a lexicographic least squares, solved in one sweep
-from the highest level to the lowest. Bounds of the highest level that are active fix their variable: its column
-leaves the problem. The implicit last level costs nothing: :math:`x = x_0 + V^T y` *is* the point next to
-:math:`x_0` that solves the levels. Then the :mod:`.verdict`.
+With the active rows of the guess as equalities, the hierarchy is a lexicographic least squares, solved in one pass from
+the highest level to the lowest. Active bounds of level 0 fix their variables, whose columns leave the problem. The
+implicit last level costs nothing: :math:`x = x_0 + V^T y` *is* the point nearest to :math:`x_0` that solves the levels.
+Then :mod:`.verdict` checks the result.
 """
 
 from __future__ import annotations
@@ -19,16 +19,17 @@ from .verdict import STRICT, judge_multipliers, judge_rows
 
 @inner
 def sweep(here, last, tau):
-    """Solve for the guess ``side``, levels 0 .. last, and say how many rows contradict it; 0 is a proof.
+    """Solve levels 0 .. last for the guess ``side``, and count the rows that contradict it; none is a proof.
 
-    ``follow`` is what the contradictions suggest, ``x`` the point, ``w`` the weighted slack of the rows.
+    Writes the point ``x``, the weighted slacks ``w``, and to ``follow`` the sides that the contradictions suggest.
 
     Returns
     -------
     faults : int
+        How many rows contradict the guess.
     blurred : bool
-        Whether a row that counts as dependent, by the share `tau` of its length, shows that it is not: the little
-        of it that was left out moves it by more than its tolerance.
+        Whether a row that counts as dependent proves not to be: its value at x is off by more than its tolerance,
+        because its remainder was neglected.
     """
     ints(here, 0, at.HEAD)[at.DOUBT] = 0
     solve_equalities(here, last, tau)
@@ -40,7 +41,10 @@ def sweep(here, last, tau):
 
 @inner
 def fix_variables(here):
-    """x_0, with the variables of active bounds of level 0 at their bound; and how many are left free."""
+    """Set ``x`` to x_0, with variables of active bounds of level 0 at these bounds; returns how many are free.
+
+    ``pinned`` has the row that fixes a variable, or -1; ``free`` lists the free variables.
+    """
     head = ints(here, 0, at.HEAD)
     n, boxed = head[at.N], head[at.BOXED] != 0
     col, ptr, side = marks(here, at.COL), marks(here, at.PTR), marks(here, at.SIDE)
@@ -66,7 +70,10 @@ def fix_variables(here):
 
 @inner
 def gather(here, k, f):
-    """The active rows of level k, of the f free variables alone, and what is left of their bounds: how many."""
+    """Write the active rows of level k, restricted to the f free variables, to ``ids`` and R; returns how many.
+
+    Their right-hand sides, bound less a_i x, go to ``value``.
+    """
     n = ints(here, 0, at.HEAD)[at.N]
     col, row_of, ptr, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.PTR), marks(here, at.SIDE)
     free, ids = marks(here, at.FREE), marks(here, at.IDS)
@@ -101,7 +108,10 @@ def gather(here, k, f):
 
 @inner
 def enter_level(here, k, c, f, tau):
-    """The active rows of level k, factored on top of V[:c], and what y[c:] has to make of them: how many, and rank."""
+    """Factor the active rows of level k on top of V[:c], and write their right-hand sides for y[c:] to ``rhs``.
+
+    Returns their number and their rank.
+    """
     ids, slots, lengths = marks(here, at.IDS), marks(here, at.SLOTS), vector(here, at.LENGTHS)
     norm, y, rhs, given_rhs = vector(here, at.NORM), vector(here, at.Y), vector(here, at.RHS), vector(here, at.VALUE)
     V, L, R = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
@@ -119,7 +129,7 @@ def enter_level(here, k, c, f, tau):
 
 @inner
 def note_level(here, c, count, rank):
-    """Note which of the rows that are listed the basis was made of, which depend on them, and what is left of those."""
+    """Record which of the `count` rows in ``ids`` are pivot rows of V[c:], and the remainders of the dependent ones."""
     pivot, ids, dependent = marks(here, at.PIVOT), marks(here, at.IDS), marks(here, at.KIND)
     lengths, left = vector(here, at.LENGTHS), vector(here, at.VALUE)
     for r in range(rank):
@@ -132,7 +142,7 @@ def note_level(here, c, count, rank):
 
 @inner
 def solve_levels(here, k, end, c, f, tau):
-    """The equalities of levels k .. end, level by level, on top of V[:c]: how many rows V has then."""
+    """Solve levels k .. end - 1 in turn for their active rows, on top of V[:c]; returns how many rows V then has."""
     ids, y, w, rhs = marks(here, at.IDS), vector(here, at.Y), vector(here, at.W), vector(here, at.RHS)
     L, H = matrix(here, at.L), matrix(here, at.H)
     while k < end:
@@ -147,7 +157,7 @@ def solve_levels(here, k, end, c, f, tau):
 
 @inner
 def arrive(here, last, c, f):
-    """x, where y takes it from where :func:`fix_variables` has left it."""
+    """Add V[:c]' y to the ``x`` of :func:`fix_variables`, with one step of refinement if round-off of x_0 matters."""
     free, x, y, V = marks(here, at.FREE), vector(here, at.X), vector(here, at.Y), matrix(here, at.V)
     marks(here, at.CUT)[last] = c
     for q in range(c):
@@ -160,7 +170,7 @@ def arrive(here, last, c, f):
 
 @inner
 def solve_equalities(here, last, tau):
-    """With the rows of the guess as equalities: x, the slacks w, and the basis with its pivot rows, level by level."""
+    """Solve levels 0 .. last for the guess ``side``: writes x, the slacks w, and the basis V with its pivot rows."""
     f = fix_variables(here)
     first = integer(1 if ints(here, 0, at.HEAD)[at.BOXED] != 0 else 0)
     arrive(here, last, solve_levels(here, first, last, integer(0), f, tau), f)
@@ -168,7 +178,7 @@ def solve_equalities(here, last, tau):
 
 @inner
 def refine(here, c, f):
-    """Take from x what round-off of x_0 has left in it: one step of iterative refinement, by the c rows of V."""
+    """One step of iterative refinement of x, along V[:c]: removes the round-off of a large x_0."""
     pivot, side, free = marks(here, at.PIVOT), marks(here, at.SIDE), marks(here, at.FREE)
     lo, hi, x, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.X), vector(here, at.W)
     y, more = vector(here, at.Y), vector(here, at.G)

@@ -1,7 +1,7 @@
-r"""Eigenvalues and eigenvectors of small symmetric matrices, and what else is asked of them.
+r"""Eigenvalues, Cholesky factor, and a bound of the smallest eigenvalue, of small symmetric matrices.
 
-By reflections to a tridiagonal matrix, then by rotations of its neighbours, with the shift of Wilkinson (Golub and Van
-Loan, *Matrix Computations*, 8.3). Nothing but loops over rows.
+Eigenvalues by Householder reflections to a tridiagonal matrix, then implicit QR steps with Wilkinson's shift (Golub and
+Van Loan, *Matrix Computations*, 8.3), as loops over rows.
 """
 
 from __future__ import annotations
@@ -10,15 +10,19 @@ import math
 
 from .compile import inner, integer
 
-#: What is left of a diagonal entry has to be more than this share of it.
+#: A matrix is positive definite if each squared pivot of its Cholesky factor is more than this share of its diagonal.
 DEFINITE = 1e-13
-#: Beside its neighbours on the diagonal so small an entry counts as zero; and how often one may be worked on.
+#: An off-diagonal entry counts as zero below this share of its two diagonal neighbours; and the most QR steps for each
+#: eigenvalue.
 ZERO, MOST = 1e-16, 60
 
 
 @inner
 def eigen(M, U, values, n):
-    """The eigenvalues of M[:n, :n], which is overwritten, and as rows of U the eigenvectors, in no order."""
+    """Write the eigenvalues of M[:n, :n] to `values`, in no order, and the eigenvectors to the rows of U.
+
+    M is overwritten.
+    """
     for i in range(n):
         row = U[i]
         for j in range(n):
@@ -42,7 +46,7 @@ def eigen(M, U, values, n):
 
 @inner
 def tridiagonal(M, U, n):
-    """Reflect M to a tridiagonal matrix, and the rows of U with it; M[0][i] is then the entry beside i - 1 and i."""
+    """Reflect M to a tridiagonal matrix, and the rows of U with it; M[0][i] is then its entry (i - 1, i)."""
     for k in range(n - 2):
         row = M[k]
         total = 0.0
@@ -59,7 +63,7 @@ def tridiagonal(M, U, n):
         row[k + 1] = first  # u is row[k + 1 :], and the reflection I - 2 u u' / |u|^2
         scale, along = 2.0 / total, 0.0
         reflect_rows(U, row, k + 1, n, scale)
-        # M - u p' - p u', with p = M u * scale - (u' M u) scale^2 / 2 u, in the last column of what is done already.
+        # M - u p' - p u', with p = M u * scale - (u' M u) scale^2 / 2 u, which is kept in column k.
         for i in range(k + 1, n):
             own, value = M[i], 0.0
             for j in range(k + 1, n):
@@ -80,7 +84,7 @@ def tridiagonal(M, U, n):
 
 @inner
 def reflect_rows(U, u, first, n, scale):
-    """The rows of U from `first` on, combined by the reflection ``I - scale u u'``."""
+    """Apply the reflection ``I - scale u u'`` to the rows first .. n - 1 of U."""
     for j in range(n):
         total = 0.0
         for i in range(first, n):
@@ -92,7 +96,7 @@ def reflect_rows(U, u, first, n, scale):
 
 @inner
 def step(beside, U, values, begin, end, n):
-    """One round of rotations from `end` down to `begin`."""
+    """One implicit QR step on the block begin .. end: diagonal `values`, off-diagonal `beside`; rotates U with it."""
     half = 0.5 * (values[begin + 1] - values[begin])
     root = math.hypot(half, beside[begin + 1])
     shift = values[begin] - beside[begin + 1] ** 2 / (half + (root if half >= 0.0 else -root))
@@ -121,7 +125,7 @@ def step(beside, U, values, begin, end, n):
 
 @inner
 def cholesky(M, L, n):
-    """The lower triangle L with L L' = M[:n, :n]; False where M is not clearly positive definite."""
+    """Write the Cholesky factor L, L L' = M[:n, :n]; False if M is not clearly positive definite."""
     for i in range(n):
         row, own = L[i], M[i]
         for j in range(i + 1):
@@ -139,9 +143,9 @@ def cholesky(M, L, n):
 
 @inner
 def smallest(M, L, n):
-    """A bound from below for the eigenvalues of a positive definite matrix.
+    """A lower bound of the eigenvalues of M[:n, :n]; 0 if it is not positive definite, infinite if n is 0.
 
-    One over the trace of its inverse, or what Gershgorin's circles leave, if that is more.
+    It is the larger of one over the trace of the inverse and the bound of Gershgorin's circles. L is overwritten.
     """
     if n == 0:
         return math.inf
@@ -154,7 +158,7 @@ def smallest(M, L, n):
     if not cholesky(M, L, n):
         return 0.0
     total = 0.0
-    for j in range(n):  # the columns of the inverse of L, each in the upper triangle of L
+    for j in range(n):  # column j of the inverse of L, kept in the upper triangle of L
         column = L[j]
         for i in range(j, n):
             row, value = L[i], 1.0 if i == j else 0.0

@@ -1,4 +1,7 @@
-"""Whether the strict answer is to be trusted as it is: in reach, away from bounds, as almost every tick is."""
+"""Decides whether the strict answer of a curved hierarchy can be taken unchanged, as in almost every tick.
+
+It can if no level needs damping by its curvature, and x does not move along bounds.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +14,13 @@ from .compile import inner
 from .memory import ints, marks, matrix, vector
 from .solver import levels_that_count
 
-#: A bound counts from so much of the room on, and with this power of how near it is.
+#: Share of its range within which a row is near a bound, and the power with which the nearness counts.
 NEAR, SOONER = 0.1, 3
 
 
 @inner
 def crowded(here, x):
-    """How close x moves along bounds of the levels above those that are curved: from 0 to 1, at one; 0 if unknown."""
+    """How close x moves along bounds of the levels above the curved ones: 0 away from them (or x NaN), 1 at a bound."""
     head = ints(here, 0, plain.HEAD)
     n, col, row_of, A = head[plain.N], marks(here, plain.COL), marks(here, plain.ROW_OF), matrix(here, plain.A)
     lower, upper, gate = vector(here, plain.LOWER), vector(here, plain.UPPER), 0.0
@@ -33,7 +36,7 @@ def crowded(here, x):
             for j in range(n):
                 value += row[j] * x[j]
         near = min(value - lower[i], upper[i] - value) / room
-        if near < NEAR:  # who rests at a bound is calm
+        if near < NEAR:  # a row at rest at its bound does not count
             moving = min(1.0, 2.0 * abs(value) / max(abs(lower[i]), abs(upper[i])))
             gate = max(gate, moving * min(1.0, 1.0 - near / NEAR) ** SOONER)
     return gate
@@ -41,7 +44,10 @@ def crowded(here, x):
 
 @inner
 def least_of(L, pivot, first, end, column):
-    """One over the square of the norm of the inverse of the triangle first .. end."""
+    """A lower bound of the smallest squared singular value of the triangle first .. end - 1 of L: 1 / ||inverse||_F^2.
+
+    `column` is work space.
+    """
     total = 0.0
     for c in range(first, end):
         for r in range(c, end):
@@ -57,7 +63,10 @@ def least_of(L, pivot, first, end, column):
 
 @inner
 def pushed(here, there, k, c, n):
-    """The weights of the curvatures above level k, by the triangle of the first c rows of V: whether any."""
+    """Write the multipliers of the rows above level k as weights ``wanted`` of their curvatures; whether there are any.
+
+    As :func:`.bend.multipliers`, but from the triangle of the first c rows of V in the directory `there`.
+    """
     V, L, pivot = matrix(there, plain.V), matrix(there, plain.L), marks(there, plain.PIVOT)
     pull, mu, wanted = vector(here, at.PULL), vector(here, at.MU), vector(here, at.WANTED)
     ptr, weights, some = marks(here, plain.PTR), vector(here, plain.WEIGHTS), False
@@ -83,15 +92,16 @@ def pushed(here, there, k, c, n):
 
 @inner
 def quiet(here, there):
-    """Whether the strict answer is to be trusted, by the basis that it has left in directory `there`, at no bound.
+    """Whether the strict answer needs no damping, from the basis that the solver has left in the directory `there`.
 
-    What :func:`bend` looks at, from the triangles that are there: it costs less than the sweep.
+    It must come from one sweep, with no active inequality. The ratios are those of :func:`.bend.bend`, but computed
+    from the triangles of that basis, which costs less than the sweep.
     """
     head, ptr = ints(here, 0, plain.HEAD), marks(here, plain.PTR)
     n, levels, last, cut = head[plain.N], head[plain.LEVELS], levels_that_count(there), marks(there, plain.CUT)
     pivot, L, weights = marks(there, plain.PIVOT), matrix(there, plain.L), vector(here, plain.WEIGHTS)
     lower, upper, ids = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, at.IDS)
-    if cut[last] < 0 or ints(there, 0, plain.HEAD)[plain.SWEEPS] != 1:  # proved without one, or it is of another guess
+    if cut[last] < 0 or ints(there, 0, plain.HEAD)[plain.SWEEPS] != 1:  # no basis, or one of another guess
         return False
     for q in range(cut[last]):
         if lower[pivot[q]] != upper[pivot[q]]:

@@ -1,12 +1,13 @@
-r"""The verdict on a guess that was solved: the whole certificate (:mod:`hqp.certificate`), from the basis it left.
+r"""Checks a guess of the active set that :mod:`.sweep` has solved: the whole certificate, from the basis of the sweep.
 
-Rows outside the guess must be inside their bounds, and what holds each level back must push the right way,
+Inactive rows must be inside their bounds, and the multipliers of each level must have the right signs,
 
 .. math:: g = \sum_i w_i a_i, \qquad g + \sum_i \lambda_i a_i = 0, \qquad \lambda_i \ge 0\;(\le 0)
-   \text{ at an upper (lower) bound,}
+   \text{ at an upper (lower) bound.}
 
-by back substitution in the triangle that :mod:`.sweep` leaves behind. A row answers for its own level first, by the
-sign of its slack, then for the levels below it, one after the other; the first clear answer decides.
+They follow by back substitution in the triangle of the sweep. Whether an active inequality row is right is decided by
+the sign of its slack on its own level, then by its multipliers on the levels below, in turn; the first clear sign
+decides (lexicographic multipliers).
 """
 
 from __future__ import annotations
@@ -18,15 +19,19 @@ from .memory import ints, marks, matrix, vector
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target
 from .signs import CLEAR, HELD_FIRMLY, clear_sign
 
-#: No level: none of them is damped.
+#: In place of the damped level: none is damped.
 STRICT = -1
-#: What the levels so far say of a row: nothing clear, that it holds one of them, next to nothing though, or enough.
+#: What the levels so far tell of an active row: no clear sign; right, but by a multiplier so small that the certificate
+#: may not count it; or a clear sign.
 UNDECIDED, BY_A_THREAD, DECIDED = 0, 1, 2
 
 
 @inner
 def damping_pulls(here, damping, size):
-    r"""The forces of a damped level's :math:`\lambda (x - x_0)`, x0 its aim, and whether that counts as zero."""
+    r"""The sum of the forces :math:`\lambda^2 |x_j - x_{0j}|` of the damping of a level, and whether it counts as zero.
+
+    :math:`\lambda` is `damping`, x_0 the aim of the level, `size` the length of x.
+    """
     n, tol = ints(here, 0, at.HEAD)[at.N], vector(here, at.OPTION)[at.TOL]
     x, x0 = vector(here, at.X), vector(here, at.X0)
     pull, met = 0.0, True
@@ -39,16 +44,18 @@ def damping_pulls(here, damping, size):
 
 @inner
 def judge_rows(here, last, damped, damping):
-    """Rows outside the guess stay inside their bounds, slacks are on the side of theirs.
+    """Count inactive rows that are violated, and active inequalities whose slack is on the wrong side.
 
-    Of the levels, `damped` is one that is, or STRICT: what its damping pulls with is one of its forces.
+    `damped` is the damped level, or STRICT: the forces of its damping belong to its forces.
 
     Returns
     -------
     faults : int
+        How many there are; ``follow`` has the sides that they suggest.
     undecided : int
-        Rows whose own level says nothing of them: they answer for the levels below.
+        Active inequality rows whose slack is too small for a sign: the levels below decide.
     blurred : bool
+        As of :func:`.sweep.sweep`.
     """
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
     n, tol, first = head[at.N], option[at.TOL], 1 if head[at.BOXED] != 0 else 0
@@ -115,9 +122,10 @@ def judge_rows(here, last, damped, damping):
 
 @inner
 def judge_multipliers(here, last, undecided, damped, damping):
-    """What holds each level back pushes the right way: the number of undecided rows that do not.
+    """Count the undecided rows whose first multiplier with a clear sign has the wrong one.
 
-    Below a damped level nothing is left of x to be next to x0.
+    `damped` is as of :func:`judge_rows`; if it is a level, the implicit last level is not judged, as rows of damping
+    determine x.
     """
     head = ints(here, 0, at.HEAD)
     n, boxed = head[at.N], head[at.BOXED] != 0
@@ -180,9 +188,11 @@ def judge_multipliers(here, last, undecided, damped, damping):
 
 @inner
 def read_sign(here, i, says, clear, forces):
-    """What a multiplier says of a row that is undecided: whether it is a fault, and whether it decides.
+    """Read the sign of a multiplier of an undecided row: returns 1 if it is wrong, else 0; and 1 if it decides, else 0.
 
-    A row that holds a level by a thread pushes as it likes below, but whether it does hold it is in doubt then.
+    `says` is the multiplier times the length of the row, positive if right; `clear` the size from which it has a sign;
+    `forces` are those of the level. A row that holds a level back by a tiny multiplier may have any sign on the levels
+    below; but if it has the wrong one there, the answer is in doubt.
     """
     decided = marks(here, at.DECIDED)
     if abs(says) <= clear:
@@ -202,7 +212,7 @@ def read_sign(here, i, says, clear, forces):
 
 @inner
 def push(i, force, c, col, row_of, B, norm, L, g, G, n):
-    """Add ``force`` times row i to the balance: along the basis, g[:c], and on the variables, G."""
+    """Add `force` times row i to a gradient: to its coordinates along V, g[:c], and to its entries G (n,)."""
     row = L[i]
     for q in range(c):
         g[q] += force * row[q]

@@ -1,8 +1,8 @@
-r"""The working set of the safe method: rows kept where they are, on top of the rows that are frozen.
+r"""The working set of the safe method, as rows of the basis V behind the frozen ones.
 
-The basis V holds the frozen rows, then those of the working set in the order in which they came; ``pivot`` tells which
-row is where, and L the coefficients of each, so that a row joins by one projection and the multipliers are one back
-substitution.
+V spans the frozen rows first, then those of the working set, in the order in which they joined. ``pivot`` has the row
+from which each row of V was made, and L its coefficients along V. So a row joins by one projection, and the multipliers
+follow by one back substitution.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from .memory import ints, marks, matrix, vector
 from .orthogonal import CANCELLED, length, project
 from .rows import copy_row
 
-#: What a row is to the level that is being solved: below it, satisfied above it, in the working set, decided; satisfied
-#: above it as far as round-off lets one say.
+#: Kind of a row, seen from the level that is being solved: FUTURE, of this level or a lower one; HARD, a satisfied
+#: inequality above it; WORKING, a hard row in the working set; FROZEN; IGNORED, a hard row violated by round-off only.
 FUTURE, HARD, WORKING, FROZEN, IGNORED = 0, 1, 2, 3, 4
 
 
 @inner
 def append(i, c, here, tau):
-    """Put row i on top of the basis V[:c]; False, and nothing changed, if it depends on it."""
+    """Append row i to the basis V[:c], as V[c]; False if it depends on V[:c], which then stays the basis."""
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
     pivot = marks(here, at.PIVOT)
@@ -49,7 +49,7 @@ def append(i, c, here, tau):
 
 @inner
 def remove(place, c, here):
-    """Take the row at position `place` from the basis of c rows, and build the part above it anew."""
+    """Remove the row at position `place` from the basis V[:c], and rebuild the rows of V behind it."""
     pivot = marks(here, at.PIVOT)
     for q in range(place, c - 1):
         append(pivot[q + 1], q, here, 0.0)
@@ -57,7 +57,10 @@ def remove(place, c, here):
 
 @inner
 def balance(low, high, n, here):
-    """Multipliers of the rows at low .. high of the basis: ``g + sum multiplier_i a_i`` is orthogonal to them."""
+    """Write the multipliers of rows low .. high - 1 of V: ``g + sum multiplier_i a_i`` is orthogonal to these rows.
+
+    ``multiplier`` is by position in V.
+    """
     pivot = marks(here, at.PIVOT)
     multiplier, g = vector(here, at.MULTIPLIER), vector(here, at.G)
     V, L = matrix(here, at.V), matrix(here, at.L)

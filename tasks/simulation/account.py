@@ -12,7 +12,7 @@ from hqp.certificate import LevelExplanation
 
 from ..base.checks import Array
 
-#: Number of causes that are named for a tick, and for a stretch of time.
+#: The most causes that are named for a tick, or for a stretch of time.
 MOST_NAMED = 3
 #: A residual up to this size is round-off [m/s], [rad/s], ...
 ROUND_OFF = 1e-9
@@ -31,7 +31,7 @@ class Shortfall:
     lacks : dict of str to float
         Unit -> Euclidean norm of what is missing.
     causes : tuple of str
-        What held it back: damping first, then the strongest; of a level that contradicts itself, how.
+        What held it back: damping first, then the strongest causes; of a level that contradicts itself, how.
     """
 
     level: str
@@ -40,12 +40,12 @@ class Shortfall:
 
     @classmethod
     def of(cls, plain: Mapping[str, Any]) -> Shortfall:
-        """A shortfall from its JSON data."""
+        """The shortfall from its JSON data, as :func:`dataclasses.asdict` gives it."""
         return cls(plain["level"], dict(plain["lacks"]), tuple(plain["causes"]))
 
 
 def shortfalls(solution: Solution) -> tuple[Shortfall, ...]:
-    """The levels that a tick could not meet, the highest first."""
+    """The levels that a tick could not meet, the highest first; none if all were met up to round-off."""
     found = []
     for level in solution.explain().levels:
         if not met(level):
@@ -73,11 +73,11 @@ class Stretch:
     ----------
     level : str
     begin, end : float
-        The first and the last checked tick of it [s].
+        Times of its first and its last checked tick [s].
     most : dict of str to float
-        Unit -> the largest of what was missing.
+        Unit -> the largest norm of what was missing.
     causes : tuple of str
-        What held it back in most of these ticks.
+        The causes that held it back in the most of these ticks.
     """
 
     level: str
@@ -100,9 +100,9 @@ class Account:
     Attributes
     ----------
     begin, end : float
-        The first and the last of the checked ticks [s].
+        Times of the first and the last checked tick [s].
     checked, certified : int
-        How many ticks were checked, and how many the certificate accepts.
+        How many ticks were checked, and how many of them the certificate accepts.
     stretches : tuple of Stretch
         In the order of time.
     stopped : str or None
@@ -129,7 +129,18 @@ class Account:
 
 
 def account(checked_t: Array, ticks: Sequence[Sequence[Shortfall]], certified: int, stopped: str | None) -> Account:
-    """The stretches of a motion, from what its checked ticks could not meet."""
+    """Join the shortfalls of checked ticks to stretches: a level's stretch ends at the first tick that meets the level.
+
+    Parameters
+    ----------
+    checked_t : array, shape (ticks,)
+        Times of the checked ticks [s].
+    ticks : sequence of sequences of Shortfall
+        What each of them could not meet.
+    certified : int
+    stopped : str or None
+        As of :class:`Account`.
+    """
     times = checked_t.tolist()
     open_: dict[str, list[tuple[float, Shortfall]]] = {}
     done: list[Stretch] = []

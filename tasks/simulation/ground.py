@@ -33,9 +33,9 @@ class Ground:
     ratio : float
         How much harder friction is than the normal force, ``impratio`` of MuJoCo.
     noslip : int
-        Number of final solver sweeps that remove slip; 0 for none.
+        Number of final sweeps of MuJoCo's solver that remove slip; 0 for none.
     pyramids : bool
-        Whether friction cones are pyramids, as they are by MuJoCo's own default; else they are round.
+        Whether friction cones are pyramids, as is MuJoCo's own default, or else round.
 
     Raises
     ------
@@ -70,7 +70,13 @@ class Ground:
             object.__setattr__(self, name, value)
 
     def lay(self, specification: Any, mujoco: Any, step: float) -> None:
-        """Add it to the world, and set the options of the contact solver."""
+        """Add the ground to a MuJoCo specification, and set the options of the contact solver.
+
+        Raises
+        ------
+        InvalidInput
+            If the time constant is shorter than twice `step`, that of the physics [s].
+        """
         if self.time_constant < 2.0 * step:
             raise InvalidInput(
                 f"Ground: time_constant = {self.time_constant:g} s must be at least twice the step of the physics,"
@@ -80,7 +86,7 @@ class Ground:
         option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL if self.pyramids else mujoco.mjtCone.mjCONE_ELLIPTIC
         option.impratio, option.noslip_iterations = self.ratio, self.noslip
         option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-        option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_MIDPHASE)  # it misses points after the ground moved
+        option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_MIDPHASE)  # misses points after the ground was moved
         specification.worldbody.add_geom(
             name="ground",
             type=mujoco.mjtGeom.mjGEOM_PLANE,

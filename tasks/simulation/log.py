@@ -1,4 +1,4 @@
-"""Logs a closed loop tick by tick, and makes the record of it."""
+"""The log of a closed loop, filled tick by tick, from which its record is made."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..rows.part import Part
 from .account import Shortfall, shortfalls
 from .record import Record, Stop
 
-#: How far x may be from a bound and still count as on it, in units of ``1 + |x|``.
+#: How far x may be from a bound and still count as on it, relative to ``1 + |x|``.
 AT_BOUND = 1e-9
 #: Bounds of a limit that is not in the stack.
 FREE = (-np.inf, np.inf)
@@ -42,7 +42,7 @@ P = TypeVar("P", Part, Erring)
 
 
 class Log:
-    """Preallocated arrays, filled tick by tick and cut to the ticks that were run.
+    """Preallocated arrays, filled tick by tick; the record has the part for the ticks that were run.
 
     Parameters
     ----------
@@ -50,9 +50,9 @@ class Log:
     ticks : int
         The largest number of ticks.
     first : RobotState
-        Where the robot starts.
+        The state at the start.
     parts : iterable of Part
-        All that will be in the stack of the controller, now or later.
+        All parts that are in the stack of the controller, now or later.
 
     Raises
     ------
@@ -77,7 +77,7 @@ class Log:
             (name, part.error, np.empty((ticks + 1, len(part.error(first, 0.0))))) for name, part in _named(telling)
         ]
         limits = list(_named(part for part in parts if part.limited is not None))
-        #: Bounds on x, and on its torques, at every tick.
+        #: Bounds at every tick: of limits on the motion, x, and of limits on torques.
         self.bounds, self.torque_bounds = (
             [
                 (name, part, *np.empty((2, ticks, part.size(controller.robot))))
@@ -86,9 +86,9 @@ class Log:
             ]
             for what in ("motion", "torque")
         )
-        #: The commanded torques, if forces are unknowns: accelerations alone do not determine them.
+        #: The commanded torques, if forces are unknowns: then accelerations alone do not determine them.
         self.tau = np.empty((ticks, nv - base(controller.robot))) if has_dynamics(controller.stack) else None
-        #: The forces of contacts, by their names, where they are unknowns.
+        #: Name of the contact -> its forces, if these are unknowns.
         self.forces: dict[str, Array] = {}
         self._ticks = ticks
         self.checked_t: list[float] = []
@@ -121,7 +121,7 @@ class Log:
             lowers[k], uppers[k] = self._controller.bounds(part) if part in self._controller.stack else FREE
 
     def check(self, t: float, solution: Solution, passed: bool) -> None:
-        """Log a tick that was certified or refused."""
+        """Log a tick that was put to the certificate; `passed` tells whether it was accepted."""
         self.checked_t.append(t)
         self.certified += bool(passed)
         ranks = [level.rank for level in solution.levels]
@@ -129,7 +129,7 @@ class Log:
         self.shortfalls.append(shortfalls(solution))
 
     def record(self, stopped: Stop | None) -> Record:
-        """The record of the ticks that were run."""
+        """The record of the ticks that were run; `stopped` tells why the run ended early, if it did."""
         n = self.states
         q, v, a = self.q[:n], self.v[:n], self.a[: n - 1]
         x = v[1:] if self.order == "velocity" else a
@@ -140,7 +140,7 @@ class Log:
         if self.tau is not None and bias is not None:
             tau, bias = _frozen(self.tau[: n - 1]), bias[:, base(self._controller.robot) :]
         active = {name: _sides(x, low[: n - 1], high[: n - 1]) for name, _, low, high in self.bounds}
-        if tau is not None and bias is not None:  # their rows bound what x takes beside the bias
+        if tau is not None and bias is not None:  # bounds of torque rows are those of tau less the bias
             active |= {
                 name: _sides(tau, low[: n - 1] + bias, high[: n - 1] + bias)
                 for name, _, low, high in self.torque_bounds
@@ -168,7 +168,7 @@ class Log:
 
 
 def _named(parts: Iterable[P]) -> Iterator[tuple[str, P]]:
-    """Every part under its name; a second of the same name is numbered."""
+    """Every part with a unique name: a second part of the same name gets a number."""
     taken: set[str] = set()
     for part in parts:
         name, number = part.name, 1
@@ -182,7 +182,10 @@ def _named(parts: Iterable[P]) -> Iterator[tuple[str, P]]:
 def _asked_at_once(
     method: Callable[..., Array] | None, name: str, example: tuple[Array, ...], shape: tuple[int, ...]
 ) -> Callable[..., Array] | None:
-    """The method, if the robot has it. One that takes no leading axis is refused before the run."""
+    """The method, or None; a method that does not take leading axes is refused before the run.
+
+    It is called with `example`, and must give `shape`; `name` is for the message.
+    """
     if method is None:
         return None
     asked = f"{name} of the robot, asked for arrays of one row,"
@@ -196,7 +199,7 @@ def _asked_at_once(
 
 
 def _sides(x: Array, lower: Array, upper: Array) -> NDArray[np.int8]:
-    """The :class:`hqp.Side` of each x; one beyond a bound is on it."""
+    """The :class:`hqp.Side` of each x; an x beyond a bound counts as on it."""
     near = AT_BOUND * (1.0 + np.abs(x))
     at_lower, at_upper = x <= lower + near, x >= upper - near
     sides = at_upper.astype(np.int8) * np.int8(Side.UPPER)

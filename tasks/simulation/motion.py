@@ -1,4 +1,4 @@
-"""Motion of a robot over one tick: exact execution of the command, and checks of what plants receive and return."""
+"""The motion of a robot over one tick under its command, and checks of what plants receive and return."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ from ..robots.robot import Robot, base, check_joints
 def follow(
     integrate: Callable[[Array, Array], Array], step: Step[Any, Any, Any], q: Array, v: Array, dt: float
 ) -> tuple[Array, Array, Array]:
-    """Configuration and velocities at the end of the tick, and the accelerations over it."""
+    """Configuration and velocities at the end of a tick dt [s] under the command `step`, and the accelerations over it.
+
+    From configuration q and velocities v; `integrate(q, displacement)` is that of the robot.
+    """
     if step.a is not None:
         a: Array = step.a
         return integrate(q, dt * v + (0.5 * dt * dt) * a), v + dt * a, a
@@ -36,7 +39,7 @@ def told(
     Raises
     ------
     InvalidInput
-        If a number is not finite, or there are more or fewer than the robot has; `what` names the plant.
+        If a number is not finite, or an array has another size than the robot's; `what` names the plant.
     """
     q, v, tau = finite(q, f"{what}: q"), finite(v, f"{what}: v"), finite(tau, f"{what}: tau")
     motors = robot.nv - base(robot)
@@ -71,7 +74,7 @@ def check_moved(robot: Robot, moved: Any, what: str) -> tuple[Array, Array]:
 
 
 def check_names(contacts: Sequence[Contact]) -> None:
-    """Refuse contacts with the same name: forces are identified by it.
+    """Refuse contacts with the same name, because forces are identified by it.
 
     Raises
     ------

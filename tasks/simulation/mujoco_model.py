@@ -17,18 +17,18 @@ if TYPE_CHECKING:
 
 
 def known(joint: Any) -> bool:
-    """Whether MuJoCo has such a joint: one position, one velocity, and no screw; or a base that is free."""
+    """Whether MuJoCo has such a joint: revolute or prismatic, with one position and one velocity; or a free base."""
     kind = joint.shortname().removeprefix("JointModel")
     return bool(joint.nq == joint.nv == 1 and kind.startswith(("R", "P"))) or free(joint)
 
 
 def free(joint: Any) -> bool:
-    """Whether it is a free joint."""
+    """Whether a joint is a free joint, with six degrees of freedom."""
     return bool(joint.shortname() == "JointModelFreeFlyer")
 
 
 def joints(model: Any) -> list[tuple[Any, str]]:
-    """The joints of a Pinocchio model and their names, without the universe."""
+    """The joints of a Pinocchio model and their names, without its first joint, the universe."""
     return list(zip(list(model.joints)[1:], list(model.names)[1:], strict=True))
 
 
@@ -49,7 +49,7 @@ def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
     for index in range(1, model.njoints):
         inertia, parent, place = model.inertias[index], int(model.parents[index]), model.jointPlacements[index]
         before = [(i, place.inverse() * at) for i, at in waiting.pop(parent, [])]
-        if before:  # where the first of them is placed on the last body that there is
+        if before:  # the body is placed where the first joint of the chain is on the body before
             first = before[0][0]
             place = model.jointPlacements[first] * before[0][1].inverse()
         own = [*before, (index, pin.SE3.Identity())]
@@ -87,7 +87,7 @@ def point_name(contact: Contact, k: int) -> str:
 
 
 def _add_joint(body: Any, model: Any, index: int, at: Any, mujoco: Any) -> None:
-    """Put a joint of the model into a body, on which it is at a place."""
+    """Add joint `index` of the model to a MuJoCo body, at the placement `at` on it."""
     joint = model.joints[index]
     if free(joint):
         body.add_joint(name=model.names[index], type=mujoco.mjtJoint.mjJNT_FREE)
@@ -107,7 +107,7 @@ def _add_joint(body: Any, model: Any, index: int, at: Any, mujoco: Any) -> None:
 
 
 def quaternion(rotation: Array) -> Array:
-    """(w, x, y, z) of a rotation matrix, as MuJoCo writes it."""
+    """The quaternion (w, x, y, z) of a rotation matrix, in MuJoCo's order."""
     import pinocchio as pin
 
     x, y, z, w = pin.Quaternion(rotation).coeffs()

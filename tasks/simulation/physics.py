@@ -1,13 +1,13 @@
-r"""A plant moved by the physics of MuJoCo instead of the model of the controller.
+r"""A plant that is moved by the physics of MuJoCo instead of the model of the controller.
 
-The robot is converted joint by joint: placements, axes, masses, inertias, armatures and viscous damping
-of its Pinocchio model. Joints that the model holds, such as locked fingers, are part of the links that carry them.
-Links do not collide; of a robot with contacts, their points touch the ground. There are no ranges of the joints and no
-dry friction. In free space both agree on
+The robot is converted joint by joint: placements, axes, masses, inertias, armatures and viscous damping of its
+Pinocchio model. Joints that the model holds, such as locked fingers, become part of the links that carry them. Links do
+not collide; only the points of contacts touch the ground. Joints have no ranges and no dry friction. In free space the
+motion is
 
-.. math:: M(q)\,\dot v + b(q, v) + D\,v = \tau,
+.. math:: M(q)\,\dot v + b(q, v) + D\,v = \tau.
 
-but for the damping D, which the controller does not know: feedback has to compensate it, as on a real robot.
+The model of the controller is the same without the damping D: feedback has to compensate it, as on a real robot.
 
 For a floating base, Pinocchio has the position, the quaternion (x, y, z, w), and both velocities along the axes of the
 base. MuJoCo has the quaternion (w, x, y, z), and the linear velocity along the axes of the world.
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     import mujoco
 
 
-#: A share of a step that is round-off of the clock.
+#: A push that covers no more than this share of a step does so by round-off of the clock.
 NEGLIGIBLE = 1e-6
 
 
@@ -62,7 +62,7 @@ class MujocoPlant:
     contacts : list of Contact
         Contacts whose points touch the ground; their surfaces must be level.
     ground : Ground, optional
-        Where it is, how rough, and how contacts are modelled.
+        Its height, its friction, and how contacts are modelled.
     step : float
         The longest step of the physics [s]; a tick of the controller is divided into equal steps.
 
@@ -70,13 +70,13 @@ class MujocoPlant:
     ----------
     model, data : mujoco.MjModel, mujoco.MjData
     dofs : array of int
-        Where MuJoCo keeps the joints that have a motor.
+        Places of the joints with a motor among MuJoCo's velocities.
 
     Raises
     ------
     InvalidInput
-        If the robot is not of that kind, a contact does not belong to it, or MuJoCo refuses it, as for impossible
-        inertias.
+        If the robot is not of that kind, a contact does not belong to it, or MuJoCo refuses the robot, as for
+        impossible inertias.
     MissingPackage
         If MuJoCo is not installed.
     """
@@ -119,7 +119,7 @@ class MujocoPlant:
 
     @property
     def time(self) -> float:
-        """How long it has moved [s]."""
+        """The clock of the plant: for how long it has moved [s]."""
         return float(self.data.time)
 
     def advance(self, q: Array, v: Array, tau: Array, dt: float) -> tuple[Array, Array]:
@@ -134,7 +134,7 @@ class MujocoPlant:
         data.qfrc_applied[:] = 0.0
         data.qfrc_applied[self.dofs] = tau
         self._step(steps)
-        if not np.isfinite(data.qacc).all():  # it would begin the next step with them
+        if not np.isfinite(data.qacc).all():  # else MuJoCo would start the next step from them
             data.qacc[:] = data.qacc_warmstart[:] = 0.0
         return self.state()
 
@@ -144,7 +144,7 @@ class MujocoPlant:
         self.set_state(q, v)
 
     def set_state(self, q: ArrayLike, v: ArrayLike) -> None:
-        """Set the state of the robot: q and v in the form of its own model.
+        """Set the state of the robot: q and v of its Pinocchio model.
 
         Raises
         ------
@@ -164,7 +164,7 @@ class MujocoPlant:
         data.qpos[self._places], data.qvel[self.dofs] = q, v
 
     def state(self) -> tuple[Array, Array]:
-        """The state of the robot: q and v in the form of its own model."""
+        """The state of the robot: q and v of its Pinocchio model."""
         data = self.data
         q, v = data.qpos[self._places].copy(), data.qvel[self.dofs].copy()
         if not self._base:
@@ -173,25 +173,25 @@ class MujocoPlant:
         return q, np.concatenate([data.qvel[:3] @ _rotation(q), data.qvel[3:6], v])
 
     def push(self, frame: str, force: ArrayLike, duration: float, *, start: float | None = None) -> None:
-        """Push a frame at its origin for a time, whether it begins and ends with ticks of the controller or between.
+        """Push a frame at its origin for a time, which need not begin or end with a tick of the controller.
 
-        A step of the physics that the push covers in part gets the mean force, so that the momentum is always F times
-        the duration.
+        A physics step that the push covers in part gets the mean force, so that the momentum is always force times
+        duration.
 
         Parameters
         ----------
         frame : str
         force : array, shape (3,)
-            In the axes of the world [N].
+            Along the axes of the world [N].
         duration : float
-            [s].
+            How long the push lasts [s].
         start : float, optional
-            By the clock of the plant [s], :attr:`time` (default: now).
+            When it begins, by the clock of the plant, :attr:`time` [s] (default: now).
 
         Raises
         ------
         InvalidInput
-            If there is no such frame, a number is out of range, or it would be over already.
+            If there is no such frame, a number is out of range, or the push would be over already.
         """
         check_frame(self._robot, frame, "push: frame")
         pull, seconds = finite(force, "push: force"), positive_scalar(duration, "push: duration", unit="s")
@@ -211,28 +211,29 @@ class MujocoPlant:
 
     @property
     def forces(self) -> dict[str, Array]:
-        """Forces of the ground on the robot in the last physics step, at every contact point, (k, 3) [N].
+        """Name of a contact -> forces of the ground on its k points in the last physics step, shape (k, 3) [N].
 
-        By the names of the contacts, in the axes of the world.
+        They are along the axes of the world.
         """
         every, wrench = np.zeros((self.model.ngeom, 3)), np.zeros(6)
         for i in range(self.data.ncon):
             contact = self.data.contact[i]
             self._mujoco.mj_contactForce(self.model, self.data, i, wrench)
-            every[contact.geom2] += wrench[:3] @ contact.frame.reshape(3, 3)  # the plane is the first of both
+            every[contact.geom2] += wrench[:3] @ contact.frame.reshape(3, 3)  # geom1 is the ground
         return {contact.name: every[points] for contact, points in zip(self.contacts, self._points, strict=True)}
 
     @property
     def points(self) -> dict[str, Array]:
-        """Where the points of the contacts are, (k, 3) [m], by the names of the contacts."""
+        """Name of a contact -> positions of its k points in the world, shape (k, 3) [m]."""
         self._mujoco.mj_kinematics(self.model, self.data)
         found = zip(self.contacts, self._points, strict=True)
         return {contact.name: self.data.geom_xpos[points].copy() for contact, points in found}
 
     def creep(self, q: Array, duration: float = 10.0) -> float:
-        """How far a point of the contacts creeps along the ground while all joints are held [m].
+        """How far the points of the contacts creep along the ground, at most, while all joints are locked at q [m].
 
-        This creep comes from the contact model of the physics, not from the controller.
+        After a second to come to rest, within `duration` [s]. This creep comes from the contact model of the physics,
+        not from the controller.
         """
         import pinocchio as pin
 
@@ -250,7 +251,7 @@ class MujocoPlant:
         )
 
     def _lay_ground(self) -> None:
-        """Bring the ground to where the lowest point is."""
+        """Move the ground to the height of the lowest contact point."""
         lowest = min(float(points[:, 2].min()) for points in self.points.values())
         self.model.geom("ground").pos[2] += lowest
         self._laid = True
@@ -282,7 +283,7 @@ class MujocoPlant:
 
 
 def _checked(robot: Robot, contacts: tuple[Contact, ...]) -> Any:
-    """A robot that MuJoCo can move, and that has these contacts."""
+    """The robot, if MuJoCo can move it and it has the frames of these contacts; InvalidInput otherwise."""
     if not on_pinocchio(robot):
         raise InvalidInput(f"robot = {brief(robot)}; the physics need the model of a PinocchioRobot")
     other = [name for joint, name in joints(robot.model) if not known(joint)]
@@ -298,7 +299,7 @@ def _checked(robot: Robot, contacts: tuple[Contact, ...]) -> Any:
 
 
 def _rotation(q: Array) -> Array:
-    """That of a floating base, from the quaternion (x, y, z, w) in q."""
+    """The rotation matrix of a floating base, from the quaternion (x, y, z, w) in q."""
     x, y, z, w = q[3:7] / np.linalg.norm(q[3:7])
     return np.array(
         [

@@ -20,11 +20,11 @@ from ..robots.manipulability import Degrees
 from ..robots.robot import Robot, as_robot
 from .account import Account, Shortfall, account
 
-#: What the head of a saved record says; the number changes with the fields.
+#: The format in the head of a saved record; its number changes with the fields.
 FORMAT = "hqp record 3"
-#: Those before: one that knows no shortfalls, and one that knows no forces.
+#: Older formats: the first has no shortfalls, the second has no forces.
 FORMER, UNFORCED = "hqp record 1", "hqp record 2"
-#: The fields which are arrays, those which are arrays or None, and those which are dicts of arrays.
+#: Fields of a record: arrays, arrays or None, and dicts of arrays.
 ARRAYS = ("t", "q", "v", "a", "pose", "checked_t", "ranks")
 OPTIONAL = ("tau", "manipulability")
 DICTS = ("errors", "active", "forces")
@@ -59,40 +59,40 @@ class Record:
     q, v : array, shape (N + 1, n)
         Joint positions [rad] and velocities [rad/s]; at velocity order v[k + 1] is the command of tick k.
     a : array, shape (N, n)
-        Joint accelerations [rad/s^2] over each tick; at velocity order (v[k + 1] - v[k]) / dt, with a plant those
-        commanded.
+        Joint accelerations [rad/s^2] over each tick; at velocity order (v[k + 1] - v[k]) / dt; with a plant, the
+        commanded ones.
     tau : array, shape (N, n), or None
         Joint torques [N m] for a at the beginning of each tick (Eq. 4.1); None if the robot cannot compute them. With
         :class:`tasks.Dynamics` in the stack, the commanded torques of the joints that have a motor.
     pose : array, shape (N + 1, ...)
-        Of the tip, in the coordinates of the robot.
+        Pose of the tip, in the coordinates of the robot.
     manipulability : array, shape (N + 1,), or None
-        Of the tip, as the robot measures it; None if it does not.
+        Manipulability of the tip, as the robot measures it; None if it does not.
     errors : dict of arrays, shape (N + 1, rows)
-        Of every task, by its name, desired - actual.
+        Name of a task -> its error, desired - actual.
     active : dict of arrays of int8, shape (N, n)
-        Of every joint limit, those on torques included, by its name, the :class:`hqp.Side` of each joint: -1 at its
-        lower bound, 1 at its upper, 0 between, 2 where both bounds meet.
+        Name of a joint limit, also on torques -> the :class:`hqp.Side` of each joint: -1 at its lower bound, 1 at its
+        upper bound, 0 between, 2 where both bounds meet.
     status : tuple of hqp.Status, length N
     checked_t : array
-        When the ticks began [s] which were put to the certificate.
+        Times of the ticks that were put to the certificate [s].
     ranks : array of int, shape (len(checked_t), levels)
         Directions that each level of the stack fixed at those ticks, among those that the levels above
         left open; satisfied inequalities fix none.
     certified : int
         How many of the checked ticks the certificate accepts.
     stopped : Stop or None
-        None for a run that went to its end.
+        Why the run ended early; None for a run that went to its end.
     shortfalls : tuple of tuples of Shortfall, or None
         What each of the checked ticks could not meet, and what held it back; None in a file of an older format.
     unknowns : int or None
-        Number of unknowns of the stack: joints, and with :class:`tasks.Dynamics` also forces; None in an older file,
-        which means as many as joints.
+        Number of unknowns of the stack: joints, and with :class:`tasks.Dynamics` also forces; None in a record from an
+        older file, where it is the number of joints.
     robot : Robot or None
         The simulated robot; None in a record from a file.
     forces : dict of arrays, shape (N, k, 3)
-        Commanded forces at the points of every contact, by its name, in world axes [N]; for contacts with one wrench
-        and for loops, in the form of :class:`tasks.Step`. Empty without :class:`tasks.Dynamics`.
+        Name of a contact -> commanded forces at its k points, along the axes of the world [N]; for contacts with one
+        wrench and for loops, in the form of :class:`tasks.Step`. Empty without :class:`tasks.Dynamics`.
     """
 
     t: Array
@@ -128,9 +128,9 @@ class Record:
     def degrees(self) -> Degrees:
         """Degrees of manipulability and of redundancy of every level, shape (len(checked_t), levels).
 
-        A level controls as many directions as it has rank (Eq. 3.7) in the null space of the levels above,
-        and leaves the rest to those below (Eq. 3.8). These are directions of what is solved for: where forces of
-        contacts are unknown too, of accelerations and forces together.
+        A level controls as many directions as its rank in the null space of the levels above (Eq. 3.7), and leaves the
+        rest to those below (Eq. 3.8). They are directions of the unknowns: if forces of contacts are unknown too, of
+        accelerations and forces together.
         """
         free = self.v.shape[1] if self.unknowns is None else self.unknowns
         return Degrees(self.ranks, free - np.cumsum(self.ranks, axis=1))
@@ -141,7 +141,7 @@ class Record:
         return self.stopped.t if self.stopped and self.stopped.diverged else None
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write all of it to a file, which appears whole or not at all: numpy's .npz, without pickle.
+        """Write the record to a file, numpy's .npz without pickle; the file appears whole or not at all.
 
         Raises
         ------
@@ -175,7 +175,7 @@ class Record:
         Raises
         ------
         InvalidInput
-            If the file cannot be read, is no record or is damaged.
+            If the file cannot be read, is not a record, or is damaged.
         """
         with arrays_of(path, "record") as members:
             head = json.loads(str(members["head"]))
@@ -199,7 +199,7 @@ class Record:
             )
 
     def explain(self) -> Account:
-        """The whole motion in a few lines: which level was short, from when to when, and held by what.
+        """Explain the whole motion in a few lines: which level was not met, from when to when, and what held it back.
 
         Raises
         ------
@@ -213,21 +213,21 @@ class Record:
         )
 
     def save_html(self, path: str | os.PathLike[str], *, robot: Robot | None = None, rate: float = 30.0) -> None:
-        """Write the motion as one page, which plays by itself in any browser, without a network.
+        """Write the motion as a self-contained HTML page, which plays in any browser without a network.
 
         Parameters
         ----------
         path : path
-            The page, such as ``"motion.html"``.
+            The file of the page, such as ``"motion.html"``.
         robot : Robot, optional
-            What is drawn (default: what moved; a record from a file needs it).
+            The robot to draw (default: the one that moved; needed for a record from a file).
         rate : float
-            Pictures a second.
+            Pictures per second.
 
         Raises
         ------
         InvalidInput
-            If there is no robot, it has other sizes than what moved, or the file cannot be written.
+            If there is no robot, it has other sizes than the one that moved, or the file cannot be written.
         MissingPackage
             If viser is not installed.
         """
@@ -249,7 +249,7 @@ class Record:
 
 
 def _check_numbers(arrays: dict[str, Any]) -> None:
-    """Refuse arrays that hold no numbers, and a motion without a time."""
+    """Refuse arrays that hold no numbers, and a motion without times; raises ValueError."""
     told = {name: arrays[name] for name in (*ARRAYS, *OPTIONAL) if arrays[name] is not None}
     told |= {f"{field} of {name!r}": array for field in DICTS for name, array in arrays[field].items()}
     for name, array in told.items():

@@ -1,11 +1,11 @@
-r"""A plant on the constrained dynamics of Pinocchio: its contacts hold with any force that is needed.
+r"""A plant with the constrained dynamics of Pinocchio: its contacts hold with any force that is needed.
 
-With the torques tau, and the motion :math:`J_c` of the contacts that hold,
+With the torques tau, and the Jacobian :math:`J_c` and error e of the contacts that hold,
 
 .. math:: M a + b = S^T \tau + J_c^T f, \quad J_c a + \dot J_c v = -2 K J_c v + K^2 e.
 
-It serves as a reference: a controller with the same contacts gets exactly the accelerations it computes. The feedback
-terms only correct the drift of integration.
+It serves as a reference: a controller with the same contacts gets exactly the accelerations that it computes. The
+feedback terms, with gain K, only correct the drift of integration.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from ..contacts.contact import Contact
 from ..robots.robot import Robot, base, check_frame, on_pinocchio
 from .motion import check_names, told
 
-#: Proximal parameter, which makes forces unique if contacts are redundant [1/kg].
+#: Proximal parameter [1/kg], which makes forces unique if contacts are redundant.
 PROXIMAL = 1e-10
-#: What Pinocchio calls a contact, by how many motions it forbids.
+#: Pinocchio's type of a contact, by the number of motions that it forbids.
 KINDS = {3: "CONTACT_3D", 6: "CONTACT_6D"}
 
 
@@ -38,19 +38,19 @@ class RigidContactPlant:
     ----------
     robot : PinocchioRobot
     contacts : list of Contact
-        Points, or what is held in all directions; no lines, and none of them pushes only: they pull as well.
+        Point contacts and contacts that forbid all motions, not lines. They can pull as well as push.
     holding : callable, optional
-        The names of those that hold at present, asked for every tick: ``lambda: controller.loaded``. One that begins
-        to hold does so where it then is (default: all of them, always).
+        Returns the names of the contacts that hold, called every tick, such as ``lambda: controller.loaded``. A contact
+        is held where it is when it begins to hold (default: all contacts, always).
     step : float
         The longest step of integration [s].
     gain : float
-        K [1/s].
+        K [1/s], the rate at which errors of the contacts decay.
 
     Raises
     ------
     InvalidInput
-        If the robot is not of that kind, or a contact is none of it, or is a line.
+        If the robot is not of that kind, a contact does not belong to it, or a contact is a line.
     """
 
     def __init__(
@@ -98,21 +98,21 @@ class RigidContactPlant:
         return q, v
 
     def acceleration(self, q: Array, v: Array, tau: Array) -> Array:
-        """That of all joints under torques, shape (nv,), by the contacts that hold [rad/s^2]."""
+        """Joint accelerations (nv,) [rad/s^2] under generalised forces `tau` (nv,), with the contacts that hold."""
         told = self._robot.model, self._data, q, v, tau, self._models, self._datas, self._proximal
         return np.array(self._pin.constraintDynamics(*told))
 
     @property
     def forces(self) -> dict[str, Array]:
-        """What the world did to the robot in the last step, by the names of the contacts that hold, shape (6,).
+        """Name of a contact that holds -> force [N] and moment [N m] of the world on the robot in the last step, (6,).
 
-        Force [N] and, of what is held in all directions, moment [N m] about its centre, along the axes of its frame.
+        They act at the centre of the contact, along the axes of its frame; the moment of a point contact is 0.
         """
         found = zip(self._held, self._datas, strict=True)
         return {name: np.array(data.contact_force.vector) for name, data in found}
 
     def _hold(self, q: Array) -> None:
-        """Have those hold which are to, each where it began to."""
+        """Update the constraints to the contacts that must hold now; a new one is held where it is at q."""
         holding = self._wanted()
         wanted = {contact.name: contact for contact in self.contacts if contact.name in holding}
         if list(wanted) == list(self._held):
@@ -127,7 +127,7 @@ class RigidContactPlant:
         pin.initConstraintDynamics(model, self._data, self._models, self._datas)
 
     def _wanted(self) -> Collection[str]:
-        """The names of those which are to hold now."""
+        """The checked names of the contacts that must hold now."""
         holding, names = self._holding(), [contact.name for contact in self.contacts]
         if isinstance(holding, str) or not isinstance(holding, Collection):
             raise InvalidInput(f"holding gave {brief(holding)}; it must give a list of names of contacts")

@@ -1,4 +1,4 @@
-"""The schedule of a run: changes of its stack, and switches of its contacts, checked as a whole before it begins."""
+"""The schedule of a run: changes of its stack and switches of its contacts, all checked before the run begins."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Change:
 
 @dataclass(frozen=True, eq=False)
 class Switch:
-    """A contact to make or to release, see :meth:`tasks.Controller.make` and :meth:`tasks.Controller.release`.
+    """A contact that is made or released, see :meth:`tasks.Controller.make` and :meth:`tasks.Controller.release`.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class Switch:
         When [s].
     contact : Contact or its name
     on : bool
-        Whether it is made, or released.
+        True to make it, False to release it.
     duration : float
         How long that takes [s].
 
@@ -100,12 +100,12 @@ def _check_times(change: Change | Switch, what: str) -> None:
 
 
 def check_switches(controller: Controller, schedule: Iterable[Change | Switch]) -> None:
-    """Check a schedule in the order of time, and refuse a switch whose contact already is in the wanted state.
+    """Check the switches of a schedule, which is in the order of time.
 
     Raises
     ------
     InvalidInput
-        Also if the contact is none of the stack that is solved by then.
+        If the contact of a switch is already made, or released, by then, or does not belong to the stack at that time.
     """
     stack, on = controller.stack, dict[int, bool]()
     for change in schedule:

@@ -1,18 +1,18 @@
-r"""Closed-loop simulation: controller and robot, tick after tick, and the record of it.
+r"""Closed-loop simulation of a controller and a robot, tick after tick, with a record of the motion.
 
-The command holds over the tick and the robot follows it exactly:
+The command is constant over a tick, and the robot follows it exactly:
 
 .. math::
 
     \text{acceleration, torque order:}\quad & q \leftarrow q + v\,dt + \tfrac12 a\,dt^2, \quad v \leftarrow v + a\,dt \\
     \text{velocity order:}\quad & q \leftarrow q + v\,dt
 
-which is the exact motion under such a command: what a run shows is the controller, not the integrator. Where a
-configuration is more than one number per joint, the sum is the robot's own ``integrate``.
+This is the exact motion under such a command, so that a run shows the controller, without errors of an integrator. If a
+configuration has more than one number per joint, the robot's own ``integrate`` replaces the sum.
 
-At torque order the acceleration that holds is the one which the torque gives where the tick begins, which makes the
-motion that of the acceleration order. Real motors hold the torque instead. For that, and for a robot that is not quite
-as its model says, a run takes a `Plant`, which moves by its own physics: :class:`tasks.MujocoPlant`.
+At torque order the acceleration that the torque causes at the beginning of the tick is held, so that the motion is that
+of acceleration order. Real motors hold the torque instead. For this, and for a robot that differs from its model, a run
+takes a `Plant`, which moves by its own physics, such as :class:`tasks.MujocoPlant`.
 """
 
 from __future__ import annotations
@@ -42,16 +42,16 @@ from .schedule import Change, Switch, check_switches
 SPEED_CAP = 100.0
 
 
-#: The longest run: a record of so many ticks fills a gigabyte or two.
+#: The most ticks of a run; their record takes one or two gigabytes.
 MOST_TICKS = 10_000_000
 
 
 @runtime_checkable
 class Plant(Protocol):
-    """A plant: what the commands move, in place of the model of the controller."""
+    """A plant: what the torques of the controller move, in place of the controller's model."""
 
     def advance(self, q: Array, v: Array, tau: Array, dt: float) -> tuple[Array, Array]:
-        """Positions and velocities dt [s] after (q, v), while the torques tau [N m] hold."""
+        """Positions and velocities dt [s] after the state (q, v), under constant torques tau [N m] of the motors."""
         ...
 
 
@@ -69,45 +69,45 @@ def simulate(
     progress: Callable[[float], None] | None = None,
     plant: Plant | None = None,
 ) -> Record:
-    """Run a controller on the robot it was made for.
+    """Run a controller in closed loop with its robot.
 
     Parameters
     ----------
     controller : Controller
-        With its dt [s]: one solve a tick.
+        It must have a dt [s]; it is solved once per tick.
     q0 : array, shape (nq,)
         Joint positions at the start [rad].
     v0 : array, shape (nv,), optional
         Joint velocities at the start [rad/s] (default: at rest).
     duration : float
-        [s], rounded to whole ticks.
+        Length of the run [s], rounded to whole ticks.
     start : float
         Time of the first tick [s].
     speed_cap : float
-        A run in which a joint turns faster than this [rad/s] has diverged and stops.
+        Joint speed [rad/s] above which the run counts as diverged and stops.
     certify : int
-        Put every so many-th tick to the certificate; 0 for none.
+        Every how many ticks one is put to the certificate; 0 for none.
     proof : callable, optional
-        The judge of the solutions of those ticks (default: ``solution.certify().ok``).
+        Judges the solutions of these ticks (default: ``solution.certify().ok``).
     changes : iterable of Change and Switch
-        Changes of the stack, the controller keeps the last one; and contacts to make or release, each of which must be
-        in the other state by then.
+        Changes of the stack, the last of which the controller keeps; and contacts to make or release, each of which
+        must be in the other state by then.
     progress : callable, optional
-        Called with the share of the run that is done, about a hundred times.
+        Called about a hundred times, with the share of the run that is done.
     plant : Plant, optional
-        What the torques move, at torque order (default: the model of the controller). The record then holds the states
-        that were measured, and the accelerations and torques that were commanded.
+        What the torques move, at torque order only (default: the model of the controller). The record then has the
+        measured states, and the commanded accelerations and torques.
 
     Returns
     -------
     Record
-        Up to the tick before, if the run diverges or the solver has no answer: see ``stopped``.
+        If the run diverges, or the solver has no answer, it ends with the tick before; ``stopped`` tells why.
 
     Raises
     ------
     InvalidInput
-        If the controller has no dt, the start is not finite or has the wrong shape, a number is
-        out of range, the run would take more than `MOST_TICKS`, or a plant is given no torques.
+        If the controller has no dt, the start is not finite or has the wrong shape, a number is out of range, the run
+        would take more than `MOST_TICKS`, or there is a plant and the order is not torque.
 
     Examples
     --------
@@ -132,7 +132,7 @@ def simulate(
 
 
 class _Run:
-    """A closed loop under way: the state of the robot, the changes that wait, and the log.
+    """A closed loop while it runs: the state of the robot, the coming changes, and the log.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ class _Run:
         self._integrate = integration(robot)
 
     def tick(self, k: int) -> Stop | None:
-        """Solve and move on by one tick; why the run stops here, or None if it goes on."""
+        """Run tick k; returns why the run stops here, or None if it goes on."""
         controller, t = self._controller, self._start + k * self.dt
         while self._waiting and t >= self._waiting[0].t:
             _make_happen(self._waiting.popleft(), controller)
@@ -199,7 +199,7 @@ class _Run:
         return None
 
     def _move(self, step: Step[Any, Any, Any]) -> Array:
-        """Bring the robot where the command takes it; the acceleration [rad/s^2] of the tick."""
+        """Move the robot by one tick under the command; returns the accelerations [rad/s^2] over the tick."""
         q, v, dt = self._q, self._v, self.dt
         if self._plant is not None:
             assert step.a is not None  # at torque order, as was checked
@@ -218,7 +218,7 @@ class _Run:
 
 
 def _ticks(controller: Controller, duration: float) -> tuple[float, int]:
-    """The tick [s], and how many of them the duration is."""
+    """The tick [s], and the number of ticks in the duration."""
     dt = of_type(controller, Controller, "controller").dt
     if dt is None:
         raise InvalidInput("simulate needs the tick; give the controller dt in s")
@@ -232,7 +232,7 @@ def _ticks(controller: Controller, duration: float) -> tuple[float, int]:
 
 
 def _check_plant(plant: Plant | None, controller: Controller) -> None:
-    """Refuse a plant that is none, or that would be given no torques."""
+    """Refuse a plant without `advance`, or with a controller that commands no torques."""
     if plant is None:
         return
     if controller.order != "torque":
@@ -242,7 +242,7 @@ def _check_plant(plant: Plant | None, controller: Controller) -> None:
 
 
 def _checked(change: Change | Switch, controller: Controller, changes: Sequence[Change | Switch]) -> Change | Switch:
-    """A change, or a switch of a contact of one of the stacks."""
+    """The checked change or switch; the contact of a switch must belong to one of the stacks of the run."""
     if not isinstance(change, Switch):
         return of_type(change, Change, "a change")
     coming = [other.stack for other in changes if isinstance(other, Change)]
@@ -260,7 +260,7 @@ def _make_happen(change: Change | Switch, controller: Controller) -> None:
 
 
 def _fastest(robot: Robot, v: Array) -> str:
-    """Which joint moves how fast."""
+    """The fastest joint and its speed, in words."""
     joint = int(np.argmax(np.abs(v)))  # NaN is the largest
     return f"{joint_names(robot)[joint]} moves at {abs(float(v[joint])):.3g} {joint_units(robot)[joint]}/s"
 

@@ -1,1 +1,1 @@
-"""A controller in the browser: its robot, its targets and its priorities, touched while it moves."""
+"""A running controller in the browser: its robot, targets and priorities are shown, and changed while it moves."""

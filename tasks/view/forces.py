@@ -1,4 +1,4 @@
-"""Forces of contacts as arrows, and the polygon that the robot stands on."""
+"""Draws the forces of contacts as arrows, and the support polygon."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ from .session import Session
 if TYPE_CHECKING:
     import viser
 
-#: The arrow of a force as large as the weight of the robot, against its size; and forces too small for one, against it.
+#: Length of the arrow of a force equal to the robot's weight, relative to the robot's size; and the smallest force that
+#: has an arrow, relative to the weight.
 LENGTH, LEAST = 1.5, 1e-3
-#: Thickness of arrows and of the polygon, against the size of the robot.
+#: Thickness of arrows and of the polygon, relative to the size of the robot.
 SHAFT, EDGE = 0.003, 0.003
 #: Colours (r, g, b).
 FORCE, SUPPORT = (230, 120, 30), (60, 160, 90)
@@ -27,19 +28,19 @@ NO_LINES = np.zeros((1, 2, 3))
 
 
 def has_forces(stack: Stack, figure: Figure) -> bool:
-    """Whether contacts of this stack have forces, and the figure the frames where they act."""
+    """Whether contacts of this stack have forces, and the figure has the frames at which they act."""
     return has_dynamics(stack) and any(isinstance(part, Contact) for part in stack) and isinstance(figure, MeshFigure)
 
 
 class ContactForces:
-    """An arrow for the force at each point of a contact, as the last tick commands it, and the support polygon.
+    """Arrows for the commanded force of the last tick at each point of the contacts, and the support polygon.
 
     The polygon encloses the points of all contacts with forces, seen from above. A contact with one wrench has one
     arrow, at its centre of pressure.
     """
 
     def put(self, server: viser.ViserServer, session: Session, figure: Figure) -> None:
-        """Put them on the stage, once; the longest arrows are as long as the weight of the robot asks for."""
+        """Add arrows and polygon to the scene, once; the arrows are scaled by the size and the weight of the robot."""
         robot: Any = session.motion.controller.robot
         size = float(np.linalg.norm(figure.bounds[1] - figure.bounds[0]))
         self._figure, self._weight = figure, GRAVITY * sum(inertia.mass for inertia in robot.model.inertias)
@@ -68,7 +69,7 @@ class ContactForces:
         _draw(self._polygon, around(np.concatenate(points)) if points else np.zeros(0))
 
     def _of(self, contact: Contact, step: Step[Any, Any, Any]) -> tuple[Array, Array]:
-        """Where its forces act, and which they are, in the axes of the world."""
+        """The points at which the forces of a contact act, and the forces, (k, 3) each, along the axes of the world."""
         if step.forces is None or step.cop is None or contact.name not in step.forces:
             return np.zeros((0, 3)), np.zeros((0, 3))
         forces = step.forces[contact.name]
@@ -97,7 +98,7 @@ def around(points: Array) -> Array:
 
 
 def _draw(lines: Any, ends: Array) -> None:
-    """Lines from end to end, shape (k, 2, 3); hidden where there are none."""
+    """Show lines with these ends, shape (k, 2, 3); hide them if there are none."""
     if len(ends):
         lines.points = ends
     lines.visible = len(ends) > 0

@@ -1,4 +1,4 @@
-"""``tasks.live``: a controller of one's own in the browser."""
+"""``tasks.live``: shows any controller in the browser while it runs."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from .panel import Panel
 from .scene import Overlay, Scene
 from .session import Session
 
-#: Pictures a second; and every so many-th of them has new words and plots.
+#: Pictures per second; and every how many pictures texts and plots are updated.
 PICTURES, WORDS = 20.0, 4
 
 
 class Window:
-    """A session, and the page that shows it; closed by `close`, or as a context manager.
+    """A session with the page that shows it; closed by `close`, or at the end of a ``with`` block.
 
     A separate thread draws the picture, and the session never waits for it. Nothing is drawn while no page is open.
 
@@ -55,7 +55,7 @@ class Window:
         self._thread = threading.Thread(target=self._draw, name="picture", daemon=True)
 
     def show(self) -> None:
-        """One picture, now."""
+        """Draw one picture now."""
         self.scene.show()
         if self._pictures % WORDS == 0:
             self.panel.show()
@@ -69,7 +69,7 @@ class Window:
         self.close()
 
     def close(self) -> None:
-        """No more pictures, and nobody listens."""
+        """Stop drawing, and stop the server."""
         self._closed.set()
         if self._thread.is_alive():
             self._thread.join(timeout=2.0)
@@ -80,7 +80,7 @@ class Window:
             if self.server.get_clients():
                 try:
                     self.show()
-                except Exception:  # a picture that fails must not end the motion, nor go unseen
+                except Exception:  # a failed picture must not end the motion, but must be logged
                     LOG.exception("a picture could not be drawn")
 
 
@@ -94,23 +94,23 @@ def live(
     folder: str | os.PathLike[str] = ".",
     overlays: Sequence[Overlay] = (),
 ) -> None:
-    """Run a controller in the loop with its model, shown and touched in a browser, until Ctrl-C.
+    """Run a controller in closed loop with its model, shown and changed in a browser, until Ctrl-C.
 
-    It shows the robot, the targets of its tasks to be dragged or typed, gains, priorities to be reordered, joints
-    within their limits, and what each level lacks and why. It moves a model, and no robot.
+    The page shows the robot, the targets of its tasks (to be dragged or typed), gains, priorities (to be reordered),
+    joints within their limits, and what each level lacks and why. Only a model moves, no real robot.
 
     Parameters
     ----------
     controller : Controller
-        With its dt [s]. Its tasks keep what was set on the page.
+        It must have a dt [s]. Its tasks keep what was set on the page.
     q0 : array, shape (nq,), optional
-        Where it begins (default: the robot's home).
+        Configuration at the start (default: the robot's home).
     host : str
         Address to listen on (default: this machine only). A warning tells who else can connect.
     port : int
-        Port to use, or the next one that is free.
+        Port to use; if it is taken, the next free one.
     certify : int
-        Every so many-th tick is put to the certificate and explained; 0 for none.
+        Every how many ticks one is put to the certificate and explained; 0 for none.
     folder : path
         Where recordings are saved.
     overlays : sequence of Overlay

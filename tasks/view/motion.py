@@ -1,4 +1,4 @@
-"""A controller in the loop with its model, a tick at a time: what is shown, plotted, explained and recorded of it."""
+"""A controller in closed loop with its model, tick by tick: what is shown, plotted, explained and recorded of it."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from ..simulation.motion import follow
 from ..simulation.record import Record
 from .priorities import level_name
 
-#: So long a time is plotted [s], by so many points.
+#: Time that is plotted [s], and the number of points.
 PLOTTED, POINTS = 10.0, 200
-#: Ticks that a recording holds at most.
+#: The most ticks of a recording.
 MOST_RECORDED = 60_000
 
 
@@ -36,9 +36,9 @@ class Sample:
     Attributes
     ----------
     t : float
-        [s].
+        Time [s].
     residuals : dict of str to float
-        Level -> the norm of what it lacks, in the unit of x.
+        Name of a level -> its residual norm, in the unit of x.
     v : array, shape (nv,)
         Joint velocities [rad/s], [m/s].
     """
@@ -55,11 +55,11 @@ class Verdict:
     Attributes
     ----------
     t : float
-        [s].
+        Time of the tick [s].
     certified : bool
         Whether the certificate accepts it.
     levels : tuple of (str, bool, str)
-        Of each level its parts, whether it is met, and what it lacks and why.
+        For each level: its parts, whether it is met, and what it lacks and why.
     """
 
     t: float
@@ -68,32 +68,32 @@ class Verdict:
 
 
 class Motion:
-    """The loop, without a clock: one call a tick.
+    """The closed loop, without a clock: one call of :meth:`tick` per tick.
 
     Parameters
     ----------
     controller : Controller
-        With its dt.
+        It must have a dt.
     q0 : array, shape (nq,), optional
-        Where it begins (default: the robot's home).
+        Configuration at the start (default: the robot's home).
     certify : int
-        Put every so many-th tick to the certificate, and explain it; 0 for none.
+        Every how many ticks one is put to the certificate and explained; 0 for none.
     parts : list of Part
-        All that may be in its stack, for recordings.
+        All parts that may be in its stack, for recordings.
 
     Attributes
     ----------
     t : float
         Time of the next tick [s].
     q, v : array
-        Where the robot is.
+        Configuration and velocities of the robot.
     step : Step or None
-        The last tick.
+        The result of the last tick.
     verdict : Verdict or None
     fault : str or None
         Why the motion has stopped; :meth:`reset` restarts it.
     samples : deque of Sample
-        Of the last 10 s.
+        Points of the plots, for the last 10 s.
     """
 
     def __init__(self, controller: Controller, q0: ArrayLike | None, certify: int, parts: list[Part]) -> None:
@@ -114,7 +114,7 @@ class Motion:
         self.reset()
 
     def reset(self) -> None:
-        """Back to the start and to t = 0, at rest; a recording ends."""
+        """Go back to the start and to t = 0, at rest; this ends a recording."""
         self.stop_recording()
         self.t, self.ticks = 0.0, 0
         self.q, self.v = self._start, np.zeros(self.controller.robot.nv)
@@ -130,12 +130,12 @@ class Motion:
         Raises
         ------
         InvalidInput
-            If it does not fit; nothing has changed then.
+            If the stack does not fit; then nothing has changed.
         """
         self.controller.change(stack, duration=duration)
 
     def tick(self) -> bool:
-        """One tick; whether the robot moved on."""
+        """Run one tick; returns whether the robot has moved."""
         if self.fault is not None:
             return False
         step = self.controller.unchecked(self.q, self.v, self.t)
@@ -172,21 +172,21 @@ class Motion:
 
     @property
     def recording(self) -> bool:
-        """Whether ticks are written down."""
+        """Whether ticks are recorded."""
         return self._log is not None
 
     @property
     def recorded(self) -> int:
-        """How many ticks were."""
+        """How many ticks the current recording has."""
         return 0 if self._log is None else self._log.states
 
     def start_recording(self) -> None:
-        """Write every tick down, from the next one on, up to `MOST_RECORDED`."""
+        """Record every tick from the next one on, up to `MOST_RECORDED`."""
         state = self.controller.robot.at(self.q, self.v)
         self._log = Log(self.controller, MOST_RECORDED, state, self._parts)
 
     def stop_recording(self) -> Record | None:
-        """The record of what was written down, which is kept as `record`; None if nothing was."""
+        """End the recording; returns its record, also kept as `record`, or None if no tick was recorded."""
         log, self._log = getattr(self, "_log", None), None
         if log is None or not log.states:
             return None
@@ -208,5 +208,5 @@ class Motion:
 
 
 def _plain(norm: float) -> float:
-    """Without round-off, which a plot would draw as large as anything."""
+    """The norm, or 0 if it is round-off: the axis of a plot would otherwise be scaled to round-off."""
     return float(norm) if norm > ROUND_OFF else 0.0

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 UP, DOWN, SWITCH = "▲", "▼", "on/off"
-#: Of the sliders of gains [1/s], if the tick allows it.
+#: Upper end of the sliders of gains [1/s], if the tick allows it.
 MOST_GAIN = 20.0
 COLORS = ("#4c6ef5", "#e8590c", "#2b8a3e", "#ae3ec9", "#c92a2a", "#1098ad", "#f08c00", "#495057")
 
@@ -38,7 +38,7 @@ class Panel:
     server : viser.ViserServer
     session : Session
     scene : Scene
-        Whose gizmos follow targets that are typed.
+        The scene whose gizmos follow targets that are typed.
     folder : Path
         Where recordings are saved.
     """
@@ -63,10 +63,10 @@ class Panel:
         scene.moved = self._show_typed
         self._gui.add_markdown(f"Simulated, by the model of its controller; {scene.figure.note}.")
 
-    # What is wanted.
+    # Inputs.
 
     def _on(self, handle: Any, wish: Callable[[], Any]) -> None:
-        """Have it done between two ticks when a button is clicked."""
+        """Run `wish` between two ticks when the button `handle` is clicked."""
 
         async def clicked(event: Any) -> None:
             self._session.do(wish)
@@ -74,7 +74,7 @@ class Panel:
         handle.on_click(clicked)
 
     def _changed(self, handle: Any, wish: Callable[[Any], Any]) -> None:
-        """Have it done between two ticks with the value of an input, where a page has set it, and not this program."""
+        """Run `wish` between two ticks with the value of the input `handle`, if a page has set it, not this program."""
 
         async def changed(event: Any) -> None:
             if event.client is not None:
@@ -103,7 +103,10 @@ class Panel:
         self.tape.on_click(taped)
 
     def save(self, word: str) -> Path:
-        """Save what was recorded under the next free name: a page chooses neither folder nor name."""
+        """Save the recording under the next free name; a page can choose neither folder nor name.
+
+        `word` is "save page" or "save data". Returns the path.
+        """
         ending = ".html" if word == "save page" else ".npz"
         names = (self._folder / f"live-{number}{ending}" for number in range(1, 1000))
         path = next((name for name in names if not name.exists()), None)
@@ -180,13 +183,13 @@ class Panel:
             self._scene.put(target)
 
     def _show_typed(self, target: Target) -> None:
-        """The numbers of a target that was dragged; only those that differ, or a page could not be typed into."""
+        """Show the numbers of a dragged target; only those that differ are written, or typing would be interrupted."""
         point, turn = self._typed[id(target)]
         for handle, now in (point, target.p), (turn, _rpy(target.R)):
             if handle is not None and np.abs(np.subtract(handle.value, now)).max() > 1e-4:
                 handle.value = _three(now)
 
-    # What is seen.
+    # Outputs.
 
     def _plots(self) -> None:
         session, robot = self._session, self._session.controller.robot
@@ -214,7 +217,7 @@ class Panel:
         )
 
     def show(self) -> None:
-        """Words, bars and plots as they are now."""
+        """Update texts, bars and plots."""
         session = self._session
         self.status.content, self.reasons.content = status(session), reasons(session)
         self.joints.content = joints(session.controller.robot, session.q)

@@ -1,4 +1,4 @@
-"""The levels of a stack as a list that is reordered, and whose entries are switched off and on."""
+"""The levels of a stack as a list that can be reordered, with entries that can be switched off and on."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from ..rows.part import Part, Rule, Stack
 
 
 class Priorities:
-    """The levels that a stack began with, in an order of the user's.
+    """The levels of a stack, in the order that the user chooses.
 
-    The same order gives the same `Stack` object again, so that a controller goes back to rows and a solver that it has.
+    The same order gives the same `Stack` object again, so that a controller can use the rows and the solver that it
+    already has.
 
     Parameters
     ----------
@@ -23,9 +24,9 @@ class Priorities:
     Attributes
     ----------
     names : list of str
-        Of the levels, the highest first, as they stand now.
+        Names of the levels in their present order, the highest first.
     on : list of bool
-        Which of them count.
+        Which of them are on.
     """
 
     def __init__(self, stack: Stack) -> None:
@@ -36,7 +37,7 @@ class Priorities:
 
     @property
     def parts(self) -> list[Part]:
-        """All parts, those of levels that are off included, in the order of the stack that it began with."""
+        """All parts, also of levels that are off, in the order of the original stack."""
         return [part for level, _ in self._levels for part in level]
 
     @property
@@ -53,7 +54,7 @@ class Priorities:
         Raises
         ------
         InvalidInput
-            If there is none.
+            If there is no such level.
         """
         self._check(place)
         self._check(place + by)
@@ -67,7 +68,7 @@ class Priorities:
         Raises
         ------
         InvalidInput
-            If there is no such place, or nothing would be left.
+            If there is no such place, or no level would be on.
         """
         self._check(place)
         if not on and sum(self._all) - self._all[self._order[place]] == 0:
@@ -76,18 +77,18 @@ class Priorities:
         return self.stack()
 
     def stack(self) -> Stack:
-        """The levels that count, in order."""
+        """The stack of the levels that are on, in order."""
         chosen = tuple(k for k in self._order if self._all[k])
         if chosen not in self._made:
             self._made[chosen] = Stack(*(_level(*self._levels[k]) for k in chosen))
         return self._made[chosen]
 
     def keep(self) -> tuple[list[int], list[bool]]:
-        """Order and switches, for :meth:`restore`."""
+        """A copy of order and switches, for :meth:`restore`."""
         return list(self._order), list(self._all)
 
     def restore(self, kept: tuple[list[int], list[bool]]) -> None:
-        """Back to what :meth:`keep` gave."""
+        """Go back to the order and switches that :meth:`keep` returned."""
         self._order, self._all = list(kept[0]), list(kept[1])
 
     def _check(self, place: int) -> None:
@@ -96,7 +97,7 @@ class Priorities:
 
 
 def level_name(parts: tuple[Part, ...]) -> str:
-    """What a level is called: its parts."""
+    """The name of a level: the names of its parts."""
     return " + ".join(part.name for part in parts)
 
 

@@ -1,4 +1,4 @@
-"""The picture in the browser: the robot, and the targets of its tasks as gizmos to be dragged."""
+"""The picture in the browser: the robot, and the targets of its tasks as gizmos that can be dragged."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from .targets import Target
 if TYPE_CHECKING:
     import viser
 
-#: Of a gizmo, against the size of the robot; and of the axes of a target that goes its own way.
+#: Size of a gizmo, and of the axes of a target that moves by itself, relative to the size of the robot.
 GIZMO, AXES = 0.14, 0.08
 
 
 class Overlay(Protocol):
-    """Something else to be drawn with every picture, such as the forces of :mod:`tasks.view.forces`."""
+    """Something else that is drawn with every picture, such as the forces of :mod:`tasks.view.forces`."""
 
     def put(self, server: viser.ViserServer, session: Session, figure: Figure) -> None:
-        """Put it on the stage, once; ``figure.pose(frame)`` tells where the frames of the robot are shown."""
+        """Add it to the scene, once; ``figure.pose(frame)`` is where a frame of the robot is shown."""
         ...
 
     def show(self, session: Session) -> None:
-        """Bring it up to date; called from the thread of the picture, which must not ask the robot for a state."""
+        """Update it; called from the thread of the picture, which must not ask the robot for a state."""
         ...
 
 
@@ -40,7 +40,7 @@ class Scene:
     server : viser.ViserServer
     session : Session
     overlays : sequence of Overlay
-        What else is drawn, beside the forces of contacts.
+        What else is drawn, in addition to the forces of contacts.
     """
 
     def __init__(self, server: viser.ViserServer, session: Session, overlays: Sequence[Overlay] = ()) -> None:
@@ -57,9 +57,9 @@ class Scene:
             if name is not None
         }
         self.gizmos = [self._gizmo(target, i, size) for i, target in enumerate(session.targets)]
-        #: Where each target was when it was last shown, or dragged.
+        #: Position and rotation of each target when it was last shown, or dragged.
         self._seen = [(target.p, target.R) for target in session.targets]
-        #: Told whenever a target was moved, here or by another program.
+        #: Called whenever a target has moved, here or by another program.
         self.moved: Callable[[Target], None] = lambda target: None
         for overlay in self._overlays:
             overlay.put(server, session, self.figure)
@@ -89,7 +89,7 @@ class Scene:
         return gizmo
 
     def _dragging(self, target: Target, number: int, gizmo: Any) -> Callable[[Any], Any]:
-        async def dragged(event: Any) -> None:  # on the one thread of the server: the order of a drag is kept
+        async def dragged(event: Any) -> None:  # the server has a single thread, so drags stay in order
             p, R = np.array(gizmo.position), _matrix(gizmo.wxyz)
 
             def move() -> None:
@@ -102,13 +102,13 @@ class Scene:
         return dragged
 
     def put(self, target: Target) -> None:
-        """Show a target where it is, as after it was typed."""
+        """Move the gizmo of a target to where the target is, as after it was typed."""
         number = self._session.targets.index(target)
         gizmo, self._seen[number] = self.gizmos[number], (target.p, target.R)
         gizmo.position, gizmo.wxyz = pose_of(target)
 
     def show(self) -> None:
-        """The robot where it is, and the targets that moved where they are."""
+        """Draw the robot at its present configuration, and the targets that have moved."""
         self.figure.move(self._session.q)
         for name, parent in self._parents.items():
             parent.position, parent.wxyz = self.figure.pose(name)
@@ -122,7 +122,7 @@ class Scene:
 
 
 def pose_of(target: Target) -> Pose:
-    """Where its gizmo is."""
+    """The pose of a target's gizmo: position, and quaternion (w, x, y, z)."""
     from viser.transforms import SO3
 
     w, x, y, z = SO3.from_matrix(target.R).wxyz

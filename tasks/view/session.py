@@ -1,4 +1,4 @@
-"""A controller that runs by the clock and is touched meanwhile: everything the page can do, without the page."""
+"""A controller that runs in real time and can be changed while it runs: all that the page can do, without the page."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ NAP = 0.02
 
 
 class Session:
-    """A motion that any thread can pause, reset, reorder and record.
+    """A motion in real time that can be paused, reset, reordered and recorded.
 
-    The loop is one thread, in :meth:`run`; what other threads want of it goes through :meth:`do`.
+    One thread runs the loop, :meth:`run`; other threads act on it through :meth:`do`.
 
     Parameters
     ----------
     controller : Controller
-        With its dt.
+        It must have a dt.
     q0 : array, shape (nq,), optional
-        Where it begins (default: the robot's home).
+        Configuration at the start (default: the robot's home).
     certify : int
-        Every so many-th tick is put to the certificate and explained; 0 for none.
+        Every how many ticks one is put to the certificate and explained; 0 for none.
 
     Attributes
     ----------
@@ -55,9 +55,9 @@ class Session:
     speed : float
         Seconds of motion per second of real time.
     rate : float
-        Recent ticks per second.
+        Ticks per second, measured over the last second.
     message : str
-        The last error, or the last action done.
+        The last error, or the last action.
     """
 
     def __init__(self, controller: Controller, q0: ArrayLike | None = None, *, certify: int = 25) -> None:
@@ -72,23 +72,23 @@ class Session:
         self._due, self._counted, self._since = 0.0, 0, perf_counter()
         self._end = threading.Event()
 
-    # What is wanted of it.
+    # Inputs.
 
     def do(self, wish: Callable[[], Any]) -> None:
         """Run an action between two ticks; its error, if any, becomes the message."""
         self._wishes.put(wish)
 
     def pause(self, paused: bool = True) -> None:
-        """Stop the time, or let it go on."""
+        """Pause the motion, or let it go on."""
         self.running = not paused
 
     def step(self) -> None:
-        """One tick, and pause."""
+        """Run one tick, and pause."""
         self.running = False
         self.motion.tick()
 
     def reset(self) -> None:
-        """Back to the start; targets, gains and priorities stay."""
+        """Go back to the start; targets, gains and priorities stay."""
         self.motion.reset()
         self.message, self._due = "", 0.0
 
@@ -101,7 +101,7 @@ class Session:
         self._speed = positive_scalar(value, "speed of time")
 
     def move_level(self, place: int, by: int) -> None:
-        """Let the level at a place go up (by = -1) or down (by = 1), within `CHANGE` seconds.
+        """Move the level at a place up (by = -1) or down (by = 1), within `CHANGE` seconds.
 
         Raises
         ------
@@ -130,7 +130,7 @@ class Session:
 
     @property
     def tasks(self) -> list[Task]:
-        """All that have a gain, those inside inequalities included."""
+        """All tasks, which have gains, including those inside inequalities."""
         return [task for task in map(_task, self.priorities.parts) if task is not None]
 
     def set_gain(self, task: Task, gain: float) -> None:
@@ -139,13 +139,13 @@ class Session:
         Raises
         ------
         InvalidInput
-            If the controller refuses it, as one too large for its tick; all is then as it was.
+            If the controller refuses it, for example as too large for its tick; then nothing has changed.
         """
         own = np.asarray(task.gain)
         task.gain = positive_scalar(gain, "gain", unit="1/s") * (own / own.max())
 
     def record(self, on: bool = True) -> None:
-        """Begin a recording, or end it; it is then `motion.record`."""
+        """Begin a recording, or end it; its record is then `motion.record`."""
         if on:
             self.motion.start_recording()
             self.message = "recording"
@@ -154,7 +154,7 @@ class Session:
             self.message = "nothing was recorded" if record is None else f"recorded: {record!r}"
 
     def save(self, path: str | os.PathLike[str]) -> Record:
-        """End a recording, and write it: as a page where the name ends in .html, otherwise as .npz.
+        """End a recording, and write its record: as a page if the name ends in .html, otherwise as .npz.
 
         Raises
         ------
@@ -191,7 +191,7 @@ class Session:
     def advance(self, seconds: float) -> int:
         """Run the ticks that are due after `seconds` of real time; returns how many were run.
 
-        Where the machine is too slow, the time of the motion falls behind the clock; it does not pile up.
+        If the machine is too slow, the motion falls behind the clock; missed ticks do not accumulate.
         """
         if not self.running:
             self._due = 0.0
@@ -208,7 +208,7 @@ class Session:
         return made
 
     def run(self) -> None:
-        """Run by the clock until :meth:`end`."""
+        """Run in real time until :meth:`end`."""
         last = perf_counter()
         while not self._end.is_set():
             now = perf_counter()
@@ -227,11 +227,11 @@ class Session:
             self.rate = self._counted / (now - self._since)
             self._counted, self._since = 0, now
 
-    # What is seen of it.
+    # Outputs.
 
     @property
     def q(self) -> Array:
-        """Where the robot is, an array that nobody writes into."""
+        """The configuration of the robot, a read-only array."""
         return self.motion.q
 
 

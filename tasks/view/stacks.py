@@ -29,26 +29,26 @@ from ..rows.part import Part, Stack
 if TYPE_CHECKING:
     from ..robots.pinocchio import PinocchioRobot
 
-#: Gains [1/s]: of the feet, of what is dragged, of the posture.
+#: Gains [1/s]: of the feet, of targets that are dragged, of the posture.
 HOLD, REACH, REST = 10.0, 3.0, 1.0
-#: Largest accelerations of joints [rad/s^2], [m/s^2].
+#: Acceleration limit of joints that have none [rad/s^2], [m/s^2].
 BRAKES = 15.0
-#: How far above the lowest end of the robot a foot may be, against its height; and the joints a hand has at least.
+#: How far above the lowest end a foot may be, relative to the height of the robot; and the fewest joints of a hand.
 LOW, JOINTS = 0.15, 4
-#: Rows of a foot that is held as a whole.
+#: Rows of a foot whose pose is held; with fewer joints, its position is held.
 WHOLE = 6
 
 
 def ready_controller(robot: PinocchioRobot, dt: float) -> Controller[Array, None, None]:
-    """A controller of the stack to begin with, at velocity order.
+    """A controller with the default stack, at velocity order.
 
-    A robot without limits of acceleration is given `BRAKES` for its joints: without such limits, a strict stack with
+    A robot without acceleration limits is given `BRAKES` for its joints: without such limits, a strict stack with
     a target out of reach makes a stretched arm jump from one speed limit to the other.
 
     Raises
     ------
     InvalidInput
-        See :func:`ready_stack`; or if dt is not positive.
+        As :func:`ready_stack`; also if dt is not positive.
     """
     if robot.acceleration_limit is None:
         brakes = np.full(robot.nv, BRAKES)
@@ -58,12 +58,12 @@ def ready_controller(robot: PinocchioRobot, dt: float) -> Controller[Array, None
 
 
 def ready_stack(robot: PinocchioRobot) -> Stack:
-    """The stack to begin with.
+    """The default stack of a robot, as the module describes it.
 
     Raises
     ------
     InvalidInput
-        If the robot has no chain of joints to be moved by its end.
+        If the robot has no chain of joints with an end that a task can move.
     """
     state = robot.at(robot.home, np.zeros(robot.nv))
     feet, hands = limbs(robot)
@@ -98,7 +98,7 @@ def ready_stack(robot: PinocchioRobot) -> Stack:
 
 
 def limbs(robot: PinocchioRobot) -> tuple[list[str], list[str]]:
-    """The frames of feet and of hands, see above; of a robot with a tip, that alone."""
+    """The frames of the feet, and of the hands, as the module describes them; of a robot with a tip, only the tip."""
     if not robot.base and robot.tip is not None:
         return [], [robot.tip]
     ends = _ends(robot)
@@ -116,7 +116,7 @@ def limbs(robot: PinocchioRobot) -> tuple[list[str], list[str]]:
 
 
 def _ends(robot: PinocchioRobot) -> list[int]:
-    """Joints that carry no other; where several hang on one, as fingers on a hand, that one in their place."""
+    """Joints that carry no other joint; several on the same joint, as fingers on a hand, are replaced by that joint."""
     model = robot.model
     parents = [int(parent) for parent in model.parents]
     ends = [joint for joint in range(1, model.njoints) if joint not in parents[1:]]
@@ -131,7 +131,7 @@ def _ends(robot: PinocchioRobot) -> list[int]:
 
 
 def _length(robot: PinocchioRobot, joint: int) -> int:
-    """How many joints from the last one that carries several, such as a waist, to this one."""
+    """The number of joints from the last one that carries several others, such as a waist, to this one."""
     parents = [int(parent) for parent in robot.model.parents]
     count, first = 1, 2 if robot.base else 1
     while (joint := parents[joint]) >= first and parents.count(joint) == 1:
@@ -162,7 +162,7 @@ def _trunk(robot: PinocchioRobot) -> str:
 
 
 def _called(link: str, limb: str) -> str:
-    """A limb in words where the name of its link tells the side: ``"left foot"``."""
+    """The name of a limb: ``"left foot"`` if the name of its link tells the side, else the name of the link."""
     words = link.lower().split("_")
     sides = [side for side in ("left", "right") if side in words or side[0] in words]
     return f"{sides[0]} {limb}" if len(sides) == 1 else link

@@ -30,13 +30,13 @@ class Target:
     ----------
     name : str
     relative_to : str or None
-        The frame whose coordinates it is in; None for the world.
+        The frame in whose coordinates the target is; None for the world.
     point : PlacementTask, LookAtTask or None
         The task that follows its position.
     turn : PlacementTask, AxisTask or None
         The task that follows its rotation.
     p : array, shape (3,)
-        Its position [m]; coordinates that no task controls are those of the robot at the start.
+        Its position [m]; coordinates that no task controls are those of the frame at the start.
     R : array, shape (3, 3)
         Its orientation.
     """
@@ -50,26 +50,26 @@ class Target:
 
     @property
     def free(self) -> tuple[bool, bool, bool]:
-        """Along which axes dragging it has an effect."""
+        """Whether dragging the target along x, y, z has an effect."""
         if isinstance(self.point, PlacementTask):
             return 0 in self.point.mask, 1 in self.point.mask, 2 in self.point.mask
         return (True, True, True)
 
     @property
     def draggable(self) -> bool:
-        """Whether it can be dragged: it is constant, and no function of time."""
+        """Whether it can be dragged: it is constant or a setpoint, not a function of time."""
         goals = [] if self.point is None else [_goal(self.point)]
         if self.turn is not None:
             goals.append(self.turn.target if isinstance(self.turn, AxisTask) else self.turn.rotation)
         return all(stands_still(goal) or isinstance(goal, Setpoint | RotationSetpoint) for goal in goals)
 
     def move(self, p: Array | None = None, R: Array | None = None) -> None:
-        """Put it there: the tasks follow from the next tick on.
+        """Move the target to p, R; the tasks follow from the next tick on.
 
         Raises
         ------
         InvalidInput
-            If a task refuses it; the target then stays where it was.
+            If a task refuses it; then the target stays where it was.
         """
         if p is not None and self.point is not None:
             before = self.p
@@ -83,7 +83,7 @@ class Target:
             self.R = np.asarray(_set_turn(self.turn, R))
 
     def follow(self, t: float) -> None:
-        """Where the tasks want it at time t [s]: another program may have moved it."""
+        """Update p and R from the targets of the tasks at time t [s], which another program may have moved."""
         if isinstance(self.point, PlacementTask):
             self.p = np.where(self.free, self.point.position(t)[0], self.p)
         elif self.point is not None:
@@ -95,7 +95,10 @@ class Target:
 
 
 def targets_of(parts: Iterable[Part], state: RobotState) -> list[Target]:
-    """The targets of all tasks of frames, position and rotation of one frame in one; state says where they begin."""
+    """The targets of all tasks of frames; position and rotation of the same frame become one target.
+
+    `state` is that of the robot at the start, for coordinates that no task controls.
+    """
     found: list[Target] = []
     for part in parts:
         task = part.task if isinstance(part, Inequality) else part
@@ -150,7 +153,7 @@ def _set_point(task: PlacementTask | LookAtTask, p: Array) -> None:
 
 
 def _set_turn(task: PlacementTask | AxisTask, R: Array) -> Array:
-    """The rotation that it has then."""
+    """Set the rotation, or the axis, that a task follows; returns the rotation of its target then."""
     if isinstance(task, AxisTask):
         if isinstance(task.target, Setpoint):
             task.target.move(R[:, 2])
@@ -160,7 +163,7 @@ def _set_turn(task: PlacementTask | AxisTask, R: Array) -> Array:
     goal = task.rotation
     if isinstance(goal, RotationSetpoint):
         goal.move(R)
-    elif isinstance(goal, AboutZ):  # unwrapped: the nearest of all angles that look the same
+    elif isinstance(goal, AboutZ):  # the angle is unwrapped: the nearest of all that give this rotation
         turned = float(log(R @ np.asarray(goal(0.0)[0]).T)[2])
         angle = np.asarray(goal.angle(0.0)[0]) + turned
         if isinstance(goal.angle, Setpoint):
@@ -173,6 +176,6 @@ def _set_turn(task: PlacementTask | AxisTask, R: Array) -> Array:
 
 
 def _pointing(direction: Array) -> Array:
-    """A rotation whose z axis points there."""
+    """A rotation matrix whose z axis points along `direction`."""
     axis = direction / np.linalg.norm(direction)
     return np.column_stack([*perpendicular(axis), axis])

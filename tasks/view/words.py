@@ -11,12 +11,12 @@ from ..robots.robot import Robot, joint_names, joint_units, limit_of, on_pinocch
 from .session import Session
 
 GOOD, BAD, QUIET, BAR = "#2b8a3e", "#c92a2a", "#868e96", "#4c6ef5"
-#: A joint as near as this to an end of its range is at its limit [rad], [m].
+#: A joint is at its limit if it is at most this far from an end of its range [rad], [m].
 AT_LIMIT = 2e-3
 
 
 def status(session: Session) -> str:
-    """Time, speed, and the verdict on the last checked tick."""
+    """HTML of the time, the speed, and the verdict on the last checked tick."""
     motion = session.motion
     state = "running" if session.running else "paused"
     shown = [f"<b>t = {motion.t:.2f} s</b>, {state}", f"{session.rate:.0f} ticks/s"]
@@ -34,7 +34,7 @@ def status(session: Session) -> str:
 
 
 def reasons(session: Session) -> str:
-    """A line a level: met, or what it lacks and what holds it back."""
+    """HTML with a line for each level: met, or what it lacks and what holds it back."""
     verdict = session.motion.verdict
     if verdict is None:
         return _page("nothing was checked yet")
@@ -46,7 +46,7 @@ def reasons(session: Session) -> str:
 
 
 def joints(robot: Robot, q: Array) -> str:
-    """A bar a joint within its range, red where it is at an end of it."""
+    """HTML with a bar for each joint: its position in its range, red at an end of the range."""
     rows = []
     for name, position, low, high in _described(robot, q):
         at = min(position - low, high - position) <= AT_LIMIT
@@ -80,7 +80,7 @@ def _described(robot: Robot, q: Array) -> list[tuple[str, float, float, float]]:
 
 
 def units(robot: Robot) -> str:
-    """The units of joint speeds."""
+    """The units of the joint velocities, in words."""
     return " or ".join(f"{unit}/s" for unit in dict.fromkeys(joint_units(robot)))
 
 

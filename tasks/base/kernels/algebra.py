@@ -2,12 +2,12 @@ r"""Dense linear algebra of small matrices without allocation, for Jacobians of 
 
 Matrices are flat arrays, by rows.
 
-**Singular values** by one-sided Jacobi rotations (Hestenes 1958): pairs of rows are turned against each other until
-all are orthogonal,
+**Singular values** follow from one-sided Jacobi rotations (Hestenes 1958): pairs of rows are rotated until all rows are
+orthogonal,
 
 .. math:: U^T J = \Sigma V^T .
 
-Nothing is squared but for the angles, so that small singular values keep the accuracy that the largest one allows.
+Squares appear only in the angles of the rotations, so that small singular values are accurate relative to the largest.
 """
 
 from __future__ import annotations
@@ -18,24 +18,25 @@ from hqp.kernels.compile import inner
 
 from ..rank import RANK_TOLERANCE
 
-#: Cosine between two rows that counts as a right angle; the share of the longest row, squared, that is round-off.
+#: Rows are orthogonal if the cosine between them is at most the first; a row is round-off if its squared norm is at
+#: most the second share of the largest.
 RIGHT_ANGLE, ROUND_OFF = 2e-15, 1e-31
-#: Convergence is quadratic, after 5 sweeps or so; rows of round-off, if there are more than columns, have none.
+#: The most sweeps. Convergence is quadratic, after about 5; rows that are mere round-off may not converge.
 SWEEPS = 30
-#: Largest entries between which squares of squares may be taken.
+#: A matrix whose largest entry is outside this range is scaled first: fourth powers could over- or underflow.
 SMALL, LARGE = 1e-50, 1e50
 
 
 @inner
 def fill(array, count, value):
-    """Put one value everywhere in array[:count]."""
+    """Set array[:count] to one value."""
     for t in range(count):
         array[t] = value
 
 
 @inner
 def largest(array, count):
-    """The largest absolute value of array[:count]; NaN where one is not finite."""
+    """The largest absolute value in array[:count]; NaN if one of them is not finite."""
     most = 0.0
     for t in range(count):
         size = abs(array[t])
@@ -47,7 +48,7 @@ def largest(array, count):
 
 @inner
 def rotate(one, other, count, c, s):
-    """Turn two rows: ``c * one + s * other`` and ``c * other - s * one``."""
+    """Rotate two rows (count,) in place: to ``c * one + s * other`` and ``c * other - s * one``."""
     for t in range(count):
         first, second = one[t], other[t]
         one[t] = c * first + s * second
@@ -56,16 +57,16 @@ def rotate(one, other, count, c, s):
 
 @inner
 def decompose(J, m, n, ways, sizes):
-    r"""Singular value decomposition of a matrix, by rows, of any shape; NaN everywhere where J is not finite.
+    r"""Singular value decomposition :math:`J = \sum_k \sigma_k u_k v_k^T`, J of any shape; all NaN if J is not finite.
 
     Parameters
     ----------
     J : (m * n,)
-        The matrix; on return row k is :math:`\sigma_k v_k^T`, and v_k has no meaning where sigma_k is round-off.
+        The matrix, by rows; on return row k is :math:`\sigma_k v_k^T`. If sigma_k is round-off, v_k has no meaning.
     ways : (m * m,)
         On return row k is :math:`u_k`; all m are orthonormal.
     sizes : (m,)
-        On return the :math:`\sigma_k`, the largest first; of m > n rows the last m - n are round-off or 0.
+        On return the :math:`\sigma_k`, the largest first; if m > n, the last m - n are round-off or 0.
     """
     most = largest(J, m * n)
     if most != most:
@@ -95,7 +96,10 @@ def decompose(J, m, n, ways, sizes):
 
 @inner
 def sweep(J, m, n, ways):
-    """Turn every pair of rows once, and put the longer one first; whether there was anything to turn."""
+    """Make every pair of rows of J orthogonal once, the longer one first; returns whether any was rotated.
+
+    `ways` (m * m,) is rotated in the same way.
+    """
     turned, most = False, 0.0
     for k in range(m):
         total, row = 0.0, J[k * n : (k + 1) * n]
@@ -110,7 +114,7 @@ def sweep(J, m, n, ways):
                 a += one[t] * one[t]
                 b += other[t] * other[t]
                 d += one[t] * other[t]
-            if b > a:  # a quarter of a turn
+            if b > a:  # exchange the rows, by a rotation of 90 degrees
                 rotate(one, other, n, 0.0, 1.0)
                 rotate(ways[p * m : (p + 1) * m], ways[q * m : (q + 1) * m], m, 0.0, 1.0)
                 a, b, d = b, a, -d
@@ -128,11 +132,11 @@ def sweep(J, m, n, ways):
 
 @inner
 def alone(J, m, n, h, damping, x, work):
-    r"""The least-norm least-squares solution of :math:`J x = h`, into x[:n].
+    r"""Write the least-norm least-squares solution of :math:`J x = h`, damped or not, to x[:n].
 
-    :math:`x = \sum_k v_k \, \sigma_k / (\sigma_k^2 + \lambda^2) \, u_k^T h`, which is :math:`J^\# h` without damping,
-    singular values up to :data:`RANK_TOLERANCE` of the largest left out, and else
-    :math:`J^T (J J^T + \lambda^2 I)^{-1} h`. NaN where J or h is not finite.
+    :math:`x = \sum_k v_k \, \sigma_k / (\sigma_k^2 + \lambda^2) \, u_k^T h`. With damping this is
+    :math:`J^T (J J^T + \lambda^2 I)^{-1} h`; without, :math:`J^\# h`, where singular values up to the share
+    :data:`RANK_TOLERANCE` of the largest are left out. NaN if J or h is not finite.
 
     Parameters
     ----------
@@ -168,11 +172,12 @@ def alone(J, m, n, h, damping, x, work):
 
 @inner
 def best_way(J, m, n, way, work):
-    """The first right singular vector of J, its largest coordinate positive.
+    """Write the first left singular vector u_1 of J, along which J x can be largest; its largest entry is positive.
 
     Parameters
     ----------
     way : (m,)
+        On return u_1.
     work : (m * n + m * m + m,)
     """
     rows, ways, sizes = work[: m * n], work[m * n : m * (m + n)], work[m * (m + n) : m * (m + n + 1)]
@@ -189,9 +194,9 @@ def best_way(J, m, n, way, work):
 
 @inner
 def root(M, n, A):
-    """The upper triangle A = L^T of M = L L^T, by rows; NaN everywhere where M is not positive definite.
+    """Write the Cholesky factor A = L^T, M = L L^T, an upper triangle by rows; NaN if M is not positive definite.
 
-    Of M the upper triangle is read. Returns whether it is positive definite.
+    Only the upper triangle of M is read. Returns whether M is positive definite.
     """
     for i in range(n):
         own = A[i * n : (i + 1) * n]
@@ -215,7 +220,7 @@ def root(M, n, A):
 
 @inner
 def solve_upper(A, n, x):
-    """``A x = b`` for an upper triangle A; x is b on entry."""
+    """Solve ``A x = b`` for an upper triangle A (n * n,); x is b on entry."""
     for i in range(n - 1, -1, -1):
         own, total = A[i * n : (i + 1) * n], x[i]
         for j in range(i + 1, n):
@@ -225,7 +230,7 @@ def solve_upper(A, n, x):
 
 @inner
 def solve_lower(A, n, x):
-    """``A^T x = b`` for an upper triangle A; x is b on entry."""
+    """Solve ``A^T x = b`` for an upper triangle A (n * n,); x is b on entry."""
     for i in range(n):
         own = A[i * n : (i + 1) * n]
         x[i] /= own[i]
@@ -235,7 +240,7 @@ def solve_lower(A, n, x):
 
 @inner
 def times(A, m, n, x, out):
-    """``A x``, into out[:m]."""
+    """Write ``A x`` to out[:m], for A (m * n,)."""
     for r in range(m):
         total, row = 0.0, A[r * n : (r + 1) * n]
         for t in range(n):

@@ -1,4 +1,4 @@
-"""Runs many loops by one call: from Python each call would cost more than most loops take."""
+"""Runs many loops in one call: separate calls from Python would cost more than most loops take."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from hqp.kernels.memory import ints
 @stamp
 @entry
 def run_chain(here):
-    """How many loops, and the address of each with that of its table."""
+    """Run loops in turn. The table has their number, and for each its address and that of its table."""
     count = ints(here, 0, 1)[0]
     told = ints(here, 1, 2 * count)
     for k in range(count):

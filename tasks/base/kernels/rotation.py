@@ -1,4 +1,4 @@
-"""Rotations in loops: matrices by rows (9,)."""
+"""Rotations and cross products in loops; rotation matrices are flat arrays (9,), by rows."""
 
 from __future__ import annotations
 
@@ -6,15 +6,16 @@ import math
 
 from hqp.kernels.compile import inner
 
-#: Angles [rad] below which a series is more exact than a quotient.
+#: Below this angle [rad] a series is more accurate than the quotient.
 SMALL = 1e-4
 
 
 @inner
 def rotation_vector(R, out, first):
-    """The rotation vector of R [rad], of length 0 .. pi, into out[first:first + 3].
+    """Write the rotation vector of R [rad], of length 0 .. pi, to out[first:first + 3].
 
-    Its quaternion (Shepperd's method) is exact at every angle; at half a turn either sign is right, and one is taken.
+    It follows from the quaternion by Shepperd's method, which is accurate at every angle. At an angle of pi both signs
+    are right; one is taken.
     """
     a, b, c, d, e, f, g, h, i = R[0], R[1], R[2], R[3], R[4], R[5], R[6], R[7], R[8]
     trace = a + e + i
@@ -35,14 +36,14 @@ def rotation_vector(R, out, first):
 
 @inner
 def turned_back(R, x, y, z, out, first):
-    """``R^T (x, y, z)``, into out[first:first + 3]."""
+    """Write ``R^T (x, y, z)`` to out[first:first + 3]."""
     for k in range(3):
         out[first + k] = R[k] * x + R[3 + k] * y + R[6 + k] * z
 
 
 @inner
 def crossed(a, b, c, x, y, z, scale, out, first):
-    """``scale (a, b, c) x (x, y, z)``, added to out[first:first + 3]."""
+    """Add ``scale (a, b, c) x (x, y, z)`` to out[first:first + 3]."""
     out[first] += scale * (b * z - c * y)
     out[first + 1] += scale * (c * x - a * z)
     out[first + 2] += scale * (a * y - b * x)

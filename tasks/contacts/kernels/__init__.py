@@ -1,1 +1,1 @@
-"""Loops that write the rows of contacts and of forces."""
+"""Loops that write the rows of contacts, of their forces, of momentum and of balance."""

@@ -1,4 +1,7 @@
-r"""Momentum, the capture point, and the hull of what the robot stands on."""
+r"""Loops of balance: the rows of the centroidal momentum, of the capture point, and of the support polygon.
+
+:mod:`tasks.contacts.balance` has the equations of the capture point and of the pendulum.
+"""
 
 from __future__ import annotations
 
@@ -13,23 +16,24 @@ from . import layout as own
 
 #: Acceleration of gravity [m/s^2].
 GRAVITY = 9.81
-#: Heights [m] below which nothing is known of the pendulum, and cosine below which a contact is a wall.
+#: Smallest height [m] of the pendulum; a contact whose normal has a smaller cosine with the vertical is a wall.
 LOW, WALL = 1e-3, 0.5
-#: Points as near to a line [m^2] are on it.
+#: Points count as the same, or as on a line, up to this squared distance, or twice the area that they span [m^2].
 FLAT = 1e-10
-#: Of a contact that may bear: its slot, frame and axes; its points, and how many.
+#: Entries of a contact that may bear: its slot; block of its frame; axes of its surface; its points, and how many.
 SLOT, BLOCK, AXES, POINTS, COUNT = range(5)
 FIELDS = 5
 
 
-#: Of a momentum: the table of its law; the map (6 x n, by columns) and its drift; the first of its rows; the target.
+#: Table of a momentum: the table of its law; the map G (6 x n, by columns) and its drift; the first of the six rows of
+#: G that counts; target and its rate.
 LAW, MAP, DRIFT, FIRST, TARGET = range(5)
 
 
 @stamp
 @entry
 def write_momentum(here):
-    """The centroidal momentum."""
+    """Write the rows G v = target of the centroidal momentum (at acceleration order G a = rate + K e - drift)."""
     told = ints(here, 0, TARGET + 1)
     law = ints(told[LAW], 0, of.LENGTH)
     rows, n, order, first = law[of.ROWS], law[of.N], law[of.ORDER], told[FIRST]
@@ -56,7 +60,10 @@ def write_momentum(here):
 
 @inner
 def bearing(told, count, x, y):
-    """Points that bear, seen from above, into x and y; how many, and their mean height."""
+    """Write x and y of all points of contacts that bear; returns how many, and their mean height.
+
+    `told` is the address of the list of `count` contacts.
+    """
     found, height = 0, 0.0
     for c in range(count):
         contact = ints(told, FIELDS * c, FIELDS)
@@ -77,12 +84,13 @@ def bearing(told, count, x, y):
 
 @inner
 def rate(centre, height):
-    """omega [1/s] of the pendulum."""
+    """omega [1/s] of the pendulum; `centre` is the block of the centre of mass, `height` that of the ground."""
     return math.sqrt(GRAVITY / max(centre[2] - height, LOW))
 
 
-#: Of a capture point and of a support: the order, the joint velocities; the centre of mass; the contacts, how many; the
-#: rows and bounds; then of the one the target and the gain, of the other margin and gain, and how many rows and points.
+#: Table of a capture point and of a support: the order, number of joint velocities; block of the centre of mass;
+#: number of contacts, their list; A and bounds. Then, for a capture point: target, gain; for a support: margin and
+#: gain, number of rows, most points, work space.
 ORDER, N, CENTRE, CONTACTS, TABLE, MATRIX, LOWER, UPPER = range(8)
 GOAL, GAIN = 8, 9
 MARGIN, ROWS, MOST, WORK = 8, 9, 10, 11
@@ -91,14 +99,14 @@ MARGIN, ROWS, MOST, WORK = 8, 9, 10, 11
 @stamp
 @entry
 def write_capture_point(here):
-    """The capture point brought to a place."""
+    """Write the two rows that bring the capture point to its target."""
     told = ints(here, 0, GAIN + 1)
     n = told[N]
     centre, J = floats(told[CENTRE], 0, at.JACOBIAN), floats(told[CENTRE], at.JACOBIAN, 2 * n)
     A, lower, upper = floats(told[MATRIX], 0, 2 * n), floats(told[LOWER], 0, 2), floats(told[UPPER], 0, 2)
     target, K = floats(told[GOAL], 0, 4), floats(told[GAIN], 0, 1)[0]
     found, height = 0, 0.0
-    for c in range(told[CONTACTS]):  # the mean height of what bears
+    for c in range(told[CONTACTS]):  # the mean height of the points that bear
         contact = ints(told[TABLE], FIELDS * c, FIELDS)
         slot, axes = floats(contact[SLOT], 0, own.SLOT_SIZE), floats(contact[AXES], 0, 9)
         block, points = floats(contact[BLOCK], 0, at.JACOBIAN), floats(contact[POINTS], 0, 3 * contact[COUNT])
@@ -125,7 +133,10 @@ def write_capture_point(here):
 
 @inner
 def hull(x, y, count, out_x, out_y):
-    """The convex hull of points, counter-clockwise, by monotone chains; how many corners it has. Sorts the points."""
+    """Write the corners of the convex hull of `count` points, counter-clockwise, by monotone chains; returns how many.
+
+    Sorts the points x, y in place.
+    """
     for i in range(1, count):
         a, b, k = x[i], y[i], i
         while k > 0 and (x[k - 1] > a or (x[k - 1] == a and y[k - 1] > b)):
@@ -133,7 +144,7 @@ def hull(x, y, count, out_x, out_y):
             k -= 1
         x[k], y[k] = a, b
     size, turn = 0, 2
-    for step in range(2 * count - 1):  # there, and back
+    for step in range(2 * count - 1):  # the lower chain, then the upper one backwards
         i = step if step < count else 2 * count - 2 - step
         least = 2 if step < count else turn
         while (
@@ -155,7 +166,10 @@ def hull(x, y, count, out_x, out_y):
 
 @inner
 def edge(x, y, size, k):
-    """Outward normal and distance of an edge of a hull, which may be a line or a point; NaN where there is none."""
+    """Outward normal (a, b) and distance of edge k of a hull of `size` corners: a x + b y is at most the distance.
+
+    A hull that is a line or a point has four edges. NaN if there is no edge k.
+    """
     if size == 0 or k >= max(size, 4 if size < 3 else size):
         return math.nan, math.nan, math.nan
     if size == 1:
@@ -167,7 +181,7 @@ def edge(x, y, size, k):
     dx, dy = x[j] - x[i], y[j] - y[i]
     length = math.sqrt(dx * dx + dy * dy)
     a, b = dy / length, -dx / length
-    if size == 2 and k >= 2:  # its ends
+    if size == 2 and k >= 2:  # the ends of a line
         a, b, i = dx / length, dy / length, j
     return a, b, a * x[i] + b * y[i]
 
@@ -175,7 +189,7 @@ def edge(x, y, size, k):
 @stamp
 @entry
 def write_support(here):
-    """The capture point on the inner side of every edge."""
+    """Write a row for every edge of the support polygon: the capture point stays inside it, by a margin."""
     told = ints(here, 0, WORK + 1)
     n, rows, most = told[N], told[ROWS], told[MOST]
     centre, J = floats(told[CENTRE], 0, at.JACOBIAN), floats(told[CENTRE], at.JACOBIAN, 2 * n)
@@ -188,7 +202,7 @@ def write_support(here):
     omega = rate(centre, height)
     if size < 3:
         margin = 0.0
-    for k in range(size if size > 2 else 0):  # no more than there is room
+    for k in range(size if size > 2 else 0):  # the margin is at most 0.4 of the width in every direction
         a, b, d = edge(hull_x, hull_y, size, k)
         width = 0.0
         for i in range(size):

@@ -1,7 +1,7 @@
-r"""A contact: its axes, the map of its forces to the joints, the motion that it forbids, and bounds of its forces.
+r"""Loops of a contact: axes of its surface, map from its forces to joint torques, forbidden motion, bounds of forces.
 
-The axes of the surface are the columns of S = (t1, t2, n). A force f at a point r from the origin of the frame, along
-these axes, is worth the joint torques :math:`G^T f` with :math:`G = S^T (J_p - r \times J_\omega)`.
+The axes of the surface are the columns of S = (t1, t2, n). A force f along these axes, at a point with the offset r
+from the origin of the frame, causes the joint torques :math:`G^T f` with :math:`G = S^T (J_p - r \times J_\omega)`.
 """
 
 from __future__ import annotations
@@ -17,17 +17,18 @@ from ...rows.kernels import law as of
 from . import layout as own
 from .layout import CHANGE, SURFACE_SIZE, P, R, V
 
-#: Of the map: joint velocities; the block of the frame; whether it has moments too; how many points, where, and
-#: their centre; the surface, the normal on it, a direction of the frame in it; the axes (out), and G.
+#: Table of the map: number of joint velocities; block of the frame; whether forces are one wrench; number of points,
+#: the points in the frame, their centre; the surface, its normal, a direction of the frame for t1 (0: none). Out: S by
+#: columns and the rotation of the frame by rows (18,); G.
 N, BLOCK, WRENCH, COUNT, POINTS, CENTRE, SURFACE, NORMAL, ALONG, AXES, MAP = range(11)
-#: Of the motion: the table of its law, and the slot; the block, the centre, the surface, the axes; which turning it
-#: forbids, and how many; the direction of a line; work space.
+#: Table of the motion: the table of its law, the slot; block of the frame, centre of the points, surface, axes S; how
+#: many rotations it forbids; the direction of a line; work space of 64 numbers.
 LAW, SLOT, M_BLOCK, M_CENTRE, M_SURFACE, M_AXES, TURNS, M_ALONG, WORK = range(9)
 
 
 @inner
 def unit(x, y, z):
-    """The unit vector along this one."""
+    """The unit vector along (x, y, z); NaN for zero."""
     size = math.sqrt(x * x + y * y + z * z)
     if size == 0.0:
         return math.nan, math.nan, math.nan
@@ -36,12 +37,16 @@ def unit(x, y, z):
 
 @inner
 def surface_axes(block, surface, normal, along, axes):
-    """t1, t2, n, one after the other."""
+    """Write t1, t2, n to axes (9,), one after the other.
+
+    n is `normal` in the axes of the surface; t1 is the projection onto the surface of `along`, a direction of the
+    frame, or of an axis of the surface if that is zero.
+    """
     a, b, c = normal[0], normal[1], normal[2]
     n0 = surface[R] * a + surface[R + 1] * b + surface[R + 2] * c
     n1 = surface[R + 3] * a + surface[R + 4] * b + surface[R + 5] * c
     n2 = surface[R + 6] * a + surface[R + 7] * b + surface[R + 8] * c
-    if along[0] == 0.0 and along[1] == 0.0 and along[2] == 0.0:  # the axis of the surface that is least along n
+    if along[0] == 0.0 and along[1] == 0.0 and along[2] == 0.0:  # x of the surface, or y if n is nearly along x
         k = 0 if abs(a) < 0.8 else 1
         x, y, z = surface[R + k], surface[R + 3 + k], surface[R + 6 + k]
     else:
@@ -58,7 +63,7 @@ def surface_axes(block, surface, normal, along, axes):
 
 @inner
 def from_origin(block, point, out):
-    """A point of the frame, from its origin, along the axes of the world."""
+    """Write the offset R p of a point p of the frame from its origin to out (3,), along the axes of the world."""
     for r in range(3):
         row = at.ROTATION + 3 * r
         out[r] = block[row] * point[0] + block[row + 1] * point[1] + block[row + 2] * point[2]
@@ -67,7 +72,7 @@ def from_origin(block, point, out):
 @stamp
 @entry
 def write_contact_map(here):
-    """The axes of the surface, and G."""
+    """Write the axes S of the surface and the map G: three rows for each point, or six for one wrench at the centre."""
     told = ints(here, 0, MAP + 1)
     n, count, wrench = told[N], told[COUNT], told[WRENCH] != 0
     block, J = floats(told[BLOCK], 0, at.JACOBIAN), floats(told[BLOCK], at.JACOBIAN, 6 * n)
@@ -103,7 +108,10 @@ def write_contact_map(here):
 
 @inner
 def relative_place(block, p, surface, slot):
-    """Take the place where it is as the one where it holds, on the surface."""
+    """Store the present pose of the contact, relative to the surface, in its slot: it is held there from now on.
+
+    `p` (3,) is the position of the centre of the contact in the world.
+    """
     o = p[0] - surface[P], p[1] - surface[P + 1], p[2] - surface[P + 2]
     turned_back(surface[R : R + 9], o[0], o[1], o[2], slot, own.PLACE)
     for c in range(3):
@@ -117,7 +125,10 @@ def relative_place(block, p, surface, slot):
 
 @inner
 def held_place(block, p, surface, slot, work):
-    """How far it is from where it holds, and how that place moves: errors into work[:6], velocities, accelerations."""
+    """Write the error of the contact from its held pose to work[:6], and the velocity and acceleration of that pose.
+
+    These are in work[6:12] and work[12:18], all along the axes of the world, linear before angular.
+    """
     for r in range(3):
         row = R + 3 * r
         work[18 + r] = (
@@ -145,7 +156,7 @@ def held_place(block, p, surface, slot, work):
 
 @inner
 def turning_axes(block, S, along, turns, axes):
-    """About which it cannot turn: those of the surface, or the two that are across a line."""
+    """Write the axes about which the contact cannot turn to axes (9,): S, or the two perpendicular to a line."""
     for k in range(9):
         axes[k] = S[k]
     if turns != 2:
@@ -160,7 +171,10 @@ def turning_axes(block, S, along, turns, axes):
 @stamp
 @entry
 def write_contact_motion(here):
-    """The centre of a contact stays where it is on its surface, and its frame does not turn there."""
+    """Write the rows that hold the centre of a contact at its place on the surface, and forbid rotations of its frame.
+
+    They are free while the contact is off, and widened by OPEN of its slot.
+    """
     told = ints(here, 0, WORK + 1)
     law = ints(told[LAW], 0, of.LENGTH)
     rows, n, turns = law[of.ROWS], law[of.N], told[TURNS]
@@ -216,15 +230,18 @@ def write_contact_motion(here):
     return 0
 
 
-#: Of bounds of forces: the slot, the largest normal forces at the points, how many; whether it can pull too, whether it
-#: has moments; the bounds.
+#: Table of bounds of forces: the slot; the largest normal forces at the points, number of points; whether the contact
+#: can also pull; whether forces are one wrench; the bounds.
 F_SLOT, CAPS, F_COUNT, PULLS, F_WRENCH, F_LOWER, F_UPPER = range(7)
 
 
 @stamp
 @entry
 def write_force_bounds(here):
-    """Tangential forces are free, normal ones between 0 and what is allowed at present; all are 0 where it is off."""
+    """Write bounds of forces: tangential ones are free, normal ones from 0 to their cap; all are 0 if it is not loaded.
+
+    If the contact can pull, normal forces are from minus the cap, and tangential ones have the cap, too.
+    """
     told = ints(here, 0, F_UPPER + 1)
     slot, count, pulls = floats(told[F_SLOT], 0, own.SLOT_SIZE), told[F_COUNT], told[PULLS] != 0
     size = 6 if told[F_WRENCH] != 0 else 3 * count
@@ -235,21 +252,21 @@ def write_force_bounds(here):
     for i in range(1 if told[F_WRENCH] != 0 else count):
         cap = min(most, caps[i])
         lower[3 * i + 2], upper[3 * i + 2] = -cap if pulls else 0.0, cap
-        if pulls and cap < math.inf:  # which no friction ties to the normal force
+        if pulls and cap < math.inf:  # no friction cone relates tangential forces to the normal force
             for k in range(2):
                 lower[3 * i + k], upper[3 * i + k] = -cap, cap
     return 0
 
 
-#: Of friction: the slot; how many rows, of which the last is the sum of the normal forces; the least and largest sum;
-#: the bounds.
+#: Table of friction: the slot; number of rows, of which the last is the sum of the normal forces; its least and largest
+#: value (2,); the bounds.
 C_SLOT, C_ROWS, TOTAL, C_LOWER, C_UPPER = range(5)
 
 
 @stamp
 @entry
 def write_friction(here):
-    """Rows that are at most 0 while the contact is on, and the sum of the normal forces."""
+    """Write the bounds of a friction cone, rows at most 0 while the contact is loaded, and of the normal force sum."""
     told = ints(here, 0, C_UPPER + 1)
     slot, rows, total = floats(told[C_SLOT], 0, own.SLOT_SIZE), told[C_ROWS], floats(told[TOTAL], 0, 2)
     lower, upper = floats(told[C_LOWER], 0, rows), floats(told[C_UPPER], 0, rows)

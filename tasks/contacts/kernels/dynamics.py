@@ -1,4 +1,4 @@
-"""The rows of a floating base, and wrenches from outside."""
+"""Loops that write the motion equation of a floating base, and add external wrenches."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from hqp.kernels.memory import floats, ints
 from ...robots.kernels import block as at
 from ...rows.kernels import motion
 
-#: After what is told of the motion: the bounds.
+#: Table of the dynamics: after the entries of :mod:`tasks.rows.kernels.motion`, the bounds.
 LOWER, UPPER = range(motion.LENGTH, motion.LENGTH + 2)
 
 
 @stamp
 @entry
 def write_dynamics(here):
-    """``M a - G^T f = -b`` of the base."""
+    """Write the rows ``M a - G^T f = -b`` of the base."""
     told = ints(here, 0, motion.LENGTH + 2)
     rows = told[motion.ROWS]
     motion.motion_rows(here)
@@ -28,7 +28,10 @@ def write_dynamics(here):
 @stamp
 @entry
 def add_wrench(here):
-    """A wrench from outside at a frame, taken off the bias: joint velocities, block, wrench (6,), bias (n,)."""
+    """Subtract the joint torques J^T w of an external wrench w on a frame from the bias.
+
+    Table: number n of joint velocities, block of the frame, w (6,), bias (n,).
+    """
     told = ints(here, 0, 4)
     n = told[0]
     J, wrench, bias = floats(told[1], at.JACOBIAN, 6 * n), floats(told[2], 0, 6), floats(told[3], 0, n)

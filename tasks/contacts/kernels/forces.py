@@ -1,4 +1,4 @@
-"""Rows of tasks of forces and torques."""
+"""Loops that write the rows of tasks of forces and torques."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from . import layout as own
 @stamp
 @entry
 def write_least_forces(here):
-    """The bounds of forces that are to be 0: how many, and their bounds."""
+    """Write the bounds 0 of forces. Table: number of forces, lower bounds, upper bounds."""
     told = ints(here, 0, 3)
     lower, upper = floats(told[1], 0, told[0]), floats(told[2], 0, told[0])
     for r in range(told[0]):
@@ -25,7 +25,10 @@ def write_least_forces(here):
 @stamp
 @entry
 def write_force_sum(here):
-    """The bounds of a sum of forces: slot, rows, target, bounds; none where the contact is off."""
+    """Write the bounds of a sum of forces, its target; infinite while the contact is off.
+
+    Table: slot, number of rows, target, lower bounds, upper bounds.
+    """
     told = ints(here, 0, 5)
     rows, on = told[1], floats(told[0], 0, own.SLOT_SIZE)[own.ON] != 0.0
     target, lower, upper = floats(told[2], 0, rows), floats(told[3], 0, rows), floats(told[4], 0, rows)
@@ -34,15 +37,15 @@ def write_force_sum(here):
     return 0
 
 
-#: Of a centre of pressure: whether the contact has one wrench; its points, how many; the target; all unknowns, and the
-#: first of the contact; the rows.
+#: Table of a centre of pressure: whether forces are one wrench; number of points, the points; the target; number of all
+#: unknowns, the first of this contact; A and bounds.
 WRENCH, COUNT, POINTS, TARGET, UNKNOWNS, FIRST, MATRIX, LOWER, UPPER = range(9)
 
 
 @stamp
 @entry
 def write_pressure(here):
-    """Moments about the target, which are to be 0; the columns of all other unknowns are 0 from the start."""
+    """Write two rows: the tangential moments about the target are 0. Columns of other unknowns are 0 already."""
     told = ints(here, 0, UPPER + 1)
     n, first, count = told[UNKNOWNS], told[FIRST], told[COUNT]
     A, points, target = floats(told[MATRIX], 0, 2 * n), floats(told[POINTS], 0, 3 * count), floats(told[TARGET], 0, 2)
@@ -57,14 +60,14 @@ def write_pressure(here):
     return 0
 
 
-#: Of torques: after what is told of the motion, the target, and the bounds.
+#: Table of torques: after the entries of :mod:`tasks.rows.kernels.motion`, the target, and the bounds.
 TAU, T_LOWER, T_UPPER = range(motion.LENGTH, motion.LENGTH + 3)
 
 
 @stamp
 @entry
 def write_torques(here):
-    """``M a - G^T f = tau - b``."""
+    """Write the rows ``M a - G^T f = tau - b`` for the target torques tau."""
     told = ints(here, 0, motion.LENGTH + 3)
     rows = told[motion.ROWS]
     motion.motion_rows(here)

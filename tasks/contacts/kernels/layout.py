@@ -1,14 +1,13 @@
-"""What loops of contacts read and write: a slot, and a surface, each in one array."""
+"""The arrays that loops of contacts share: the slot of a contact, which is its state, and a surface."""
 
 from __future__ import annotations
 
-#: Of a slot: whether the motion is forbidden; whether there may be forces; whether it is one to rely on, which ends as
-#: soon as it is being released; whether the place where it holds has been taken; how far the motion is let off
-#: [m/s^2], [rad/s^2].
+#: Slot: 1 if the motion is forbidden; if there may be forces; if the contact counts as support, which ends when its
+#: release begins; if the held pose was stored; by how much the rows of the motion are widened [m/s^2], [rad/s^2].
 ON, LOADED, BEARS, TAKEN, OPEN = range(5)
-#: That place on its surface: where (3,), and the axes of the frame there (9, by rows).
+#: The held pose, relative to the surface: position (3,) and rotation (9, by rows).
 PLACE, AXES = 5, 8
 SLOT_SIZE = 17
-#: Of a surface: where it is, its axes (by rows); its velocity, linear and angular, and its acceleration.
+#: Surface: position; rotation (by rows); velocity, linear and angular; acceleration, linear and angular.
 P, R, V, CHANGE = 0, 3, 12, 18
 SURFACE_SIZE = 24

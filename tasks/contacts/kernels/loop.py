@@ -1,4 +1,4 @@
-"""The rows of a closed chain, and the map of its forces."""
+"""Writes the rows that close a kinematic loop, and the map from its forces to joint torques."""
 
 from __future__ import annotations
 
@@ -9,14 +9,17 @@ from ...base.kernels.rotation import crossed, rotation_vector
 from ...robots.kernels import block as at
 from ...rows.kernels import law as of
 
-#: The table of the law; both blocks, and a point on each; whether the angle between them has been taken, and that angle
-#: (1 + 9 by rows); work space; G, and how many rows it has.
+#: Table: the table of the law; blocks of both frames, and a point on each; whether the relative rotation of the frames
+#: was stored, and that rotation (1 + 9, by rows); work space; G, and its number of rows.
 LAW, FIRST, SECOND, POINT, OTHER, KEPT, WORK, MAP, FORCES = range(9)
 
 
 @inner
 def moved(block, J, point, n, sign, rows, A, measured, r):
-    """Add, or take off, a point of a frame: its motion to the rows, where it is and its drift to measured values."""
+    """Add `sign` times the Jacobian of a point of a frame to A, and its drift, and minus its position, to `measured`.
+
+    With more than 3 rows, the rotation of the frame counts as well. r (3,) is work space.
+    """
     for k in range(3):
         row = at.ROTATION + 3 * k
         r[k] = block[row] * point[0] + block[row + 1] * point[1] + block[row + 2] * point[2]
@@ -42,7 +45,10 @@ def moved(block, J, point, n, sign, rows, A, measured, r):
 
 @inner
 def turned(first, second, kept, measured, work):
-    """How far the angle between both is from what it was, into measured[3:6]: log(R_b C R_a^T), C = R_b^T R_a."""
+    """Write the error of the relative rotation, log(R_b C R_a^T), to measured[3:6]; C = R_b^T R_a at the first call.
+
+    `kept` (10,) stores C; a and b are the blocks `first` and `second`.
+    """
     a, b = first[at.ROTATION : at.ROTATION + 9], second[at.ROTATION : at.ROTATION + 9]
     known = a[0] + b[0]
     if kept[0] == 0.0 and known == known:
@@ -63,7 +69,7 @@ def turned(first, second, kept, measured, work):
 @stamp
 @entry
 def write_loop(here):
-    """Both points stay together, and, where they do not turn, the angle between the frames stays."""
+    """Write the rows that keep both points together and, with six rows, the relative rotation of the frames."""
     told = ints(here, 0, FORCES + 1)
     law = ints(told[LAW], 0, of.LENGTH)
     rows, n = law[of.ROWS], law[of.N]

@@ -1,8 +1,8 @@
-r"""The derivative of a frame's Jacobian by the joints, and so of any scalar function of the Jacobian.
+r"""The derivative of a frame's Jacobian by the joints, and the gradient of any scalar function of the Jacobian.
 
-With the columns :math:`l_j, \omega_j` of joint j in the axes of the world, and :math:`i \preceq j` if joint i comes
-before j in the chain or is that joint: i then carries j along, and turns its column; else it moves the frame away from
-the axis of j,
+Let :math:`l_j, \omega_j` be the linear and angular columns of joint j along the axes of the world, and
+:math:`i \preceq j` if joint i comes before j in the chain, or i = j. Then i carries j, and rotates its column;
+otherwise it moves the frame relative to the axis of j:
 
 .. math::
 
@@ -11,7 +11,7 @@ the axis of j,
     \frac{\partial \omega_j}{\partial q_i} = \begin{cases} \omega_i \times \omega_j & i \preceq j \\
         0 & \text{else.} \end{cases}
 
-The gradient of a scalar H of J is the sum of these, weighed by the sensitivities
+The gradient of a scalar H of J is the sum of these, weighted by the sensitivities
 :math:`C^l_j = \partial H / \partial l_j`, :math:`C^\omega_j = \partial H / \partial \omega_j`. With
 :math:`m_j = l_j \times C^l_j + \omega_j \times C^\omega_j` and :math:`s_j = C^l_j \times \omega_j`
 
@@ -20,8 +20,9 @@ The gradient of a scalar H of J is the sum of these, weighed by the sensitivitie
     \frac{\partial H}{\partial q_i} = \omega_i \cdot \sum_{i \preceq j} m_j
         + l_i \cdot \sum_{i \not\preceq j} s_j .
 
-In the axes of the frame itself, which turn with it, :math:`\omega_i \cdot \sum_j m_j` is taken off, all columns now in
-these axes; and :math:`l_i \cdot \sum_j s_j` where l is the velocity of the point that is passing the origin.
+Along the axes of the frame itself, which turn with it, :math:`\omega_i \cdot \sum_j m_j` is subtracted, with all
+columns in these axes. If l is the velocity of the point at the origin of the world (spatial rows),
+:math:`l_i \cdot \sum_j s_j` is subtracted.
 """
 
 from __future__ import annotations
@@ -35,12 +36,16 @@ from ...robots.kernels.block import JACOBIAN
 
 @inner
 def jacobian(frame, n, axes, reading, rows, G, J, work):
-    """The columns of a frame in the axes of a task, G (6 * n,), and what the task reads of them, J (rows * n,).
+    """Write the Jacobian of a frame along the axes of a task, G (6 * n,), and of the task, J = reading G (rows * n,).
 
     Parameters
     ----------
+    frame : (26 + 6 * n,)
+        The block of the frame.
+    axes : int
+        WORLD, LOCAL or SPATIAL.
     reading : (rows * 6,)
-        What each row takes of the linear and angular velocity in these axes: of a mask, one 1.0 a row.
+        Coefficients of each row for the linear and angular velocity along these axes; for a mask, a single 1.0 per row.
     work : (12,)
     """
     for j in range(n):
@@ -73,15 +78,15 @@ def add_outer(C, n, reading, rows, y, z, scale):
 
 @inner
 def gradient(G, C, n, axes, order, slope, work):
-    """The gradient of a scalar, slope (n,), from its sensitivities C to the columns G: see the module's docstring.
+    """Write the gradient of a scalar, slope (n,), from its sensitivities C to the columns G, as the module says.
 
     Parameters
     ----------
     G, C : (6 * n,)
-        In the axes of the task.
+        Along the axes of the task.
     order : int (n,)
-        The place of each joint in the chain that carries the frame, joints that move as one having the same; -1 where a
-        joint does not move the frame.
+        The place of each joint in the chain that carries the frame, the same for joints that move as one; -1 if a joint
+        does not move the frame.
     work : (6 * n,)
     """
     m0, m1, m2, s0, s1, s2 = (

@@ -1,4 +1,4 @@
-"""Criteria in joint space as loops: the law of all gradients, joint centring, least motion, energy and torque."""
+"""Loops of criteria in joint space: the law of all gradients, joint centring, least motion, energy and torque."""
 
 from __future__ import annotations
 
@@ -8,22 +8,22 @@ from hqp.kernels.memory import floats, ints
 from ...base.kernels.algebra import root
 from ...rows.kernels.law import ACCELERATION
 
-#: Of every gradient: how many rows; which velocities they are; K [1/s] and 1.0 where the scalar is to rise, -1.0 where
-#: it is to fall; unknowns, and velocities; the order; the bounds.
+#: Table of every gradient: number of rows; the joint velocity of each; K [1/s] and 1.0 to increase the scalar, or -1.0
+#: to decrease it; number of unknowns, velocities; the order; the bounds.
 COUNT, COLUMNS, NUMBERS, UNKNOWNS, V, ORDER, LOWER, UPPER = range(8)
 CLIMB = 8
-#: Of joint centring besides: numbers of a configuration, positions, where that of each row is; lowest and highest
-#: position of each row; the gradient (nv,).
+#: Table of joint centring, after that: size of a configuration, positions, the place of each row among them; lowest and
+#: highest positions (2 rows,); the gradient (nv,).
 POSITIONS_SIZE, POSITIONS, PLACES, RANGE, SLOPE = range(CLIMB, CLIMB + 5)
-#: Of a criterion of all joints: unknowns; K [1/s], 0 where nothing brakes; velocities; bounds; M; the rows.
+#: Table of a criterion of all joints: number of unknowns; K [1/s], 0 without braking; velocities; bounds; M; A.
 ALL, BRAKING, SPEEDS, LOW, HIGH, M, A = range(7)
-#: Of the least torque besides: the bias, and the middle of the range.
+#: Table of the least torque, after that: the bias, and the middle of the torque range.
 BIAS, MIDDLE = range(7, 9)
 
 
 @inner
 def climb(here, slope):
-    """Bounds of a gradient, slope (nv,): ``x = K slope``, or at acceleration order ``K^2 slope - 2 K v``."""
+    """Write the bounds ``x = K slope`` for a gradient, slope (nv,); at acceleration order ``x = K^2 slope - 2 K v``."""
     told = ints(here, 0, CLIMB)
     count, n = told[COUNT], told[UNKNOWNS]
     columns, number, v = ints(told[COLUMNS], 0, count), floats(told[NUMBERS], 0, 2), floats(told[V], 0, n)
@@ -39,7 +39,7 @@ def climb(here, slope):
 @stamp
 @entry
 def write_gradient(here):
-    """Writes the rows of a criterion from its gradient, whatever measured it."""
+    """Write the rows of a criterion from its gradient, which is the entry behind those of every gradient."""
     told = ints(here, 0, CLIMB + 1)
     climb(here, floats(told[CLIMB], 0, told[UNKNOWNS]))
     return 0
@@ -47,7 +47,10 @@ def write_gradient(here):
 
 @inner
 def centring(count, columns, places, positions, ends, slope):
-    r"""The gradient of the mean squared distance from the middle of the ranges: :math:`2 (q - m) / (n h^2)`."""
+    r"""Write the gradient of the mean squared distance from the middle m of the ranges: :math:`2 (q - m) / (n h^2)`.
+
+    It is relative to half the width of each range, h; `ends` are lowest and highest positions (2 count,).
+    """
     for k in range(count):
         half, middle = 0.5 * (ends[count + k] - ends[k]), 0.5 * (ends[count + k] + ends[k])
         slope[columns[k]] = 2.0 * ((positions[places[k]] - middle) / half) / (count * half)
@@ -56,7 +59,7 @@ def centring(count, columns, places, positions, ends, slope):
 @stamp
 @entry
 def write_centring(here):
-    """Rows of joint centring."""
+    """Write the rows of joint centring."""
     told = ints(here, 0, SLOPE + 1)
     count = told[COUNT]
     columns, places = ints(told[COLUMNS], 0, count), ints(told[PLACES], 0, count)
@@ -69,7 +72,7 @@ def write_centring(here):
 
 @inner
 def brake(told, n, lower, upper):
-    """Bounds of the least motion of each joint: 0, or ``-K v``."""
+    """Write the bounds of the least motion of each joint: ``-K v``, or 0 without braking."""
     K, v = floats(told[BRAKING], 0, 1)[0], floats(told[SPEEDS], 0, n)
     for j in range(n):
         lower[j] = upper[j] = -K * v[j] if K != 0.0 else 0.0
@@ -78,7 +81,7 @@ def brake(told, n, lower, upper):
 @stamp
 @entry
 def write_least_motion(here):
-    """Rows of least joint motion."""
+    """Write the rows of least joint motion."""
     told = ints(here, 0, HIGH + 1)
     n = told[ALL]
     brake(told, n, floats(told[LOW], 0, n), floats(told[HIGH], 0, n))
@@ -88,7 +91,7 @@ def write_least_motion(here):
 @stamp
 @entry
 def write_kinetic_energy(here):
-    """Rows ``L^T x = -L^T K v`` for M = L L^T; NaN where M has no root."""
+    """Write the rows ``L^T x = -L^T K v`` for M = L L^T; NaN if M is not positive definite."""
     told = ints(here, 0, A + 1)
     n = told[ALL]
     rows, lower, upper = floats(told[A], 0, n * n), floats(told[LOW], 0, n), floats(told[HIGH], 0, n)
@@ -96,7 +99,7 @@ def write_kinetic_energy(here):
     brake(told, n, lower, upper)
     for r in range(n):
         total = 0.0
-        for j in range(r, n):  # later entries are still those of the joints
+        for j in range(r, n):  # entries from r on are still those of the joints
             total += rows[r * n + j] * lower[j]
         lower[r] = upper[r] = total
     return 0
@@ -105,7 +108,7 @@ def write_kinetic_energy(here):
 @stamp
 @entry
 def write_minimum_torque(here):
-    """Rows ``M x = middle - bias``."""
+    """Write the rows ``M x = middle - bias``: torques in the middle of their range."""
     told = ints(here, 0, MIDDLE + 1)
     n = told[ALL]
     inertia, rows, lower, upper = (

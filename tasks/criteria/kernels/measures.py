@@ -1,4 +1,4 @@
-"""Measures of a task's Jacobian, with their gradients in closed form."""
+"""Measures of a task's Jacobian (manipulability, minor axis, velocity ratio), with their gradients in closed form."""
 
 from __future__ import annotations
 
@@ -14,23 +14,26 @@ from ...robots.kernels.block import JACOBIAN
 from .gradient import add_outer, gradient, jacobian
 from .joints import CLIMB, climb
 
-#: Of both measures, after what the law is told (:mod:`.joints`): joints; the block of the frame; the axes; what the
-#: rows read of it; how many they are; the order of the chain; work space, and its size; the gradient.
+#: Table of all measures, after the entries of every gradient (:mod:`.joints`): joints; block of the frame; the axes;
+#: the coefficients of the rows, number of rows; the order of the chain; work space, and its size; the gradient.
 N, BLOCK, AXES, READING, ROWS, CHAIN, WORK, WORK_SIZE, SLOPE = range(CLIMB, CLIMB + 9)
-#: Of the velocity ratio: the direction, or the velocity of the target (6,); which of the two.
+#: Of the velocity ratio, after that: the direction (rows,) or the velocity of the target (6,); if it is the latter.
 ALONG, DESIRED = range(CLIMB + 9, CLIMB + 11)
 #: As :data:`tasks.criteria.manipulability.SHORTEST`.
 SHORTEST = 1e-150
 
 
 def work_size(n: int, rows: int) -> int:
-    """Numbers of work space that a measure takes."""
+    """The size of the work space of a measure."""
     return 19 * n + rows * (n + rows + 3) + 24
 
 
 @inner
 def svd(frame, n, axes, reading, rows, work):
-    """The singular values of what a task reads of a frame, with G at the beginning of work; see :func:`decompose`."""
+    """Decompose the Jacobian of a task: returns rows, left singular vectors, singular values, as :func:`decompose`.
+
+    G of :func:`.gradient.jacobian` is then in work[:6 * n].
+    """
     first = 18 * n
     second = first + rows * n
     third = second + rows * rows
@@ -44,9 +47,9 @@ def svd(frame, n, axes, reading, rows, work):
 def manipulability(frame, n, axes, reading, rows, order, slope, work):
     r"""Yoshikawa's measure :math:`w = \sigma_1 \cdots \sigma_m`, and its gradient.
 
-    With :math:`J = \sum_k \sigma_k u_k v_k^T` the sensitivity to J is :math:`w (J^\#)^T`, which is
-    :math:`\sum_k (w / \sigma_k) u_k v_k^T`. Where J loses rank w has an edge, as the norm of a vector has at 0: on all
-    sides it rises, and the gradient is 0, as that of a balanced difference.
+    With :math:`J = \sum_k \sigma_k u_k v_k^T`, the derivative by J is :math:`w (J^\#)^T = \sum_k (w / \sigma_k) u_k
+    v_k^T`. Where J loses rank, w has a kink, like the norm of a vector at 0: it rises on both sides, and the gradient
+    returned is 0, as a central difference gives.
 
     Parameters
     ----------
@@ -84,10 +87,10 @@ def manipulability(frame, n, axes, reading, rows, order, slope, work):
 
 @inner
 def minor_axis(frame, n, axes, reading, rows, order, slope, work):
-    r"""The least singular value :math:`\sigma_m`, and its gradient, by the sensitivity :math:`u_m v_m^T` to J.
+    r"""The smallest singular value :math:`\sigma_m`, and its gradient, from its derivative by J, :math:`u_m v_m^T`.
 
-    Where J has lost rank it has an edge, and the gradient is 0, as that of :func:`manipulability`. Where two are the
-    least it is that of one of them.
+    Where J has lost rank it has a kink, and the gradient is 0, as for :func:`manipulability`. If two singular values
+    are smallest, it is the gradient of one of them.
 
     Parameters
     ----------
@@ -113,22 +116,22 @@ def minor_axis(frame, n, axes, reading, rows, order, slope, work):
 
 @inner
 def velocity_ratio(frame, n, axes, reading, rows, order, u, slope, pull, work):
-    r"""The velocity ratio in the direction u, and its gradient.
+    r"""The velocity ratio r in the direction u, and its gradient.
 
-    With the pseudoinverse of J, :math:`z = J^\# u`, :math:`y = (J J^T)^\# u` and :math:`s = \lVert z \rVert^2`
+    With :math:`z = J^\# u`, :math:`y = (J J^T)^\# u` and :math:`s = \lVert z \rVert^2`,
 
     .. math:: r = \frac{\lVert u \rVert}{\sqrt s}, \qquad \frac{\partial r}{\partial J} = \frac r s \, y z^T, \qquad
         \frac{\partial r}{\partial u} = \frac{r}{\lVert u \rVert^2} u - \frac r s y .
 
-    Directions that J has lost do not count where u has no part along them; else r is 0, and so is the gradient, as of
-    :func:`manipulability`.
+    If u has a part along a direction that J has lost, r is 0 up to round-off, and the gradient is 0, as for
+    :func:`manipulability`. Otherwise lost directions do not count.
 
     Parameters
     ----------
     frame, n, axes, reading, rows, order, slope
         See :func:`manipulability`.
     u : (rows,)
-        Of any length; nothing is asked where it is 0.
+        Of any length; if it is 0, r and the gradient are 0.
     pull : (rows,)
         On return dr/du.
     work : (work_size(n, rows),)
@@ -179,11 +182,12 @@ def velocity_ratio(frame, n, axes, reading, rows, order, u, slope, pull, work):
 
 @inner
 def desired_velocity_ratio(frame, n, axes, reading, rows, order, desired, slope, work):
-    r"""The same along the velocity of the target, which its own axes see turn with the robot.
+    r"""The velocity ratio along the desired velocity of the target, and its gradient.
 
-    With the desired velocity :math:`\dot p, \omega` in the axes of the world, its coordinates in the axes of the frame
-    change by :math:`-\omega_i \times \dot p, -\omega_i \times \omega`; and those of the point that is passing the
-    origin by :math:`l_i \times \omega`, l being that of the frame.
+    The direction u depends on the joints, too, as the axes of the task move. With the desired velocity
+    :math:`\dot p, \omega` along the axes of the world, its coordinates along the axes of the frame change by
+    :math:`-\omega_i \times \dot p, -\omega_i \times \omega` with joint i; those of the point at the origin of the world
+    (spatial rows) by :math:`l_i \times \omega`, with :math:`l_i` of the frame.
 
     Parameters
     ----------
@@ -234,7 +238,7 @@ def desired_velocity_ratio(frame, n, axes, reading, rows, order, desired, slope,
 @stamp
 @entry
 def write_manipulability(here):
-    """Climb the manipulability of a task."""
+    """Write the rows that increase, or decrease, the manipulability of a task."""
     told = ints(here, 0, ALONG)
     n, rows = told[N], told[ROWS]
     frame, reading, order = (
@@ -251,7 +255,7 @@ def write_manipulability(here):
 @stamp
 @entry
 def write_minor_axis(here):
-    """Climb the minor axis of the velocity ellipsoid of a task."""
+    """Write the rows that increase, or decrease, the minor axis of the velocity ellipsoid of a task."""
     told = ints(here, 0, ALONG)
     n, rows = told[N], told[ROWS]
     frame, reading, order = (
@@ -268,7 +272,7 @@ def write_minor_axis(here):
 @stamp
 @entry
 def write_velocity_ratio(here):
-    """Climb the velocity ratio of a task, along a direction or along its own desired velocity."""
+    """Write the rows that increase, or decrease, the velocity ratio, along a direction or the desired velocity."""
     told = ints(here, 0, DESIRED + 1)
     n, rows = told[N], told[ROWS]
     frame, reading, order = (

@@ -1,1 +1,1 @@
-"""Loops that measure tasks of frames."""
+"""Loops that measure tasks of frames: errors, Jacobians, drifts, and curvatures."""

@@ -1,24 +1,25 @@
-r"""How the values of tasks of a frame bend, contracted with a weight for every row; see :mod:`tasks.rows.curvature`.
+r"""Curvatures of tasks of a frame, contracted with a weight for every row; see :mod:`tasks.rows.curvature`.
 
-*Placement.* With the weights along the axes of the world, u of the linear rows and w of the angular ones, and with
-what the task leaves free of a vector, Q (of nothing, if it has all three coordinates),
+*Placement.* Let u and w be the weights of the linear and the angular rows along the axes of the world, and Q the
+projection of a vector onto those coordinates that are not rows of the task (Q = 0 if all three are):
 
 .. math::
 
     \text{world:}\quad & u \cdot \ddot p + w \cdot (\dot\omega - Q\omega \times \omega) \\
     \text{local:}\quad & u \cdot (\ddot p + 2\, Q\dot p \times \omega) + w \cdot (\dot\omega + Q\omega \times \omega)
 
-and of spatial rows, with :math:`\nu = \dot p + p \times \omega` and what they have of it, P,
+and for spatial rows, with :math:`\nu = \dot p + p \times \omega`, and P the projection onto the task's linear rows,
 
 .. math:: u \cdot (\ddot p + 2 \dot p \times \omega + p \times \dot\omega) + w \cdot (\dot\omega - Q\omega \times \omega
     + 2 P\nu \times \dot p + \omega \times (p \times P\nu)) .
 
-A rotation vector e is longer than its square tells where the turn is large: with all three angular rows it adds
+If all three angular rows are in the task, a large error e, a rotation vector of the angle :math:`\vartheta`, adds
 :math:`c\, w \cdot (\omega \times (e \times \omega))`, :math:`c = (1 - \tfrac\vartheta2 \cot \tfrac\vartheta2) /
 \vartheta^2`.
 
-*Directions.* With the axis a that turns by :math:`W = \omega + d \times \dot p / \rho` against the sight d, which
-itself turns by :math:`\nu = -d \times \dot p / \rho`, both without the terms in :math:`1 / \rho` where d is given,
+*Directions.* The axis a turns at :math:`W = \omega + d \times \dot p / \rho` relative to the direction d to the target,
+which itself turns at :math:`\nu = -d \times \dot p / \rho`. If d is given, both are without the terms in
+:math:`1 / \rho`. Then
 
 .. math:: w \cdot \bigl( \dot\omega + d \times \ddot p / \rho + 2 (d \cdot \dot p) (d \times \dot p) / \rho^2
     + W \times \nu + (a \cdot W)\, a \times W + c\, W \times (e \times W_\perp) \bigr), \qquad
@@ -38,26 +39,27 @@ from ...rows.kernels import law as of
 from . import placement as frames
 from .directions import NEAR, PARALLEL, dot
 
-#: Of every one: the weights of the rows, and the sum (n, n), to which it adds; how the frame is seen, and work space.
+#: Table of every task: weights of the rows; the sum (n, n) to which the curvature is added; the table SEEN of
+#: :mod:`tasks.robots.kernels.curvature`; work space.
 WEIGHTS, SUM, SEEN, WORK = range(4)
-#: Of a placement task: the table of its law, its axes, whether rotation counts, where its first coordinate is among
-#: six, and the coordinates.
+#: Table of a placement task, after that: the table of its law, its axes, whether rotation counts, the place of its
+#: first coordinate among the six, and its coordinates.
 LAW, AXES, ANGULAR, FIRST, MASK = range(4, 9)
-#: Of a direction: the same table, the target, a and U by rows, and whether the target is a point.
+#: Table of a direction, after LAW: the target, a and U by rows, and whether the target is a point.
 TARGET, AXIS, POINT = range(5, 8)
-#: Of a plane: its normal.
+#: Table of a plane, after WORK: its normal.
 NORMAL = 4
-#: In the work space, after what :mod:`tasks.robots.kernels.curvature` has: the weights along the axes of the task,
-#: which coordinates it has, and its error.
+#: Work space, after that of :mod:`tasks.robots.kernels.curvature`, (6,) each: the weights along the axes of the task;
+#: 1 for coordinates that the task has; its error.
 GIVEN, CHOSEN, ERROR = 160, 166, 172
 WORK_SIZE = 178
-#: Below this angle [rad] a series is more exact than a quotient.
+#: Below this angle [rad] a series is more accurate than the quotient.
 SMALL = 1e-3
 
 
 @inner
 def along_world(axes, block, work, given, out):
-    """Both halves of a vector (6,) of the work space, from the axes of the task into those of the world."""
+    """Rotate both halves of work[given:given + 6] from the task's axes to those of the world, to work[out:out + 6]."""
     for h in range(0, 6, 3):
         x, y, z = work[given + h], work[given + h + 1], work[given + h + 2]
         if axes == frames.LOCAL:
@@ -67,7 +69,10 @@ def along_world(axes, block, work, given, out):
 
 @inner
 def left_free(axes, block, work, half, part, out):
-    """The map Q: what the task leaves free of three of the velocities, its coordinates being those from `half` on."""
+    """Write the map y -> Q y[part:part + 3] to work[out:]: the projection onto coordinates without a row of the task.
+
+    The coordinates are those from `half` on, 0 for linear and 3 for angular ones.
+    """
     bend.no_map(work, out)
     for k in range(3):
         if work[CHOSEN + half + k] != 0.0:
@@ -83,7 +88,7 @@ def left_free(axes, block, work, half, part, out):
 
 @inner
 def spatial_curvature(p0, p1, p2, work):
-    """What spatial rows add, by the point of the frame at p."""
+    """Add the terms of spatial rows, of a frame at p, to K and to the angular weights."""
     u0, u1, u2 = work[bend.F], work[bend.F + 1], work[bend.F + 2]
     w0, w1, w2 = work[bend.G], work[bend.G + 1], work[bend.G + 2]
     bend.no_map(work, bend.ONE)
@@ -113,7 +118,7 @@ def spatial_curvature(p0, p1, p2, work):
 
 @inner
 def turn_curvature(axes, block, work):
-    """What angular rows add: by what they leave free of the turn; or, of all three, by the length of their error."""
+    """Add the terms of angular rows to K: those of Q if a coordinate is missing, else those of a large error."""
     w0, w1, w2 = work[bend.G], work[bend.G + 1], work[bend.G + 2]
     whole = work[CHOSEN + 3] + work[CHOSEN + 4] + work[CHOSEN + 5] == 3.0
     bend.no_map(work, bend.OTHER)
@@ -135,7 +140,7 @@ def turn_curvature(axes, block, work):
 @stamp
 @entry
 def placement_curvature(here):
-    """Curvature of a position, orientation or pose task."""
+    """Add the curvature of a position, orientation or pose task to SUM."""
     told = ints(here, 0, 9)
     law = ints(told[LAW], 0, of.LENGTH)
     rows, n, axes, first = law[of.ROWS], law[of.N], told[AXES], told[FIRST]
@@ -163,7 +168,10 @@ def placement_curvature(here):
 
 @inner
 def direction_maps(x, y, z, share, work):
-    """W into the second map, and what else a sight that is 1 / share away adds: f, and forms of K."""
+    """Write the map of W, and add the terms of a target point at the distance rho = 1 / share: f, and forms of K.
+
+    (x, y, z) is the direction d to the point; the map of W is the second one.
+    """
     w0, w1, w2 = work[bend.G], work[bend.G + 1], work[bend.G + 2]
     work[bend.F] = share * (w1 * z - w2 * y)
     work[bend.F + 1] = share * (w2 * x - w0 * z)
@@ -183,7 +191,10 @@ def direction_maps(x, y, z, share, work):
 
 @inner
 def axis_curvature(a, e, work):
-    """What the spin about the axis at `a` of the work space adds, and the length of the error at `e`; W is there."""
+    """Add the terms of the rotation about the axis itself, and of a large error, to K.
+
+    The axis is work[a:a + 3], the error work[e:e + 3], and the second map is that of W.
+    """
     w0, w1, w2 = work[bend.G], work[bend.G + 1], work[bend.G + 2]
     for c in range(bend.Y):
         spin = 0.0
@@ -205,7 +216,7 @@ def axis_curvature(a, e, work):
 @stamp
 @entry
 def direction_curvature(here):
-    """Curvature of a task that points an axis of a frame in a direction, or at a point."""
+    """Add the curvature of a task that points an axis of a frame in a direction, or at a point, to SUM."""
     told = ints(here, 0, 8)
     law = ints(told[LAW], 0, of.LENGTH)
     n = law[of.N]
@@ -234,7 +245,7 @@ def direction_curvature(here):
 @stamp
 @entry
 def plane_curvature(here):
-    """Curvature of the distance of the origin of a frame from a plane."""
+    """Add the curvature of the distance of the origin of a frame from a plane to SUM."""
     told = ints(here, 0, 5)
     n = ints(ints(told[SEEN], 0, 3)[bend.FRAME], 0, bend.LENGTH)[bend.N]
     work, normal = floats(told[WORK], 0, WORK_SIZE), floats(told[NORMAL], 0, 3)

@@ -1,14 +1,15 @@
-r"""Error, rates, Jacobian and drift of tasks of one direction of a frame, from its block (:mod:`.block`).
+r"""Error, rates, Jacobian and drift of tasks of one direction of a frame, from its block.
 
-An *axis* a of a frame, a unit vector in it, has two rows: U, perpendicular to it in the frame. With the wanted unit
-vector d of the world, that turns by itself at :math:`\sigma`,
+The block is that of :mod:`tasks.robots.kernels.block`. An *axis* a, a unit vector fixed in the frame, has two rows:
+those of U, perpendicular to a in the frame. With the desired unit vector d in the world, which turns at
+:math:`\sigma`, and the angle :math:`\vartheta` between both,
 
-.. math:: e = U \vartheta \frac{a \times R^T d}{\lVert a \times R^T d \rVert}, \qquad J = U R^T J_\omega,
+.. math:: e = U \vartheta \frac{a \times R^T d}{\lVert a \times R^T d \rVert}, \qquad J = U R^T J_\omega;
 
-and the rows have :math:`U R^T \sigma` and, as they turn with the frame, :math:`U R^T (\dot\sigma - \omega \times
-\sigma)` of it. A *sight* is the same where d points at a point c that is :math:`\rho` away, and so turns with the
-frame too: see :mod:`tasks.frames.look_at`. The *distance* of the frame from a plane with the unit normal n is
-:math:`n \cdot p`.
+the feed-forward velocity is :math:`U R^T \sigma`, and the acceleration, as the rows turn with the frame,
+:math:`U R^T (\dot\sigma - \omega \times \sigma)`. A *sight* is an axis whose d points at a point c at the distance
+:math:`\rho`, so that d also changes with the frame: see :mod:`tasks.frames.look_at`. The *distance* of the frame from
+a plane with the unit normal n is :math:`n \cdot p`.
 """
 
 from __future__ import annotations
@@ -23,32 +24,32 @@ from ...base.kernels.rotation import crossed, turned_back
 from ...robots.kernels import block as at
 from ...rows.kernels import law as of
 
-#: Of every measure: the table of its law, the block of its frame, and its target: where it is, its velocity and
-#: acceleration. Then a and U by rows (9,) and work space; or n.
+#: Table: the table of the law, the block of the frame; the target, its velocity and acceleration. Then a and U by rows
+#: (9,) and work space; for a plane, its normal n.
 LAW, BLOCK, TARGET, AXIS, WORK = range(5)
 NORMAL = 3
-#: Of the work space: U R^T by rows; three vectors; what :func:`best_way` takes.
+#: Work space: U R^T by rows; three vectors; work space of :func:`best_way`.
 ACROSS, FIRST, SECOND, THIRD, REST = 0, 6, 9, 12, 15
-#: Below this sine two directions are parallel or opposite; at half a turn any way round is right.
+#: Two directions with a smaller sine between them are parallel or opposite; if opposite, any axis of rotation is right.
 PARALLEL = 1e-9
-#: Nearer than this [m] a point has no direction.
+#: Smallest distance [m] to a target point: nearer, its direction is not defined.
 NEAR = 1e-9
 
 
 def work_size(n: int) -> int:
-    """Numbers of work space, for n joint velocities."""
+    """The size of the work space for n joint velocities."""
     return REST + 2 * n + 6
 
 
 @inner
 def dot(one, first, other, second):
-    """The product of two vectors of space."""
+    """The scalar product of one[first:first + 3] and other[second:second + 3]."""
     return one[first] * other[second] + one[first + 1] * other[second + 1] + one[first + 2] * other[second + 2]
 
 
 @inner
 def cross_into(one, first, other, second, scale, out, begin):
-    """``scale one x other``, into out[begin:begin + 3]."""
+    """Write ``scale one x other`` to out[begin:begin + 3], of the vectors that begin at `first` and `second`."""
     out[begin] = out[begin + 1] = out[begin + 2] = 0.0
     x, y, z = other[second], other[second + 1], other[second + 2]
     crossed(one[first], one[first + 1], one[first + 2], x, y, z, scale, out, begin)
@@ -56,7 +57,7 @@ def cross_into(one, first, other, second, scale, out, begin):
 
 @inner
 def look_across(axis, block, work):
-    """U R^T, into its place."""
+    """Write U R^T to work[ACROSS:ACROSS + 6]; `axis` (9,) is a, then U by rows."""
     for r in range(2):
         for k in range(3):
             work[ACROSS + 3 * r + k] = dot(axis, 3 + 3 * r, block, at.ROTATION + 3 * k)
@@ -64,9 +65,9 @@ def look_across(axis, block, work):
 
 @inner
 def shortest_turn(axis, block, n, A, measured, work):
-    """The error: the shortest turn of the axis to the direction of the world in work[FIRST:], along both rows.
+    """Write the error to measured[:2]: the shortest rotation of the axis onto d, in work[FIRST:], along both rows.
 
-    At half a turn the way round that the joints turn best: along the long axis of what J can do.
+    If both are opposite, it is pi about the axis about which the joints can turn the frame fastest (:func:`best_way`).
     """
     turned_back(block[at.ROTATION : at.ROTATION + 9], work[FIRST], work[FIRST + 1], work[FIRST + 2], work, SECOND)
     cross_into(axis, 0, work, SECOND, 1.0, work, THIRD)
@@ -84,7 +85,7 @@ def shortest_turn(axis, block, n, A, measured, work):
 
 @inner
 def across(work, x, y, z, out, first):
-    """``U R^T (x, y, z)``, into both rows of out."""
+    """Write ``U R^T (x, y, z)`` to out[first:first + 2]."""
     for r in range(2):
         out[first + r] = work[3 * r] * x + work[3 * r + 1] * y + work[3 * r + 2] * z
 
@@ -92,7 +93,7 @@ def across(work, x, y, z, out, first):
 @stamp
 @entry
 def write_axis(here):
-    """Error, rates, Jacobian and drift of an axis that is to point in a direction."""
+    """Write A and bounds of an axis that is to point in a direction, from its error, rates, Jacobian and drift."""
     told = ints(here, 0, 5)
     law = ints(told[LAW], 0, of.LENGTH)
     n = law[of.N]
@@ -109,7 +110,7 @@ def write_axis(here):
     for k in range(3):
         work[FIRST + k] = length * target[k]
     shortest_turn(axis, block, n, A, measured, work)
-    cross_into(target, 0, target, 3, share, work, FIRST)  # its spin
+    cross_into(target, 0, target, 3, share, work, FIRST)  # sigma
     across(work, work[FIRST], work[FIRST + 1], work[FIRST + 2], measured, 2)
     if law[of.DRIFTS] != 0:
         cross_into(target, 0, target, 6, share, work, SECOND)
@@ -129,7 +130,7 @@ def write_axis(here):
 @stamp
 @entry
 def write_sight(here):
-    """Error, rates, Jacobian and drift of an axis that is to point at a point."""
+    """Write A and bounds of an axis that is to point at a point, from its error, rates, Jacobian and drift."""
     told = ints(here, 0, 5)
     law = ints(told[LAW], 0, of.LENGTH)
     n = law[of.N]
@@ -160,14 +161,15 @@ def write_sight(here):
 
 @inner
 def sight_drifts(block, target, distance, measured, work):
-    """What the point takes of acceleration, and the drift as if it stood; d is in work[FIRST:], the rest overwritten.
+    """Write the feed-forward acceleration of a sight from the motion of its point, and the drift of a point at rest.
 
-    All are sums of d x something and of omega x something; see :mod:`tasks.frames.look_at`.
+    d is in work[FIRST:], d x c' / rho in work[SECOND:]; both are overwritten. The comments have the equations, which
+    :mod:`tasks.frames.look_at` derives.
     """
     v, w = block[at.LINEAR_VELOCITY : at.LINEAR_VELOCITY + 3], block[at.ANGULAR_VELOCITY : at.ANGULAR_VELOCITY + 3]
     passing = dot(work, FIRST, v, 0)  # towards the point
     moving = passing - dot(work, FIRST, target, 3)
-    # change = d x (c'' - 2 ((d u) u - (d p') p') / rho) / rho - omega x (d x c') / rho, of which the last is in SECOND
+    # change = d x (c'' - 2 ((d u) u - (d p') p') / rho) / rho - omega x (d x c') / rho; d x c' / rho is in SECOND
     for k in range(3):
         u = v[k] - target[3 + k]
         work[THIRD + k] = target[6 + k] - 2.0 * (moving * u - passing * v[k]) / distance
@@ -192,7 +194,7 @@ def sight_drifts(block, target, distance, measured, work):
 @stamp
 @entry
 def write_plane(here):
-    """Error, rates, Jacobian and drift of the distance of the origin of a frame from a plane."""
+    """Write A and bounds of the distance of the origin of a frame from a plane, from its error, rates and drift."""
     told = ints(here, 0, 4)
     law = ints(told[LAW], 0, of.LENGTH)
     n = law[of.N]

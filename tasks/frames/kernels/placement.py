@@ -1,11 +1,12 @@
-r"""Error, rates, Jacobian and drift of position, orientation and pose tasks, from the block of a frame (:mod:`.block`).
+r"""Error, rates, Jacobian and drift of position, orientation and pose tasks, from the block of a frame.
 
-*Placement.* In the axes of the world, with the frame at p, R and its target at :math:`p^d, R^d`,
+The block is that of :mod:`tasks.robots.kernels.block`. Along the axes of the world, with the frame at p, R and its
+target at :math:`p^d, R^d`,
 
 .. math:: e = (p^d - p, \; \log(R^d R^T)), \qquad J = (J_p, \; J_\omega).
 
-In the axes of the frame itself, which turn with it, both halves are multiplied by :math:`R^T`; "spatial" rows are those
-of the point that is passing the origin of the world, :math:`\dot p + p \times \omega`.
+Along the axes of the frame itself (LOCAL), which turn with it, both halves are multiplied by :math:`R^T`. Linear
+SPATIAL rows are those of the point of the frame's body at the origin of the world, :math:`\dot p + p \times \omega`.
 """
 
 from __future__ import annotations
@@ -19,20 +20,20 @@ from ...base.kernels.rotation import crossed, rotation_vector, turned_back
 from ...robots.kernels import block as at
 from ...rows.kernels import law as of
 
-#: Of every measure: the table of its law, the block of its frame, its target, and work space of 64 numbers.
+#: Table: the table of the law, the block of the frame, the target, and work space of 64 numbers.
 LAW, BLOCK, TARGET, WORK = range(4)
-#: Of a placement task: the axes, whether position and rotation count, whether one angle about z is meant, and the
-#: coordinates.
+#: After that: the axes; whether position and rotation count; whether the target is one angle about z; and the
+#: coordinates that count.
 AXES, LINEAR, ANGULAR, ABOUT_Z, MASK = range(4, 9)
 WORLD, LOCAL, SPATIAL = range(3)
-#: Of its target: p, its velocity and acceleration; R by rows, omega and its rate; the angle about z.
+#: Target: p, its velocity and acceleration; R by rows, omega and its rate; the angle about z.
 P, R, OMEGA, ALPHA, TURNED = 0, 9, 18, 21, 24
 TARGET_SIZE = 25
 
 
 @inner
 def along(axes, block, given, first, out, begin):
-    """A vector (6,), linear before angular, along the axes of the task."""
+    """Write given[first:first + 6], linear before angular, along the axes of the task to out[begin:begin + 6]."""
     if axes == LOCAL:
         frame = block[at.ROTATION : at.ROTATION + 9]
         turned_back(frame, given[first], given[first + 1], given[first + 2], out, begin)
@@ -46,7 +47,10 @@ def along(axes, block, given, first, out, begin):
 
 @inner
 def target_error(block, target, linear, angular, about_z, work):
-    """The error of position and orientation in the axes of the world, into work[:6]; work[6:15] is overwritten."""
+    """Write the error of position and orientation along the axes of the world to work[:6]; overwrites work[6:15].
+
+    `linear`, `angular` tell which half counts, `about_z` that the target is one angle about z.
+    """
     for k in range(6):
         work[k] = 0.0
     if linear:
@@ -69,7 +73,7 @@ def target_error(block, target, linear, angular, about_z, work):
 
 @inner
 def target_motion(block, target, linear, angular, work):
-    """Velocity (work[6:12]) and acceleration (work[12:18]) of the target, in the axes of the world."""
+    """Write velocity (work[6:12]) and acceleration (work[12:18]) of the target, along the axes of the world."""
     for k in range(6, 18):
         work[k] = 0.0
     if linear:
@@ -84,7 +88,7 @@ def target_motion(block, target, linear, angular, work):
 
 @inner
 def turning(axes, block, out):
-    """How rows that stand still in the world change, as their axes or their origin move, into out[:6]."""
+    """Write the acceleration terms from the motion of the axes, or of the origin, of the task to out[:6]."""
     for k in range(6):
         out[k] = 0.0
     v, w = block[at.LINEAR_VELOCITY : at.LINEAR_VELOCITY + 3], block[at.ANGULAR_VELOCITY : at.ANGULAR_VELOCITY + 3]
@@ -99,7 +103,7 @@ def turning(axes, block, out):
 
 @inner
 def jacobian(axes, block, J, n, mask, first, rows, A, work):
-    """How the chosen coordinates follow the joints; work[32:44] is overwritten."""
+    """Write the rows of the Jacobian (6, n) that count, along the axes of the task, to A; overwrites work[32:44]."""
     for j in range(n):
         for k in range(6):
             work[32 + k] = J[k * n + j]
@@ -111,7 +115,7 @@ def jacobian(axes, block, J, n, mask, first, rows, A, work):
 @stamp
 @entry
 def write_placement(here):
-    """Error, rates, Jacobian and drift of a position, orientation or pose task."""
+    """Write A and bounds of a position, orientation or pose task, from its error, rates, Jacobian and drift."""
     told = ints(here, 0, 9)
     law = ints(told[LAW], 0, of.LENGTH)
     rows, n, axes = law[of.ROWS], law[of.N], told[AXES]
@@ -126,7 +130,7 @@ def write_placement(here):
     count = 4 if law[of.DRIFTS] != 0 else 2
     for k in range(6):
         work[18 + k] = block[at.LINEAR_DRIFT + k]
-    # What is left to go, the motion of the target, the drift; and how all of it follows the joints.
+    # Error, velocity and acceleration of the target, drift, and the n columns of J, each along the axes of the task.
     for s in range(count + n):
         for k in range(6):
             work[24 + k] = work[6 * s + k] if s < count else J[k * n + s - count]

@@ -1,13 +1,13 @@
-r"""Rows of a wheel on a plane: how fast the point of the wheel that touches it slips, and how far the wheel is from it.
+r"""Rows of a wheel on a plane: the slip velocity of the contact point, and the distance of the wheel from the plane.
 
-With the plane :math:`n \cdot x = h`, the hub at p and the radius r, the wheel touches the plane at :math:`p - r n`, and
-what is there moves at
+With the plane :math:`n \cdot x = h`, the hub at p and the radius r, the wheel touches the plane at :math:`p - r n`. The
+point of the wheel that is there moves at
 
 .. math:: s = \dot p + \omega \times d, \quad d = -r n, \qquad \dot s = J_s a + (\dot J_p v + \dot J_\omega v \times d).
 
-A row is :math:`c \cdot s`, its error 0. Where c turns with the wheel, :math:`\dot c \cdot s` is a part of the drift: c
-is the unit vector :math:`u = a \times n / \lVert a \times n \rVert` in which a wheel with the axle a drives, turned
-about n by a constant angle.
+A slip row is :math:`c \cdot s`, with error 0. For a wheel with an axle a, c turns with the wheel: it is the driving
+direction, :math:`u = a \times n / \lVert a \times n \rVert`, rotated about n by a constant angle, and the drift
+contains :math:`\dot c \cdot s`.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from ...robots.kernels import block as at
 from ...rows.kernels import law as of
 from .directions import cross_into, dot
 
-#: The table of the law, the block of the hub, what the wheel is, how many rows speak of slip, and work space.
+#: Table: the table of the law, the block of the hub, the wheel, the number of slip rows, and work space.
 LAW, BLOCK, WHEEL, SLIPS, WORK = range(5)
-#: Of a wheel: n; two vectors along which slip counts; the axle in the frame of the hub; r and h [m]; cosine and sine of
-#: the angle between u and c; and whether it has an axle that counts.
+#: Wheel: n; two vectors along which slip is forbidden; the axle in the frame of the hub; r and h [m]; cosine and sine
+#: of the angle between u and c; and 1 if c depends on the axle.
 NORMAL, FIRST, AXLE, RADIUS, FLOOR, COSINE, SINE, TURNS = 0, 3, 9, 12, 13, 14, 15, 16
 WHEEL_SIZE = 17
-#: Of the work space: c; its rate; d; s; the acceleration of what touches the plane; and two vectors.
+#: Work space: c of both rows; their rates; d; s; the drift of the contact point; and two vectors.
 ALONG, CHANGE, ARM, SLIP, DRIFT, ONE, OTHER = 0, 6, 12, 15, 18, 21, 24
 
 
 @inner
 def rolling_direction(wheel, block, work):
-    """c of a wheel with an axle, and its rate, into their places; NaN where the axle is upright."""
+    """Write c of a wheel with an axle, and its rate, to work[ALONG:] and work[CHANGE:]; NaN if the axle is along n."""
     for k in range(3):
         row = block[at.ROTATION + 3 * k : at.ROTATION + 3 * k + 3]
         work[ONE + k] = row[0] * wheel[AXLE] + row[1] * wheel[AXLE + 1] + row[2] * wheel[AXLE + 2]
@@ -48,7 +48,7 @@ def rolling_direction(wheel, block, work):
     share = dot(work, ALONG, work, ONE)
     for k in range(3):
         work[CHANGE + k] = work[ONE + k] - share * work[ALONG + k]
-    for first in (ALONG, CHANGE):  # turned about n, to which both are perpendicular
+    for first in (ALONG, CHANGE):  # rotate about n, to which both are perpendicular
         cross_into(wheel, NORMAL, work, first, wheel[SINE], work, ONE)
         for k in range(3):
             work[first + k] = wheel[COSINE] * work[first + k] + work[ONE + k]
@@ -57,7 +57,7 @@ def rolling_direction(wheel, block, work):
 @stamp
 @entry
 def write_rolling(here):
-    """A wheel that is to roll on a plane: no slip along one direction or two, and its height."""
+    """Write A and bounds of a wheel that rolls on a plane: no slip along one or two directions, and its height."""
     told = ints(here, 0, 5)
     law = ints(told[LAW], 0, of.LENGTH)
     rows, n, slips = law[of.ROWS], law[of.N], told[SLIPS]

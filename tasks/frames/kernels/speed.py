@@ -1,4 +1,4 @@
-"""The loop that writes the rows of a limit of a frame's velocity."""
+"""Writes the rows of a velocity limit of a frame."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from ...robots.kernels import block as at
 from ...rows.kernels import law as of
 from . import placement as frames
 
-#: Of the speed of a frame: the table of its law, its block, work space of 64 numbers, its axes, coordinates and limits.
+#: Table: the table of the law, the block of the frame, work space of 64 numbers, the axes, coordinates and limits.
 LAW, BLOCK, WORK, AXES, MASK, LIMIT = range(6)
 
 
 @stamp
 @entry
 def write_speed_limit(here):
-    """No coordinate of a frame is faster than its limit: in this tick, or at the end of it."""
+    """Write rows that keep the velocity of each coordinate within its limit (at acceleration order: after the tick)."""
     told = ints(here, 0, 6)
     law = ints(told[LAW], 0, of.LENGTH)
     rows, n, axes = law[of.ROWS], law[of.N], told[AXES]

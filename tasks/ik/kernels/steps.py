@@ -1,4 +1,4 @@
-"""Loops of inverse kinematics: norms of the errors, and the largest step of every joint."""
+"""Loops of inverse kinematics: norms of the errors, and bounds of the step of every joint."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ import math
 from hqp.kernels.compile import entry, stamp
 from hqp.kernels.memory import floats, ints
 
-#: Of a judge: how many rows, groups (the rows of one task in one unit) and levels; the bounds of the rows; the group of
-#: each, or -1, and its level; whether it is of the goal; its squared weight; what a group may be off, squared; and what
-#: is found: 1 if the goal is reached, the norm of all errors of the goal, the squares of the groups, the weighted
-#: norms of the levels.
+#: Table of :func:`judge`: number of rows, of groups (rows of one task in one unit), of levels; bounds of the rows; of
+#: each row its group (-1: none), its level, whether it belongs to the goal, its squared weight; the squared tolerance
+#: of each group. Out: 1 if the goal is reached; the norm of all errors of the goal; the squared norm of each group;
+#: the weighted norm of each level.
 ROWS, GROUPS, LEVELS, LOWER, UPPER, GROUP, LEVEL, GOAL, SQUARED, MOST, FOUND = range(11)
-#: Of a room: how many joints; the positions, and where among them that of each joint is, or -1; their ranges; radius
-#: and share; the bounds of the step.
+#: Table of :func:`open_room`: number of joints; positions, and the place of each joint among them (-1: none); lowest
+#: and highest positions; radius and share (2,). Out: lowest and highest step.
 JOINTS, POSITIONS, PLACES, LOW, HIGH, REACH, LEAST, FARTHEST = range(8)
 
 
 @stamp
 @entry
 def judge(here):
-    """How much is missing, by groups, levels, and of the goal."""
+    """Measure the errors at step 0, the violations of the bounds: by group, by level, and of the whole goal."""
     told = ints(here, 0, 11)
     rows, groups, levels = told[ROWS], told[GROUPS], told[LEVELS]
     lower, upper, squared = floats(told[LOWER], 0, rows), floats(told[UPPER], 0, rows), floats(told[SQUARED], 0, rows)
@@ -50,7 +50,7 @@ def judge(here):
 @stamp
 @entry
 def open_room(here):
-    """A share of what is left to the limits, within the radius."""
+    """Write bounds of the step of each joint: a share of the distance to its limits, and at most the radius."""
     told = ints(here, 0, 8)
     n = told[JOINTS]
     places, low, high = ints(told[PLACES], 0, n), floats(told[LOW], 0, n), floats(told[HIGH], 0, n)

@@ -1,4 +1,4 @@
-"""The loop of :mod:`tasks.joints.joint_motion`: the joint motion that solves one task alone."""
+"""Writes the joint motion that solves one task alone, for :mod:`tasks.joints.joint_motion`."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from hqp.kernels.memory import floats, ints
 
 from ...base.kernels.algebra import alone
 
-#: The rows of the task and the unknowns; its J (rows, n) and h (rows,); lambda; work space; the bounds.
+#: Table: number of rows of the task, of unknowns; its J (rows, n) and h (rows,); lambda; work space; the bounds.
 ROWS, N, J, H, DAMPING, WORK, LOWER, UPPER = range(8)
 
 
 def work_size(rows: int, n: int) -> int:
-    """Numbers of work space."""
+    """The size of the work space."""
     return rows * (n + rows + 1)
 
 
 @stamp
 @entry
 def write_alone(here):
-    """Bounds ``x = J# h``."""
+    """Write the bounds ``x = J# h``, damped by lambda."""
     told = ints(here, 0, UPPER + 1)
     rows, n = told[ROWS], told[N]
     matrix, h, damping = floats(told[J], 0, rows * n), floats(told[H], 0, rows), floats(told[DAMPING], 0, 1)

@@ -1,12 +1,12 @@
 r"""Error and Jacobian of tasks of the joints: postures and couplings.
 
-A *posture* has one row a joint, of the identity, and by its joint's kind
+A *posture* has one row of the identity for each joint. Its error, by the kind of the joint, is
 
 .. math:: e = q^d - q \quad\text{or, on a circle,}\quad e = \angle \bigl( (c, s), (c^d, s^d) \bigr)
     = \operatorname{atan2}(c s^d - s c^d, \; c c^d + s s^d) .
 
-A *coupling* has one row, f, of the factors of the joints: :math:`e = s^d - f^T q`. *Linear relations* have a matrix of
-them, and ways from a configuration, which are errors of a posture turned round: :math:`e = b - A (q \ominus q_0)`.
+A *coupling* has one row, the factors f of the joints: :math:`e = s^d - f^T q`. *Linear relations* have a matrix A of
+such rows: :math:`e = b - A (q \ominus q_0)`, where :math:`q \ominus q_0` is minus the error of a posture.
 """
 
 from __future__ import annotations
@@ -18,25 +18,25 @@ from hqp.kernels.memory import floats, ints
 
 from ...rows.kernels import law as of
 
-#: Of a posture: the table of its law; q, and how many numbers it has; the steps that Python measures; the target, its
-#: velocity and acceleration, and how many numbers each of them has; and of every row (5 x rows) what its joint is,
-#: where it is in q and in the target, and which velocity of the joints and of the target is its own (-1: none).
+#: Table of a posture: the table of its law; q, its size; the errors that Python measures; the target with its velocity
+#: and acceleration, the size of each; and of every row (5 x rows) the kind of its joint, its place in q and in the
+#: target, its place in the joint velocities, and in the velocities of the target (-1: none).
 LAW, Q, NQ, STEPS, TARGET, SIZE, JOINTS = range(7)
 KIND, PLACE, GOAL, COLUMN, RATE = range(5)
 JOINT_FIELDS = 5
-#: What a joint is: one number of q, two on a circle, or on a manifold whose steps Python measures.
+#: Kinds of joints: one number of q; two numbers, on a circle; or on a manifold, where Python measures the error.
 LINE, CIRCLE, MANIFOLD = range(3)
-#: Of a coupling: q, and how many numbers it has; the target, its velocity and acceleration; and of all joints the
-#: factors, and where they are in q.
+#: Table of a coupling, after NQ: the target with its velocity and acceleration (3,); the factors of all joints, and
+#: their places in q.
 SUM, FACTORS, PLACES = range(3, 6)
-#: Of linear relations: q, and how many numbers it has; the ways of all joints, to work in; b, its velocity and
-#: acceleration; q0; and what the joints are.
+#: Table of linear relations, after NQ: work space for q - q0 of all joints; b with its velocity and acceleration; q0;
+#: and the kinds and places of the joints, as of a posture.
 WAYS, WANTED, START, KINDS = range(3, 7)
 
 
 @inner
 def angle_between(q, here, target, there):
-    """The way on a circle from one point, cosine and sine, to another."""
+    """The angle [rad] from the point (cos, sin) at q[here:] on the unit circle to that at target[there:]."""
     c, s, to_c, to_s = q[here], q[here + 1], target[there], target[there + 1]
     return math.atan2(c * to_s - s * to_c, c * to_c + s * to_s)
 
@@ -44,7 +44,7 @@ def angle_between(q, here, target, there):
 @stamp
 @entry
 def write_posture(here):
-    """Error, rates and Jacobian of a posture."""
+    """Write the bounds of a posture, from its error and rates; its rows are plain bounds."""
     told = ints(here, 0, 7)
     law = ints(told[LAW], 0, of.LENGTH)
     rows, n, size = law[of.ROWS], law[of.N], told[SIZE]
@@ -70,7 +70,7 @@ def write_posture(here):
 @stamp
 @entry
 def write_coupling(here):
-    """Error, rates and Jacobian of a linear combination of joint positions."""
+    """Write A and bounds of a coupling, a linear combination of joint positions."""
     told = ints(here, 0, 6)
     law = ints(told[LAW], 0, of.LENGTH)
     n = law[of.N]
@@ -92,7 +92,7 @@ def write_coupling(here):
 @stamp
 @entry
 def write_linear(here):
-    """Sums of the ways of all joints from a configuration."""
+    """Write the bounds of linear relations, A (q - q0) = b; A is there already."""
     told = ints(here, 0, 7)
     law = ints(told[LAW], 0, of.LENGTH)
     rows, n = law[of.ROWS], law[of.N]

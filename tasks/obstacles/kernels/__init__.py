@@ -1,1 +1,1 @@
-"""Loops of distances: closest points, reserve within a tick, and rows."""
+"""Loops of distances: closest points, the reserve for the motion within a tick, and rows."""

@@ -1,6 +1,6 @@
 """Distance, normal and witness point of every pair of a link and an obstacle.
 
-Every shape is a core, the segment between two points (which are one, of a ball), and a radius about it.
+Every shape is a capsule: a core, which is the segment between two points (for a ball, the same point), and a radius.
 """
 
 from __future__ import annotations
@@ -12,38 +12,39 @@ from hqp.kernels.memory import floats, ints
 
 from ...robots.kernels import block as at
 
-#: Of all pairs: how many links, obstacles; the addresses of the links' blocks; the links, obstacles and pairs.
+#: Table of all pairs: number of links, of obstacles; addresses of the blocks of the links; the links; the obstacles;
+#: the pairs (out); work space.
 LINKS, OBSTACLES, BLOCKS, CAPSULES, SHAPES, FOUND, WORK = range(7)
 LENGTH = 7
-#: Of a link: where its segment begins and ends in the coordinates of its frame (3,), and its radius.
+#: Link: both ends of its core in the coordinates of its frame (3,), and its radius. CAPSULE is the size.
 START, END, LINK_RADIUS, CAPSULE = 0, 3, 6, 7
-#: Of an obstacle: radius, the two points of its core; its velocity, acceleration, and way within the next tick (3,).
+#: Obstacle: radius, both ends of its core; velocity, acceleration, and motion within the next tick (3,). SHAPE: size.
 RADIUS, CORE, VELOCITY, ACCELERATION, SHIFT, SHAPE = 0, 1, 7, 10, 13, 16
-#: Of a pair: the distance of the surfaces [m], negative where they overlap; the unit normal from the obstacle to the
-#: link; and the witness, the point of the link's core that is nearest.
+#: Pair: distance of the surfaces [m], negative if they overlap; unit normal from the obstacle to the link; the witness,
+#: which is the nearest point of the core of the link. PAIR is the size.
 DISTANCE, NORMAL, WITNESS, PAIR = 0, 1, 4, 7
-#: Cores nearer than this have no direction that leads from one to the other [m].
+#: Cores nearer than this [m] define no normal.
 TOUCHING = 1e-12
 
 
 @inner
 def dot(a, i, b, j):
-    """Of two vectors (3,)."""
+    """The scalar product of a[i:i + 3] and b[j:j + 3]."""
     return a[i] * b[j] + a[i + 1] * b[j + 1] + a[i + 2] * b[j + 2]
 
 
 @inner
 def share(x):
-    """The nearest number from 0 to 1."""
+    """x, clipped to the range from 0 to 1."""
     return min(max(x, 0.0), 1.0)
 
 
 @inner
 def closest_points(first, second, work):
-    """Where two segments are nearest, a point of each, into work[:6]; work[6:15] is overwritten.
+    """Write the closest points of two segments, one of each, to work[:6]; overwrites work[6:15].
 
-    A point of the first segment that is nearest to the second is at an end, or both are inside their segments;
-    C. Ericson, Real-Time Collision Detection (2005), 5.1.9, minimises the same square in s and t.
+    A segment (6,) is its two ends. The squared distance is minimised over the parameters s and t of both segments, as
+    in C. Ericson, Real-Time Collision Detection (2005), 5.1.9.
     """
     for k in range(3):
         work[6 + k], work[9 + k] = first[3 + k] - first[k], second[3 + k] - second[k]
@@ -51,7 +52,7 @@ def closest_points(first, second, work):
     uu, uw, ww = dot(work, 6, work, 6), dot(work, 6, work, 9), dot(work, 9, work, 9)
     ug, wg = dot(work, 6, work, 12), dot(work, 9, work, 12)
     across = uu * ww - uw * uw
-    # Parallel segments are nearest along a whole piece: begin in the middle of the first.
+    # Parallel segments may have many closest points: start in the middle of the first segment.
     s = share((uw * wg - ug * ww) / across) if across > 1e-12 * uu * ww else 0.5
     t = share((uw * s + wg) / ww) if ww > 0.0 else 0.0
     s = share((uw * t - ug) / uu) if uu > 0.0 else 0.0
@@ -61,14 +62,14 @@ def closest_points(first, second, work):
 
 @inner
 def apart(segment, radius, shape, found, work):
-    """How far a link and an obstacle are apart."""
+    """Write distance, normal and witness of a link, with the core `segment` (6,), and an obstacle to `found`."""
     core = shape[CORE : CORE + 6]
     closest_points(segment, core, work)
     for k in range(3):
         found[WITNESS + k], work[6 + k] = work[k], work[k] - work[3 + k]
     D = math.sqrt(dot(work, 6, work, 6))
     if not D > TOUCHING:
-        # Where the cores cross no direction leads out; from middle to middle is as good as any.
+        # Where the cores cross there is no normal; the direction from middle to middle is as good as any.
         for k in range(3):
             work[6 + k] = 0.5 * (segment[k] + segment[3 + k]) - 0.5 * (core[k] + core[3 + k])
     size = math.sqrt(dot(work, 6, work, 6))
@@ -79,7 +80,7 @@ def apart(segment, radius, shape, found, work):
 
 @inner
 def measure(here):
-    """All pairs, the obstacles of the first link first."""
+    """Measure all pairs, those of the first link with every obstacle first; `here` is the address of their table."""
     told = ints(here, 0, LENGTH)
     links, obstacles = told[LINKS], told[OBSTACLES]
     blocks, capsules = ints(told[BLOCKS], 0, links), floats(told[CAPSULES], 0, CAPSULE * links)
@@ -97,6 +98,6 @@ def measure(here):
 @stamp
 @entry
 def measure_pairs(here):
-    """The distances alone."""
+    """Measure all pairs, without rows; the table has the address of the table of the pairs."""
     measure(ints(here, 0, 1)[0])
     return 0

@@ -1,4 +1,4 @@
-"""The loops that write rows of distances: gradients, and the largest approach speed; equations are in the parts."""
+"""Loops that write rows of distances: gradients, and the largest approach speed; the parts have the equations."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from . import distances as near
 from .distances import dot
 from .reserve import fastest, reserve
 
-#: Of every part: the order; rows, unknowns; A and bounds; its numbers; rate and tick; the velocities.
+#: Table of every part: the order; number of rows, of unknowns; A and bounds; its numbers; rate and tick; velocities.
 ORDER, ROWS, N, MATRIX, LOWER, UPPER, NUMBERS, TICK, V = range(9)
-#: Of a distance limit: its pairs; the velocity and acceleration limits of the joints (0 where the stack has none), how
-#: many velocities are of a floating base; 3 n numbers to work in, and a mark for each pair. Its numbers are margin and
-#: gain.
+#: Table of a distance limit, after that: the table of its pairs; velocity and acceleration limits of the joints (0:
+#: none in the stack), number of velocities of a floating base; work space (3 n,), and a mark for each pair. Its numbers
+#: are margin and gain.
 PAIRS, VELOCITY, ACCELERATION, BASE, WORK, CHOSEN = range(9, 15)
-#: Of the numbers of an avoidance task, which has pairs too: influence, speed, gain.
+#: Numbers of an avoidance task, which has PAIRS, too: influence, speed, gain.
 INFLUENCE, SPEED, GAIN = range(3)
-#: Of a self-collision limit, with the same numbers as a distance limit: its contacts, and the blocks of both bodies.
+#: Table of a self-collision limit, after V, with margin and gain as numbers: its contacts, the blocks of both bodies.
 CONTACTS, BODIES = range(9, 11)
-#: Of a contact: the distance, the unit normal from the second body to the first, and the witness of each.
+#: Contact: distance, unit normal from the second body to the first, the witness of each. CONTACT is the size.
 DISTANCE, NORMAL, FIRST, SECOND, CONTACT = 0, 1, 4, 7, 10
 
 
 @inner
 def gradient(address, n, normal, point, sign, row):
-    """``sign n^T J`` of a point that a frame carries, added to a row."""
+    """Add ``sign n^T J`` of a point fixed to a frame to row (n,); `address` is that of the block of the frame."""
     block, J = floats(address, 0, at.JACOBIAN), floats(address, at.JACOBIAN, 6 * n)
     r0, r1, r2 = point[0] - block[0], point[1] - block[1], point[2] - block[2]
     a, b, c = sign * normal[0], sign * normal[1], sign * normal[2]
@@ -41,7 +41,7 @@ def gradient(address, n, normal, point, sign, row):
 
 @inner
 def drift_along(address, normal, point):
-    """``n^T J' v`` of a point that a frame carries [m/s^2]: its acceleration while the joints do not accelerate."""
+    """The drift ``n^T J' v`` [m/s^2] of a point fixed to a frame: its acceleration at constant joint velocities."""
     block = floats(address, 0, at.JACOBIAN)
     r0, r1, r2 = point[0] - block[0], point[1] - block[1], point[2] - block[2]
     a, b, c = normal[0], normal[1], normal[2]
@@ -58,7 +58,7 @@ def drift_along(address, normal, point):
 
 @inner
 def speed_of(row, v):
-    """How fast the distance changes, by the joints."""
+    """The rate ``row v`` at which the motion of the joints changes the distance."""
     total = 0.0
     for j in range(len(v)):
         total += row[j] * v[j]
@@ -67,9 +67,9 @@ def speed_of(row, v):
 
 @inner
 def in_time(room, drift, gain, rate, dt):
-    """What of the room may be used, and how fast, where the joints brake by no more than a limit.
+    """The part of the room that may be used, and the gain, under acceleration limits of the joints.
 
-    The gain is at most the rate at which they stop, and what the bend of the way takes until then is left free.
+    The gain is at most `rate`, at which the joints can stop. Room that the drift takes until then is left free.
     """
     if not rate < math.inf:
         return room, gain
@@ -80,7 +80,7 @@ def in_time(room, drift, gain, rate, dt):
 
 @inner
 def choose(pairs, found, rows, chosen):
-    """Mark so many of the pairs, none of the others nearer; the first of those that are alike."""
+    """Mark the `rows` nearest pairs in `chosen`; of pairs at the same distance, the first."""
     for k in range(pairs):
         chosen[k] = 1 if rows >= pairs else 0
     if rows >= pairs:
@@ -97,7 +97,7 @@ def choose(pairs, found, rows, chosen):
 
 @inner
 def least(told, address, found, shape, row, w):
-    """The least n^T J x [m/s], [m/s^2] of a distance limit; NaN where a link may be anywhere."""
+    """The least n^T J x [m/s], [m/s^2] that a distance limit allows; NaN if the reserve is infinite or an input NaN."""
     number, tick, v = floats(told[NUMBERS], 0, 2), floats(told[TICK], 0, 2), floats(told[V], 0, told[N])
     dt, accelerating = tick[1], told[ORDER] == of.ACCELERATION
     shift = math.sqrt(dot(shape, near.SHIFT, shape, near.SHIFT))
@@ -123,7 +123,10 @@ def least(told, address, found, shape, row, w):
 @stamp
 @entry
 def write_limit(here):
-    """Rows of a distance limit: one a pair, in the order of the pairs, so that rows seldom change places."""
+    """Write the rows of a distance limit: one for each of the nearest pairs, in the order of the pairs.
+
+    So a pair seldom changes its row.
+    """
     told = ints(here, 0, 15)
     n, rows, step = told[N], told[ROWS], told[ORDER] == of.DISPLACEMENT
     near.measure(told[PAIRS])
@@ -161,7 +164,7 @@ def write_limit(here):
 @stamp
 @entry
 def write_avoidance(here):
-    """The row of an avoidance task, of the closest pair."""
+    """Write the row of an avoidance task, that of the closest pair."""
     told = ints(here, 0, 10)
     n, accelerating = told[N], told[ORDER] == of.ACCELERATION
     near.measure(told[PAIRS])
@@ -171,7 +174,7 @@ def write_avoidance(here):
     every = floats(scene[near.FOUND], 0, near.PAIR * pairs)
     for k in range(1, pairs):
         d, so_far = every[near.PAIR * k + near.DISTANCE], every[near.PAIR * best + near.DISTANCE]
-        if d < so_far or (d != d and so_far == so_far):  # what is no number is to be seen
+        if d < so_far or (d != d and so_far == so_far):  # NaN comes first, so that the solver reports it
             best = k
     found = every[near.PAIR * best : near.PAIR * (best + 1)]
     shape = floats(scene[near.SHAPES], near.SHAPE * (best % obstacles), near.SHAPE)
@@ -198,7 +201,7 @@ def write_avoidance(here):
 @stamp
 @entry
 def write_bodies(here):
-    """Rows of a self-collision limit, from the distances and normals of its pairs."""
+    """Write the rows of a self-collision limit, from the distances and normals of its pairs."""
     told = ints(here, 0, 11)
     n, rows, order = told[N], told[ROWS], told[ORDER]
     lower, upper, v = floats(told[LOWER], 0, rows), floats(told[UPPER], 0, rows), floats(told[V], 0, n)

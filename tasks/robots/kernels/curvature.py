@@ -1,20 +1,20 @@
-r"""How a frame's motion bends: its acceleration at constant joint velocities, as a quadratic form of these.
+r"""Curvature of a frame's motion: its acceleration at constant joint velocities, as a quadratic form of these.
 
-With the axes :math:`z_a` of the joints, none of one that slides, and the columns :math:`J_a` of the Jacobian of a
-point, both along the axes of the world, a joint a which carries b turns the column of b with it, and so
+Let :math:`z_a` be the axes of the joints (zero for prismatic ones) and :math:`J_a` the columns of the Jacobian of a
+point, both along the axes of the world. A joint a that carries joint b rotates the column of b, so
 
 .. math::
 
     f \cdot \ddot p = \sum_{ab} v_a v_b \, (f \times z_a) \cdot J_b, \qquad
     g \cdot \dot\omega = \sum_{ab} v_a v_b \, \tfrac12 (g \times z_a) \cdot z_b ,
 
-where of the two, a is the one that carries the other, a = b included. Columns on different branches have no part in
-each other. The axes of one joint, as of a ball or a floating base, are fixed to what it moves: neither carries the
-other, and of :math:`\ddot p` there is half of both, of :math:`\dot\omega` nothing. The columns of the centre of mass
-obey the same.
+where in each pair a carries b, or a = b. Joints on different branches have no common terms. The axes of one joint with
+several velocities, as a ball joint or a floating base, are fixed to the body that it moves: neither carries the other,
+so :math:`\ddot p` has half of both terms, and :math:`\dot\omega` has none. The columns of the centre of mass obey the
+same law.
 
-The value of a task bends by that and by what its own axes do, which are forms :math:`w \cdot (X y \times Y y)` of the
-velocities y of the frame: each is a matrix K, and with the Jacobian L of y
+The curvature of a task's value also has terms from the motion of its own axes. These are forms
+:math:`w \cdot (X y \times Y y)` of the velocities y of the frame: each is a matrix K, and with the Jacobian L of y
 
 .. math:: S = S_p(f) + S_\omega(g) + L^T K L.
 """
@@ -26,24 +26,24 @@ from hqp.kernels.memory import floats, ints
 
 from . import block as at
 
-#: Of a frame in the world: unknowns; its block; where the axes of the joints are, and how far it is from one to the
-#: next and from one coordinate to the next; how many pairs of joints, and the pairs: which carries, which is carried,
-#: and whether they are one joint.
+#: Table of a frame in the world: unknowns; its block; the axes of the joints, the stride from one axis to the next and
+#: from one coordinate to the next; number of pairs of joints, and the pairs: carrying joint, carried joint, and whether
+#: they are the same joint.
 N, BLOCK, AXES, ACROSS, DOWN, COUNT, PAIRS = range(7)
 LENGTH = 7
-#: Of a frame as another one sees it: how the frame and the root bend in the world, 0 without a root; its block.
+#: Table of a frame seen from another one, its root: the tables of both in the world (0: no root), and the block.
 FRAME, ROOT, SEEN = range(3)
-#: Velocities y: of the frame as it is seen, linear before angular; of the root in its own axes.
+#: Velocities y (9,): linear and angular of the frame, as the root sees it; angular of the root, in its own axes.
 LINEAR, ANGULAR, TURNING = 0, 3, 6
 Y = 9
-#: Of the work space: f, g; K by rows; two maps X, Y (3 x 9), by rows; a column of L, and K times it.
+#: Work space: f, g; K by rows; two maps X, Y (3 x 9), by rows; a column of L, and K times it.
 F, G, K, ONE, OTHER, COLUMN, TIMES = 0, 3, 6, 87, 114, 141, 150
 WORK_SIZE = 160
 
 
 @inner
 def frame_curvature(table, f0, f1, f2, g0, g1, g2, S):
-    """Add the form of f . p'' + g . omega' of a frame in the world."""
+    """Add the quadratic form of f . p'' + g . omega' of a frame in the world to S (n * n,); `table` is its address."""
     told = ints(table, 0, LENGTH)
     n, across, down = told[N], told[ACROSS], told[DOWN]
     J = floats(told[BLOCK], at.JACOBIAN, 3 * n)
@@ -67,21 +67,21 @@ def frame_curvature(table, f0, f1, f2, g0, g1, g2, S):
 
 @inner
 def no_map(work, first):
-    """A map of which nothing is left."""
+    """Set the map (3 x 9) at work[first:] to zero."""
     for k in range(3 * Y):
         work[first + k] = 0.0
 
 
 @inner
 def add_part(work, first, part, scale):
-    """Add `scale` times three of the velocities to a map."""
+    """Add to the map at work[first:]: y -> scale v, where v are the three velocities y[part:part + 3]."""
     for r in range(3):
         work[first + Y * r + part + r] += scale
 
 
 @inner
 def add_cross(work, first, x, y, z, part, scale):
-    """Add ``scale (x, y, z) x`` three of the velocities to a map."""
+    """Add to the map at work[first:]: y -> scale (x, y, z) x v, where v are the velocities y[part:part + 3]."""
     work[first + part + 1] -= scale * z
     work[first + part + 2] += scale * y
     work[first + Y + part] += scale * z
@@ -92,7 +92,7 @@ def add_cross(work, first, x, y, z, part, scale):
 
 @inner
 def add_outer(work, first, x, y, z, part):
-    """Add ``(x, y, z) ((x, y, z) . )`` three of the velocities to a map."""
+    """Add to the map at work[first:]: y -> a (a . v), where a = (x, y, z) and v are the velocities y[part:part + 3]."""
     for r in range(3):
         own = x if r == 0 else y if r == 1 else z
         work[first + Y * r + part] += own * x
@@ -102,7 +102,7 @@ def add_outer(work, first, x, y, z, part):
 
 @inner
 def crossed_map(work, first, x, y, z, other):
-    """``(x, y, z) x`` another map."""
+    """Write the map y -> (x, y, z) x m(y) to work[first:], where m is the map at work[other:]."""
     for c in range(Y):
         a, b, d = work[other + c], work[other + Y + c], work[other + 2 * Y + c]
         work[first + c] = y * d - z * b
@@ -112,7 +112,7 @@ def crossed_map(work, first, x, y, z, other):
 
 @inner
 def add_form(work, x, y, z, scale):
-    """Add ``scale w . (X y x Y y)`` to K, for w = (x, y, z) and the two maps in the work space."""
+    """Add ``scale w . (X y x Y y)`` to K, for w = (x, y, z) and the maps X, Y in the work space."""
     for i in range(Y):
         a, b, c = work[ONE + i], work[ONE + Y + i], work[ONE + 2 * Y + i]
         a, b, c = scale * (y * c - z * b), scale * (z * a - x * c), scale * (x * b - y * a)  # w x X
@@ -124,9 +124,10 @@ def add_form(work, x, y, z, scale):
 
 @inner
 def seen_curvature(table, work, S):
-    """Add all of the form: f, g and K, in the axes of whoever sees the frame, are in the work space.
+    """Add the form of a frame seen from its root, S_p(f) + S_omega(g) + L' K L, to S (n * n,).
 
-    What a root that moves takes off is that of :func:`.frames.relative_frame`.
+    f, g and K are in the work space, along the axes of the root. The terms of a moving root are those of
+    :func:`.frames.relative_frame`.
     """
     told = ints(table, 0, 3)
     f0, f1, f2, g0, g1, g2 = work[F], work[F + 1], work[F + 2], work[G], work[G + 1], work[G + 2]
@@ -170,7 +171,7 @@ def turned(R, x, y, z):
 
 @inner
 def column(told, root, n, j, out, begin):
-    """The j-th column of L, into out[begin:begin + 9]."""
+    """Write column j of L, the Jacobian of the velocities y, to out[begin:begin + 9]."""
     J = floats(told[SEEN], at.JACOBIAN, 6 * n)
     for k in range(6):
         out[begin + k] = J[k * n + j]
@@ -184,7 +185,7 @@ def column(told, root, n, j, out, begin):
 
 @inner
 def add_velocities(told, root, n, work, S):
-    """Add L' K L, column by column; joints that move neither frame nor root have none."""
+    """Add L' K L to S, column by column; columns of joints that move neither frame nor root are zero."""
     some = False
     for k in range(Y * Y):
         some = some or work[K + k] != 0.0

@@ -1,9 +1,9 @@
 r"""Loops that write frames of robots into their blocks (:mod:`.block`), each once a tick.
 
-Of a robot of Pinocchio a frame is carried by a joint at R_j, p_j, by an offset c. A column of the joint Jacobians is
-the spatial velocity which a joint gives: its angular part :math:`\omega_j`, and the velocity :math:`v_j` of the point
-that is passing the origin of the world. The frame at p moves by :math:`v_j + \omega_j \times p`. With the joint's own
-velocity (v, omega) and acceleration (a, alpha) along its axes, while the joints do not accelerate,
+A frame of a Pinocchio robot is fixed to a joint at R_j, p_j, with an offset c. A column of the joint Jacobians is the
+spatial velocity that a unit joint velocity causes: its angular part :math:`\omega_j`, and the velocity :math:`v_j` of
+the point at the origin of the world. It moves the frame at p by :math:`v_j + \omega_j \times p`. With the velocity
+(v, omega) and acceleration (a, alpha) of the joint along its own axes, while the joints do not accelerate,
 
 .. math:: \ddot p = R_j (a + \alpha \times c + \omega \times (v + \omega \times c)), \qquad \dot\omega = R_j \alpha.
 """
@@ -18,28 +18,28 @@ from hqp.kernels.memory import floats, ints
 from ...base.kernels.rotation import crossed, turned_back
 from . import block as at
 
-#: Of a frame on a joint: unknowns; its block; whether drifts are asked for; where the joint is (R by columns, p), where
-#: the frame is on it (R by rows, p); the joint Jacobians (6 x columns, by columns), how many of them move it, which,
-#: and the velocity of each; the joint's velocity and acceleration (6,).
+#: Table of a frame on a joint: unknowns; its block; whether drifts are needed; pose of the joint (R by columns, p);
+#: pose of the frame on the joint (R by rows, p); the joint Jacobians (6 x columns, by columns); how many columns move
+#: the frame, which, and the joint velocity of each; velocity and acceleration of the joint (6,).
 N, BLOCK, DRIFTS, CARRIED, ORIGIN, MOUNTED, JOINTS, SUPPORTS, SUPPORT, MOTION, CHANGE = range(11)
-#: Of the end of a link of a planar arm: the arm's lengths, its q and v, and how many links it is from the base.
+#: Table of the end of a link of a planar arm, after DRIFTS: lengths of the links, q, v, and the number of the link.
 LENGTHS, Q, V, LINKS = range(3, 7)
-#: Of a frame as another one sees it: both blocks.
+#: Table of a frame seen from another one, its root, after DRIFTS: the blocks of both in the world.
 ROOT, FRAME = range(3, 5)
-#: Of the centre of mass: where it is, its Jacobian (3 x n, by columns), velocity and drift.
+#: Table of the centre of mass, after DRIFTS: its position, Jacobian (3 x n, by columns), velocity and drift.
 POINT, POINT_JACOBIAN, POINT_VELOCITY, POINT_DRIFT = range(3, 7)
 
 
 @inner
 def kept(entry):
-    """The same number, and 0 in the place of round-off."""
+    """The entry itself, or 0 if it is round-off."""
     return entry if abs(entry) >= at.NOTHING or entry != entry else 0.0
 
 
 @stamp
 @entry
 def joint_frame(here):
-    """A frame that a joint of Pinocchio carries."""
+    """Write the block of a frame that is fixed to a joint of Pinocchio."""
     told = ints(here, 0, 11)
     n, count = told[N], told[SUPPORTS]
     block = floats(told[BLOCK], 0, at.JACOBIAN)
@@ -77,14 +77,14 @@ def joint_frame(here):
 
 @inner
 def drifts(block, carried, c, motion, change):
-    """Velocities and drifts of a frame at c on its joint."""
+    """Write velocities and drifts of a frame at the offset c on its joint into its block; see the module."""
     v0, v1, v2, x, y, z = motion[0], motion[1], motion[2], motion[3], motion[4], motion[5]
     v0, v1, v2 = v0 + y * c[2] - z * c[1], v1 + z * c[0] - x * c[2], v2 + x * c[1] - y * c[0]
     a, b, g = change[3], change[4], change[5]
     a0 = change[0] + b * c[2] - g * c[1] + y * v2 - z * v1
     a1 = change[1] + g * c[0] - a * c[2] + z * v0 - x * v2
     a2 = change[2] + a * c[1] - b * c[0] + x * v1 - y * v0
-    turned_back(carried, a0, a1, a2, block, at.LINEAR_DRIFT)  # by columns: its transpose, by rows
+    turned_back(carried, a0, a1, a2, block, at.LINEAR_DRIFT)  # R by columns is R^T by rows, so this multiplies by R
     turned_back(carried, a, b, g, block, at.ANGULAR_DRIFT)
     turned_back(carried, v0, v1, v2, block, at.LINEAR_VELOCITY)
     turned_back(carried, x, y, z, block, at.ANGULAR_VELOCITY)
@@ -93,17 +93,17 @@ def drifts(block, carried, c, motion, change):
 @stamp
 @entry
 def planar_frame(here):
-    """The end of a link of a planar arm: every joint turns all that comes after it about its own place."""
+    """Write the block of the end of a link of a planar arm: each joint rotates all links after it about itself."""
     told = ints(here, 0, 7)
     n, links = told[N], told[LINKS]
     lengths, q, v = floats(told[LENGTHS], 0, n), floats(told[Q], 0, n), floats(told[V], 0, n)
     block, rows = floats(told[BLOCK], 0, at.JACOBIAN), floats(told[BLOCK], at.JACOBIAN, 6 * n)
     x, y, angle, spin, vx, vy, ax, ay = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(links):
-        rows[i], rows[n + i], rows[5 * n + i] = y, -x, 1.0  # where the joint is, until the end is known
+        rows[i], rows[n + i], rows[5 * n + i] = y, -x, 1.0  # position of the joint; completed below
         angle += q[i]
         spin += v[i]
-        dx, dy = lengths[i] * np.cos(angle), lengths[i] * np.sin(angle)  # NumPy's take what is infinite
+        dx, dy = lengths[i] * np.cos(angle), lengths[i] * np.sin(angle)  # those of math refuse infinite angles
         x, y, vx, vy = x + dx, y + dy, vx - spin * dy, vy + spin * dx
         ax, ay = ax - spin * spin * dx, ay - spin * spin * dy
     for i in range(links):
@@ -120,7 +120,7 @@ def planar_frame(here):
 @stamp
 @entry
 def point_frame(here):
-    """The centre of mass, along the axes of the world."""
+    """Write the block of the centre of mass, whose axes are those of the world."""
     told = ints(here, 0, 7)
     n = told[N]
     block, rows = floats(told[BLOCK], 0, at.JACOBIAN), floats(told[BLOCK], at.JACOBIAN, 3 * n)
@@ -140,7 +140,7 @@ def point_frame(here):
 @stamp
 @entry
 def relative_frame(here):
-    r"""A frame as an observer sees it who rides on another: in its coordinates, and with its motion taken off.
+    r"""Write the block of a frame relative to another frame, the root: in its coordinates, without its motion.
 
     With :math:`r = R_0^T (p - p_0)`, :math:`\omega_0` in the coordinates of the root, and joint velocities v,
 
@@ -165,7 +165,7 @@ def relative_frame(here):
             out[at.ROTATION + 3 * r + c] = total
     r0, r1, r2 = out[0], out[1], out[2]
     for j in range(n):
-        # The root turns the other way round what it sees: r x spin.
+        # The rotation of the root adds -omega_0 x r = r x omega_0 to the relative velocity.
         x, y, z = fixed[3 * n + j], fixed[4 * n + j], fixed[5 * n + j]
         a, b, c = moved[j] - fixed[j], moved[n + j] - fixed[n + j], moved[2 * n + j] - fixed[2 * n + j]
         d, e, f = moved[3 * n + j] - x, moved[4 * n + j] - y, moved[5 * n + j] - z
@@ -183,7 +183,7 @@ def relative_frame(here):
 
 @inner
 def relative_drifts(out, root, frame, R):
-    """Velocities and drifts as the root sees them."""
+    """Write velocities and drifts relative to the root into the block `out`; R is the rotation of the root."""
     for kind in (at.LINEAR_DRIFT, at.ANGULAR_DRIFT, at.LINEAR_VELOCITY, at.ANGULAR_VELOCITY):
         a, b, c = frame[kind] - root[kind], frame[kind + 1] - root[kind + 1], frame[kind + 2] - root[kind + 2]
         turned_back(R, a, b, c, out, kind)
@@ -205,7 +205,7 @@ def relative_drifts(out, root, frame, R):
 @stamp
 @entry
 def symmetric(here):
-    """A symmetric matrix from the upper half of another one: n, from (by columns), to (n, n)."""
+    """Write a symmetric matrix from its upper triangle. Table: n, the triangle (by columns), the matrix (n, n)."""
     told = ints(here, 0, 3)
     n = told[0]
     half, whole = floats(told[1], 0, n * n), floats(told[2], 0, n * n)
@@ -218,7 +218,10 @@ def symmetric(here):
 @stamp
 @entry
 def momentum_map(here):
-    """The centroidal momentum: n; its map and how that changes (6 x n, by columns), v; the map, and the drift (6,)."""
+    """Copy the map G of the centroidal momentum, and write its drift G' v (6,).
+
+    Table: n; G and its rate G' (6 x n, by columns); v; the copy of G; the drift.
+    """
     told = ints(here, 0, 6)
     n = told[0]
     G, change, v = floats(told[1], 0, 6 * n), floats(told[2], 0, 6 * n), floats(told[3], 0, n)

@@ -1,1 +1,1 @@
-"""Loops of the law of all tasks, and of joint limits."""
+"""Loops of the control law of all tasks, of joint limits, of damping, and of the motion equation."""

@@ -1,4 +1,4 @@
-"""What damping at acceleration order is towards, so that joints do not swing."""
+"""The aim of damping: at acceleration order it brakes the joints, so that they do not oscillate."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ from hqp.kernels.memory import floats, ints
 @stamp
 @entry
 def write_damping(here):
-    """What the joints are damped towards, -2 r v: how many, the rate r [1/s], v, and where it goes, twice."""
+    """Write the aim -2 r v of damping (0 if r is not positive) as lower and upper bounds.
+
+    Table: number of joints, the rate r [1/s], v, lower bounds, upper bounds.
+    """
     told = ints(here, 0, 5)
     rows, rate = told[0], floats(told[1], 0, 1)[0]
     v, lower, upper = floats(told[2], 0, rows), floats(told[3], 0, rows), floats(told[4], 0, rows)

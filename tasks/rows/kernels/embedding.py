@@ -1,11 +1,12 @@
-"""The embedding of rows of the joint motion in rows of all unknowns."""
+"""Copies rows of the joint motion into rows of all unknowns."""
 
 from __future__ import annotations
 
 from hqp.kernels.compile import entry, stamp
 from hqp.kernels.memory import floats, ints
 
-#: How many matrices, the joints, all unknowns; and of each matrix where it is (rows, nv), where to (rows, n), its rows.
+#: Table: number of matrices, of joint velocities nv, of all unknowns n; the list of matrices. Of each: the matrix
+#: (rows, nv), where it is copied to (rows, n), and its number of rows.
 COUNT, JOINTS, UNKNOWNS, MATRICES = range(4)
 FROM, TO, ROWS = range(3)
 FIELDS = 3
@@ -14,7 +15,7 @@ FIELDS = 3
 @stamp
 @entry
 def embed_joints(here):
-    """Rows (rows, nv) become the first columns of rows (rows, n)."""
+    """Copy each matrix (rows, nv) into the first nv columns of a matrix (rows, n)."""
     told = ints(here, 0, 4)
     nv, n = told[JOINTS], told[UNKNOWNS]
     for k in range(told[COUNT]):

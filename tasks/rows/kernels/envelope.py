@@ -1,7 +1,7 @@
-r"""The loop that writes all joint limits of one stack, each widened to meet what the harder ones leave.
+r"""Writes the bounds of all joint limits of one stack; each is widened just so far that it meets the harder ones.
 
-See :mod:`tasks.rows.envelope` for how they get on with each other, :mod:`tasks.limits.position` for how a joint keeps
-its range.
+:mod:`tasks.rows.envelope` explains how the limits are combined, :mod:`tasks.limits.position` how a joint keeps its
+range.
 """
 
 from __future__ import annotations
@@ -15,19 +15,20 @@ from hqp.kernels.memory import floats, ints
 
 from . import law as of
 
-#: Of the whole: the order, the joints; the velocities, all positions, how many, and where each joint has its own (-1:
-#: nowhere); rate and tick; the tightest limits of velocity and acceleration (n,); least and most that is left of x (n,)
-#: each; the rows that are written, and the claims on them.
+#: Table: the order, number of joints n; velocities; positions, their number, and the place of each joint among them
+#: (-1: none); rate and tick; the tightest velocity and acceleration limits (n,); the range of x that the limits so far
+#: leave, least and most (2 n,); the addresses of lower and upper bounds that are written, and how many pairs; the
+#: claims, one for each limit, and how many.
 ORDER, N, V, POSITIONS, NQ, PLACES, TICK = range(7)
 VELOCITY, ACCELERATION, LEFT, ROWS, ROWS_COUNT, CLAIMS, CLAIMS_COUNT = range(7, 14)
 LENGTH = 14
-#: Of a claim: what is limited; lowest and highest (2 n) and the speed of the way back; the rows where it counts.
+#: Of a claim: its kind; lowest and highest value (2 n,) and the return speed; the lower and upper bounds that it cuts.
 KIND, NUMBERS, LOWER, UPPER = range(4)
 FIELDS = 4
-#: The kinds, the harder first, and their names.
+#: Kinds of claims, the hardest first, and their names.
 ACCELERATIONS, RANGE, SPEED = range(3)
 KINDS = ("acceleration", "position", "velocity")
-#: Beyond it there is no end [rad]; the most that a joint without an acceleration limit changes its speed [rad/s].
+#: Room [rad] above which a joint is unbounded; change of speed in a tick [rad/s] of a joint without acceleration limit.
 LARGEST, UNLIMITED = 1e15, 1.7976931348623157e308
 
 
@@ -38,7 +39,7 @@ def largest_velocity(room, acceleration, dt):
     Parameters
     ----------
     room : float
-        D [rad]; infinite where a joint turns freely, negative outside.
+        D [rad], the distance to the limit; infinite if the joint has none, negative outside its range.
     acceleration : float
         a_max [rad/s^2]; infinite if braking is unlimited.
     dt : float
@@ -53,13 +54,16 @@ def largest_velocity(room, acceleration, dt):
 
 @inner
 def kept_range(order, q, v, low, high, return_speed, speed, acceleration, dt):
-    """Least and most x of a joint that keeps its range, or comes back to it."""
+    """The least and the most x with which a joint keeps its range low .. high, or returns to it.
+
+    `speed` and `acceleration` are the tightest limits of this joint.
+    """
     if order == of.DISPLACEMENT:
         return low - q, high - q
     if order == of.ACCELERATION:
         q = q + 0.5 * dt * v
     below, above = largest_velocity(q - low, acceleration, dt), largest_velocity(high - q, acceleration, dt)
-    # No limit drives the joint faster than this. Where it drives nothing, p is not negative and stays.
+    # A position limit drives a joint that is outside no faster than `back`; inside its range the bounds contain 0.
     back = min(return_speed, speed)
     least = -max(below, -min(back, max(above, 0.0)))
     most = max(above, -min(back, max(below, 0.0)))
@@ -70,7 +74,7 @@ def kept_range(order, q, v, low, high, return_speed, speed, acceleration, dt):
 
 @inner
 def claimed(kind, order, v, low, high, dt):
-    """Least and most x of a joint by a limit of its acceleration or its velocity."""
+    """The least and the most x of a joint by an acceleration limit or a velocity limit low .. high."""
     if kind == ACCELERATIONS and order == of.VELOCITY:
         return v + low * dt, v + high * dt
     if kind == SPEED and order == of.ACCELERATION:
@@ -82,7 +86,7 @@ def claimed(kind, order, v, low, high, dt):
 
 @inner
 def reach(told, least, most):
-    """What accelerations leave of x."""
+    """Write the range of x that the acceleration limits leave, to `least` and `most` (n,)."""
     n, order, dt = told[N], told[ORDER], floats(told[TICK], 1, 1)[0]
     v, acceleration = floats(told[V], 0, n), floats(told[ACCELERATION], 0, n)
     for j in range(n):
@@ -95,7 +99,7 @@ def reach(told, least, most):
 
 @inner
 def write_claim(told, claim, least, most):
-    """Cut the rows of one limit down to what it asks for, and what is left of x likewise."""
+    """Cut the bounds of one limit down to its claim, widened to meet `least` and `most`, and then these as well."""
     n, order, kind, dt = told[N], told[ORDER], claim[KIND], floats(told[TICK], 1, 1)[0]
     v, q, places = floats(told[V], 0, n), floats(told[POSITIONS], 0, told[NQ]), ints(told[PLACES], 0, n)
     speed, acceleration = floats(told[VELOCITY], 0, n), floats(told[ACCELERATION], 0, n)
@@ -114,7 +118,7 @@ def write_claim(told, claim, least, most):
 
 @inner
 def braking_rate(told):
-    """The largest rate [1/s] at which a bound may be neared; see :mod:`tasks.rows.envelope`."""
+    """The largest rate [1/s] at which a bound may be approached; see :mod:`tasks.rows.envelope`."""
     n, dt = told[N], floats(told[TICK], 1, 1)[0]
     v, speed, acceleration = floats(told[V], 0, n), floats(told[VELOCITY], 0, n), floats(told[ACCELERATION], 0, n)
     longest = -math.inf
@@ -128,7 +132,7 @@ def braking_rate(told):
 @stamp
 @entry
 def write_joint_limits(here):
-    """All limits of the joints, and the rate at which they brake."""
+    """Write the bounds of all joint limits, and the braking rate (:func:`braking_rate`)."""
     told = ints(here, 0, LENGTH)
     n, rows, claims = told[N], told[ROWS_COUNT], told[CLAIMS_COUNT]
     least, most = floats(told[LEFT], 0, n), floats(told[LEFT], n, n)
@@ -143,7 +147,7 @@ def write_joint_limits(here):
         claim = ints(told[CLAIMS], k * FIELDS, FIELDS)
         positioned = positioned or claim[KIND] == RANGE
         write_claim(told, claim, least, most)
-    # Comparisons lose what is no number: it is for the solver to report.
+    # min and max lose NaN: write it into the bounds again, so that the solver reports it.
     v, q, own = floats(told[V], 0, n), floats(told[POSITIONS], 0, told[NQ]), ints(told[PLACES], 0, n)
     for j in range(n):
         known = v[j]

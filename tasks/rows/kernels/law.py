@@ -1,6 +1,6 @@
-r"""The control law of every task, for all orders: from what is measured to the bounds of its rows.
+r"""The control law of every task, for all orders: computes the bounds of its rows from the measured values.
 
-With the error e, its feed-forwards r', r'' and the drift J' v of a row, and the gain K:
+With the error e, the feed-forward velocity and acceleration r', r'', the drift J' v, and the gain K of a row:
 
 .. math::
 
@@ -8,9 +8,9 @@ With the error e, its feed-forwards r', r'' and the drift J' v of a row, and the
     \text{acceleration}\quad & J a = r'' - J' v + c_1 (r' - J v) + c_2 e \\
     \text{displacement}\quad & J\,dq = e
 
-and for an inequality the same of e + below and e + above. Of an equality, e is shortened first, to
-:func:`share_of` its length: to a cap, and to what comes to rest at the target by a deceleration. Where the joints brake
-by no more than a limit, an inequality is kept in time: see :mod:`tasks.rows.inequality`.
+An inequality has the same with e + below and e + above in place of e. For an equality, e is first multiplied by
+:func:`share_of`, which caps its length, and lets the task stop at the target with a given deceleration. If the joints
+have acceleration limits, an inequality brakes in time: see :mod:`tasks.rows.inequality`.
 """
 
 from __future__ import annotations
@@ -20,25 +20,26 @@ import math
 from hqp.kernels.compile import entry, inner, stamp
 from hqp.kernels.memory import floats, ints
 
-#: Of the table of a law: the order; how many rows, unknowns; the rows that it owns (MATRIX is 0 where they are plain),
-#: its numbers, what is measured, the velocities; rate and tick; whether it only bounds, and whether drift and speed are
-#: measured; the longest error that counts, and the deceleration; and whether one of them is there.
+#: Table of a law: the order; number of rows, unknowns; A (0 if the rows are plain bounds), lower and upper bounds; the
+#: numbers of the rows; the measured values; the velocities; rate and tick; whether it is an inequality; whether drift
+#: and speed are measured; the longest error that counts and the deceleration (2,), and whether either is set.
 ORDER, ROWS, N, MATRIX, LOWER, UPPER, NUMBERS, MEASURED, V, TICK, BOUNDS, DRIFTS, LONGEST, SHORTENS = range(14)
 LENGTH = 14
 #: The orders, and their names.
 VELOCITY, ACCELERATION, DISPLACEMENT = range(3)
 ORDERS = ("velocity", "acceleration", "displacement")
-#: Numbers of every row: K [1/s], c1 [1/s], c2 [1/s^2]; how far below and above the target; the largest error.
+#: Numbers of every row, one kind after the other: K [1/s], c1 [1/s], c2 [1/s^2]; how far below (not positive) and above
+#: the target the value may be; the largest error that counts.
 GAIN, C1, C2, BELOW, ABOVE, CAP = range(6)
 FIELDS = 6
-#: What is measured of every row.
+#: Measured values of every row, one kind after the other: e, r', r'', J' v, J v.
 ERROR, RATE, CHANGE, DRIFT, NOW = range(5)
 KINDS = 5
 
 
 @inner
 def law(table):
-    """Bounds of all rows of a task from what is measured of them; `table` is the address of what it is told."""
+    """Write the bounds of all rows of a task from their measured values; `table` is the address of its law's table."""
     told = ints(table, 0, LENGTH)
     rows, order = told[ROWS], told[ORDER]
     number, measured = floats(told[NUMBERS], 0, FIELDS * rows), floats(told[MEASURED], 0, KINDS * rows)
@@ -67,11 +68,17 @@ def law(table):
 
 @inner
 def share_of(order, rows, number, measured, longest):
-    r"""The share of an error e that counts: its length is at most a cap, and each row at most its own.
+    r"""The share, up to 1, of an error e that counts: its length is at most a cap, and each entry at most its own.
 
-    With the speed u = K e (at acceleration order :math:`c_2 / c_1 e`), of length :math:`\kappa d`, d that of e,
-    and a deceleration a, it comes to rest: :math:`\|u\| \le \sqrt{2 a (d - a / 2 \kappa^2)}` from :math:`d = a /
-    \kappa^2` on, where the exponential end of the way takes over with the same speed and the same deceleration.
+    With a deceleration a, the task must also be able to stop at the target. The law asks for the speed u = K e
+    (at acceleration order :math:`c_2 / c_1 e`), of length :math:`\kappa d`, d being the length of e. It is limited to
+    :math:`\|u\| \le \sqrt{2 a (d - a / 2 \kappa^2)}` for :math:`d \ge a / \kappa^2`. Below that distance the
+    exponential approach takes over, with the same speed and deceleration at this point.
+
+    Parameters
+    ----------
+    longest : (2,)
+        The cap on the length of e, and the deceleration a; infinite if not set.
     """
     share, square, speed = 1.0, 0.0, 0.0
     for r in range(rows):
@@ -93,18 +100,18 @@ def share_of(order, rows, number, measured, longest):
 
 @inner
 def kept_in_time(order, e, rate, drift, now, K, below, above, dt):
-    """Both bounds of an inequality whose joints brake by no more than a limit; see :mod:`tasks.rows.inequality`."""
+    """Both bounds of a row of an inequality under acceleration limits of joints; see :mod:`tasks.rows.inequality`."""
     known = e + rate + drift + now
     if known != known:
         return math.nan, math.nan
-    # What the bend of the way takes, on each side: half of what a stop of the length 1/K makes of it.
+    # Room that the drift takes during a stop of duration 1/K, on the side to which it points.
     bend = 0.5 * (1.0 / K + dt) / K
     high, low = e + above, e + below
     high = max(high - bend * max(drift, 0.0), min(high, 0.0))
     low = min(low + bend * max(-drift, 0.0), max(low, 0.0))
     if order == VELOCITY:
         return rate + K * low, rate + K * high
-    # The velocity at the end of the tick obeys the same law, at the place where it then is.
+    # The velocity at the end of the tick must obey the same law at the position at that time.
     half = 0.5 * K * dt
     least = (rate + K * low - half * (now - rate)) / (1.0 + half)
     most = (rate + K * high - half * (now - rate)) / (1.0 + half)
@@ -113,7 +120,7 @@ def kept_in_time(order, e, rate, drift, now, K, below, above, dt):
 
 @inner
 def moving(table):
-    """How fast the value of every row moves, J v, from the rows of A."""
+    """Measure the speed J v of every row from A and the velocities."""
     told = ints(table, 0, LENGTH)
     rows, n = told[ROWS], told[N]
     A, v = floats(told[MATRIX], 0, rows * n), floats(told[V], 0, n)
@@ -128,6 +135,6 @@ def moving(table):
 @stamp
 @entry
 def write_law(here):
-    """The rows of a task that measures itself: all but the bounds are there."""
+    """Write the bounds of a task whose A and measured values are written elsewhere; the table has that of its law."""
     law(ints(here, 0, 1)[0])
     return 0
