@@ -446,6 +446,11 @@ def test_bodies_without_a_name_are_drawn_and_collide():
     assert [capsule.frame for capsule in link_capsules(robot)] == ["body1_", "body1", "body3"]
 
 
+def test_an_address_of_another_machine_is_refused_at_once():
+    with pytest.raises(InvalidInput, match="no address of this machine"):
+        stage.open_stage("192.0.2.1", 8650)
+
+
 @pytest.mark.parametrize("place", ["0 0 0.3", "0 0 0"])
 def test_a_robot_of_one_joint_is_shown_whatever_it_has_to_be_drawn(place, tmp_path):
     """Also where nothing can be: two joints at one point, no shapes."""
