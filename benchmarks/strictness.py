@@ -98,11 +98,25 @@ def missed(
     In m/s and rad/s; infinite where there is no answer.
     """
     driver = method.driver(stream)
-    lacks = np.empty((len(ticks), 2))
-    for own, k, (hierarchy, solution) in zip(lacks, ticks, best, strict=True):
-        _, (v,) = driver.run(k, k + 1)
-        for i in 1, 2:
-            level = hierarchy.levels[i]
-            own[i - 1] = np.linalg.norm(level.A @ v - level.lower) - solution.levels[i].residual_norm
+    answers = [driver.run(k, k + 1)[1][0] for k in ticks]
     driver.close()
-    return np.nan_to_num(lacks, nan=np.inf)
+    return np.array([[beyond(v, *known, level) for level in (1, 2)] for v, known in zip(answers, best, strict=True)])
+
+
+def beyond(v: Array, hierarchy: Hierarchy, solution: Solution, k: int) -> float:
+    """Error of level k at joint velocities v beyond that of the optimum; infinite where there is no answer."""
+    level = hierarchy.levels[k]
+    off = float(np.linalg.norm(level.A @ v - level.lower)) - solution.levels[k].residual_norm
+    return off if np.isfinite(off) else np.inf
+
+
+def lost_by(stream: Stream, answers: Sequence[Array], states: int = STATES) -> list[str]:
+    """The largest error of the first level beyond its optimum of each method's answers, shape (ticks, nv) each.
+
+    ``-`` where the first level is not one position: metres and radians make no sum.
+    """
+    if [goal.what for goal in stream.scene.levels[0]] != ["position"]:
+        return ["-"] * len(answers)
+    ticks = np.linspace(0, len(stream) - 1, min(states, len(stream))).astype(int)
+    best = list(optima(stream, ticks))
+    return [f"{max(beyond(own[k], *known, 1) for k, known in zip(ticks, best, strict=True)):.0e}" for own in answers]

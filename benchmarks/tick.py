@@ -1,11 +1,9 @@
-"""``python -m benchmarks tick``: one tick of a controller from Python, in this library, in pink, in mink, in placo."""
+"""``python -m benchmarks tick``: one tick of a controller from Python, in this library and in others."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
-from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -22,7 +20,9 @@ from .standing.scenes import SCENES as STANDING
 from .standing.scenes import StandingScene
 from .standing.table import LEGEND
 from .standing.table import measured as standing
+from .strictness import STATES, lost_by
 from .tables import Row, save, show, terminal
+from .teleoperation.setups import Peer
 from .ticks.driver import Driver
 from .ticks.interleaved import EVERY, SLACK, measure, table
 from .ticks.ours import Ours
@@ -30,8 +30,13 @@ from .ticks.scenes import SCENES, Scene
 from .ticks.stream import Stream, record
 from .ticks.with_placo import Placo, check_placo
 
-#: Module beside the scenes, class, and the solver that it calls.
-PEERS = (("pink", "Pink", "daqp"), ("pink", "Pink", "proxqp"), ("mink", "Mink", "daqp"))
+PEERS = (
+    Peer("pink", "daqp"),
+    Peer("pink", "proxqp"),
+    Peer("mink", "daqp"),
+    Peer("roboplan", ""),
+    Peer("roboplan", "", "levels", options={"priorities": True}),
+)
 
 
 def tick(
@@ -77,11 +82,20 @@ def tick(
         f"us: whole ticks, targets set, {rounds} x {ticks}; to: ratio of medians, to the fastest of that library\n"
         "kinematics, rows, solve: medians of the parts in us, timed alone; off: distance of the answer from the first\n"
         f"one's; kept: answers within the limits, to {SLACK:g} rad; proved: certificates of every {EVERY}th answer\n"
-        "hqp keeps strict priorities, the others weigh their tasks in one QP"
+        f"lost: how much further off the position is than the limits force it to be, the most of {STATES} ticks [m/s];"
+        " -: not\nmeasured where the first level is not one position; hqp keeps strict priorities, roboplan levels has"
+        " priorities by\nprojection, the others weigh their tasks in one QP",
+        markup=False,
     )
-    for peer in dict.fromkeys(name for name, _, _ in PEERS):
-        if find_spec(peer) is None:
-            printer.print(f"{peer}: left out, it is not installed: python -m pip install -e '.[peers]'", markup=False)
+    for why in _left_out(s for s in chosen if isinstance(s, Scene)):
+        printer.print(why, markup=False)
+
+
+def _left_out(scenes: Iterable[Scene]) -> list[str]:
+    """Why peers have no row in some scenes."""
+    missing = [why for peer in PEERS if (why := peer.missing())]
+    here = [peer for peer in PEERS if not peer.missing()]
+    return missing + [why for s in scenes for peer in here if (why := peer.refuses(s))]
 
 
 def _alone(printer: Console, ticks: int) -> None:
@@ -114,7 +128,10 @@ def _measured(
     stream = record(scene, ticks)
     drivers = _drivers(stream, placo)
     try:
-        return stream.at_limit, table(stream, measure(drivers, rounds, progress))
+        measured = measure(drivers, rounds, progress)
+        lost = lost_by(stream, [own.v for own in measured])
+        rows = [row | {"lost": most} for row, most in zip(table(stream, measured), lost, strict=True)]
+        return stream.at_limit, rows
     finally:
         for driver in drivers:
             driver.close()
@@ -123,9 +140,7 @@ def _measured(
 def _drivers(stream: Stream, placo: str | None) -> list[Driver]:
     """The drivers of this library, and of the others that are installed."""
     drivers: list[Driver] = [Ours(stream)]
-    for name, kind, solver in PEERS:
-        if find_spec(name) is not None:
-            drivers.append(getattr(import_module(f"benchmarks.ticks.with_{name}"), kind)(solver, stream))
+    drivers += [peer.driver(stream) for peer in PEERS if not peer.missing() and not peer.refuses(stream.scene)]
     if placo is not None:
         drivers.append(Placo(placo, stream))
     return drivers

@@ -36,7 +36,8 @@ stacks = {
 
 records, apart = {}, {}
 for name, stack in stacks.items():
-    record = records[name] = simulate(Controller(arm, stack, dt=0.01), start, duration=4.0, certify=10)
+    controller = Controller(arm, stack, dt=0.01, damping=None)  # strict, as the laws of the literature are
+    record = records[name] = simulate(controller, start, duration=4.0, certify=10)
     states = (arm.at(q, np.zeros(5)) for q in record.q)
     apart[name] = np.array([distance.distances(arm, state).min() for state in states])
     off = 1e3 * np.linalg.norm(record.errors["position"], axis=1)

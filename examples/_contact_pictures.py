@@ -103,7 +103,7 @@ def leaning(
     above.plot(mass[:, 0], mass[:, 1], color=RED, lw=1.5)
     above.plot(*corners.T, ".", color=GREY)
     above.plot(*thing[:2], "x", color=GREEN)
-    above.set(title="from above: feet, centre of mass, thing", xlabel="x [m]", ylabel="y [m]")
+    above.set(title="from above: feet, centre of mass, target", xlabel="x [m]", ylabel="y [m]")
     short.plot(record.t, 1e3 * np.linalg.norm(record.errors["hand"], axis=1), color=ORANGE)
     short.set(title="the hand is short of its path by [mm]", xlabel="t [s]", ylim=(0.0, None))
     save(figure, folder, "leaning.png")

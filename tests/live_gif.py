@@ -23,7 +23,7 @@ COLORS = 110
 #: Colours of words, too few of them to be found by counting.
 KEPT = (201, 42, 42, 43, 138, 62, 230, 140, 140, 140, 190, 150)
 #: Where the target goes, in so many pictures each [m]; the first three are in reach.
-WAY = (((0.45, 0.3, 0.5), 10), ((0.5, -0.3, 0.35), 14), ((0.7, -0.9, 0.5), 14))
+WAY = (((0.45, -0.2, 0.45), 10), ((0.45, 0.3, 0.5), 14), ((-0.15, 1.05, 0.75), 14))
 
 
 def film() -> list[Image.Image]:

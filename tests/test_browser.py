@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from importlib.util import find_spec
+from io import BytesIO
 from pathlib import Path
 from time import monotonic, sleep
 from urllib.parse import urlparse
@@ -11,6 +12,7 @@ from urllib.parse import urlparse
 import numpy as np
 import pytest
 from browser import CHROMIUM, chromium, drag, page, running
+from PIL import Image
 
 from tasks import Record, load_robot, simulate
 from tasks.view.live import Window
@@ -152,6 +154,40 @@ def test_a_humanoid_on_its_feet(browser, tmp_path):
         for foot, side in zip(feet, ("left", "right"), strict=True):
             there = robot.at(live.session.motion.q).frame(f"{side}_ankle_roll_link").position
             assert np.linalg.norm(there - foot.p) < 1e-3  # the hand is out of reach, and the feet stand
+
+
+GEOMS = """<mujoco><asset><mesh name="wedge" vertex="0 0 0 .12 0 0 0 .12 0 0 0 .16"/></asset><worldbody>
+<body name="base" pos="0 0 .1"><geom type="box" size=".15 .12 .1" rgba=".2 .3 .8 1"/>
+  <body name="column" pos="0 0 .1"><joint name="pan" axis="0 0 1"/>
+    <geom type="cylinder" size=".06" fromto="0 0 0 0 0 .4" rgba=".8 .2 .2 1"/>
+    <body name="upper" pos="0 0 .45"><joint name="lift" axis="0 1 0"/>
+      <geom type="capsule" size=".05" fromto="0 0 0 .4 0 0" rgba=".9 .7 .1 1"/>
+      <body pos=".45 0 0"><joint name="elbow" axis="0 1 0"/><geom type="sphere" size=".07" rgba=".2 .7 .3 1"/>
+        <geom type="ellipsoid" size=".2 .05 .03" pos=".25 0 0" rgba=".6 .2 .7 1"/>
+        <body name="hand" pos=".5 0 0"><joint name="roll" axis="1 0 0"/>
+          <geom type="mesh" mesh="wedge" rgba=".1 .7 .8 1"/><site name="tip" pos=".1 0 0"/>
+</body></body></body></body></body></worldbody></mujoco>"""
+
+
+def test_geoms_of_an_mjcf_are_seen_in_their_colours(browser, tmp_path):
+    """Of every kind, on a body without a name too: by the hue of the pixels, whatever the light."""
+    pytest.importorskip("mujoco")
+    path = tmp_path / "geoms.xml"
+    path.write_text(GEOMS)
+    live = window(str(path), tmp_path, tip="tip", velocity_limit=2.0)
+    live.session.targets[0].move(p=np.array([0.6, 0.3, 0.4]))
+    with running(live), page(browser, live.url) as own:
+        own.wait_for_selector("text=certified at")
+        own.add_style_tag(content="[class*=Notifications-root] { display: none }")
+        own.wait_for_timeout(12_000)  # the picture fades in
+        picture(own, "geoms")
+        shot = Image.open(BytesIO(own.locator("canvas").first.screenshot())).convert("HSV")
+    hue, saturation, _ = np.asarray(shot).astype(int).reshape(-1, 3)[:, [0, 1, 2]].T
+    for geom, degrees in {
+        "box": 230, "cylinder": 0, "capsule": 45, "sphere": 132, "ellipsoid": 288, "mesh": 189,
+    }.items():  # fmt: skip
+        off = np.abs((hue * 360.0 / 255.0 - degrees + 180.0) % 360.0 - 180.0)
+        assert np.sum((off < 12.0) & (saturation > 80)) > 60, geom
 
 
 def test_a_saved_page_plays_from_a_file(browser, tmp_path):

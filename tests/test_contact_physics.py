@@ -72,10 +72,39 @@ def test_a_state_comes_back_as_it_was(name: str) -> None:
     plant = MujocoPlant(here.robot, contacts=here.feet)
     for seed in range(5):
         q, v = moved(here, seed, 10.0)
-        plant.place(q, v)
+        plant.set_state(q, v)
         there = plant.state()
         assert np.allclose(there[0], q, atol=1e-15)
         assert np.allclose(there[1], v, atol=1e-13)
+
+
+def test_a_state_that_is_none_is_refused_and_the_former_name_warns() -> None:
+    here = scene("quadruped")
+    plant = MujocoPlant(here.robot, contacts=here.feet)
+    q, v = moved(here, 0, 1.0)
+    plant.set_state(q, v)
+    before = plant.state()
+    for wrong in (q[:-1], v), (q, v[:-1]), (q * np.nan, v):
+        with pytest.raises(InvalidInput):
+            plant.set_state(*wrong)
+        np.testing.assert_array_equal(np.concatenate(plant.state()), np.concatenate(before))
+    with pytest.warns(DeprecationWarning, match="set_state"):
+        plant.place(q, v)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ({"t": float("nan")}, "a switch: t"),
+        ({"t": "1"}, "a switch: t"),
+        ({"on": 1}, "a switch: on"),
+        ({"duration": -1.0}, "a switch: duration"),
+        ({"contact": None}, "a switch: contact"),
+    ],
+)
+def test_a_wrong_switch_is_refused_at_once(wrong: dict, told: str) -> None:
+    with pytest.raises(InvalidInput, match=told):
+        Switch(**({"t": 1.0, "contact": "left", "on": True} | wrong))
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -83,7 +112,7 @@ def test_points_are_where_the_model_has_them(name: str) -> None:
     here = scene(name)
     plant = MujocoPlant(here.robot, contacts=here.feet)
     q, v = moved(here, 1, 5.0)
-    plant.place(q, v)
+    plant.set_state(q, v)
     for foot in here.feet:
         frame = here.robot.at(q, v).frame(foot.frame)
         expected = frame.position + foot.shape.points @ frame.rotation.T

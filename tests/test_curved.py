@@ -87,7 +87,7 @@ def stretched(*, damping="curvature", rule=None, target=(1.6, 0.3)):
 def test_the_explanation_names_the_direction() -> None:
     step = stretched()([0.15, 0.08, 0.04])
     assert "tip short by" in str(step.solution.explain())
-    assert "damped, the arm is straight in this direction (" in str(step.solution.explain())
+    assert "damped, the joints move it little in this direction (" in str(step.solution.explain())
     weakest = step.relaxed[0].softened[0]
     assert weakest.cause == "singular"
     assert abs(weakest.direction[0]) > 0.9  # along the arm

@@ -176,6 +176,32 @@ GUARDS = {
 }
 
 
+@pytest.mark.parametrize("kind", ["four joints", "contradictory", "dependent", "wide"])
+def test_a_level_with_fewer_directions_than_rows_keeps_what_it_reached(kind: str) -> None:
+    """Rows that round-off makes independent: what a level hands over are its directions, and the posture has the rest.
+
+    Three rows of orientation in the one direction that a position leaves to four joints; two positions of one frame;
+    rows that are there twice; and six rows in four directions.
+    """
+    held = ["panda_joint3", "panda_joint5", "panda_joint7"] if kind == "four joints" else []
+    robot, rng = load_robot("panda", lock=["panda_finger_joint1", *held]), np.random.default_rng(0)
+    for _ in range(25):
+        q, one, other = (rng.uniform(*robot.position_limit) for _ in range(3))
+        here, there = robot.at(one).frame(), robot.at(other).frame()
+        place, turn = PositionTask(here.position, gain=3.0), OrientationTask(here.rotation, gain=3.0)
+        second = PositionTask(there.position, gain=3.0, name="second")
+        if kind == "contradictory":
+            place = place + second
+        elif kind == "dependent":
+            place = place + second + OrientationTask(there.rotation, gain=2.0, name="turned") + turn
+            turn = OrientationTask(here.rotation, gain=3.0, name="below")
+        elif kind == "wide":
+            turn = turn + second
+        stack = JointLimits() >> place >> turn >> PostureTask(robot.home, gain=1.0)
+        step = Controller(robot, stack, dt=0.01)(q, rng.uniform(-0.5, 0.5, robot.nv))
+        assert step.solution.certify().ok
+
+
 @pytest.mark.parametrize("kind", GUARDS)
 @pytest.mark.parametrize("gain", [5.0, 1.0 / DT])
 def test_no_limit_pays_for_calm(kind: str, gain: float) -> None:

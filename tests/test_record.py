@@ -261,4 +261,6 @@ def test_a_motion_becomes_a_page(record, tmp_path):
         loaded.save_html(tmp_path / "other.html", robot=PlanarArm([0.5, 0.5]))
     with pytest.raises(InvalidInput, match="rate"):
         record.save_html(tmp_path / "other.html", rate=0.0)
+    with pytest.raises(InvalidInput, match="at most 240"):
+        record.save_html(tmp_path / "other.html", rate=1e9)
     assert not (tmp_path / "other.html").exists()

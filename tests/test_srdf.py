@@ -120,6 +120,12 @@ def test_what_the_robot_has_not_is_told(srdf, caplog) -> None:
             "has 2 numbers; it must have 1",
         ),
         ('<group_state name="a"><joint name="panda_joint1"/></group_state>', "a joint has no value"),
+        (
+            '<group_state name="a"><joint name="panda_joint1" value="0"/><joint name="panda_joint1" value="1"/>'
+            "</group_state>",
+            "puts 'panda_joint1' at two positions",
+        ),
+        ('<group name="arm"><joint name="shoulder_pan_joint"/><link name="wrist"/></group>', "it is of another one"),
         ("<group", "no valid XML"),
         (READY + READY.replace("-1.5", "-1"), "group 'arm' has two group_states 'ready'"),
     ],
@@ -129,6 +135,31 @@ def test_what_is_wrong_is_refused_in_words(srdf, text, words) -> None:
         PANDA.with_srdf(srdf(text))
     assert words in str(refusal.value)
     assert "robot.srdf" in str(refusal.value)
+
+
+def test_a_position_outside_a_range_is_told(srdf, caplog) -> None:
+    """As degrees are."""
+    robot = PANDA.with_srdf(srdf(ARM + READY.replace("-1.5", "-90")))
+    assert "'ready' is outside the range of panda_joint4 [rad], [m]; it is moved into it" in caplog.text
+    assert robot.configuration("ready")[3] == PANDA.position_limit[0, 3]
+    caplog.clear()
+    PANDA.with_srdf(srdf(ARM + READY))
+    PANDA.with_srdf(srdf(ARM.replace("arm", "legs") + READY))
+    assert caplog.text.count("\n") == 1
+    assert "group arm" in caplog.text
+
+
+def test_a_chain_leads_either_way(srdf) -> None:
+    turned = '<group name="arm"><chain base_link="panda_hand" tip_link="panda_link0"/></group>'
+    assert PANDA.with_srdf(srdf(turned)).groups == PANDA.with_srdf(srdf(ARM)).groups
+
+
+def test_a_group_that_there_is_not_is_refused(srdf) -> None:
+    groups = PANDA.with_srdf(srdf(ARM)).groups
+    with pytest.raises(InvalidInput, match="'amr' is no group of the robot; did you mean 'arm'"):
+        groups["amr"]
+    assert "legs" not in groups
+    assert groups.get("legs") is None
 
 
 def test_no_file_is_refused(tmp_path) -> None:

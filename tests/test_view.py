@@ -35,6 +35,7 @@ from tasks import (
     Turn,
     Within,
     from_rpy,
+    link_capsules,
     load_robot,
 )
 from tasks.cli import run
@@ -68,6 +69,12 @@ def session(**options) -> Session:
     return Session(controller, Q, **options)
 
 
+@pytest.fixture
+def unhurried(monkeypatch):
+    """No tick takes time, however busy the machine is."""
+    monkeypatch.setattr("tasks.view.session.perf_counter", lambda: 0.0)
+
+
 @pytest.fixture(scope="module")
 def ur5():
     return load_robot("ur5")
@@ -84,7 +91,7 @@ def window(ur5, tmp_path):
 # Priorities.
 
 
-def test_levels_are_moved_and_the_controller_follows_within_the_time_of_a_change():
+def test_levels_are_moved_and_the_controller_follows_within_the_time_of_a_change(unhurried):
     live = session()
     live.advance(0.05)
     live.move_level(2, -1)
@@ -148,7 +155,7 @@ def test_damping_goes_with_its_level():
 # Time.
 
 
-def test_the_clock_decides_how_many_ticks_are_due():
+def test_the_clock_decides_how_many_ticks_are_due(unhurried):
     live = session()
     assert live.advance(0.055) == 5
     assert live.motion.t == pytest.approx(0.05)
@@ -202,7 +209,7 @@ def test_it_runs_by_the_clock_until_it_is_ended():
     assert not loop.is_alive()
 
 
-def test_a_fault_stops_the_time_and_is_told():
+def test_a_fault_stops_the_time_and_is_told(unhurried):
     live = session()
     live.motion.q = np.full(3, np.nan)
     live.advance(0.02)
@@ -267,7 +274,7 @@ def test_position_and_rotation_of_one_frame_are_one_target_and_move_their_tasks(
     target.move([0.4, 0.1, 0.3], R)
     np.testing.assert_allclose(position.target(0.0)[0], [0.4, 0.1, 0.3])
     np.testing.assert_allclose(rotation.target(0.0)[0], R, atol=1e-12)
-    assert target.fixed
+    assert target.draggable
     assert target.free == (True, True, True)
 
 
@@ -306,7 +313,7 @@ def test_the_angle_of_a_planar_arm_is_unwrapped():
 def test_a_target_in_time_goes_its_own_way(ur5):
     state = ur5.at(ur5.home, np.zeros(6))
     (target,) = targets_of([OrientationTask(Turn(np.eye(3), from_rpy(0, 0, 1.0), 2.0), gain=1.0)], state)
-    assert not target.fixed
+    assert not target.draggable
     target.follow(2.0)
     np.testing.assert_allclose(target.R, from_rpy(0, 0, 1.0), atol=1e-12)
 
@@ -425,6 +432,50 @@ def test_geoms_of_an_mjcf_are_drawn_as_they_are_and_where_mujoco_has_them():
     assert np.ptp(seen[0][:, 2]) == pytest.approx(2.0 * (half + radius), abs=1e-6)
     np.testing.assert_allclose(np.abs(seen[1]), np.broadcast_to(mj.geom_size[4], seen[1].shape), atol=1e-9)
     np.testing.assert_allclose(seen[2], mj.mesh_vert, atol=1e-6)
+
+
+def test_bodies_without_a_name_are_drawn_and_collide():
+    pytest.importorskip("trimesh")
+    mujoco = pytest.importorskip("mujoco")
+    ball = '<geom type="sphere" size=".1"/>'
+    text = f"""<mujoco><worldbody><body><joint axis="0 1 0"/>{ball}<body pos="0 0 .5" name="body1">
+        <joint name="k" axis="0 1 0"/>{ball}<body pos="0 0 .5"><joint axis="0 1 0"/>{ball}</body></body></body>
+        </worldbody></mujoco>"""
+    robot = load_robot(mujoco.MjModel.from_xml_string(text), velocity_limit=2.0)
+    assert [mesh.joint for mesh in meshes_of(robot)[0]] == [1, 2, 3]
+    assert [capsule.frame for capsule in link_capsules(robot)] == ["body1_", "body1", "body3"]
+
+
+def test_an_address_of_another_machine_is_refused_at_once():
+    with pytest.raises(InvalidInput, match="no address of this machine"):
+        stage.open_stage("192.0.2.1", 8650)
+
+
+@pytest.mark.parametrize("place", ["0 0 0.3", "0 0 0"])
+def test_a_robot_of_one_joint_is_shown_whatever_it_has_to_be_drawn(place, tmp_path):
+    """Also where nothing can be: two joints at one point, no shapes."""
+    pytest.importorskip("trimesh")
+    inertia = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+    links = "".join(
+        f'<link name="{n}"><inertial><mass value="1"/>{inertia}</inertial></link>' for n in ("my base", "b")
+    )
+    path = tmp_path / "one.urdf"
+    path.write_text(
+        f'<robot name="one">{links}<joint name="elbow &lt;b&gt; &amp; co" type="revolute"><parent link="my base"/>'
+        f'<child link="b"/><origin xyz="{place}"/><axis xyz="0 1 0"/>'
+        '<limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>'
+    )
+    session = Session(ready_controller(load_robot(path), 0.01), certify=1)
+    session.targets[0].move(p=np.array([0.3, 0.0, 0.1]))
+    with Window(session, port=8600) as window:
+        session.motion.tick()
+        window.show()
+        assert "elbow &lt;b&gt; &amp; co" in window.panel.joints.content
+        assert "its own rows are zero" in window.panel.reasons.content
+        drawn = "nothing is drawn" if place == "0 0 0" else "capsules from joint to joint"
+        assert drawn in window.scene.figure.note
+        assert np.isfinite(window.scene.figure.bounds).all()
+    assert session.motion.verdict.certified
 
 
 def test_a_model_without_shapes_is_drawn_as_capsules_and_says_so():

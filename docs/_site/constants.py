@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,8 +44,13 @@ def _of(place: str, code: str) -> Iterator[Constant]:
         analyzer = ModuleAnalyzer.for_string(code, place)
         analyzer.analyze()
         for name, value in found.items():
-            about = " ".join(analyzer.attr_docs.get(("", name), [])).strip()
+            about = _norms(" ".join(analyzer.attr_docs.get(("", name), [])).strip())
             yield Constant(place, name, ast.unparse(value), about)
+
+
+def _norms(text: str) -> str:
+    """Bars of norms, as in c |J|^2, are bars; between backticks they are already."""
+    return re.sub(r"(`+.*?`+)|\|", lambda found: found[1] or r"\|", text)
 
 
 def _pairs(target: ast.expr, value: ast.expr) -> Iterator[tuple[str, ast.expr]]:

@@ -57,6 +57,7 @@ def explain(
                 parts=parts_of(labels[own], missing[own], level.weights),
                 causes=() if contradicts else causes_of(hierarchy, labels, rows, dense, judged.multipliers),
                 inner=_inner(dense[own], level.weights**2 * missing[own], labels[own]),
+                zero=not dense[own].any(),
             )
         )
     return tuple(levels)

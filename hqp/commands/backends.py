@@ -6,7 +6,10 @@ from .terminal import console
 
 
 def backends() -> None:
-    """List the solver backends: installed or not, what each takes, how exact it is."""
+    """List the solver backends.
+
+    Of each: whether it is installed, whether it takes inequalities, and how exact it is.
+    """
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
 

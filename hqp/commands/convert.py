@@ -31,9 +31,9 @@ def convert(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace TARGET if it exists.")] = False,
 ) -> None:
-    """Write a hierarchy in another format, and tell what is not kept.
+    """Write a hierarchy in another file format.
 
-    The problem stays the same: its solution is the same x, its levels the same residuals.
+    The problem stays the same, with the same x and the same residuals. What the format cannot hold is told.
     """
     from .. import lexls
     from ..errors import InvalidInput

@@ -17,26 +17,28 @@ def validate(
     count: Annotated[
         int,
         typer.Option(
-            "--count", "-n", min=1, help="Random stacks a case; a fifteenth at every σ, a fifth of each size."
+            "--count", "-n", min=1, help="Random stacks a case; a fifteenth as many at every σ, a fifth at each size."
         ),
     ] = 20,
     backend: Annotated[
-        list[str] | None, typer.Option("--backend", "-b", help="Only this one; may be given several times.")
+        list[str] | None,
+        typer.Option("--backend", "-b", help="Only this one; may be given several times.", metavar="NAME"),
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the random stacks.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the random stacks.")] = 0,
     jobs: Annotated[int, typer.Option("--jobs", "-j", help="Processes; -1 for one a core.")] = -1,
-    cases: Annotated[bool, typer.Option("--cases", help="One row a case or place, not one a backend.")] = False,
+    cases: Annotated[bool, typer.Option("--cases", help="Print one row a case, not one a backend.")] = False,
     out: Annotated[
         Path | None,
         typer.Option("--out", "-o", help="Folder for the report: text, picture, numbers.", metavar="DIR", parser=path),
     ] = None,
 ) -> None:
-    """Compare every backend with Eq. 3.17 and Eq. 4.8, near singularities too, with known answers, and with each other.
+    """Check every backend against closed forms and known answers.
 
-    Random hierarchies, with inequalities at every level, are judged by the certificate and by the other backends.
+    The closed forms are Eq. 3.17 and Eq. 4.8 of the thesis, near singularities too. Random hierarchies, with
+    inequalities at every level, are judged by the certificate, and the backends are compared with each other.
 
-    With --out, validation.md, validation.png and validation.csv are written there. Exit code 1 if a
-    backend is outside its accuracy class anywhere where the rank is decidable.
+    With --out, validation.md, validation.png and validation.csv are written there. Exit code 1 if a backend is less
+    accurate than its class promises, except where the rank is undecidable.
     """
     from ..backends import available_backends, backend_info
     from ..errors import InvalidInput

@@ -112,12 +112,52 @@ def freeze(here, k, count, d, x, size):
 
 
 @inner
+def separate(here, count, d, size):
+    r"""Write the left singular vectors of G to U, and :math:`S^{-1} V^T` to HALF; returns how many there are.
+
+    At most d: :math:`G G^T` has further eigenvalues, which are round-off. A singular value is the length of its
+    combination of rows; the root of an eigenvalue is less accurate by orders of magnitude.
+    """
+    G, M, U = matrix(here, at.G), matrix(here, at.M), matrix(here, at.U)
+    half, values = matrix(here, at.HALF), vector(here, at.VALUES)
+    for r in range(count):
+        for q in range(r + 1):
+            one, other, total = G[r], G[q], 0.0
+            for p in range(d):
+                total += one[p] * other[p]
+            M[r][q] = M[q][r] = total
+    eigen(M, U, values, count)
+    rank = integer(0)
+    for r in range(count):
+        own, row, larger = U[r], half[rank], integer(0)
+        for i in range(count):
+            if values[i] > values[r] or (values[i] == values[r] and i < r):
+                larger += 1
+        if larger >= d:
+            continue
+        for p in range(d):
+            row[p] = 0.0
+        for i in range(count):
+            for p in range(d):
+                row[p] += own[i] * G[i][p]
+        reach = length(row, d)
+        if not reach > NONE * size:  # nor where it is no number
+            continue
+        for p in range(d):
+            row[p] /= reach * reach
+        for i in range(count):
+            U[rank][i] = own[i]
+        rank += 1
+    return rank
+
+
+@inner
 def compliance(here, count, d, size):
     """Write combinations Q of the rows, and as ``values`` the eigenvalues of S^-1 V' D V S^-1, where G = U' S V'.
 
     D is the damping of the level plus the effect of the soft rows above. Returns how many combinations there are.
     """
-    G, P, L, M = matrix(here, at.G), matrix(here, at.P), matrix(here, at.METRIC), matrix(here, at.M)
+    P, L, M = matrix(here, at.P), matrix(here, at.METRIC), matrix(here, at.M)
     U, Q, E, half, values = (
         matrix(here, at.U),
         matrix(here, at.Q),
@@ -139,30 +179,7 @@ def compliance(here, count, d, size):
         for i in range(c, d):
             for j in range(c, d):
                 E[i][j] -= size * size * column[i] * column[j]
-    for r in range(count):
-        for q in range(r + 1):
-            one, other, total = G[r], G[q], 0.0
-            for p in range(d):
-                total += one[p] * other[p]
-            M[r][q] = M[q][r] = total
-    eigen(M, U, values, count)
-    rank = integer(0)
-    for r in range(count):
-        if rank == d:
-            break
-        row, own = half[rank], U[r]
-        for p in range(d):
-            row[p] = 0.0
-        for i in range(count):
-            for p in range(d):
-                row[p] += own[i] * G[i][p]
-        reach = length(row, d)  # the singular value; the root of values[r] is one only above 1e-8 of the largest
-        if reach > NONE * size:
-            for p in range(d):
-                row[p] /= reach * reach
-            for i in range(count):
-                U[rank][i] = own[i]
-            rank += 1
+    rank = separate(here, count, d, size)
     product = vector(here, at.MU)
     for r in range(rank):
         for j in range(d):

@@ -16,7 +16,7 @@ from ..certificate.causes import LEAST_SHARE
 from ..certificate.parts import parts_of
 from ..hierarchy import Hierarchy, Side
 from .answer import Answer
-from .softening import in_words
+from .softening import SMOOTH, in_words
 from .stages import Stages, softened_in, stage_of
 
 #: Where a level gave way, what is missing counts from so much of what its rows ask for on, and from so much in their
@@ -61,7 +61,7 @@ def _own(
         fixing=int(fixing.sum()),
         at_bound=int(at_bound.sum()),
         inner=0.0 if gave or soft else told.inner,
-        damped=_why(solution, staged, k) if gave and missing.any() else "",
+        damped=_why(solution, staged, k, bool(causes)) if gave and missing.any() else "",
     )
 
 
@@ -78,12 +78,13 @@ def _joined(causes: list[Cause]) -> list[Cause]:
     return list(found.values())
 
 
-def _why(solution: Answer, staged: Stages, k: int) -> str:
-    """How a level was damped, or why, and in which direction it gave way most."""
+def _why(solution: Answer, staged: Stages, k: int, above: bool) -> str:
+    """How a level was damped, or why, and in which direction it gave way most; `above`: whether that has causes too."""
     if not staged.singular:
         return f"lambda = {staged.dampings[k]:.3g}"
     labels = [solution.hierarchy.label_of(row) for row in range(*solution.hierarchy.pointers[k : k + 2])]
-    return "".join(in_words(soft, labels, staged.singular) for soft in softened_in(solution, k)[:1])
+    most = [in_words(soft, labels, staged.singular) for soft in softened_in(solution, k)[:1]]
+    return most[0] if most else "" if above else SMOOTH
 
 
 def _soft(given: Hierarchy, stage: Hierarchy, x: Array, k: int) -> list[Cause]:

@@ -26,6 +26,8 @@ SHORT = 0.5
 NONE = 1e-9
 #: Rows with less of a share in a direction are not named.
 NAMED = 0.2
+#: Why a level is damped, if not for directions in which x cannot move it.
+SMOOTH = "so that the answer changes smoothly"
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +81,7 @@ def in_words(soft: Softened, labels: list[Label], singular: str) -> str:
     said = {
         "singular": singular,
         "above": "the levels above leave little to move it by in this direction",
-        "calm": "so that x changes calmly in this direction",
+        "calm": f"{SMOOTH} in this direction",
     }[soft.cause]
     order = np.argsort(-np.abs(soft.direction), kind="stable")
     main = [i for i in map(int, order) if abs(soft.direction[i]) >= NAMED] or [int(order[0])]

@@ -13,7 +13,7 @@ from hqp.errors import brief
 from ..base.checks import Array
 from ..robots.robot import Robot
 from .joints import MujocoJoints, check_same_joints
-from .part import Adapted, Rows, Source, damped, least_squares
+from .part import Adapted, Rows, Source, damped, least_squares, origin
 
 
 def from_mink(given: Any, configuration: Any, *, name: str | None = None) -> Adapted:
@@ -62,7 +62,7 @@ def from_mink(given: Any, configuration: Any, *, name: str | None = None) -> Ada
         return Adapted(Task(given, configuration), bounds=False, name=name)
     if isinstance(given, mink.Limit):
         return Adapted(Bounds(given, configuration), bounds=True, name=name)
-    raise InvalidInput(f"from_mink takes a task or a limit of mink; this is a {type(given).__name__}")
+    raise InvalidInput(f"from_mink takes a task or a limit of mink; this is a {origin(given)}")
 
 
 class _Measured(Source):

@@ -59,6 +59,13 @@ class Source(ABC):
         return [*own, *(f"row {i}" for i in range(len(own), count))] if len(own) <= count else own[:count]
 
 
+def origin(given: object) -> str:
+    """The class of an object and the library it is of: the libraries call theirs alike."""
+    kind = type(given)
+    library = kind.__module__.partition(".")[0]
+    return kind.__name__ if library == "builtins" else f"{kind.__name__} of {library}"
+
+
 class Adapted(Part):
     """One object of another library as rows of velocity; made by :func:`from_pink` or :func:`from_mink`.
 
@@ -91,6 +98,9 @@ class Adapted(Part):
 
     def full_name(self) -> str:
         return f"{self._source.kind} {self.name!r}"
+
+    def __repr__(self) -> str:
+        return f"Adapted({self.full_name()})"
 
     def companions(self, setting: Setting) -> Companions:
         """Itself, with as many rows as the object has now."""

@@ -14,7 +14,7 @@ from hqp.errors import brief
 
 from ..base.checks import Array
 from ..robots.robot import Robot, on_pinocchio
-from .part import Adapted, Rows, Source, damped, least_squares
+from .part import Adapted, Rows, Source, damped, least_squares, origin
 
 #: What a barrier of Pink adds to its QP: constraints, and a cost that keeps steps short.
 Half = Literal["bounds", "cost"]
@@ -73,7 +73,7 @@ def from_pink(given: Any, configuration: Any = None, *, half: Half | None = None
     if isinstance(given, limits.Limit):
         return Adapted(Bounds(given, configuration), bounds=True, name=name)
     if not barrier:
-        raise InvalidInput(f"from_pink takes a task, a barrier or a limit of Pink; this is a {type(given).__name__}")
+        raise InvalidInput(f"from_pink takes a task, a barrier or a limit of Pink; this is a {origin(given)}")
     if half not in (None, "bounds", "cost"):
         raise InvalidInput(f"half = {brief(half)}; it must be 'bounds' or 'cost'")
     if half is None and given.safe_displacement_gain > LEAST_GAIN:

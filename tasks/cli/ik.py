@@ -53,7 +53,7 @@ def ik(
     robot: Annotated[str, typer.Argument(help="A name, as panda or ur5, or a URDF or MJCF file.", metavar="ROBOT")],
     position: Annotated[str, typer.Option("--position", help="Where the frame is to be [m].", metavar="X Y Z")],
     frame: Annotated[
-        str | None, typer.Option("--frame", help="The frame to bring there (default: the robot's tip).", metavar="NAME")
+        str | None, typer.Option("--frame", help="Frame to bring there (default: the robot's tip).", metavar="NAME")
     ] = None,
     orientation: Annotated[
         str | None,
@@ -64,25 +64,27 @@ def ik(
         ),
     ] = None,
     start: Annotated[
-        Literal["home", "neutral", "random"], typer.Option("--start", help="Where to start, and the posture to keep.")
+        Literal["home", "neutral", "random"],
+        typer.Option("--start", help="Configuration to start from, and the posture to keep."),
     ] = "home",
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of all that is random.")] = 0,
-    iterations: Annotated[int, typer.Option("--iterations", min=1, help="The most, restarts included.")] = 300,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of all that is random.")] = 0,
+    iterations: Annotated[int, typer.Option("--iterations", min=1, help="Most iterations, restarts included.")] = 300,
     tolerance: Annotated[
         float | None,
-        typer.Option("--tolerance", help="In m and in rad (default: 1e-4 m and 1e-3 rad).", metavar="T"),
+        typer.Option("--tolerance", help="Error that counts as none [m], [rad] (default: 1e-4, 1e-3).", metavar="T"),
     ] = None,
     lock: Lock = None,
     base: Base = None,
     body: Body = None,
     plot: Annotated[
         Path | None,
-        typer.Option("--plot", help="Draw the robot there into this PNG.", parser=command.path, metavar="FILE"),
+        typer.Option("--plot", help="Draw the robot at the answer, to this PNG.", parser=command.path, metavar="FILE"),
     ] = None,
 ) -> None:
-    """Bring a frame to a pose, the joints inside their ranges: position before orientation before posture.
+    """Solve inverse kinematics for a pose of a frame.
 
-    Exit code 1 if it cannot be brought there; the nearest is printed, and what stops it.
+    The joints stay inside their ranges; position has priority over orientation, and orientation over posture. Exit
+    code 1 if the pose is out of reach: the nearest is printed, and what stops it.
     """
     from hqp.files.whole import writable
 

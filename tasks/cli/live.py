@@ -22,20 +22,29 @@ def live(
     body: Body = None,
     tick: Annotated[float, typer.Option("--dt", help="Time between two ticks [s].", metavar="DT")] = TICK,
     certify: Annotated[
-        int, typer.Option("--certify", min=0, help="Put every so many-th tick to the certificate; 0 for none.")
+        int, typer.Option("--certify", min=0, help="Certify and explain every N-th tick; 0: none.", metavar="N")
     ] = 25,
     host: Annotated[
-        str, typer.Option("--host", help="Listen here, too far for a password (default: this machine alone).")
+        str,
+        typer.Option(
+            "--host",
+            help="Address to listen on. With 0.0.0.0 other machines can connect, without a password.",
+            metavar="ADDRESS",
+        ),
     ] = "127.0.0.1",
-    port: Annotated[int, typer.Option("--port", min=1, max=65535, help="Or the next that is free.")] = 8080,
+    port: Annotated[
+        int,
+        typer.Option("--port", min=1, max=65535, help="Port to listen on, or the next that is free.", metavar="PORT"),
+    ] = 8080,
     folder: Annotated[
         Path, typer.Option("--out", "-o", help="Where recordings are saved.", metavar="DIR", parser=command.path)
     ] = Path("."),
 ) -> None:
-    """Move a robot in the browser: drag its targets, reorder its tasks, and read what each lacks and why.
+    """Move a robot in the browser, simulated.
 
-    Limits above position above orientation above posture; of a robot on feet, limits above feet above the centre of
-    mass above hands above posture. For a stack of your own there is tasks.live(controller). Ctrl-C ends it.
+    Drag its targets, reorder its levels, and read what each lacks and why. The levels are joint limits, position,
+    orientation, posture; of a robot on feet: joint limits, feet, centre of mass, hands, posture. No real robot is
+    connected. In Python, tasks.live(controller) shows a stack of your own. Ctrl-C ends it.
     """
     from ..drawing.stage import viser_module
     from ..robots.loading import load_robot

@@ -8,13 +8,19 @@ import typer
 
 Lock = Annotated[
     list[str] | None,
-    typer.Option("--lock", help="Hold this joint where neutral; may be given several times.", metavar="JOINT"),
+    typer.Option(
+        "--lock", help="Hold this joint at its neutral position; may be given several times.", metavar="JOINT"
+    ),
 ]
 Base = Annotated[
     Literal["fixed", "planar", "floating"] | None,
-    typer.Option("--base", help="How the robot stands (default: as the library knows it, or as its file says)."),
+    typer.Option("--base", help="Base of the robot (default: as the library knows it, or as its file says)."),
 ]
 Body = Annotated[
     list[str] | None,
-    typer.Option("--body", help="Where the robot begins, if an MJCF has several.", metavar="NAME"),
+    typer.Option(
+        "--body",
+        help="Root body, if an MJCF has several; may be given several times, for one robot of all.",
+        metavar="NAME",
+    ),
 ]

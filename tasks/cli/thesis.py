@@ -16,8 +16,8 @@ def thesis(
         typer.Option(
             "--figure",
             "-f",
-            help="2.1, 3.1 to 3.5, 4.1 to 4.37; argument, priorities, workspace; lines, stacks; may be given several"
-            " times.",
+            help="Which: 2.1, 3.1 to 3.5, 4.1 to 4.37; argument, priorities, workspace; lines, stacks; may be given"
+            " several times.",
             metavar="N",
         ),
     ] = None,
@@ -27,7 +27,10 @@ def thesis(
     law: Annotated[
         list[str] | None,
         typer.Option(
-            "--law", "-l", help="thesis, strict, limits or damped; may be given several times.", metavar="NAME"
+            "--law",
+            "-l",
+            help="Control law: thesis, strict, limits or damped; may be given several times.",
+            metavar="NAME",
         ),
     ] = None,
     out: Annotated[
@@ -35,16 +38,19 @@ def thesis(
     ] = Path("out/thesis"),
     form: Annotated[
         str,
-        typer.Option("--format", help="png, pdf or svg; for a paper there is a png and a pdf, or svg.", metavar="F"),
+        typer.Option(
+            "--format", help="File format: png, pdf or svg; the plain figures are a png and a pdf, or svg.", metavar="F"
+        ),
     ] = "png",
     animate: Annotated[bool, typer.Option("--animate", help="Write each figure as a GIF, too.")] = False,
     jobs: Annotated[int, typer.Option("--jobs", "-j", help="Processes; -1 for one a core.")] = -1,
 ) -> None:
-    """Simulate the figures of the thesis, draw them, and compare the claims of its text with the results.
+    """Reproduce the figures of the thesis, and check its claims.
 
     Without --figure: all of them. Each figure of chapter 4 is drawn in full, all laws side by side, and
     plain, as the text has it, for a paper: of the first law that is asked for. 2.1, 3.1 to 3.5 and 4.1
     are drawings and simulate nothing; lines and stacks are studies, a table each, without a picture.
+
     What is finished is kept: after an interruption the same command goes on where it was.
     """
     from ..thesis.laws import NAMES

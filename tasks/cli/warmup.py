@@ -7,7 +7,10 @@ UNKEPT = "no folder can be written to, or this Numba has no stamp for what is ke
 
 
 def warmup() -> None:
-    """Compile all kernels ahead of time, or find them compiled; say how long that took and where they are kept."""
+    """Compile all kernels ahead of time.
+
+    Says how long that took and where they are kept; what is compiled already is left as it is.
+    """
     from time import perf_counter
 
     from hqp.backends import native

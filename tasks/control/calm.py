@@ -13,7 +13,7 @@ from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.task import Task
 
 #: Text of explanations for a task with a direction in which the joints hardly move it.
-STRAIGHT = "the arm is straight in this direction"
+STRAIGHT = "the joints move it little in this direction"
 #: The deceleration of joints at the ends of their ranges, where no acceleration is limited [rad/s^2]: from the speeds
 #: of arms they come to rest within 50 ms, not within a tick. Elsewhere nothing is braked.
 GENTLE = 60.0

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
 
 #: Path of the robot in the scene.
 ROOT = "/robot"
-
+#: Half a side of the box about a robot of which nothing can be drawn [m].
+UNKNOWN = 0.5
 
 #: Position [m], shape (3,), and unit quaternion (w, x, y, z): the form in which viser takes a pose.
 Pose = tuple[Array, tuple[float, float, float, float]]
@@ -76,6 +77,7 @@ class MeshFigure:
             place = self._data.oMi[mesh.joint]
             points = mesh.vertices @ np.array(place.rotation).T + np.array(place.translation)
             corners += [points.min(axis=0), points.max(axis=0)]
+        corners = corners or [np.full(3, -UNKNOWN), np.full(3, UNKNOWN)]
         self.bounds = np.array([np.min(corners, axis=0), np.max(corners, axis=0)])
         self.move(robot.home)
 

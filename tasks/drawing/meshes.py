@@ -60,9 +60,12 @@ def meshes_of(robot: PinocchioRobot) -> tuple[list[Mesh], str]:
     except InvalidInput as reason:
         return list(_capsules(robot)), f"links are drawn as capsules from joint to joint: {reason}"
     meshes = [mesh for shape in shapes.geometryObjects for mesh in _of_shape(shape)]
-    if not meshes:
-        return list(_capsules(robot)), "links are drawn as capsules from joint to joint: the file has no visual shapes"
-    return meshes, "drawn by the visual shapes of the file"
+    if meshes:
+        return meshes, "drawn by the visual shapes of the file"
+    capsules = list(_capsules(robot))
+    if not capsules:
+        return [], "nothing is drawn: the file has no visual shapes, and all joints are at one point"
+    return capsules, "links are drawn as capsules from joint to joint: the file has no visual shapes"
 
 
 def _of_shape(shape: Any) -> Iterator[Mesh]:

@@ -14,6 +14,9 @@ from ..robots.robot import Robot
 from .figure import figure
 from .stage import look, open_stage
 
+#: Pictures a second, at most: what a fast screen shows.
+MOST_RATE = 240.0
+
 
 def save_page(path: str | os.PathLike[str], robot: Robot, t: Array, q: Array, rate: float) -> None:
     """Write a motion as a page.
@@ -32,9 +35,12 @@ def save_page(path: str | os.PathLike[str], robot: Robot, t: Array, q: Array, ra
     Raises
     ------
     InvalidInput
-        If the configurations do not fit the robot, there are none, or the file cannot be written.
+        If the configurations do not fit the robot, there are none, the rate is above `MOST_RATE`, or the file cannot be
+        written.
     """
     rate = positive_scalar(rate, "rate", unit="1/s")
+    if rate > MOST_RATE:
+        raise InvalidInput(f"rate = {rate:g} 1/s; it must be at most {MOST_RATE:g}, as fast as a screen")
     if q.ndim != 2 or q.shape[1] != robot.nq or not len(q):
         raise InvalidInput(f"the configurations have shape {q.shape}; the robot takes (states, {robot.nq})")
     server = open_stage()

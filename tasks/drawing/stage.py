@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import socket
 from contextlib import redirect_stdout
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -63,6 +64,7 @@ def open_stage(host: str = LOOPBACK, port: int = PORT, label: str = "hqp") -> vi
     if port > LAST_PORT:
         raise InvalidInput(f"port = {port}; it must be at most {LAST_PORT}")
     viser_module()
+    _check_address(host)
     if host not in OWN:
         tell(
             f"listening on {host!r}: whoever reaches this machine can move what is shown, and there is no password;"
@@ -78,6 +80,17 @@ def open_stage(host: str = LOOPBACK, port: int = PORT, label: str = "hqp") -> vi
     server.scene.set_up_direction("+z")
     server.scene.configure_default_lights(cast_shadow=False)
     return server
+
+
+def _check_address(host: str) -> None:
+    """Refuse an address that is none of this machine; viser would try every port of it."""
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(host or None, 0, type=socket.SOCK_STREAM)[0]
+        with socket.socket(family, kind, protocol) as probe:
+            probe.bind(address)
+    except OSError as error:
+        told = f"it is no address of this machine ({error.strerror or error})"
+        raise InvalidInput(f"cannot listen on {host!r}: {told}; {LOOPBACK} is for this machine alone") from None
 
 
 @cache

@@ -53,15 +53,24 @@ class PointingTask(FrameTask, LoopTask):
     def _pointing(self, site: Site, kernel: Any, *, at_point: bool) -> Plan:
         """One loop for the rows, from the axis and its target, and one for their curvature."""
         from ..base.loops import Call
-        from ..rows.curvature import bending
+        from ..rows.curvature import curvature_call
         from ..rows.plan import Plan
-        from .kernels import curvature as bends
+        from .kernels import curvature as kernels
         from .kernels.directions import work_size
 
         target, axis, law = np.zeros((3, 3)), np.vstack([self.axis, self._across]), site.law(self)
         moves = site.keep_up(self, "target", *target)
         call = Call(kernel, law, self.block(site), target, axis, np.zeros(work_size(site.shared.n)))
-        curvature = bending(site, bends.bend_direction, self.bends(site), bends.WORK_SIZE, law, target, axis, at_point)
+        curvature = curvature_call(
+            site,
+            kernels.direction_curvature,
+            self.motion_curvature(site),
+            kernels.WORK_SIZE,
+            law,
+            target,
+            axis,
+            at_point,
+        )
         return Plan((call,), moves, curvature=curvature)
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:

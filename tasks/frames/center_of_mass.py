@@ -89,10 +89,10 @@ class CenterOfMassTask(PositionTask):
     def block(self, site: Site) -> Array:
         return site.center_of_mass(self.relative_to)
 
-    def bends(self, site: Site) -> Table | None:
-        from ..rows.curvature import center_bends
+    def motion_curvature(self, site: Site) -> Table | None:
+        from ..rows.curvature import center_of_mass_curvature
 
-        return center_bends(site.shared, self.relative_to)
+        return center_of_mass_curvature(site.shared, self.relative_to)
 
     def reading(self) -> None:
         """No joint carries the centre of mass as it carries a frame."""

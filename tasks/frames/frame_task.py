@@ -112,11 +112,11 @@ class FrameTask(Task):
         """The block of the frame, for loops; see :mod:`tasks.robots.kernels.block`."""
         return site.frame(self.frame, self.relative_to)
 
-    def bends(self, site: Site) -> Table | None:
+    def motion_curvature(self, site: Site) -> Table | None:
         """The curvature of the frame's motion, see :mod:`tasks.rows.curvature`; None where it is not known."""
-        from ..rows.curvature import frame_bends
+        from ..rows.curvature import frame_curvature
 
-        return frame_bends(site.shared, self.frame, self.relative_to)
+        return frame_curvature(site.shared, self.frame, self.relative_to)
 
     def reading(self) -> Reading | None:
         """The linear map from the motion of the frame to its rows; None if it is not constant."""

@@ -125,12 +125,12 @@ class PlacementTask(FrameTask, LoopTask):
 
     def _curvature(self, site: Site, law: Table) -> Call | None:
         """One loop more, for the curvature."""
-        from ..rows.curvature import bending
-        from .kernels import curvature as bends
+        from ..rows.curvature import curvature_call
+        from .kernels import curvature as kernels
 
         first, mask = (0 if self.position is not None else 3), np.array(self.mask, dtype=np.int64)
         told = law, self.axes, self.rotation is not None, first, mask
-        return bending(site, bends.bend_placement, self.bends(site), bends.WORK_SIZE, *told)
+        return curvature_call(site, kernels.placement_curvature, self.motion_curvature(site), kernels.WORK_SIZE, *told)
 
     def _bound(self) -> Any:
         """The loop that bounds the curvature; None if the coordinates that the task lacks have a part in it."""

@@ -117,15 +117,17 @@ class PlaneTask(FrameTask, LoopTask):
     def plan(self, site: Site) -> Plan:
         """One loop; the distance is written every tick where it moves."""
         from ..base.loops import Call
-        from ..rows.curvature import bending
+        from ..rows.curvature import curvature_call
         from ..rows.plan import Plan
-        from .kernels import curvature as bends
+        from .kernels import curvature as kernels
         from .kernels.directions import write_plane
 
         target = np.zeros((3, 1))
         moves = site.keep_up(self, "target", *target)
         call = Call(write_plane, site.law(self), self.block(site), target, self.normal)
-        curvature = bending(site, bends.bend_plane, self.bends(site), bends.WORK_SIZE, self.normal)
+        curvature = curvature_call(
+            site, kernels.plane_curvature, self.motion_curvature(site), kernels.WORK_SIZE, self.normal
+        )
         return Plan((call,), moves, curvature=curvature)
 
     def row_names(self, robot: Robot) -> list[tuple[str, str]]:

@@ -15,9 +15,16 @@ import pinocchio as pin
 from hqp import InvalidInput
 from hqp.errors import brief
 
-from ..base.checks import Array
+from ..base.checks import Array, suggestion
 from ..base.telling import tell
 from .joint_axes import NONE, JointAxis
+
+
+class Groups(dict[str, tuple[str, ...]]):
+    """Joints by group; a name that is none is refused with those that there are."""
+
+    def __missing__(self, name: object) -> tuple[str, ...]:
+        raise InvalidInput(f"{name!r} is no group of the robot{suggestion(str(name), self)}")
 
 
 class Semantic:
@@ -32,7 +39,7 @@ class Semantic:
     @property
     def groups(self) -> dict[str, tuple[str, ...]]:
         """Groups of joints of an SRDF, see :meth:`with_srdf`; use them where tasks take names of joints."""
-        return dict(self._groups)
+        return Groups(self._groups)
 
     @property
     def configurations(self) -> tuple[str, ...]:
@@ -45,9 +52,9 @@ class Semantic:
 
         ``robot.configuration("ready")`` is then a group state, with all other joints neutral, and
         ``robot.groups["arm"]`` are the joints of a group, as for ``Freeze(all_but=robot.groups["arm"])``. Locked joints
-        are left out; names in the file that the robot does not have are logged. If two groups have states of the same
-        name that contradict each other, each is named ``"group/name"``. A state replaces a keyframe of the same name;
-        home is unchanged.
+        are left out. Names in the file that the robot does not have, and positions outside the range of a joint, are
+        logged. If two groups have states of the same name that contradict each other, each is named
+        ``"group/name"``. A state replaces a keyframe of the same name; home is unchanged.
 
         Parameters
         ----------
@@ -56,7 +63,8 @@ class Semantic:
         Raises
         ------
         InvalidInput
-            If the file cannot be read, has no group and no group state, or gives a joint a wrong number of values.
+            If the file cannot be read, has no group and no group state, names nothing that the robot has, or gives a
+            joint a wrong number of values, or two positions.
         """
         from .files.srdf import read_srdf
 
@@ -73,8 +81,20 @@ class Semantic:
         }
         other._states = read.states
         for name, positions in read.states.items():
-            other._put(pin.neutral(self.model), positions, f"{what}: configuration {name!r}")
+            told = f"{what}: configuration {name!r}"
+            wanted, moved = other._put(pin.neutral(self.model), positions, told), other.configuration(name)
+            outside = [
+                axis.name
+                for axis in self._axes
+                if axis.joint in positions and axis.q_index != NONE and wanted[axis.q_index] != moved[axis.q_index]
+            ]
+            if outside:
+                tell(f"{told} is outside the range of {', '.join(outside)} [rad], [m]; it is moved into it")
         return other
+
+    def configuration(self, joints: str | Mapping[str, float]) -> Array:
+        """See :meth:`tasks.PinocchioRobot.configuration`."""
+        raise NotImplementedError
 
     def _put(self, q: Array, positions: Mapping[str, Array], what: str) -> Array:
         """q with these joints at these positions; names that are not joints of the model are ignored."""

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from .site import Site, Workspace
 
 
-def bending(site: Site, kernel: Any, seen: Table | None, size: int, *told: Entry) -> Call | None:
+def curvature_call(site: Site, kernel: Any, seen: Table | None, size: int, *told: Entry) -> Call | None:
     """The call that adds S(w) of the rows of a part; None if the curvature of its frame is not known.
 
     Parameters
@@ -54,21 +54,21 @@ def bending(site: Site, kernel: Any, seen: Table | None, size: int, *told: Entry
     return None if seen is None else Call(kernel, weights, total, seen, np.zeros(size), *told)
 
 
-def frame_bends(shared: Workspace, name: str | None, relative_to: str | None = None) -> Table | None:
+def frame_curvature(shared: Workspace, name: str | None, relative_to: str | None = None) -> Table | None:
     """The curvature of the motion of a frame, for loops.
 
     None if the robot does not tell which joint carries which, or nobody will ask.
     """
-    if not shared.bends:
+    if not shared.curvature:
         return None
     places = chain_order(shared.robot, name)
     block = shared.blocks.frame(name)
     return _seen(shared, _of_block(shared, block, places), shared.blocks.frame(name, relative_to), relative_to)
 
 
-def center_bends(shared: Workspace, relative_to: str | None = None) -> Table | None:
-    """The curvature of the motion of the centre of mass; None where :func:`frame_bends` gives none."""
-    if not shared.bends:
+def center_of_mass_curvature(shared: Workspace, relative_to: str | None = None) -> Table | None:
+    """The curvature of the motion of the centre of mass; None where :func:`frame_curvature` gives none."""
+    if not shared.curvature:
         return None
     axes, robot = shared.blocks.axes(), shared.robot
     tree = robot.tree_order() if isinstance(robot, Branched) else None
@@ -78,8 +78,8 @@ def center_bends(shared: Workspace, relative_to: str | None = None) -> Table | N
     from ..base.loops import Table
 
     pairs = carried_in_tree(tree)
-    bends = Table(shared.n, block, axes[3:], 6, 1, len(pairs), pairs)
-    return _seen(shared, bends, shared.blocks.center_of_mass(relative_to), relative_to)
+    motion = Table(shared.n, block, axes[3:], 6, 1, len(pairs), pairs)
+    return _seen(shared, motion, shared.blocks.center_of_mass(relative_to), relative_to)
 
 
 def _of_block(shared: Workspace, block: Array, places: NDArray[np.int64] | None) -> Table | None:
@@ -92,11 +92,11 @@ def _of_block(shared: Workspace, block: Array, places: NDArray[np.int64] | None)
     return Table(n, block, block[at.JACOBIAN + 3 * n :], 1, n, len(pairs), pairs)
 
 
-def _seen(shared: Workspace, bends: Table | None, block: Array, relative_to: str | None) -> Table | None:
+def _seen(shared: Workspace, motion: Table | None, block: Array, relative_to: str | None) -> Table | None:
     """The curvature of its motion relative to another frame, by its block in that frame."""
     from ..base.loops import Table
 
-    if bends is None or relative_to is None:
-        return None if bends is None else Table(bends, 0, block)
+    if motion is None or relative_to is None:
+        return None if motion is None else Table(motion, 0, block)
     root = _of_block(shared, shared.blocks.frame(relative_to), chain_order(shared.robot, relative_to))
-    return None if root is None else Table(bends, root, block)
+    return None if root is None else Table(motion, root, block)

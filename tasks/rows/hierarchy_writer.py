@@ -204,7 +204,7 @@ class HierarchyWriter:
         """Begin anew with the numbers that all parts and the robot have now."""
         robot, order, dt = self._robot, self._order, self._dt
         self.shared = shared = Workspace(robot, order, dt, self.unknowns, self._memory)
-        shared.bends = self._live
+        shared.curvature = self._live
         self._joints: list[tuple[RowWriter, Array, Array]] = []  # of wide rows: the joints' part
         self._views: list[tuple[RowWriter, Site]] = []
         self._weights: list[tuple[Array, NDArray[np.intp]]] = []  # and which rows ask for nothing

@@ -88,8 +88,8 @@ class Workspace:
         The joint limits of the stack.
     work : array, shape (64,)
         For loops to work in.
-    bends : bool
-        Whether plans tell how rows bend, for who asks.
+    curvature : bool
+        Whether plans have to give the curvature of their rows.
     n : int
         Velocities of the joints.
     unknowns : Unknowns
@@ -128,7 +128,7 @@ class Workspace:
             self.positions, self._joints = np.zeros(robot.nv), joint_reader(at_rest(robot))
         self.blocks = Blocks(source, self.n)
         self.envelope = Envelope(self.n)
-        self.work, self.bends = np.zeros(64), True
+        self.work, self.curvature = np.zeros(64), True
         if order == "acceleration":
             self.blocks.drifts[0] = 1
 

@@ -16,6 +16,8 @@ from ..base.checks import Array
 MOST_NAMED = 3
 #: A residual up to this size is round-off [m/s], [rad/s], ...
 ROUND_OFF = 1e-9
+#: A level that lacks up to this counts as met: damping and contacts leave residuals of such sizes [m/s], [rad/s], ...
+NEGLIGIBLE = 1e-7
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ class Shortfall:
     lacks : dict of str to float
         Unit -> Euclidean norm of what is missing.
     causes : tuple of str
-        What held it back: damping first, then the strongest causes; empty if its own rows contradict each other.
+        What held it back: damping first, then the strongest causes; of a level that contradicts itself, how.
     """
 
     level: str
@@ -53,13 +55,14 @@ def shortfalls(solution: Solution) -> tuple[Shortfall, ...]:
                 for unit, norm in part.residual.items():
                     lacks[unit] = (lacks.get(unit, 0.0) ** 2 + norm**2) ** 0.5
             causes = tuple((["damping"] if level.damped else []) + [str(cause) for cause in level.causes])[:MOST_NAMED]
+            causes = (level.own,) if level.contradicts else causes
             found.append(Shortfall(name, {unit: norm for unit, norm in lacks.items() if norm > 0.0}, causes))
     return tuple(found)
 
 
 def met(level: LevelExplanation) -> bool:
-    """Whether a level lacks nothing but round-off."""
-    return all(norm <= ROUND_OFF for part in level.parts for norm in part.residual.values())
+    """Whether a level lacks nothing that matters."""
+    return all(norm <= NEGLIGIBLE for part in level.parts for norm in part.residual.values())
 
 
 @dataclass(frozen=True)

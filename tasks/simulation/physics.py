@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import ceil
 from typing import TYPE_CHECKING, Any, NamedTuple
+from warnings import warn
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,7 +29,7 @@ from hqp.errors import brief
 
 from ..base.checks import Array, finite, finite_scalar, positive_scalar
 from ..contacts.contact import Contact
-from ..robots.robot import Robot, base, check_frame, on_pinocchio
+from ..robots.robot import Robot, base, check_frame, check_joints, on_pinocchio
 from .ground import Ground
 from .motion import check_names, told
 from .mujoco_model import free, joints, known, point_name, specification_of
@@ -126,7 +127,7 @@ class MujocoPlant:
         q, v, tau, dt = told(self._robot, q, v, tau, dt, "MujocoPlant")
         steps = ceil(dt / self.step * (1.0 - 1e-9))
         self.model.opt.timestep = dt / steps
-        self.place(q, v)
+        self._put(q, v)
         if not self._laid:
             self._lay_ground()
         data = self.data
@@ -137,8 +138,24 @@ class MujocoPlant:
             data.qacc[:] = data.qacc_warmstart[:] = 0.0
         return self.state()
 
-    def place(self, q: Array, v: Array) -> None:
-        """Set the state of the robot: q and v of its Pinocchio model."""
+    def place(self, q: ArrayLike, v: ArrayLike) -> None:
+        """The former name of :meth:`set_state`."""
+        warn("MujocoPlant.place is MujocoPlant.set_state now", DeprecationWarning, stacklevel=2)
+        self.set_state(q, v)
+
+    def set_state(self, q: ArrayLike, v: ArrayLike) -> None:
+        """Set the state of the robot: q and v of its Pinocchio model.
+
+        Raises
+        ------
+        InvalidInput
+            If a number is not finite, or there are more or fewer than the robot has.
+        """
+        q, v = finite(q, "MujocoPlant: q"), finite(v, "MujocoPlant: v")
+        check_joints(self._robot, q, v)
+        self._put(q, v)
+
+    def _put(self, q: Array, v: Array) -> None:
         data = self.data
         if self._base:
             data.qpos[:3], data.qpos[3], data.qpos[4:7] = q[:3], q[6], q[3:6]

@@ -6,12 +6,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from hqp import InvalidInput
+from hqp.checks import of_type, truth
 
+from ..base.checks import finite_scalar, not_negative, scalar
 from ..contacts.contact import Contact
 from ..control.contacts import find_contact
 from ..control.controller import Controller
 from ..rows.part import Stack
-from ..targets.timing import Timing, cubic
+from ..targets.timing import Timing, as_timing, cubic
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +30,11 @@ class Change:
     law : callable
         A timing law.
 
+    Raises
+    ------
+    InvalidInput
+        If a time is not finite, a duration is negative, or the stack or the law is none.
+
     Examples
     --------
     >>> from tasks import Change, Controller, OrientationTask, PlanarArm, PositionTask, simulate
@@ -42,6 +49,11 @@ class Change:
     stack: Stack
     duration: float
     law: Timing = cubic
+
+    def __post_init__(self) -> None:
+        _check_times(self, "a change")
+        object.__setattr__(self, "stack", self.stack if isinstance(self.stack, Stack) else Stack(self.stack))
+        as_timing(self.law, "a change: law")
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +70,11 @@ class Switch:
     duration : float
         How long that takes [s].
 
+    Raises
+    ------
+    InvalidInput
+        If a time is not finite, a duration is negative, `on` is no truth value, or the contact is none.
+
     Examples
     --------
     >>> from tasks import Switch
@@ -69,6 +86,17 @@ class Switch:
     contact: Contact | str
     on: bool
     duration: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check_times(self, "a switch")
+        object.__setattr__(self, "on", truth(self.on, "a switch: on"))
+        if not isinstance(self.contact, Contact):
+            of_type(self.contact, str, "a switch: contact")
+
+
+def _check_times(change: Change | Switch, what: str) -> None:
+    object.__setattr__(change, "t", finite_scalar(change.t, f"{what}: t"))
+    scalar(not_negative(change.duration, f"{what}: duration", unit="s"), f"{what}: duration")
 
 
 def check_switches(controller: Controller, schedule: Iterable[Change | Switch]) -> None:

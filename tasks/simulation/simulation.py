@@ -19,23 +19,20 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput, Solution
-from hqp.checks import listed, of_type, truth, whole_number
+from hqp.checks import listed, of_type, whole_number
 from hqp.errors import brief
 
-from ..base.checks import Array, finite, finite_scalar, function, not_negative, positive_scalar, scalar
+from ..base.checks import Array, finite, finite_scalar, function, positive_scalar
 from ..control.contacts import find_contact
 from ..control.controller import Controller
 from ..control.step import Step
 from ..robots.robot import Robot, check_joints, integration, joint_names, joint_units
-from ..rows.part import Part, Stack
-from ..targets.timing import as_timing
 from .log import Log
 from .motion import check_moved, follow
 from .record import Record, Stop
@@ -246,20 +243,11 @@ def _check_plant(plant: Plant | None, controller: Controller) -> None:
 
 def _checked(change: Change | Switch, controller: Controller, changes: Sequence[Change | Switch]) -> Change | Switch:
     """The checked change or switch; the contact of a switch must belong to one of the stacks of the run."""
-    if isinstance(change, Switch):
-        coming = [other.stack for other in changes if isinstance(other, Change)]
-        find_contact([*controller.stack, *(part for stack in coming for part in _parts(stack))], change.contact)
-        scalar(not_negative(change.duration, "a switch: duration", unit="s"), "a switch: duration")
-        return replace(change, t=finite_scalar(change.t, "a switch: t"), on=truth(change.on, "a switch: on"))
-    stack = of_type(change, Change, "a change").stack
-    stack = stack if isinstance(stack, Stack) else Stack(stack)
-    scalar(not_negative(change.duration, "a change: duration", unit="s"), "a change: duration")
-    as_timing(change.law, "a change: law")
-    return replace(change, t=finite_scalar(change.t, "a change: t"), stack=stack)
-
-
-def _parts(stack: Stack | Part) -> Iterable[Part]:
-    return stack if isinstance(stack, Stack) else (stack,)
+    if not isinstance(change, Switch):
+        return of_type(change, Change, "a change")
+    coming = [other.stack for other in changes if isinstance(other, Change)]
+    find_contact([*controller.stack, *(part for stack in coming for part in stack)], change.contact)
+    return change
 
 
 def _make_happen(change: Change | Switch, controller: Controller) -> None:

@@ -17,7 +17,7 @@ from ..control.controller import Controller
 from ..control.step import Step
 from ..robots.robot import check_joints, home, integration
 from ..rows.part import Part, Stack
-from ..simulation.account import ROUND_OFF, met
+from ..simulation.account import NEGLIGIBLE, ROUND_OFF, met
 from ..simulation.log import Log
 from ..simulation.motion import follow
 from ..simulation.record import Record
@@ -163,7 +163,9 @@ class Motion:
         told = []
         for level in step.solution.explain().levels:
             name = " + ".join(part.part for part in level.parts)
-            told.append((name, met(level), f"{name} met, to round-off" if met(level) != level.met else str(level)))
+            told.append(
+                (name, met(level), f"{name} met, within {NEGLIGIBLE:g}" if met(level) != level.met else str(level))
+            )
         return Verdict(self.t, bool(step.solution.certify().ok), tuple(told))
 
     # Recording.

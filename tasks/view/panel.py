@@ -164,13 +164,14 @@ class Panel:
 
     def _target(self, target: Target) -> None:
         point = turn = None
-        still = target.fixed
         if target.point is not None:
-            point = self._gui.add_vector3(f"{target.name} [m]", _three(target.p), step=0.01, disabled=not still)
+            point = self._gui.add_vector3(
+                f"{target.name} [m]", _three(target.p), step=0.01, disabled=not target.draggable
+            )
             self._changed(point, lambda value: self._type(target, p=np.array(value)))
         if target.turn is not None:
             words = f"{target.name} roll, pitch, yaw [deg]"
-            turn = self._gui.add_vector3(words, _three(_rpy(target.R)), step=1.0, disabled=not still)
+            turn = self._gui.add_vector3(words, _three(_rpy(target.R)), step=1.0, disabled=not target.draggable)
             self._changed(turn, lambda value: self._type(target, R=from_rpy(*np.radians(value))))
         self._typed[id(target)] = point, turn
 

@@ -68,7 +68,7 @@ class Scene:
         parent = self._parents.get(target.relative_to or "")
         name = f"/targets/{number}" if parent is None else f"{parent.name}/target{number}"
         position, wxyz = pose_of(target)
-        if not target.fixed:
+        if not target.draggable:
             gizmo: Any = self._server.scene.add_frame(
                 name, axes_length=AXES * size, axes_radius=0.03 * AXES * size, position=position, wxyz=wxyz
             )

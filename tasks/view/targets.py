@@ -56,8 +56,8 @@ class Target:
         return (True, True, True)
 
     @property
-    def fixed(self) -> bool:
-        """Whether the target can be dragged: it is constant or a setpoint, not a function of time."""
+    def draggable(self) -> bool:
+        """Whether it can be dragged: it is constant or a setpoint, not a function of time."""
         goals = [] if self.point is None else [_goal(self.point)]
         if self.turn is not None:
             goals.append(self.turn.target if isinstance(self.turn, AxisTask) else self.turn.rotation)

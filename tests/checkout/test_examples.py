@@ -25,7 +25,7 @@ SAYS = {
     "05_joint_limits": "afterwards a joint is at most 0.000000 deg outside",
     "06_panda_elbow_up": "lowest elbow 0.5500 m",
     "07_ur5_singularity": "40 of 40",
-    "08_humanoid_reach": "damped, the arm is straight in this direction",
+    "08_humanoid_reach": "damped, the joints move it little in this direction",
     "13_priority_swap": "hand off by 373.4 mm, rest by 0.1 deg",
     "09_torque_minimisation": "diverged at t = 1.8",
     "10_liegeois": "a joint at 100 % of its half range",

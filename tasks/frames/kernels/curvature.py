@@ -87,7 +87,7 @@ def left_free(axes, block, work, half, part, out):
 
 
 @inner
-def spatial_bends(p0, p1, p2, work):
+def spatial_curvature(p0, p1, p2, work):
     """Add the terms of spatial rows, of a frame at p, to K and to the angular weights."""
     u0, u1, u2 = work[bend.F], work[bend.F + 1], work[bend.F + 2]
     w0, w1, w2 = work[bend.G], work[bend.G + 1], work[bend.G + 2]
@@ -117,7 +117,7 @@ def spatial_bends(p0, p1, p2, work):
 
 
 @inner
-def turn_bends(axes, block, work):
+def turn_curvature(axes, block, work):
     """Add the terms of angular rows to K: those of Q if a coordinate is missing, else those of a large error."""
     w0, w1, w2 = work[bend.G], work[bend.G + 1], work[bend.G + 2]
     whole = work[CHOSEN + 3] + work[CHOSEN + 4] + work[CHOSEN + 5] == 3.0
@@ -144,7 +144,7 @@ def longer(half):
 
 @stamp
 @entry
-def bend_placement(here):
+def placement_curvature(here):
     """Add the curvature of a position, orientation or pose task to SUM."""
     told = ints(here, 0, 9)
     law = ints(told[LAW], 0, of.LENGTH)
@@ -159,15 +159,15 @@ def bend_placement(here):
         work[GIVEN + k], work[CHOSEN + k], work[ERROR + k] = given[r], 1.0, error[r]
     along_world(axes, block, work, GIVEN, bend.F)
     if told[ANGULAR] != 0:
-        turn_bends(axes, block, work)
+        turn_curvature(axes, block, work)
     if axes == frames.SPATIAL:
-        spatial_bends(block[0], block[1], block[2], work)
+        spatial_curvature(block[0], block[1], block[2], work)
     elif axes == frames.LOCAL:
         left_free(axes, block, work, 0, bend.LINEAR, bend.ONE)
         bend.no_map(work, bend.OTHER)
         bend.add_part(work, bend.OTHER, bend.ANGULAR, 2.0)
         bend.add_form(work, work[bend.F], work[bend.F + 1], work[bend.F + 2], 1.0)
-    bend.seen_bends(told[SEEN], work, floats(told[SUM], 0, n * n))
+    bend.seen_curvature(told[SEEN], work, floats(told[SUM], 0, n * n))
     return 0
 
 
@@ -195,7 +195,7 @@ def direction_maps(x, y, z, share, work):
 
 
 @inner
-def axis_bends(a, e, work):
+def axis_curvature(a, e, work):
     """Add the terms of the rotation about the axis itself, and of a large error, to K.
 
     The axis is work[a:a + 3], the error work[e:e + 3], and the second map is that of W.
@@ -220,7 +220,7 @@ def axis_bends(a, e, work):
 
 @stamp
 @entry
-def bend_direction(here):
+def direction_curvature(here):
     """Add the curvature of a task that points an axis of a frame in a direction, or at a point, to SUM."""
     told = ints(here, 0, 8)
     law = ints(told[LAW], 0, of.LENGTH)
@@ -242,14 +242,14 @@ def bend_direction(here):
         direction_maps(share * x, share * y, share * z, share, work)
     else:
         bend.add_part(work, bend.OTHER, bend.ANGULAR, 1.0)
-    axis_bends(GIVEN, ERROR, work)
-    bend.seen_bends(told[SEEN], work, floats(told[SUM], 0, n * n))
+    axis_curvature(GIVEN, ERROR, work)
+    bend.seen_curvature(told[SEEN], work, floats(told[SUM], 0, n * n))
     return 0
 
 
 @stamp
 @entry
-def bend_plane(here):
+def plane_curvature(here):
     """Add the curvature of the distance of the origin of a frame from a plane to SUM."""
     told = ints(here, 0, 5)
     n = ints(ints(told[SEEN], 0, 3)[bend.FRAME], 0, bend.LENGTH)[bend.N]
@@ -259,5 +259,5 @@ def bend_plane(here):
         work[k] = 0.0
     for k in range(3):
         work[bend.F + k] = weight * normal[k]
-    bend.seen_bends(told[SEEN], work, floats(told[SUM], 0, n * n))
+    bend.seen_curvature(told[SEEN], work, floats(told[SUM], 0, n * n))
     return 0

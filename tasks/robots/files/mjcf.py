@@ -32,7 +32,7 @@ from ..joint_axes import kind
 from .closures import closed_chains
 from .couplings import couplings, moves
 from .description import BASE_JOINT, BASES, Description
-from .mujoco_numbers import BALL, FREE, HINGE, SLIDE, pose, randomise, single_joint, xyzw, yaw_of
+from .mujoco_numbers import BALL, FREE, HINGE, SLIDE, body_name, pose, randomise, single_joint, xyzw, yaw_of
 from .scene import Scene, body_names, scene
 
 #: Tolerance for positions against MuJoCo's, relative to the size of the robot, and number of comparisons.
@@ -139,8 +139,7 @@ class _Reader:
                 f"{self.what}: body {self.names[body]!r} has the inertia {J}, which no body has"
             ) from None
         self.model.appendBodyToJoint(carrier, inertia, placement * pose(mj.body_ipos[body], mj.body_iquat[body]))
-        if mj.body(body).name:
-            self._add_frame(mj.body(body).name, carrier, placement, pin.FrameType.BODY)
+        self._add_frame(body_name(mj, body), carrier, placement, pin.FrameType.BODY)
 
     def _add_base(self, body: int, joints: list[int]) -> tuple[int, pin.SE3]:
         """The joint that carries a root body, and the pose on it: the world, or a free joint."""

@@ -12,7 +12,7 @@ import pinocchio as pin
 from hqp import InvalidInput
 
 from ..convexity import hull, shape_of, triangles
-from .mujoco_numbers import pose
+from .mujoco_numbers import body_name, pose
 
 GEOM = mujoco.mjtGeom
 #: The geoms that can be drawn, and the last group of those that MuJoCo's viewer shows at first.
@@ -67,18 +67,18 @@ def _carried(model: pin.Model, mj: mujoco.MjModel) -> Iterator[int]:
     """MuJoCo's numbers of the geoms on bodies of the model."""
     for i in range(mj.ngeom):
         body = int(mj.geom_bodyid[i])
-        if body and model.existBodyName(mj.body(body).name):
+        if body and model.existBodyName(body_name(mj, body)):
             yield i
 
 
 def _label(mj: mujoco.MjModel, i: int) -> str:
-    body = mj.body(int(mj.geom_bodyid[i]))
-    return str(mj.geom(i).name or f"{body.name} {i - int(body.geomadr[0])}")
+    body = int(mj.geom_bodyid[i])
+    return str(mj.geom(i).name or f"{body_name(mj, body)} {i - int(mj.body_geomadr[body])}")
 
 
 def _placed(model: pin.Model, mj: mujoco.MjModel, i: int, shape: Any) -> pin.GeometryObject:
     """A shape where its geom is, on the joint that carries its body."""
-    number = model.getFrameId(mj.body(int(mj.geom_bodyid[i])).name, pin.FrameType.BODY)
+    number = model.getFrameId(body_name(mj, int(mj.geom_bodyid[i])), pin.FrameType.BODY)
     frame = model.frames[number]
     placement = frame.placement * pose(mj.geom_pos[i], mj.geom_quat[i])
     return pin.GeometryObject(_label(mj, i), frame.parentJoint, number, placement, shape)

@@ -44,8 +44,8 @@ def read_srdf(path: Path, model: pin.Model, what: str) -> Semantics:
     Raises
     ------
     InvalidInput
-        If the file cannot be read or has neither, an element has no name, a group contains itself, or a position is
-        not a number.
+        If the file cannot be read or has neither, an element has no name, a group contains itself, a position is not
+        a number, a state has two of a joint, or nothing that is named is the robot's.
     """
     root = parsed(path, what)
     elements: dict[str, list[Element]] = {}
@@ -69,6 +69,11 @@ def read_srdf(path: Path, model: pin.Model, what: str) -> Semantics:
                 states[f"{group}/{name}"] = {reader.told(joint): q for joint, q in positions.items()}
     if not (groups or states):
         raise InvalidInput(f"{what} has no group and no group_state; it must be an SRDF that has one")
+    if reader.unknown and not reader.known:
+        raise InvalidInput(f"{what} names no joint and no link of the robot; it is of another one")
+    for _, group, _ in found:
+        if elements and group and group not in elements:
+            reader.unknown.append(f"group {group}")
     return Semantics(groups, states, list(dict.fromkeys(reader.unknown)))
 
 
@@ -79,6 +84,7 @@ class _Groups:
         self._elements, self._model, self._what = elements, model, what
         self._order = list(model.names)[1:]
         self.unknown: list[str] = []
+        self.known = False
 
     def joints(self, group: str, within: tuple[str, ...] = ()) -> list[str]:
         """The joints of a group that the model has, each once, in the order of the model."""
@@ -93,7 +99,7 @@ class _Groups:
             elif element.tag == "chain":
                 ends = [_text(element, end, self._what) for end in ("base_link", "tip_link")]
                 base, tip = (self._carriers(end) for end in ends)
-                found |= {self._model.names[joint] for joint in tip - base}
+                found |= {self._model.names[joint] for joint in tip ^ base}  # up from one, and down to the other
             elif element.tag == "group":
                 name = _text(element, "name", self._what)
                 if name not in self._elements:
@@ -106,6 +112,8 @@ class _Groups:
         """The joint; noted as unknown if the model has it neither as a joint nor locked."""
         if joint not in self._order and not self._model.existFrame(joint, pin.FrameType.FIXED_JOINT):
             self.unknown.append(joint)
+        else:
+            self.known = True
         return joint
 
     def _above(self, link: str) -> set[str]:
@@ -124,6 +132,7 @@ class _Groups:
     def _frame(self, link: str) -> pin.Frame | None:
         number = self._model.getFrameId(link, pin.FrameType.BODY)
         if number < self._model.nframes:
+            self.known = True
             return self._model.frames[number]
         self.unknown.append(link)
         return None
@@ -138,6 +147,8 @@ def _positions(state: Element, what: str) -> dict[str, Array]:
             numbers = np.array([np.nan])
         if not (len(numbers) and np.isfinite(numbers).all()):
             raise InvalidInput(f"{what}: group_state {name!r} puts {joint!r} at {value!r}; it must be numbers")
+        if joint in found and not np.array_equal(found[joint], numbers):
+            raise InvalidInput(f"{what}: group_state {name!r} puts {joint!r} at two positions")
         found[joint] = numbers
     return found
 

@@ -42,7 +42,7 @@ WORK_SIZE = 160
 
 
 @inner
-def frame_bends(table, f0, f1, f2, g0, g1, g2, S):
+def frame_curvature(table, f0, f1, f2, g0, g1, g2, S):
     """Add the quadratic form of f . p'' + g . omega' of a frame in the world to S (n * n,); `table` is its address."""
     told = ints(table, 0, LENGTH)
     n, across, down = told[N], told[ACROSS], told[DOWN]
@@ -123,7 +123,7 @@ def add_form(work, x, y, z, scale):
 
 
 @inner
-def seen_bends(table, work, S):
+def seen_curvature(table, work, S):
     """Add the form of a frame seen from its root, S_p(f) + S_omega(g) + L' K L, to S (n * n,).
 
     f, g and K are in the work space, along the axes of the root. The terms of a moving root are those of
@@ -135,7 +135,7 @@ def seen_bends(table, work, S):
     block = floats(told[SEEN], 0, at.JACOBIAN)
     root = told[ROOT]
     if root == 0:
-        frame_bends(told[FRAME], f0, f1, f2, g0, g1, g2, S)
+        frame_curvature(told[FRAME], f0, f1, f2, g0, g1, g2, S)
     else:
         R = floats(ints(root, 0, LENGTH)[BLOCK], at.ROTATION, 9)
         no_map(work, ONE)
@@ -154,8 +154,8 @@ def seen_bends(table, work, S):
         f0, f1, f2 = turned(R, f0, f1, f2)
         g0, g1, g2 = turned(R, g0, g1, g2)
         h0, h1, h2 = turned(R, h0, h1, h2)
-        frame_bends(told[FRAME], f0, f1, f2, g0, g1, g2, S)
-        frame_bends(root, -f0, -f1, -f2, h0, h1, h2, S)
+        frame_curvature(told[FRAME], f0, f1, f2, g0, g1, g2, S)
+        frame_curvature(root, -f0, -f1, -f2, h0, h1, h2, S)
     add_velocities(told, root, n, work, S)
 
 
