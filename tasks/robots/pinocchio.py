@@ -20,6 +20,7 @@ from hqp.guard import Guard
 
 from ..base.checks import Array, finite, finite_scalar, own_numbers, suggestion
 from ..base.live import number
+from ..base.telling import tell
 from .follower_limits import FollowerLimits
 from .refusals import joint_index
 
@@ -198,8 +199,14 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
 
     def _named(self, name: str) -> Array:
         if name in self._states:
-            return self._inside(self._put(self.neutral, self._states[name], name))
-        return self._inside(np.array(self.model.referenceConfigurations[name]))
+            q = self._put(self.neutral, self._states[name], name)
+        else:
+            q = np.array(self.model.referenceConfigurations[name])
+        inside = self._inside(q)
+        moved = [self.joint_names[i] for i in self._columns[np.abs(inside - q)[self._q_indices] > SAME]]
+        if moved:
+            tell(f"{self!r}: configuration {name!r} is outside the ranges, and is moved into them: {', '.join(moved)}")
+        return inside
 
     def configuration(self, joints: str | Mapping[str, float]) -> Array:
         """A named configuration, or the neutral one with these joints at these positions [rad], [m].

@@ -32,6 +32,7 @@ from ..joint_axes import kind
 from .closures import closed_chains
 from .couplings import couplings, moves
 from .description import BASE_JOINT, BASES, Description
+from .motors import motor_limits
 from .mujoco_numbers import BALL, FREE, HINGE, SLIDE, pose, randomise, single_joint, xyzw, yaw_of
 from .scene import Scene, body_names, scene
 
@@ -218,11 +219,11 @@ class _Reader:
 
     def _range(self, j: int, name: str) -> tuple[float, float]:
         """Lowest and highest position of a joint."""
+        low, high = (float(end) for end in self.mj.jnt_range[j])
+        if not low <= high:  # without limited="true" MuJoCo takes such a range for none
+            raise InvalidInput(f"{self.what}: joint {name!r} has the range {low:g} to {high:g}; it must be in order")
         if not self.mj.jnt_limited[j]:
             return -np.inf, np.inf
-        low, high = (float(end) for end in self.mj.jnt_range[j])
-        if not low <= high:
-            raise InvalidInput(f"{self.what}: joint {name!r} has the range {low:g} to {high:g}; it must be in order")
         return low if low > -LARGEST else -np.inf, high if high < LARGEST else np.inf
 
     def _largest_force(self, j: int, name: str) -> float:
@@ -262,7 +263,11 @@ class _Reader:
             ("gravity compensation of the bodies", lifted),
             ("springs, dampers and armature of the tendons", tendons),
         ]
-        return [f"{thing} {', '.join(names)} (torques do not count them)" for thing, names in told if names]
+        lines = [f"{thing} {', '.join(names)} (torques do not count them)" for thing, names in told if names]
+        motors = motor_limits(self.mj, self.joint_names())
+        if motors:
+            lines.append(f"limits of the motors of the joints {', '.join(motors)} (torque_limit= gives them)")
+        return lines
 
     # Configurations.
 
