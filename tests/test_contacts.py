@@ -635,3 +635,70 @@ def test_forces_at_a_bound_are_told_by_how_many_points() -> None:
     stack = Dynamics() + scene.feet[0] + scene.feet[1] >> pull >> scene.rest()
     told = str(controller_of(scene, stack)(scene.q, scene.v).solution.explain())
     assert "left: forces, at 4 of 4 points" in told, told
+
+
+COPIES = {"deepcopy": copy.deepcopy, "copy": copy.copy, "pickle": lambda value: pickle.loads(pickle.dumps(value))}
+
+
+@pytest.mark.parametrize("how", COPIES)
+@pytest.mark.parametrize("moment", ["a release", "a release of its motion", "a making", "all on", "one off"])
+def test_a_copy_goes_on_as_the_original_does(how: str, moment: str) -> None:
+    """At every moment, whatever is under way, and wherever the contacts have been made."""
+    scene = humanoid()
+    controller = controller_of(scene)
+    q, v, t = scene.q, scene.v, 1.0
+
+    def ticks(count: int) -> None:
+        nonlocal q, v, t
+        for _ in range(count):
+            q, v = advanced(scene.robot, q, v, controller(q, v, t).a)
+            t += DT
+
+    ticks(3)
+    if moment != "all on":
+        controller.release("right", duration=0.0 if moment == "one off" else 20 * DT)
+        ticks({"a release": 5, "a release of its motion": 25}.get(moment, 45))
+    if moment == "a making":
+        controller.make("right", duration=20 * DT)
+        ticks(5)
+    other = COPIES[how](controller)
+    for _ in range(3):
+        mine, theirs = controller(q, v, t), other(q, v, t)
+        assert other.loaded == controller.loaded
+        assert np.allclose(theirs.a, mine.a, atol=1e-6)
+        assert np.allclose(theirs.tau, mine.tau, atol=1e-6)
+        q, v = advanced(scene.robot, q, v, mine.a)
+        t += DT
+    if moment == "all on":
+        other = COPIES[how](controller)
+        for each in controller, other:
+            each.release("right", duration=0.1)
+        assert np.allclose(other(q, v, t).tau, controller(q, v, t).tau, atol=1e-6)
+
+
+def test_a_run_begins_where_the_robot_is() -> None:
+    """And not where it stood in the run before."""
+    scene = humanoid()
+    controller = controller_of(scene)
+    first = simulate(controller, scene.q, duration=10 * DT)
+    way = np.zeros(scene.robot.nv)
+    way[:2] = 3.0, -2.0
+    second = simulate(controller_of(scene), scene.robot.integrate(scene.q, way), duration=10 * DT)
+    again = simulate(controller, scene.robot.integrate(scene.q, way), duration=10 * DT)
+    assert first.stopped is None
+    assert np.allclose(again.v, second.v, atol=1e-6)
+
+
+@pytest.mark.parametrize("turned_back", [0.0, 4.9])
+def test_time_that_is_set_back_does_not_hold_up_a_ramp(turned_back: float) -> None:
+    scene = humanoid()
+    controller = controller_of(scene)
+    controller(scene.q, scene.v, 5.0)
+    controller.release("right", duration=10 * DT)
+    for k in range(5):
+        before = controller(scene.q, scene.v, 5.0 + k * DT).forces.normal("right").sum()
+    normals = [controller(scene.q, scene.v, turned_back + k * DT).forces.normal("right").sum() for k in range(30)]
+    assert normals[0] <= before + 1e-9
+    assert (np.diff(normals) <= 1e-6).all()
+    assert normals[-1] == 0.0
+    assert "right" not in controller.loaded

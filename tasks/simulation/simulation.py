@@ -74,6 +74,9 @@ def simulate(
 ) -> Record:
     """Run a controller on the robot it was made for.
 
+    Contacts and loops hold where the robot is at the start. Which of them are on, and changes under way, stay as they
+    are in the controller.
+
     Parameters
     ----------
     controller : Controller
@@ -180,6 +183,7 @@ class _Run:
         parts = {id(part): part for stack in stacks for part in stack}
         self.log = Log(controller, self.ticks, robot.at(self._q, self._v), parts.values())
         self._integrate = integration(robot)
+        controller.settle()
 
     def tick(self, k: int) -> Stop | None:
         """Solve and move on by one tick; why the run stops here, or None if it goes on."""
