@@ -125,7 +125,7 @@ def test_a_dict_changes_the_joints_that_it_names(tmp_path):
         ({"position_limit": {"joint1": (np.nan, 1)}}, "'joint1' from nan to 1 rad"),
         ({"velocity_limit": {"joint2": -1}}, "velocity limit of 'joint2' = -1.0 m/s must not be negative"),
         ({"acceleration_limit": {"joint0": np.inf}}, "acceleration limit of 'joint0' = inf rad/s.2 must be positive"),
-        ({"torque_limit": {"joint2": 0}}, "torque limit of 'joint2' = 0.0 N must be positive"),
+        ({"torque_limit": {"joint2": -1}}, "torque limit of 'joint2' = -1.0 N must not be negative"),
     ):
         with pytest.raises(InvalidInput, match=said):
             load_robot(path, **options)

@@ -162,9 +162,13 @@ def find_contact(stack: Iterable[Part], contact: Contact | str) -> Contact:
         If there is none; the message lists the nearest names.
     """
     own = [part for part in stack if isinstance(part, Contact)]
-    for part in own:
-        if part is contact or part.name == contact:
-            return part
+    found = [part for part in own if part is contact] or [part for part in own if part.name == contact]
+    if len(found) > 1:
+        raise InvalidInput(
+            f"{contact!r} names {len(found)} contacts of the stack; give each a name of its own: name=..."
+        )
+    if found:
+        return found[0]
     what = repr(contact) if not isinstance(contact, str) else f"{contact!r}"
     raise InvalidInput(f"{what} is no contact of the stack{suggestion(str(contact), [part.name for part in own])}")
 

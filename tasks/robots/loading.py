@@ -68,7 +68,8 @@ def load_robot(
         Lowest and highest positions [rad], [m]; a dict changes the joints that it names and leaves the rest.
     velocity_limit, acceleration_limit, torque_limit : float, array or dict of name to float, optional
         Largest speeds [rad/s], [m/s], accelerations [rad/s^2], [m/s^2], torques [N m], forces [N].
-        See :class:`~tasks.robots.pinocchio.PinocchioRobot`.
+        A speed of 0 holds a joint, and one with a torque of 0 has no motor. See
+        :class:`~tasks.robots.pinocchio.PinocchioRobot`.
     floating_base : bool, optional
         The old name of ``base="floating"``; deprecated.
 
@@ -155,7 +156,7 @@ def _limited(described: Description, named: Mapping[str, Any], what: str) -> Des
         ("torque", model.upperEffortLimit, model.lowerEffortLimit, TORQUE),
     ):
         if key in named:
-            limits = largest(model, named[key], upper, f"{what}: {key} limit", units, zero_holds=key == "velocity")
+            limits = largest(model, named[key], upper, f"{what}: {key} limit", units, zero_holds=True)
             if limits is not None:
                 limits[limits == 0.0] = HELD
                 upper[:], lower[:] = limits, -limits

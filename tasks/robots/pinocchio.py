@@ -36,7 +36,7 @@ from .kinematics import Kinematics
 from .pinocchio_model import PinocchioModel
 from .pinocchio_source import PinocchioSource
 from .pinocchio_state import PinocchioState
-from .ranges import SAME, both_ways, largest, no_faster, no_position, within
+from .ranges import SAME, both_ways, held_at_zero, largest, no_faster, no_position, within
 from .ranges import position_limit as limits_of
 from .semantics import Semantic
 from .shapes import Shaped
@@ -70,7 +70,7 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
     acceleration_limit : float, array, shape (nv,), or dict of name to float, optional
         Largest joint acceleration [rad/s^2], [m/s^2]; a model has none.
     torque_limit : float, array, shape (nv,), or dict of name to float, optional
-        Largest joint torque [N m], force [N] (default: the model's).
+        Largest joint torque [N m], force [N] (default: the model's); 0 of a joint without a motor.
     follower_limits : dict of str to FollowerLimits, optional
         Limits of a joint that come from its followers; its own limits are no wider.
 
@@ -163,15 +163,10 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
 
     @number
     def torque_limit(self, value: Limit | None) -> Array | None:
-        """Largest joint torques [N m], [N], shape (nv,); set to None, those of the model."""
+        """Largest joint torques [N m], [N], shape (nv,), 0 where there is no motor; set to None, those of the model."""
         model, what = self.model, f"{self!r}: torque limit"
-        return largest(
-            model,
-            value,
-            both_ways(model.lowerEffortLimit, model.upperEffortLimit, self.joint_names, what),
-            what,
-            TORQUE,
-        )
+        own = both_ways(model.lowerEffortLimit, model.upperEffortLimit, self.joint_names, what)
+        return held_at_zero(largest(model, value, own, what, TORQUE, zero_holds=True))
 
     def _renew(self) -> None:
         self._neutral, self.home = self._inside(self._begun), self._inside(self.home)
