@@ -114,7 +114,7 @@ def _elements(element: Element, where: str, what: str) -> list[str]:
     others = [str(child.tag) for child in element if child.tag not in known + passed]
     others = [name for name in others if name not in FOREIGN and not name.startswith("{")]
     for name in others:
-        _check_spelling(
+        check_spelling(
             name, [own for own in known if element.find(own) is None], f"{what}: <{name}> of {where}", "<{}>"
         )
     return [f"<{name}>" for name in others]
@@ -130,14 +130,29 @@ def _attributes(element: Element, root: Element, where: str, what: str) -> list[
     others = [name for name in element.attrib if name not in known and not name.startswith("{")]
     for name in others:
         told = f"{what}: {name!r} of <{tag}> of {where}"
-        _check_spelling(name, [own for own in known if own not in element.attrib], told, "{!r}")
+        check_spelling(name, [own for own in known if own not in element.attrib], told, "{!r}")
         if tag not in OPEN:
             raise InvalidInput(f"{told} is not read; there may be {', '.join(map(repr, known))}")
     return [f"{name!r} of <{tag}>" for name in others]
 
 
-def _check_spelling(name: str, absent: list[str], told: str, form: str) -> None:
-    """Refuse a name like one that is absent where it stands."""
+def check_spelling(name: str, absent: list[str], told: str, form: str) -> None:
+    """Refuse a name like one that is read, and absent, where it stands.
+
+    Parameters
+    ----------
+    name : str
+    absent : list of str
+        Names that are read there.
+    told : str
+        The name and where it stands, for the message.
+    form : str
+        How a name is written in it, such as ``"<{}>"``.
+
+    Raises
+    ------
+    InvalidInput
+    """
     meant = get_close_matches(name.lower(), absent, 1, ALIKE)
     if meant:
         raise InvalidInput(f"{told} is not read; write {form.format(meant[0])}")
