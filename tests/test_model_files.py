@@ -744,3 +744,15 @@ def test_no_robot_ends_its_process(name, base):
     done = subprocess.run([sys.executable, "-c", program, "."], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert not [line for line in done.stderr.splitlines() if not line.startswith("hqp: ")]
+
+
+@pytest.mark.parametrize("home", [[0.0], [[0.0, 0.0]], [np.nan, 0.0], "home", None])
+def test_a_home_that_is_no_configuration_is_refused(tmp_path, home):
+    robot = load_robot(write(tmp_path, *chain({}, {}), links=3))
+    with pytest.raises(InvalidInput, match="home"):
+        robot.home = home
+    assert robot.home.tolist() == [0.0, 0.0]
+    robot.home = [0.5, 7.0]
+    assert robot.home.tolist() == [0.5, 1.0]
+    robot.position_limit = (-0.2, 0.2)
+    assert robot.home.tolist() == [0.2, 0.2]

@@ -84,6 +84,7 @@ def ik(
 
     Exit code 1 if it cannot be brought there; the nearest is printed, and what stops it.
     """
+    from hqp import InvalidInput
     from hqp.files.whole import writable
 
     from ..base.checks import finite
@@ -96,6 +97,8 @@ def ik(
     place = finite(_numbers("--position", position, (3,)), "--position")
     rotation = None if orientation is None else _rotation(orientation)
     if plot is not None:
+        if plot.suffix.lower() != ".png":
+            raise InvalidInput(f"--plot {plot}: the picture is a PNG; name a file that ends with .png")
         writable(plot.parent, [plot.name])
     machine = load_robot(robot, base=base, body=body or None, lock=lock or ())
     begin = _begin(machine, start, seed)

@@ -116,10 +116,10 @@ def load_robot(
 def _take_home(robot: PinocchioRobot, entry: Entry) -> None:
     """Give the robot the home configuration that the library knows, if any, at its height above the ground."""
     if entry.home or entry.height:
-        robot.home = robot.near({joint: q for joint, q in entry.home.items() if joint in robot.joint_names})
+        q = robot.near({joint: angle for joint, angle in entry.home.items() if joint in robot.joint_names})
         if robot.base == 6:
-            robot.home[2] += entry.height
-        robot.home.flags.writeable = False
+            q[2] += entry.height
+        robot.home = q
 
 
 def _tell_left_out(described: Description, what: str) -> None:

@@ -116,8 +116,6 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
     (6, 6)
     """
 
-    home: Array
-
     def __init__(
         self,
         model: pin.Model,
@@ -167,6 +165,14 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
         model, what = self.model, f"{self!r}: torque limit"
         own = both_ways(model.lowerEffortLimit, model.upperEffortLimit, self.joint_names, what)
         return held_at_zero(largest(model, value, own, what, TORQUE, zero_holds=True))
+
+    @number
+    def home(self, value: ArrayLike) -> Array:
+        """A configuration to start from, shape (nq,), moved into the position limits."""
+        q = finite(value, f"{self!r}: home")
+        if q.shape != (self.nq,):
+            raise InvalidInput(f"{self!r}: home has shape {q.shape}; it must be ({self.nq},)")
+        return self._inside(q)
 
     def _renew(self) -> None:
         self._neutral, self.home = self._inside(self._begun), self._inside(self.home)
