@@ -39,6 +39,8 @@ class LevelExplanation:
         of the strengths.
     damped : str
         Why the solver relaxed the level, and in which direction; empty if it did not.
+    zero : bool
+        Whether all rows that are not met are zero: nothing in x moves them.
     """
 
     level: int
@@ -52,6 +54,7 @@ class LevelExplanation:
     causes: tuple[Cause, ...]
     inner: float
     damped: str = ""
+    zero: bool = False
 
     @property
     def rows(self) -> int:
@@ -89,7 +92,9 @@ class LevelExplanation:
 
     @property
     def _own(self) -> str:
-        return "its own rows contradict each other" if self.fixing > 1 else "its own row is zero"
+        if self.fixing <= 1:
+            return "its own row is zero"
+        return "its own rows are zero" if self.zero else "its own rows contradict each other"
 
     def _standing(self) -> str:
         if self.fixing:

@@ -51,6 +51,7 @@ def explain(
                 name=level.name,
                 proved=judged.ok,
                 contradicts=contradicts,
+                zero=contradicts and not rows.norms[own][missing[own] != 0.0].any(),
                 rank=rank,
                 fixing=int(fixing.sum()),
                 at_bound=int(((sides != Side.INACTIVE) & ~fixing).sum()),
