@@ -756,3 +756,28 @@ def test_a_home_that_is_no_configuration_is_refused(tmp_path, home):
     assert robot.home.tolist() == [0.5, 1.0]
     robot.position_limit = (-0.2, 0.2)
     assert robot.home.tolist() == [0.2, 0.2]
+
+
+@pytest.mark.parametrize("position", ["a", [0.1, 0.2], np.nan, None])
+def test_a_joint_is_locked_at_a_number(tmp_path, position):
+    path = write(tmp_path, *chain({}, {}), links=3)
+    if position is None:
+        assert load_robot(path, lock={"joint0": None}).joint_names == ("joint1",)
+        return
+    with pytest.raises(InvalidInput, match="lock of joint 'joint0'"):
+        load_robot(path, lock={"joint0": position})
+
+
+def test_a_torque_limit_of_a_follower_is_refused_as_it_would_have_no_effect(tmp_path):
+    path = write(tmp_path, *chain({}, {"mimic": ("joint0", 0.5, 0.0)}), links=3)
+    load_robot(path, mimic="free", torque_limit={"joint1": 0.5})
+    with pytest.raises(InvalidInput, match="torque limit of joint 'joint1': it follows another"):
+        load_robot(path, mimic="follow", torque_limit={"joint1": 0.5})
+    with pytest.raises(InvalidInput, match="it is held"):
+        load_robot(path, torque_limit={"joint1": 0.5})
+
+
+def test_a_file_without_a_suffix_in_this_folder(tmp_path, monkeypatch):
+    write(tmp_path, *chain({}, {}), links=3, name="robot_description")
+    monkeypatch.chdir(tmp_path)
+    assert load_robot("./robot_description").nv == 2

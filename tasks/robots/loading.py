@@ -16,6 +16,7 @@ from hqp import InvalidInput
 from hqp.checks import listed, truth
 from hqp.errors import brief
 
+from ..base.checks import finite_scalar
 from ..base.telling import tell
 from .choices import Base, Mimic
 from .library import ROBOTS, Entry, available_robots, named
@@ -167,11 +168,14 @@ def _check_named(model: Any, named: Mapping[str, Any], what: str) -> None:
     """Refuse a limit of a joint that is locked, as it would have no effect."""
     from .joint_axes import joint_axes
 
-    moving = {name for axis in joint_axes(model) for name in (axis.name, axis.joint)} | set(model.names)
+    own = {name for axis in joint_axes(model) for name in (axis.name, axis.joint)}
+    moving = own | set(model.names)
     for key, limits in named.items():
         for name in limits:
             if isinstance(name, str) and name not in moving:
                 raise InvalidInput(f"{what}: {key} limit of joint {name!r}: it is held; lock=, or mimic=, says so")
+            if key == "torque" and isinstance(name, str) and name not in own:
+                raise InvalidInput(f"{what}: torque limit of joint {name!r}: it follows another, which bears it")
 
 
 def _arranged(described: Description, mimic: Mimic, positions: dict[str, float | None], what: str) -> Any:
@@ -238,4 +242,6 @@ def _positions(lock: Any) -> dict[str, float | None]:
     wrong = next((name for name in names if not isinstance(name, str)), None)
     if wrong is not None:
         raise InvalidInput(f"lock: {brief(wrong)} is a {type(wrong).__name__}; it must be the name of a joint")
-    return dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(names)
+    if not isinstance(lock, Mapping):
+        return dict.fromkeys(names)
+    return {name: None if q is None else finite_scalar(q, f"lock of joint {name!r}") for name, q in lock.items()}
