@@ -563,3 +563,16 @@ def test_a_keyframe_outside_the_ranges_is_moved_and_told(folder, caplog, positio
         robot = load_robot(written(folder, text))
     assert robot.home == pytest.approx(np.pi / 2 if told else 0.7)
     assert ("configuration 'home' is outside the ranges, and is moved into them: a" in caplog.text) == told
+
+
+@pytest.mark.parametrize(
+    ("base", "elsewhere"), [("fixed", "moved, turned, tilted"), ("planar", "tilted"), ("floating", ""), (None, "")]
+)
+def test_keyframes_whose_base_cannot_be_there_are_told(folder, base, elsewhere):
+    """A base that floats in the file, and is held, or moves in the plane."""
+    text = """<mujoco><worldbody><body name="base" pos="0 0 .5"><freejoint/><geom size=".1"/>
+    <body><joint name="j"/><geom size=".1"/></body></body></worldbody><keyframe>
+    <key name="still" qpos="0 0 .5 1 0 0 0 .3"/><key name="moved" qpos="1 2 .5 1 0 0 0 .3"/>
+    <key name="turned" qpos="0 0 .5 1 0 0 1 0"/><key name="tilted" qpos="0 0 .5 1 0 1 0 0"/></keyframe></mujoco>"""
+    left_out = load_robot(written(folder, text), base=base).left_out
+    assert left_out == ((f"places of the base in the keyframes {elsewhere} (base= holds it)",) if elsewhere else ())
