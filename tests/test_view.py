@@ -179,6 +179,18 @@ def test_a_reset_in_the_middle_of_a_change_goes_on():
     assert live.motion.step.share == 1.0
 
 
+def test_a_reset_lets_contacts_hold_where_the_robot_is_put():
+    scene = humanoid()
+    controller = Controller(scene.robot, scene.limits >> scene.rest(), order="torque", dt=2e-3)
+    way = np.zeros(scene.robot.nv)
+    way[0] = 0.5
+    controller(scene.robot.integrate(scene.q, way), scene.v)
+    live = Session(controller, scene.q)
+    live.reset()
+    live.motion.tick()
+    assert abs(live.motion.step.a).max() < 1.0
+
+
 def test_what_another_thread_wishes_is_done_between_ticks_and_refusals_become_the_message():
     live = session()
     live.do(lambda: live.switch_level(9, True))
