@@ -62,10 +62,11 @@ def stack():
 
 
 def session(**options) -> Session:
-    """Of a controller past its first tick, which loads loops and may take longer than a clock waits."""
-    controller = Controller(ARM, stack(), dt=0.01)
-    controller(Q, np.zeros(len(Q)))
-    return Session(controller, Q, **options)
+    """Past its first tick, which loads loops and what judges an answer, and may take longer than a clock waits."""
+    live = Session(Controller(ARM, stack(), dt=0.01), Q, **options)
+    live.motion.tick()
+    live.reset()
+    return live
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +87,8 @@ def window(ur5, tmp_path):
 
 def test_levels_are_moved_and_the_controller_follows_within_the_time_of_a_change():
     live = session()
-    live.advance(0.05)
+    for _ in range(5):
+        live.motion.tick()
     live.move_level(2, -1)
     assert [level[0].name for level in live.controller.stack.levels] == live.priorities.names
     live.motion.tick()
