@@ -640,13 +640,16 @@ READ |= {
 # What is no matter of the robot's.
 
 READ |= {
-    "torques of motors": Idiom("""<mujoco><worldbody>
+    "torques of motors": Idiom(
+        """<mujoco><worldbody>
       <body name="one"><joint name="a" axis="0 0 1" range="-90 90" actuatorfrcrange="-30 30"/><geom size=".1"/>
         <body name="two" pos=".3 0 0"><joint name="b" axis="0 1 0"/><geom size=".1"/>
         <body name="three" pos=".3 0 0"><joint name="c" type="slide" actuatorfrcrange="-5 5"/><geom size=".1"/>
         <body name="four" pos=".3 0 0"><joint name="d" actuatorfrcrange="-5 5" actuatorfrclimited="false"/>
         <geom size=".1"/>
-        </body></body></body></body></worldbody><actuator><motor joint="b" forcerange="-3 3"/></actuator></mujoco>"""),
+        </body></body></body></body></worldbody><actuator><motor joint="b" forcerange="-3 3"/></actuator></mujoco>""",
+        left=("motors of the joints b",),
+    ),
     "actuators of all kinds": Idiom(f"""<mujoco>{ALONE}<actuator><motor name="m" joint="shoulder" gear="50"/>
       <position joint="elbow" kp="10" ctrlrange="-1 1"/><velocity joint="elbow" kv="1"/>
       <general joint="shoulder" gaintype="fixed" biastype="affine"/><motor site="tip" gear="0 0 1 0 0 0"/>

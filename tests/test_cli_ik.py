@@ -142,8 +142,9 @@ def test_the_robot_is_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
         (["ur5", *PLACE, "--tolerance", "-1"], "tolerance = -1.0 must be positive"),
         (["ur5", *PLACE, "--tolerance", "nan"], "tolerance = nan must be positive"),
         (["ur5", *PLACE, "--plot", ""], "it is empty"),
+        (["ur5", *PLACE, "--plot", "a.jpg"], "--plot a.jpg: the picture is a PNG; name a file that ends with .png"),
         (["ur5", *PLACE, "--plot", "/dev/null/here/a.png"], "cannot write to the folder '/dev/null/here': "),
-        (["ur5", *PLACE, "--plot", "."], "cannot write '.': Is a directory"),
+        (["ur5", *PLACE, "--plot", "."], "the picture is a PNG"),
     ],
 )
 def test_wrong_input_is_one_line_and_exit_code_2(

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from contact_scenes import DT, FEET, Scene, advanced, g1, humanoid, moved, talos
+from contact_scenes import DT, FEET, Scene, advanced, g1, humanoid, moved, quadruped, talos
 
+from hqp import InvalidInput
 from tasks import (
     AtMost,
     CapturePointTask,
@@ -244,3 +245,22 @@ def test_refuses_what_has_no_forces_or_no_contact() -> None:
         MomentumTask(kind="sideways", gain=1.0)
     with pytest.raises(ValueError, match="does not tell its momentum"):
         Controller(PlanarArm([1.0, 1.0]), MomentumTask(gain=1.0), damping=None)
+
+
+@pytest.mark.parametrize(
+    ("gravity", "fits"), [((0.0, 0.0, -9.8), True), ((0.0, 0.0, -1.62), False), ((9.81, 0, 0), False)]
+)
+def test_capture_points_are_those_of_the_earth(gravity, fits) -> None:
+    """And refused elsewhere."""
+    scene = quadruped()
+    model = scene.robot.model.copy()
+    model.gravity.linear = np.array(gravity)
+    robot = PinocchioRobot(model, acceleration_limit=500.0)
+    standing = Dynamics() + scene.feet[0] + scene.feet[1] >> JointLimits()
+    for part in SupportLimit(), CapturePointTask([0.0, 0.0], gain=2.0):
+        stack = standing >> part >> PostureTask(scene.q, gain=4.0)
+        if fits:
+            assert Controller(robot, stack, order="torque", dt=DT)(scene.q, scene.v).ok
+        else:
+            with pytest.raises(InvalidInput, match="a capture point needs that of the earth"):
+                Controller(robot, stack, order="torque", dt=DT)

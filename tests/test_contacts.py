@@ -15,6 +15,7 @@ import pinocchio as pin
 import pytest
 from contact_scenes import DT, FEET, SOLE, Scene, advanced, humanoid, moved, quadruped
 
+from hqp import InvalidInput
 from tasks import (
     CenterOfMassTask,
     Contact,
@@ -29,6 +30,7 @@ from tasks import (
     PostureTask,
     Stack,
     Step,
+    SupportLimit,
     Surface,
     TorqueTask,
     load_robot,
@@ -635,3 +637,127 @@ def test_forces_at_a_bound_are_told_by_how_many_points() -> None:
     stack = Dynamics() + scene.feet[0] + scene.feet[1] >> pull >> scene.rest()
     told = str(controller_of(scene, stack)(scene.q, scene.v).solution.explain())
     assert "left: forces, at 4 of 4 points" in told, told
+
+
+COPIES = {"deepcopy": copy.deepcopy, "copy": copy.copy, "pickle": lambda value: pickle.loads(pickle.dumps(value))}
+
+
+@pytest.mark.parametrize("how", COPIES)
+@pytest.mark.parametrize("moment", ["a release", "a release of its motion", "a making", "all on", "one off"])
+def test_a_copy_goes_on_as_the_original_does(how: str, moment: str) -> None:
+    """At every moment, whatever is under way, and wherever the contacts have been made."""
+    scene = humanoid()
+    controller = controller_of(scene)
+    q, v, t = scene.q, scene.v, 1.0
+
+    def ticks(count: int) -> None:
+        nonlocal q, v, t
+        for _ in range(count):
+            q, v = advanced(scene.robot, q, v, controller(q, v, t).a)
+            t += DT
+
+    ticks(3)
+    if moment != "all on":
+        controller.release("right", duration=0.0 if moment == "one off" else 20 * DT)
+        ticks({"a release": 5, "a release of its motion": 25}.get(moment, 45))
+    if moment == "a making":
+        controller.make("right", duration=20 * DT)
+        ticks(5)
+    other = COPIES[how](controller)
+    for _ in range(3):
+        mine, theirs = controller(q, v, t), other(q, v, t)
+        assert other.loaded == controller.loaded
+        assert np.allclose(theirs.a, mine.a, atol=1e-6)
+        assert np.allclose(theirs.tau, mine.tau, atol=1e-6)
+        q, v = advanced(scene.robot, q, v, mine.a)
+        t += DT
+    if moment == "all on":
+        other = COPIES[how](controller)
+        for each in controller, other:
+            each.release("right", duration=0.1)
+        assert np.allclose(other(q, v, t).tau, controller(q, v, t).tau, atol=1e-6)
+
+
+def test_a_run_begins_where_the_robot_is() -> None:
+    """And not where it stood in the run before."""
+    scene = humanoid()
+    controller = controller_of(scene)
+    first = simulate(controller, scene.q, duration=10 * DT)
+    way = np.zeros(scene.robot.nv)
+    way[:2] = 3.0, -2.0
+    second = simulate(controller_of(scene), scene.robot.integrate(scene.q, way), duration=10 * DT)
+    again = simulate(controller, scene.robot.integrate(scene.q, way), duration=10 * DT)
+    assert first.stopped is None
+    assert np.allclose(again.v, second.v, atol=1e-6)
+
+
+@pytest.mark.parametrize("turned_back", [0.0, 4.9])
+def test_time_that_is_set_back_does_not_hold_up_a_ramp(turned_back: float) -> None:
+    scene = humanoid()
+    controller = controller_of(scene)
+    controller(scene.q, scene.v, 5.0)
+    controller.release("right", duration=10 * DT)
+    for k in range(5):
+        before = controller(scene.q, scene.v, 5.0 + k * DT).forces.normal("right").sum()
+    normals = [controller(scene.q, scene.v, turned_back + k * DT).forces.normal("right").sum() for k in range(30)]
+    assert normals[0] <= before + 1e-9
+    assert (np.diff(normals) <= 1e-6).all()
+    assert normals[-1] == 0.0
+    assert "right" not in controller.loaded
+
+
+def test_names_of_contacts_name_one_thing() -> None:
+    """By a name forces are read, and contacts released."""
+    scene = humanoid()
+    one, two = (Contact(frame, points=SOLE, friction=0.6, name="foot") for frame in FEET)
+    rest = PostureTask(scene.q, gain=4.0)
+    with pytest.raises(InvalidInput, match="several parts with forces are named 'foot'; give each a name of its own"):
+        Controller(scene.robot, Dynamics() + one + two >> rest, order="torque", dt=DT)
+    without_forces = Controller(scene.robot, one + two >> rest, dt=DT)
+    with pytest.raises(InvalidInput, match="'foot' names 2 contacts of the stack"):
+        without_forces.release("foot")
+    without_forces.release(two)
+    assert without_forces.bears(one)
+    assert not without_forces.bears(two)
+
+
+@pytest.mark.parametrize("normal", [(0.0, 0.0, 0.0), (0.0, 0.0, 1e-200)])
+def test_a_normal_without_a_direction_is_refused(normal: tuple[float, float, float]) -> None:
+    with pytest.raises(InvalidInput, match="must be a direction"):
+        Contact(FEET[0], friction=0.6, normal=normal)
+
+
+WALKER = """<mujoco><worldbody><body name="torso" pos="0 0 0.86"><joint name="x" type="slide" axis="1 0 0"/>
+<joint name="z" type="slide" axis="0 0 1"/><joint name="pitch" axis="0 1 0"/>
+<geom type="capsule" fromto="0 0 0 0 0 .4" size=".1" mass="20"/>{}</body></worldbody></mujoco>"""
+LEG = """<body><joint name="{0} hip" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 0 0 -.45" size=".05" mass="5"/>
+<body pos="0 0 -.45"><joint name="{0} knee" axis="0 1 0"/>
+<geom type="capsule" fromto="0 0 0 0 0 -.45" size=".04" mass="3"/>
+<body name="{0}" pos="0 0 -.45"><joint name="{0} ankle" axis="0 1 0"/><geom type="box" size=".1 .05 .02" mass="1"/>
+</body></body></body>"""
+
+
+def test_a_robot_in_the_plane_whose_base_has_joints_without_motors(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    path = tmp_path / "walker.xml"
+    path.write_text(WALKER.format(LEG.format("left") + LEG.format("right")))
+    motors = {"x": 0.0, "z": 0.0, "pitch": 0.0}
+    robot = load_robot(path, velocity_limit=20.0, acceleration_limit=300.0, torque_limit=motors)
+    robot = pickle.loads(pickle.dumps(robot))
+    assert robot.torque_limit.tolist() == [0.0] * 3 + [np.inf] * 6
+    bent = {"hip": -0.3, "knee": 0.6, "ankle": -0.3}
+    q = robot.configuration({f"{side} {joint}": angle for side in ("left", "right") for joint, angle in bent.items()})
+    v = np.zeros(robot.nv)
+    com = robot.at(q).center_of_mass.position + np.array([0.02, 0.0, -0.02])
+    feet = [Contact(side, points=[(-0.1, 0, -0.02), (0.1, 0, -0.02)], friction=0.6) for side in ("left", "right")]
+    limits = Dynamics() + feet[0] + feet[1] >> JointTorqueLimit() + JointLimits() >> SupportLimit()
+    stack = limits >> CenterOfMassTask(com, gain=5.0) >> PostureTask(q, gain=4.0) + ForceTask(weight=1e-2)
+    controller = Controller(robot, stack, order="torque", dt=DT)
+    weight = 9.81 * sum(inertia.mass for inertia in robot.model.inertias)
+    for k in range(600):
+        step = controller(q, v, k * DT)
+        assert abs(step.tau[:3]).max() <= 1e-9 * weight
+        q, v = advanced(robot, q, v, step.a)
+    assert step.solution.certify().ok
+    assert abs(robot.at(q).center_of_mass.position - com)[[0, 2]].max() < 1e-3
+    assert sum(f[:, 2].sum() for f in step.forces.values()) == pytest.approx(weight, rel=1e-2)

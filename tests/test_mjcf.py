@@ -517,3 +517,62 @@ def test_refuses_by_name(folder, name):
         load_robot(path, **refusal.options)
     for word in refusal.named:
         assert word in str(caught.value)
+
+
+def test_a_range_that_is_turned_around_is_refused_and_not_taken_for_none(folder):
+    text = "<mujoco><worldbody><body><joint name='a' range='90 -90'/><geom size='.1'/></body></worldbody></mujoco>"
+    with pytest.raises(InvalidInput, match="joint 'a' has the range 90 to -90; it must be in order"):
+        load_robot(written(folder, text))
+
+
+MOTORS = """<mujoco><worldbody><body><joint name="a"/><geom size=".1"/>
+<body><joint name="b" actuatorfrcrange="-5 5"/><geom size=".1"/></body></body></worldbody>
+<actuator>{}</actuator></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    "motor",
+    [
+        '<motor joint="a" gear="100" ctrlrange="-1 1"/>',
+        '<position joint="a" kp="100" forcerange="-87 87"/>',
+        '<general jointinparent="a" forcerange="-87 87"/>',
+    ],
+)
+def test_limits_of_motors_that_are_not_read_are_said(folder, motor):
+    left_out = load_robot(written(folder, MOTORS.format(motor))).left_out
+    assert left_out == ("limits of the motors of the joints a (torque_limit= gives them)",)
+
+
+@pytest.mark.parametrize(
+    "motor",
+    [
+        '<motor joint="b" ctrlrange="-1 1"/>',
+        '<velocity joint="a" kv="1" ctrlrange="-1 1"/>',
+        '<motor joint="a" gear="2"/>',
+    ],
+)
+def test_nothing_is_said_of_motors_that_limit_no_torque(folder, motor):
+    assert load_robot(written(folder, MOTORS.format(motor))).left_out == ()
+
+
+@pytest.mark.parametrize(("position", "told"), [("0.7", False), ("45", True)])
+def test_a_keyframe_outside_the_ranges_is_moved_and_told(folder, caplog, position, told):
+    text = f"""<mujoco><worldbody><body name="arm {position}"><joint name="a" range="-90 90"/><geom size=".1"/></body>
+    </worldbody><keyframe><key name="home" qpos="{position}"/></keyframe></mujoco>"""
+    with caplog.at_level(logging.WARNING, logger="hqp"):
+        robot = load_robot(written(folder, text))
+    assert robot.home == pytest.approx(np.pi / 2 if told else 0.7)
+    assert ("configuration 'home' is outside the ranges, and is moved into them: a" in caplog.text) == told
+
+
+@pytest.mark.parametrize(
+    ("base", "elsewhere"), [("fixed", "moved, turned, tilted"), ("planar", "tilted"), ("floating", ""), (None, "")]
+)
+def test_keyframes_whose_base_cannot_be_there_are_told(folder, base, elsewhere):
+    """A base that floats in the file, and is held, or moves in the plane."""
+    text = """<mujoco><worldbody><body name="base" pos="0 0 .5"><freejoint/><geom size=".1"/>
+    <body><joint name="j"/><geom size=".1"/></body></body></worldbody><keyframe>
+    <key name="still" qpos="0 0 .5 1 0 0 0 .3"/><key name="moved" qpos="1 2 .5 1 0 0 0 .3"/>
+    <key name="turned" qpos="0 0 .5 1 0 0 1 0"/><key name="tilted" qpos="0 0 .5 1 0 1 0 0"/></keyframe></mujoco>"""
+    left_out = load_robot(written(folder, text), base=base).left_out
+    assert left_out == ((f"places of the base in the keyframes {elsewhere} (base= holds it)",) if elsewhere else ())

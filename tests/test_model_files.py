@@ -10,7 +10,7 @@ import sys
 import numpy as np
 import pinocchio as pin
 import pytest
-from urdf_files import chain, joint, write
+from urdf_files import INERTIA, chain, joint, write
 
 from hqp import InvalidInput
 from tasks import (
@@ -125,7 +125,7 @@ def test_a_dict_changes_the_joints_that_it_names(tmp_path):
         ({"position_limit": {"joint1": (np.nan, 1)}}, "'joint1' from nan to 1 rad"),
         ({"velocity_limit": {"joint2": -1}}, "velocity limit of 'joint2' = -1.0 m/s must not be negative"),
         ({"acceleration_limit": {"joint0": np.inf}}, "acceleration limit of 'joint0' = inf rad/s.2 must be positive"),
-        ({"torque_limit": {"joint2": 0}}, "torque limit of 'joint2' = 0.0 N must be positive"),
+        ({"torque_limit": {"joint2": -1}}, "torque limit of 'joint2' = -1.0 N must not be negative"),
     ):
         with pytest.raises(InvalidInput, match=said):
             load_robot(path, **options)
@@ -301,7 +301,7 @@ IGNORED = {
     "two ties": (f"{OPEN}>{ONE.replace(LIMIT, LIMIT + 2 * f'<mimic joint={NAME}/>')}</robot>", "has several"),
     "an attribute": (
         f"{OPEN}>{ONE.replace('lower', 'Lower')}</robot>",
-        "'Lower' of <limit> is not read; write",
+        "'Lower' of <limit> of joint 'j' is not read; write 'lower'",
     ),
     "a joint of the world": (
         f"{OPEN}>{ONE.replace(NAME, WORLD)}</robot>",
@@ -325,6 +325,95 @@ def test_what_is_left_out_of_a_urdf_is_said(tmp_path, caplog):
         robot = load_robot(path)
     assert robot.left_out == ("limits of planar joint 'joint1'",)
     assert "left out of the robot: limits of planar joint 'joint1'" in caplog.text
+
+
+MISSPELT = {
+    "lower=": "lowr=",
+    "<axis ": "<axes ",
+    "<limit ": "<limits ",
+    "<parent ": "<parnet ",
+    "<mass ": "<maas ",
+    "inertial>": "inertal>",
+    "multiplier=": "multipler=",
+    "rpy=": "quat_xyzw=",
+    "ixx=": "lxx=",
+}
+
+
+@pytest.mark.parametrize("right", MISSPELT)
+def test_what_is_misspelt_is_refused_and_not_left_at_its_default(tmp_path, right):
+    path = write(tmp_path, *chain({}, {"mimic": ("joint0", 0.5, 0.0)}), links=3)
+    path.write_text(path.read_text().replace(right, MISSPELT[right]))
+    with pytest.raises(InvalidInput, match=r"is not read; (write|there may be)"):
+        load_robot(path)
+
+
+def test_what_is_not_read_in_a_joint_is_said(tmp_path):
+    path = write(tmp_path, *chain({}, {}), links=3)
+    path.write_text(path.read_text().replace("<limit ", "<soft/><limit jerk='3' "))
+    assert load_robot(path).left_out == (
+        "<soft> in joint 'joint0' and 1 more",
+        "'jerk' of <limit> in joint 'joint0' and 1 more",
+    )
+
+
+@pytest.mark.parametrize("version", ["1.0", "1.2"])
+def test_a_quaternion_turns_a_joint_or_is_refused(tmp_path, version):
+    path = write(tmp_path, *chain({"rpy": "0 0 0"}, {"rpy": "0 0 0"}), links=3)
+    text = path.read_text().replace('rpy="0 0 0"', 'quat_xyzw="0 0 1 0"', 1)
+    path.write_text(text.replace('<robot name="arm">', f'<robot name="arm" version="{version}">'))
+    if version == "1.0":
+        with pytest.raises(InvalidInput, match="'quat_xyzw' of <origin> of joint 'joint0' is not read"):
+            load_robot(path)
+    else:
+        assert np.allclose(load_robot(path).at(np.zeros(2)).frame("link1").rotation, np.diag([-1.0, -1.0, 1.0]))
+
+
+def test_largest_speeds_and_efforts_of_zero_are_taken_to_be_none_and_told(tmp_path, caplog):
+    path = write(tmp_path, *chain({}, {"speed": 0.0}), links=3)
+    path.write_text(path.read_text().replace('effort="9"', 'effort="0.0"', 1))
+    with caplog.at_level(logging.WARNING, logger="hqp"):
+        robot = load_robot(path)
+    assert robot.velocity_limit.tolist() == [3.0, np.inf]
+    assert robot.torque_limit.tolist() == [np.inf, 9.0]
+    assert "largest speed is 0 are taken to have none: joint1" in caplog.text
+    assert "largest effort is 0 are taken to have none: joint0" in caplog.text
+
+
+@pytest.mark.parametrize("moments", [(10.0, 1.0, 1.0), (-1.0, 1.0, 1.0)])
+def test_inertias_that_no_body_has_are_told(tmp_path, caplog, moments):
+    path = write(tmp_path, *chain({}, {}), links=3)
+    wrong = INERTIA
+    for key, value in zip(("ixx", "iyy", "izz"), moments, strict=True):
+        wrong = wrong.replace(f'{key}="0.1"', f'{key}="{value}"')
+    head, tail = path.read_text().split('<link name="link2">')
+    path.write_text(f'{head}<link name="link2">{tail.replace(INERTIA, wrong)}'.replace('"arm"', f'"arm {moments[0]}"'))
+    with caplog.at_level(logging.WARNING, logger="hqp"):
+        load_robot(path)
+    assert "no body has such an inertia, torques are not to be trusted, at the joints joint1" in caplog.text
+
+
+@pytest.mark.parametrize("name", ["arm.urdf", "arm.xacro", "arm.urdf.xacro"])
+def test_xacro_is_not_told_to_write_over_what_it_reads(tmp_path, name):
+    path = write(tmp_path, *chain({"at": "${length} 0 0"}), links=2, name=name)
+    with pytest.raises(InvalidInput, match="by xacro first") as refusal:
+        load_robot(path)
+    source, made = str(refusal.value).split("xacro first: xacro ")[1].split(" > ")
+    assert source == name != made
+    assert made.endswith(".urdf")
+
+
+@pytest.mark.parametrize(
+    "shape",
+    ["<box size='0.1 0.1 0'/>", "<box size='-1 1 1'/>", "<sphere radius='-1'/>", "<cylinder radius='0.1' length='0'/>"],
+)
+def test_a_shape_without_a_size_is_refused(tmp_path, shape):
+    path = write(tmp_path, *chain({}, {}, {}), links=4)
+    path.write_text(path.read_text().replace("</link>", f"<collision><geometry>{shape}</geometry></collision></link>"))
+    robot = load_robot(path)
+    for use in robot.geometry, robot.with_capsules:
+        with pytest.raises(InvalidInput, match="its sizes must be positive"):
+            use()
 
 
 @pytest.mark.parametrize("encoding", ["ISO-8859-1", "utf-16", "utf-8-sig"])
@@ -655,3 +744,40 @@ def test_no_robot_ends_its_process(name, base):
     done = subprocess.run([sys.executable, "-c", program, "."], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert not [line for line in done.stderr.splitlines() if not line.startswith("hqp: ")]
+
+
+@pytest.mark.parametrize("home", [[0.0], [[0.0, 0.0]], [np.nan, 0.0], "home", None])
+def test_a_home_that_is_no_configuration_is_refused(tmp_path, home):
+    robot = load_robot(write(tmp_path, *chain({}, {}), links=3))
+    with pytest.raises(InvalidInput, match="home"):
+        robot.home = home
+    assert robot.home.tolist() == [0.0, 0.0]
+    robot.home = [0.5, 7.0]
+    assert robot.home.tolist() == [0.5, 1.0]
+    robot.position_limit = (-0.2, 0.2)
+    assert robot.home.tolist() == [0.2, 0.2]
+
+
+@pytest.mark.parametrize("position", ["a", [0.1, 0.2], np.nan, None])
+def test_a_joint_is_locked_at_a_number(tmp_path, position):
+    path = write(tmp_path, *chain({}, {}), links=3)
+    if position is None:
+        assert load_robot(path, lock={"joint0": None}).joint_names == ("joint1",)
+        return
+    with pytest.raises(InvalidInput, match="lock of joint 'joint0'"):
+        load_robot(path, lock={"joint0": position})
+
+
+def test_a_torque_limit_of_a_follower_is_refused_as_it_would_have_no_effect(tmp_path):
+    path = write(tmp_path, *chain({}, {"mimic": ("joint0", 0.5, 0.0)}), links=3)
+    load_robot(path, mimic="free", torque_limit={"joint1": 0.5})
+    with pytest.raises(InvalidInput, match="torque limit of joint 'joint1': it follows another"):
+        load_robot(path, mimic="follow", torque_limit={"joint1": 0.5})
+    with pytest.raises(InvalidInput, match="it is held"):
+        load_robot(path, torque_limit={"joint1": 0.5})
+
+
+def test_a_file_without_a_suffix_in_this_folder(tmp_path, monkeypatch):
+    write(tmp_path, *chain({}, {}), links=3, name="robot_description")
+    monkeypatch.chdir(tmp_path)
+    assert load_robot("./robot_description").nv == 2

@@ -351,3 +351,15 @@ def test_refused_without_a_limit_of_the_speed():
     assert limited([0.0, 0.0], [0.0, 0.0]).ok
     with pytest.raises(InvalidInput, match="dt"):
         Controller(ARM, limit, damping=None)
+
+
+@pytest.mark.parametrize("obstacle", [Sphere([5.0, 0.5], 0.1), Capsule([5.0, 0.5], [5.0, 0.6], 0.1)])
+def test_obstacles_of_two_numbers_beside_a_robot_in_space_are_told(caplog, obstacle) -> None:
+    """They lie on the floor, which is where a planar robot is."""
+    panda = load_robot("panda", lock=["panda_finger_joint1"])
+    limit = DistanceLimit([LinkCapsule("panda_link7", "panda_hand_tcp", 0.06)], [obstacle], margin=0.01, gain=5.0)
+    with caplog.at_level("WARNING", logger="hqp"):
+        Controller(ARM, JointVelocityLimit(1.0) >> DistanceLimit(LINKS, [obstacle], margin=0.01, gain=5.0), dt=0.01)
+        assert "two numbers" not in caplog.text
+        Controller(panda, JointVelocityLimit(1.0) >> limit, dt=0.01)
+    assert f"obstacles of two numbers are at z = 0: {type(obstacle).__name__}" in caplog.text

@@ -172,3 +172,34 @@ def test_no_file_is_refused(tmp_path) -> None:
 def test_an_srdf_is_no_robot(srdf) -> None:
     with pytest.raises(InvalidInput, match="with_srdf"):
         load_robot(srdf(ARM + READY))
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [("<group ", "<gruop "), ("<group_state", "<group_sate"), ("<joint", "<jont"), ("<chain", "<chian")],
+)
+def test_elements_that_are_misspelt_are_refused(srdf, right: str, wrong: str) -> None:
+    text = (
+        (ARM + READY).replace(right, wrong).replace(right.replace("<", "</").strip() + ">", f"</{wrong[1:].strip()}>")
+    )
+    with pytest.raises(InvalidInput, match=f"{wrong.strip()}> of .* is not read; write {right.strip()}>"):
+        PANDA.with_srdf(srdf(text))
+
+
+def test_a_chain_may_go_up_and_down_again(srdf) -> None:
+    """From one hand to the other, and from either end of an arm."""
+    ends = {"both": ("arm_left_7_link", "arm_right_7_link"), "down": ("arm_left_7_link", "torso_2_link")}
+    text = "".join(
+        f'<group name="{name}"><chain base_link="{base}" tip_link="{tip}"/></group>'
+        for name, (base, tip) in ends.items()
+    )
+    groups = TALOS.with_srdf(srdf(text)).groups
+    arms = {side: {name for name in TALOS.joint_names if name.startswith(f"arm_{side}_")} for side in ("left", "right")}
+    assert set(groups["down"]) == arms["left"]
+    assert set(groups["both"]) == arms["left"] | arms["right"]
+
+
+def test_a_group_without_joints_is_told(srdf, caplog) -> None:
+    with caplog.at_level("WARNING", logger="hqp"):
+        PANDA.with_srdf(srdf('<group name="nothing"><link name="panda_link0"/></group>' + ARM))
+    assert "groups without a joint that moves: nothing" in caplog.text

@@ -202,9 +202,9 @@ FOREIGN = SimpleNamespace(nq=3, nv=3, at=ARM.at)
             lambda: Controller(ARM, JointTorqueLimit([1.0, 2.0]), order="torque", damping=None),
             r"limit has shape \(2,\)",
         ),
-        (lambda: JointTorqueLimit(0.0), r"JointTorqueLimit 'torque': limit = 0.0 N m must be positive"),
+        (lambda: JointTorqueLimit(-1.0), r"JointTorqueLimit 'torque': limit = -1.0 N m must not be negative"),
         (lambda: JointTorqueLimit(1.0, name=3), "name of a JointTorqueLimit = 3 is a int"),
-        (lambda: PlanarArm([1], torque_limit=-1.0), "torque limit = -1.0 N m must be positive"),
+        (lambda: PlanarArm([1], torque_limit=-1.0), "torque limit = -1.0 N m must not be negative"),
         (lambda: panda(torque_limit=(1.0, 2.0)), r"torque limit has shape \(2,\)"),
     ],
 )
@@ -217,3 +217,19 @@ def test_gravity_is_part_of_the_bias():
     robot = panda()
     gravity = pin.computeGeneralizedGravity(robot.model, robot.model.createData(), robot.home)
     np.testing.assert_allclose(robot.bias(robot.home, np.zeros(7)), gravity, atol=1e-12)
+
+
+@pytest.mark.parametrize("given", ["the robot", "the limit"])
+def test_a_joint_without_a_motor_has_no_torque(given):
+    largest = [0.0, 20.0]
+    arm = PlanarArm([1.0, 1.0], masses=[1.0, 1.0], velocity_limit=20.0)
+    if given == "the robot":
+        arm.torque_limit = largest
+    limit = JointTorqueLimit(None if given == "the robot" else largest)
+    controller = Controller(arm, limit >> PostureTask([0.5, 0.3], gain=3.0), order="torque", dt=0.005)
+    q, v = np.array([0.3, 0.2]), np.zeros(2)
+    for _ in range(20):
+        step = controller(q, v)
+        assert abs(step.tau[0]) < 1e-10
+        assert step.solution.certify().ok
+        q, v = q + 0.005 * v, v + 0.005 * step.a

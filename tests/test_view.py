@@ -63,10 +63,11 @@ def stack():
 
 
 def session(**options) -> Session:
-    """Of a controller past its first tick, which loads loops and may take longer than a clock waits."""
-    controller = Controller(ARM, stack(), dt=0.01)
-    controller(Q, np.zeros(len(Q)))
-    return Session(controller, Q, **options)
+    """Past its first tick, which loads loops and what judges an answer, and may take longer than a clock waits."""
+    live = Session(Controller(ARM, stack(), dt=0.01), Q, **options)
+    live.motion.tick()
+    live.reset()
+    return live
 
 
 @pytest.fixture
@@ -93,7 +94,8 @@ def window(ur5, tmp_path):
 
 def test_levels_are_moved_and_the_controller_follows_within_the_time_of_a_change(unhurried):
     live = session()
-    live.advance(0.05)
+    for _ in range(5):
+        live.motion.tick()
     live.move_level(2, -1)
     assert [level[0].name for level in live.controller.stack.levels] == live.priorities.names
     live.motion.tick()
@@ -184,6 +186,18 @@ def test_a_reset_in_the_middle_of_a_change_goes_on():
     live.reset()
     live.motion.tick()
     assert live.motion.step.share == 1.0
+
+
+def test_a_reset_lets_contacts_hold_where_the_robot_is_put():
+    scene = humanoid()
+    controller = Controller(scene.robot, scene.limits >> scene.rest(), order="torque", dt=2e-3)
+    way = np.zeros(scene.robot.nv)
+    way[0] = 0.5
+    controller(scene.robot.integrate(scene.q, way), scene.v)
+    live = Session(controller, scene.q)
+    live.reset()
+    live.motion.tick()
+    assert abs(live.motion.step.a).max() < 1.0
 
 
 def test_what_another_thread_wishes_is_done_between_ticks_and_refusals_become_the_message():

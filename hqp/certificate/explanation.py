@@ -41,7 +41,7 @@ class LevelExplanation:
     damped : str
         Why the solver relaxed the level, and in which direction; empty if it did not.
     zero : bool
-        Whether all its rows are zero, so that no x changes them.
+        Whether all rows that are not met are zero: nothing in x moves them.
     """
 
     level: int
@@ -94,7 +94,7 @@ class LevelExplanation:
     @property
     def own(self) -> str:
         """Why a level that contradicts itself is not met."""
-        if self.fixing == 1:
+        if self.fixing <= 1:
             return "its own row is zero"
         return "its own rows are zero" if self.zero else "its own rows contradict each other"
 

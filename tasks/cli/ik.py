@@ -86,6 +86,7 @@ def ik(
     The joints stay inside their ranges; position has priority over orientation, and orientation over posture. Exit
     code 1 if the pose is out of reach: the nearest is printed, and what stops it.
     """
+    from hqp import InvalidInput
     from hqp.files.whole import writable
 
     from ..base.checks import finite
@@ -98,6 +99,8 @@ def ik(
     place = finite(_numbers("--position", position, (3,)), "--position")
     rotation = None if orientation is None else _rotation(orientation)
     if plot is not None:
+        if plot.suffix.lower() != ".png":
+            raise InvalidInput(f"--plot {plot}: the picture is a PNG; name a file that ends with .png")
         writable(plot.parent, [plot.name])
     machine = load_robot(robot, base=base, body=body or None, lock=lock or ())
     begin = _begin(machine, start, seed)

@@ -31,6 +31,9 @@ if TYPE_CHECKING:
     from ..rows.plan import Plan
     from ..rows.site import Site, Workspace
 
+#: The gravity for which capture points are computed [m/s^2], and how far that of a model may be off: files round it.
+DOWN, AROUND = (0.0, 0.0, -9.81), 0.05
+
 
 class _Balance(Part):
     """Base class of rows that depend on the contacts which carry the robot."""
@@ -53,6 +56,12 @@ class _Balance(Part):
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         if center_of_mass(at_rest(robot)) is None:
             raise InvalidInput(f"{self.task.full_name()}: {robot!r} does not tell its centre of mass")
+        model = getattr(robot, "model", None)
+        if model is not None and not np.allclose(model.gravity.linear, DOWN, rtol=0.0, atol=AROUND):
+            raise InvalidInput(
+                f"{self.task.full_name()}: gravity in the model of {robot!r} is {model.gravity.linear.tolist()} m/s^2;"
+                f" a capture point needs that of the earth, {DOWN} or nearly so"
+            )
 
     @property
     def points(self) -> int:

@@ -28,7 +28,7 @@ from .model import GAIN
 
 if TYPE_CHECKING:
     from ..rows.plan import Plan
-    from ..rows.site import Site
+    from ..rows.site import Site, Workspace
 
 NAMES = ("x", "y", "z", "about x", "about y", "about z")
 
@@ -147,6 +147,16 @@ class Loop(Part):
             for own in closures
         )
 
+    def held(self, shared: Workspace) -> Array:
+        """Whether the axes that it holds have been taken, and these axes, by rows; kept from tick to tick."""
+        held: Array = shared.kept(self, lambda: np.zeros(10))
+        return held
+
+    def settle(self, shared: Workspace) -> None:
+        """Hold the axes that the next tick finds, unless others are given."""
+        if self.rotation is None:
+            self.held(shared)[0] = 0.0
+
     def _point(self, value: ArrayLike, what: str) -> Array:
         point = finite(value, f"{self.full_name()}: {what}")
         if point.shape != (3,):
@@ -213,7 +223,7 @@ class LoopMotion(LoopTask):
         from .kernels.loop import write_loop
 
         shared, loop = site.shared, self.loop
-        kept: Array = shared.kept(loop, lambda: np.zeros(10))
+        kept = loop.held(shared)
         if loop.rotation is not None:
             kept[0], kept[1:] = 1.0, loop.rotation.ravel()
         blocks = site.frame(loop.a), site.frame(loop.b)

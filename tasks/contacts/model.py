@@ -89,9 +89,10 @@ class ContactModel(Part):
     def normal(self, value: ArrayLike) -> Array:
         """Unit vector in which the surface pushes on the robot, shape (3,)."""
         n = finite(value, f"{self.full_name()}: normal")
-        if n.shape != (3,) or not n.any():
+        norm = float(np.linalg.norm(n))
+        if n.shape != (3,) or not 0.0 < norm < np.inf:
             raise InvalidInput(f"{self.full_name()}: normal = {n.tolist()} must be a direction, shape (3,)")
-        return np.asarray(n / np.linalg.norm(n))
+        return np.asarray(n / norm)
 
     @number
     def least(self, value: float) -> float:

@@ -6,16 +6,45 @@ structure of the hierarchy does not change when a foot is lifted or put down.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from copy import deepcopy
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..base.checks import Array
+from ..base.stopwatch import Stopwatch
 from ..targets.timing import Timing, cubic
 from .kernels import layout as at
 
 #: How far the bounds of the motion open during a release, just before they are removed [m/s^2].
 WIDE = 100.0
+
+
+@dataclass
+class Ramp:
+    """How the caps of the normal forces rise or fall.
+
+    Attributes
+    ----------
+    forces : array, shape (points,)
+        The caps at its upper end [N].
+    duration : float
+        [s]; a release takes it twice, the second time to open the bounds of the motion.
+    law : callable
+        Timing law of the caps.
+    releases : bool
+        Whether they fall.
+    """
+
+    forces: Array
+    duration: float
+    law: Timing
+    releases: bool
+    since: Stopwatch = field(default_factory=Stopwatch)
+
+    def share(self, t: float) -> float:
+        """Time since its first tick, divided by its duration."""
+        return self.since.elapsed(t) / self.duration if self.duration > 0.0 else np.inf
 
 
 class Slot:
@@ -46,7 +75,7 @@ class Slot:
         self.axes = np.concatenate([np.eye(3).ravel()] * 2)
         self.surface = np.zeros(at.SURFACE_SIZE)
         self.surface[at.R : at.R + 9] = np.eye(3).ravel()
-        self._ramp: Callable[[float], None] | None = None
+        self._ramp: Ramp | None = None
 
     @property
     def on(self) -> bool:
@@ -66,47 +95,41 @@ class Slot:
     def release(self, forces: Array, duration: float, law: Timing = cubic) -> None:
         """Lower the caps of the normal forces to 0 in `duration` [s], then open the bounds of the motion in as long."""
         self.numbers[at.BEARS] = 0.0
-
-        def ramp(share: float) -> None:
-            if share < 1.0:
-                self.caps[:] = forces * (1.0 - law(share)[0])
-            elif share < 2.0:
-                self.caps[:] = self.numbers[at.LOADED] = 0.0
-                self.numbers[at.OPEN] = WIDE * law(share - 1.0)[0]
-            else:
-                self.let_go()
-
-        self._begin(ramp, duration, 2.0)
+        self._ramp = Ramp(forces, duration, law, releases=True)
 
     def make(self, most: float, duration: float, law: Timing = cubic) -> None:
         """Hold the position from now on; the cap on the sum of normal forces rises to `most` [N] in `duration` [s]."""
         self.numbers[[at.ON, at.LOADED, at.BEARS]] = 1.0
-        self.numbers[[at.TAKEN, at.OPEN]] = 0.0
+        self.numbers[at.OPEN] = 0.0
+        self.settle()
+        self._ramp = Ramp(np.full(len(self.caps), most / len(self.caps)), duration, law, releases=False)
 
-        def ramp(share: float) -> None:
-            self.caps[:] = most / len(self.caps) * law(share)[0] if share < 1.0 else np.inf
-            if share >= 1.0:
-                self._ramp = None
-
-        self._begin(ramp, duration, 1.0)
-
-    def _begin(self, ramp: Callable[[float], None], duration: float, end: float) -> None:
-        """Start a ramp at the next tick; its argument is the time since then, divided by `duration` [s]."""
-        begin: float | None = None
-
-        def at_time(t: float) -> None:
-            nonlocal begin
-            begin = t if begin is None else begin
-            ramp(end if duration == 0.0 else (t - begin) / duration)
-
-        self._ramp = at_time
+    def settle(self) -> None:
+        """Hold the position that the next tick finds."""
+        self.numbers[at.TAKEN] = 0.0
 
     def let_go(self) -> None:
         """Switch the contact off."""
         self.numbers[[at.ON, at.LOADED, at.BEARS, at.OPEN]] = self.caps[:] = 0.0
         self._ramp = None
 
+    def take(self, other: Slot) -> None:
+        """Become as another slot of the same contact."""
+        self.numbers[:], self.caps[:], self._ramp = other.numbers, other.caps, deepcopy(other._ramp)
+
     def move(self, t: float) -> None:
         """Advance the ramp to time t [s]."""
-        if self._ramp is not None:
-            self._ramp(t)
+        ramp = self._ramp
+        if ramp is None:
+            return
+        share = ramp.share(t)
+        if not ramp.releases:
+            self.caps[:] = ramp.forces * ramp.law(share)[0] if share < 1.0 else np.inf
+            self._ramp = ramp if share < 1.0 else None
+        elif share < 1.0:
+            self.caps[:] = ramp.forces * (1.0 - ramp.law(share)[0])
+        elif share < 2.0:
+            self.caps[:] = self.numbers[at.LOADED] = 0.0
+            self.numbers[at.OPEN] = WIDE * ramp.law(share - 1.0)[0]
+        else:
+            self.let_go()

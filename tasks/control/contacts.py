@@ -12,6 +12,7 @@ from hqp import InvalidInput
 from ..base.checks import Array, finite_scalar, suggestion
 from ..contacts.contact import Contact
 from ..contacts.loop import Loop
+from ..contacts.slot import Slot
 from ..robots.robot import base
 from ..rows.hierarchy_writer import HierarchyWriter
 
@@ -161,23 +162,26 @@ def find_contact(stack: Iterable[Part], contact: Contact | str) -> Contact:
         If there is none; the message lists the nearest names.
     """
     own = [part for part in stack if isinstance(part, Contact)]
-    for part in own:
-        if part is contact or part.name == contact:
-            return part
+    found = [part for part in own if part is contact] or [part for part in own if part.name == contact]
+    if len(found) > 1:
+        raise InvalidInput(
+            f"{contact!r} names {len(found)} contacts of the stack; give each a name of its own: name=..."
+        )
+    if found:
+        return found[0]
     what = repr(contact) if not isinstance(contact, str) else f"{contact!r}"
     raise InvalidInput(f"{what} is no contact of the stack{suggestion(str(contact), [part.name for part in own])}")
 
 
 def release(
-    stack: Stack, rows: HierarchyWriter, forces: Forces | None, contact: Contact | str, duration: float
+    stack: Stack, rows: HierarchyWriter, forces: Mapping[str, Array], contact: Contact | str, duration: float
 ) -> None:
     """See :meth:`tasks.Controller.release`."""
     found, time = find_contact(stack, contact), _duration(duration, "release")
     slot = found.slot(rows.shared)
     if not slot.on:
         raise InvalidInput(f"{found.full_name()}: is off already; it can be made")
-    now = np.zeros(len(slot.caps)) if forces is None or found.name not in forces.contacts else forces.normal(found.name)
-    slot.release(np.maximum(now, 0.0), time)
+    slot.release(np.maximum(forces.get(found.name, np.zeros(len(slot.caps))), 0.0), time)
 
 
 def make(stack: Stack, rows: HierarchyWriter, contact: Contact | str, duration: float) -> None:
@@ -186,7 +190,7 @@ def make(stack: Stack, rows: HierarchyWriter, contact: Contact | str, duration: 
     slot = found.slot(rows.shared)
     if slot.bears:
         raise InvalidInput(f"{found.full_name()}: is on already; it can be released")
-    slot.make(weight_of(rows) if found in rows.unknowns else np.inf, time)
+    slot.make(weight_of(rows) if found in rows.unknowns else 0.0, time)
 
 
 def bears(stack: Stack, rows: HierarchyWriter, contact: Contact | str) -> bool:
@@ -195,20 +199,39 @@ def bears(stack: Stack, rows: HierarchyWriter, contact: Contact | str) -> bool:
     return found.slot(rows.shared).bears
 
 
-def off(stack: Stack, rows: HierarchyWriter) -> list[Contact]:
-    """The contacts that are off, or being released."""
-    return [part for part in stack if isinstance(part, Contact) and not part.slot(rows.shared).bears]
-
-
 def loaded(stack: Stack, rows: HierarchyWriter) -> tuple[str, ...]:
     """The names of the contacts that may bear forces."""
     return tuple(part.name for part in stack if isinstance(part, Contact) and part.slot(rows.shared).loaded)
 
 
-def let_go(contacts: list[Contact], rows: HierarchyWriter) -> None:
-    """Switch these contacts off."""
-    for contact in contacts:
-        contact.slot(rows.shared).let_go()
+def kept(stack: Stack, rows: HierarchyWriter) -> list[tuple[Contact | Loop, Slot | Array]]:
+    """What contacts and loops keep from tick to tick: which are on, where they hold, and ramps under way."""
+    shared = rows.shared
+    loops = ((part, part.held(shared)) for part in stack if isinstance(part, Loop))
+    return [*((part, part.slot(shared)) for part in stack if isinstance(part, Contact)), *loops]
+
+
+def take(all_of: list[tuple[Contact | Loop, Slot | Array]], rows: HierarchyWriter) -> None:
+    """Go on with what contacts and loops kept."""
+    for part, own in all_of:
+        if isinstance(part, Contact) and isinstance(own, Slot):
+            part.slot(rows.shared).take(own)
+        elif isinstance(part, Loop) and isinstance(own, np.ndarray):
+            part.held(rows.shared)[:] = own
+
+
+def settle(stack: Stack, rows: HierarchyWriter) -> None:
+    """Hold all contacts and loops where the next tick finds them."""
+    for part in stack:
+        if isinstance(part, Contact):
+            part.slot(rows.shared).settle()
+        elif isinstance(part, Loop):
+            part.settle(rows.shared)
+
+
+def pressed(forces: Forces | None) -> dict[str, Array]:
+    """The normal forces at the points of all contacts, by name [N]."""
+    return {} if forces is None else {name: forces.normal(name) for name in forces.contacts}
 
 
 def _duration(value: float, what: str) -> float:

@@ -34,7 +34,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
     """Computes the command of every tick from a stack of tasks, each solve warm-started from the last.
 
     A copy, by ``copy.deepcopy`` or pickle, is an independent controller with its own robot and tasks: make one for each
-    environment or thread. Its solver starts cold.
+    environment or thread. It goes on with changes, releases and contacts as they are; its solver starts cold.
 
     Parameters
     ----------
@@ -161,6 +161,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         how = Preparation(self.robot, motion, self.dt, backend, settings, default_damping(damping))
         self._prepared = PreparedStacks(how)
         self._forces: of.Forces | None = None
+        self._pressed: dict[str, Array] = {}  # what a copy has instead until its first tick
         self._transition: Transition | None = None
         self._limits: Limits | None = None
         self._states = StateReader(self.robot)
@@ -169,25 +170,27 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         tell_of_speed(self.robot, self._now)
 
     def __getstate__(self) -> dict[str, Any]:
-        """The arguments of the controller and its pending changes, oldest first; rows and solvers are not copied."""
+        """Its arguments, its pending changes, oldest first, and what its contacts keep; not its rows and solvers."""
         asked = {"order": self.order, "torque": self._torques is not None and self.order != "torque", "dt": self.dt}
         return {
             "robot": self.robot,
             "stack": self.stack,
             "options": asked | self._prepared.how.options,
             "changes": [] if self._transition is None else self._transition.history(),
-            "off": of.off(self.stack, self._rows),
+            "kept": of.kept(self.stack, self._rows),
+            "pressed": self._pressed if self._forces is None else of.pressed(self._forces),
         }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         changes = state["changes"]
         stacks = [*(left for left, *_ in changes), state["stack"]]
         Controller.__init__(self, state["robot"], stacks[0], **state["options"])
-        for (_, duration, law, begin), stack in zip(changes, stacks[1:], strict=True):
+        for (_, duration, law, since), stack in zip(changes, stacks[1:], strict=True):
             self.change(stack, duration=duration, law=law)
             assert self._transition is not None
-            self._transition.begin = begin
-        of.let_go(state["off"], self._rows)
+            self._transition.since = since
+        of.take(state["kept"], self._rows)
+        self._pressed = state["pressed"]
 
     @property
     def stack(self) -> Stack:
@@ -288,7 +291,8 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         InvalidInput
             If the contact is not in the stack or is off already, or the duration is negative.
         """
-        of.release(self.stack, self._rows, self._forces, contact, duration)
+        forces = self._pressed if self._forces is None else of.pressed(self._forces)
+        of.release(self.stack, self._rows, forces, contact, duration)
 
     def make(self, contact: Contact | str, duration: float = 0.0) -> None:
         """Make a contact that is off or being released: from the next tick on it holds the position it then has.
@@ -306,6 +310,13 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
             If the contact is not in the stack or is on already, or the duration is negative.
         """
         of.make(self.stack, self._rows, contact, duration)
+
+    def settle(self) -> None:
+        """Hold all contacts and loops where the next tick finds them, as before the first tick.
+
+        For a robot that has been put somewhere else; :func:`tasks.simulate` does so at the start of every run.
+        """
+        of.settle(self.stack, self._rows)
 
     @property
     def loaded(self) -> tuple[str, ...]:

@@ -20,6 +20,7 @@ from copy import deepcopy
 from hqp import Hierarchy, Solver
 
 from ..base.checks import Array, positive_scalar
+from ..base.stopwatch import Stopwatch
 from ..robots.robot import RobotState
 from ..rows.levels import Levels
 from ..rows.part import Stack
@@ -84,18 +85,16 @@ class Transition:
         self.old, self.before = old, before
         self.duration = positive_scalar(duration, "duration of a change", unit="s")
         self.law = as_timing(law, "law of a change")
-        self.begin: float | None = None
+        self.since = Stopwatch()
 
     def share(self, t: float) -> float:
         """How much of the new stack counts at time t [s], 0 at the first tick that asks."""
-        if self.begin is None:
-            self.begin = t
-        return self.law((t - self.begin) / self.duration)[0]
+        return self.law(self.since.elapsed(t) / self.duration)[0]
 
-    def history(self) -> list[tuple[Stack, float, Timing, float | None]]:
-        """The changes under way, oldest first: the previous stack, duration [s], law, and start time [s] of each."""
+    def history(self) -> list[tuple[Stack, float, Timing, Stopwatch]]:
+        """The changes under way, oldest first: the previous stack, duration [s], law, and time since it began."""
         earlier = [] if self.before is None else self.before.history()
-        return [*earlier, (self.old.stack, self.duration, self.law, self.begin)]
+        return [*earlier, (self.old.stack, self.duration, self.law, deepcopy(self.since))]
 
     def blend(self, state: RobotState, t: float, new: Array, last: Array | None) -> tuple[Array, float]:
         """The command between the answers of both stacks, and the share of the new one.

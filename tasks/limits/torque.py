@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
-from ..base.checks import Array, not_negative, numbers, pair, per_row, positive
+from ..base.checks import Array, not_negative, numbers, pair, per_row
 from ..base.live import number
 from ..robots.robot import Robot, base, check_dynamics, joint_names, joint_units
 from ..rows.part import Order, Part
@@ -46,7 +46,7 @@ class JointTorqueLimit(Part):
     Parameters
     ----------
     limit : float or array, shape (nv,), optional
-        Positive [N m], of a sliding joint [N]; None for the robot's own.
+        [N m], of a sliding joint [N], 0 of a joint without a motor; None for the robot's own.
     speeds : pair of float or array, shape (nv,), optional
         Joint speeds [rad/s], [m/s] up to which a motor gives all of its torque in the direction in which it turns, and
         from which on none; between them it falls in proportion. Against its direction, braking, it gives all.
@@ -55,7 +55,7 @@ class JointTorqueLimit(Part):
     Raises
     ------
     InvalidInput
-        If a limit is not positive, or the first speed not below the second; and, with a robot, if there is not one a
+        If a limit is negative, or the first speed not below the second; and, with a robot, if there is not one a
         joint, the order is velocity, the base floats and the stack has no :class:`~tasks.Dynamics`, or the robot does
         not know its mass matrix.
 
@@ -86,8 +86,8 @@ class JointTorqueLimit(Part):
 
     @number
     def limit(self, value: ArrayLike | None) -> Array | None:
-        """The largest torque of each joint [N m], [N], shape () or (nv,); None for the robot's own."""
-        return None if value is None else positive(value, f"{self.full_name()}: limit", unit="N m")
+        """The largest torque of each joint [N m], [N], shape () or (nv,), 0 without a motor; None for the robot's."""
+        return None if value is None else not_negative(value, f"{self.full_name()}: limit", unit="N m")
 
     @number
     def speeds(self, value: tuple[ArrayLike, ArrayLike] | None) -> tuple[Array, Array] | None:

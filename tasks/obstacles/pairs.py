@@ -13,7 +13,8 @@ from hqp.errors import brief
 
 from ..base.checks import Array
 from ..base.live import Live, structure
-from ..robots.robot import Robot, RobotState
+from ..base.telling import tell
+from ..robots.robot import Robot, RobotState, at_rest
 from .links import LinkCapsule
 from .shapes import Obstacle
 
@@ -66,7 +67,14 @@ class Pairs(Live):
                 bound = self._bound = robot, [link.bind(robot) for link in self.links]
             except InvalidInput as refusal:
                 raise InvalidInput(f"{self._what}: {refusal}") from None
+            self._tell_of_flat(robot)
         return bound[1]
+
+    def _tell_of_flat(self, robot: Robot) -> None:
+        """Tell of obstacles with two numbers beside a robot in space: they lie on the floor."""
+        flat = [brief(obstacle) for obstacle in self.obstacles if obstacle.is_flat]
+        if flat and at_rest(robot).frame(self.links[0].frame).rotation.ndim == 2:
+            tell(f"{self._what}: obstacles of two numbers are at z = 0: {', '.join(flat)}")
 
     def __getstate__(self) -> dict[str, Any]:
         return {**super().__getstate__(), "_bound": None}

@@ -38,6 +38,11 @@ class Obstacle(Live):
         """Whether it may be somewhere else at another time."""
         return False
 
+    @property
+    def is_flat(self) -> bool:
+        """Whether it was placed by two numbers, in the plane z = 0."""
+        return False
+
     def core(self, t: float) -> Array:
         """The points whose convex hull is the core at time t [s], shape (1 or 2, 3) [m]."""
         raise NotImplementedError
@@ -95,6 +100,10 @@ class Sphere(Obstacle):
     def moves(self) -> bool:
         return not isinstance(self.centre, Fixed)
 
+    @property
+    def is_flat(self) -> bool:
+        return len(self.centre(0.0)[0]) == 2
+
     def core(self, t: float) -> Array:
         return _spatial(self.centre(t)[0])[None]
 
@@ -146,11 +155,12 @@ class Capsule(Obstacle):
     @number
     def end(self, value: ArrayLike) -> Array:
         """Where it ends [m], shape (3,)."""
+        self._ends_flat = np.shape(value) == (2,)
         return _point(value, f"{self.full_name()}: end")
 
     @property
-    def moves(self) -> bool:
-        return False
+    def is_flat(self) -> bool:
+        return self._ends_flat
 
     def core(self, t: float) -> Array:
         return np.array([self.start, self.end])

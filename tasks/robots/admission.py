@@ -229,8 +229,8 @@ def _check_limit(robot: Robot, quantity: Quantity) -> None:
         return
     _check_shape(value, (robot.nv,), f"{what}, one number a joint,")
     given = numbers(value, what)
-    least_allowed = "not be negative" if quantity == "velocity" else "be positive"
-    wrong = ~(given >= 0.0) if quantity == "velocity" else ~(given > 0.0)
+    least_allowed = "be positive" if quantity == "acceleration" else "not be negative"
+    wrong = ~(given > 0.0) if quantity == "acceleration" else ~(given >= 0.0)
     if wrong.any():
         joint = int(np.argmax(wrong))
         raise InvalidInput(f"{what}: that of {joint_names(robot)[joint]!r} = {given[joint]:g}; it must {least_allowed}")

@@ -18,6 +18,31 @@ def shape_of(name: str, *sizes: float) -> Any:
     return getattr(coal, name)(*sizes)
 
 
+#: The sizes of the simple shapes of Coal.
+SIZES = {
+    coal.Sphere: ("radius",),
+    coal.Capsule: ("radius",),
+    coal.Cylinder: ("radius", "halfLength"),
+    coal.Cone: ("radius", "halfLength"),
+    coal.Ellipsoid: ("radii",),
+    coal.Box: ("halfSide",),
+}
+
+
+def check_sizes(shape: coal.CollisionGeometry, what: str) -> None:
+    """Refuse a simple shape without volume, or with a size below zero, which Coal takes.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    for size in SIZES.get(type(shape), ()):
+        own = np.ravel(getattr(shape, size))
+        if not (np.isfinite(own).all() and own.min() > 0.0):
+            kind = type(shape).__name__.lower()
+            raise InvalidInput(f"{what} is a {kind} with {size} = {own.tolist()} m; its sizes must be positive")
+
+
 def check_volume(points: Array, what: str) -> None:
     """Refuse points in a plane, whose hull has no volume.
 

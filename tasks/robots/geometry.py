@@ -18,7 +18,7 @@ from hqp.errors import brief
 
 from ..base.checks import suggestion
 from ..base.quiet import caught, reason
-from .convexity import check_volume
+from .convexity import check_sizes, check_volume
 from .files.urdf import rename, rename_shared
 from .files.xml import parsed, root_of, written
 from .frame import WORLD
@@ -153,9 +153,10 @@ def convex(shape: coal.CollisionGeometry, what: str) -> coal.CollisionGeometry:
     Raises
     ------
     InvalidInput
-        If the mesh has no volume, and so no hull.
+        If the mesh has no volume, and so no hull, or a size of a simple shape is not positive.
     """
     if not isinstance(shape, coal.BVHModelBase):
+        check_sizes(shape, what)
         return shape
     check_volume(np.array(shape.vertices()).reshape(-1, 3), what)
     shape.buildConvexHull(True, "Qt")

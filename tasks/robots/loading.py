@@ -16,6 +16,7 @@ from hqp import InvalidInput
 from hqp.checks import listed, truth
 from hqp.errors import brief
 
+from ..base.checks import finite_scalar
 from ..base.telling import tell
 from .choices import Base, Mimic
 from .library import ROBOTS, Entry, available_robots, named
@@ -68,7 +69,8 @@ def load_robot(
         Lowest and highest positions [rad], [m]; a dict changes the joints that it names and leaves the rest.
     velocity_limit, acceleration_limit, torque_limit : float, array or dict of name to float, optional
         Largest speeds [rad/s], [m/s], accelerations [rad/s^2], [m/s^2], torques [N m], forces [N].
-        See :class:`~tasks.robots.pinocchio.PinocchioRobot`.
+        A speed of 0 holds a joint, and one with a torque of 0 has no motor. See
+        :class:`~tasks.robots.pinocchio.PinocchioRobot`.
     floating_base : bool, optional
         The old name of ``base="floating"``; deprecated.
 
@@ -115,10 +117,10 @@ def load_robot(
 def _take_home(robot: PinocchioRobot, entry: Entry) -> None:
     """Give the robot the home configuration that the library knows, if any, at its height above the ground."""
     if entry.home or entry.height:
-        robot.home = robot.near({joint: q for joint, q in entry.home.items() if joint in robot.joint_names})
+        q = robot.near({joint: angle for joint, angle in entry.home.items() if joint in robot.joint_names})
         if robot.base == 6:
-            robot.home[2] += entry.height
-        robot.home.flags.writeable = False
+            q[2] += entry.height
+        robot.home = q
 
 
 def _tell_left_out(described: Description, what: str) -> None:
@@ -155,7 +157,7 @@ def _limited(described: Description, named: Mapping[str, Any], what: str) -> Des
         ("torque", model.upperEffortLimit, model.lowerEffortLimit, TORQUE),
     ):
         if key in named:
-            limits = largest(model, named[key], upper, f"{what}: {key} limit", units, zero_holds=key == "velocity")
+            limits = largest(model, named[key], upper, f"{what}: {key} limit", units, zero_holds=True)
             if limits is not None:
                 limits[limits == 0.0] = HELD
                 upper[:], lower[:] = limits, -limits
@@ -166,11 +168,14 @@ def _check_named(model: Any, named: Mapping[str, Any], what: str) -> None:
     """Refuse a limit of a joint that is locked, as it would have no effect."""
     from .joint_axes import joint_axes
 
-    moving = {name for axis in joint_axes(model) for name in (axis.name, axis.joint)} | set(model.names)
+    own = {name for axis in joint_axes(model) for name in (axis.name, axis.joint)}
+    moving = own | set(model.names)
     for key, limits in named.items():
         for name in limits:
             if isinstance(name, str) and name not in moving:
                 raise InvalidInput(f"{what}: {key} limit of joint {name!r}: it is held; lock=, or mimic=, says so")
+            if key == "torque" and isinstance(name, str) and name not in own:
+                raise InvalidInput(f"{what}: torque limit of joint {name!r}: it follows another, which bears it")
 
 
 def _arranged(described: Description, mimic: Mimic, positions: dict[str, float | None], what: str) -> Any:
@@ -237,4 +242,6 @@ def _positions(lock: Any) -> dict[str, float | None]:
     wrong = next((name for name in names if not isinstance(name, str)), None)
     if wrong is not None:
         raise InvalidInput(f"lock: {brief(wrong)} is a {type(wrong).__name__}; it must be the name of a joint")
-    return dict(lock) if isinstance(lock, Mapping) else dict.fromkeys(names)
+    if not isinstance(lock, Mapping):
+        return dict.fromkeys(names)
+    return {name: None if q is None else finite_scalar(q, f"lock of joint {name!r}") for name, q in lock.items()}

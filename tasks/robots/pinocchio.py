@@ -20,6 +20,7 @@ from hqp.guard import Guard
 
 from ..base.checks import Array, finite, finite_scalar, own_numbers, suggestion
 from ..base.live import number
+from ..base.telling import tell
 from .follower_limits import FollowerLimits
 from .refusals import joint_index
 
@@ -35,7 +36,7 @@ from .kinematics import Kinematics
 from .pinocchio_model import PinocchioModel
 from .pinocchio_source import PinocchioSource
 from .pinocchio_state import PinocchioState
-from .ranges import SAME, both_ways, largest, no_faster, no_position, within
+from .ranges import SAME, both_ways, held_at_zero, largest, no_faster, no_position, within
 from .ranges import position_limit as limits_of
 from .semantics import Semantic
 from .shapes import Shaped
@@ -69,7 +70,7 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
     acceleration_limit : float, array, shape (nv,), or dict of name to float, optional
         Largest joint acceleration [rad/s^2], [m/s^2]; a model has none.
     torque_limit : float, array, shape (nv,), or dict of name to float, optional
-        Largest joint torque [N m], force [N] (default: the model's).
+        Largest joint torque [N m], force [N] (default: the model's); 0 of a joint without a motor.
     follower_limits : dict of str to FollowerLimits, optional
         Limits of a joint that come from its followers; its own limits are no wider.
 
@@ -114,8 +115,6 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
     >>> sample.nq, sample.nv
     (6, 6)
     """
-
-    home: Array
 
     def __init__(
         self,
@@ -162,15 +161,18 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
 
     @number
     def torque_limit(self, value: Limit | None) -> Array | None:
-        """Largest joint torques [N m], [N], shape (nv,); set to None, those of the model."""
+        """Largest joint torques [N m], [N], shape (nv,), 0 where there is no motor; set to None, those of the model."""
         model, what = self.model, f"{self!r}: torque limit"
-        return largest(
-            model,
-            value,
-            both_ways(model.lowerEffortLimit, model.upperEffortLimit, self.joint_names, what),
-            what,
-            TORQUE,
-        )
+        own = both_ways(model.lowerEffortLimit, model.upperEffortLimit, self.joint_names, what)
+        return held_at_zero(largest(model, value, own, what, TORQUE, zero_holds=True))
+
+    @number
+    def home(self, value: ArrayLike) -> Array:
+        """A configuration to start from, shape (nq,), moved into the position limits."""
+        q = finite(value, f"{self!r}: home")
+        if q.shape != (self.nq,):
+            raise InvalidInput(f"{self!r}: home has shape {q.shape}; it must be ({self.nq},)")
+        return self._inside(q)
 
     def _renew(self) -> None:
         self._neutral, self.home = self._inside(self._begun), self._inside(self.home)
@@ -198,8 +200,14 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
 
     def _named(self, name: str) -> Array:
         if name in self._states:
-            return self._inside(self._put(self.neutral, self._states[name], name))
-        return self._inside(np.array(self.model.referenceConfigurations[name]))
+            q = self._put(self.neutral, self._states[name], name)
+        else:
+            q = np.array(self.model.referenceConfigurations[name])
+        inside = self._inside(q)
+        moved = [self.joint_names[i] for i in self._columns[np.abs(inside - q)[self._q_indices] > SAME]]
+        if moved:
+            tell(f"{self!r}: configuration {name!r} is outside the ranges, and is moved into them: {', '.join(moved)}")
+        return inside
 
     def configuration(self, joints: str | Mapping[str, float]) -> Array:
         """A named configuration, or the neutral one with these joints at these positions [rad], [m].

@@ -115,7 +115,7 @@ class PlanarArm(Configurations, Live):
     acceleration_limit : float or array, shape (n,), optional
         Largest joint acceleration [rad/s^2].
     torque_limit : float or array, shape (n,), optional
-        Largest joint torque [N m].
+        Largest joint torque [N m]; 0 of a joint without a motor.
     name : str
 
     Raises
@@ -185,8 +185,10 @@ class PlanarArm(Configurations, Live):
 
     @number
     def torque_limit(self, value: ArrayLike | None) -> Array | None:
-        """Largest joint torques [N m], shape (n,), or None."""
-        return None if value is None else per_joint(value, self.nv, f"{self!r}: torque limit", unit="N m")
+        """Largest joint torques [N m], shape (n,), 0 of a joint without a motor; or None."""
+        return (
+            None if value is None else per_joint(value, self.nv, f"{self!r}: torque limit", unit="N m", zero_holds=True)
+        )
 
     @property
     def frame_names(self) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ from .follower_limits import FollowerLimits
 from .joint_axes import NONE, JointAxis, joint_axes, kind
 from .refusals import joint_index
 
-#: Speed limit stored in a model for a joint that is held: 0 would mean that the limit is unknown.
+#: Limit stored in a model for a joint that is held, or has no motor: 0 would mean that the limit is unknown.
 HELD = 1e-300
 #: Two joint positions this close are equal [rad], [m].
 SAME = 1e-9
@@ -219,12 +219,19 @@ def within(
     return limits
 
 
+def held_at_zero(limits: Array | None) -> Array | None:
+    """Limits with the 0 that a model cannot hold, where it means unknown."""
+    if limits is not None:
+        limits[limits <= HELD] = 0.0
+    return limits
+
+
 def no_faster(
     limits: Array | None, names: Sequence[str], follower_limits: Mapping[str, FollowerLimits]
 ) -> Array | None:
     """Largest speeds, reduced to what the followers of each joint allow; 0 for a joint that is held."""
+    limits = held_at_zero(limits)
     if limits is not None:
-        limits[limits <= HELD] = 0.0
         for joint, theirs in follower_limits.items():
             column = list(names).index(joint)
             limits[column] = min(limits[column], theirs.speed)

@@ -75,6 +75,9 @@ class Semantic:
         read, other = read_srdf(path, self.model, what), copy(self)
         if read.unknown:
             tell(f"{what}: names what the robot has not: {', '.join(read.unknown)}")
+        empty = [name for name, joints in read.groups.items() if not joints]
+        if empty:
+            tell(f"{what}: groups without a joint that moves: {', '.join(empty)}")
         other._groups = {
             name: tuple(axis.name for axis in self._axes if axis.joint in joints)
             for name, joints in read.groups.items()

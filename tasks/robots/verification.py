@@ -17,6 +17,8 @@ from .joint_axes import joint_axes, kind
 
 #: Tolerance for the length of an axis, and for a rotation matrix.
 EXACT = 1e-9
+#: How far numbers that files round to some digits may be off.
+DIGITS = 1e-3
 
 
 def verify(model: pin.Model, what: str) -> None:
@@ -104,11 +106,15 @@ def _verify_inertia(inertia: pin.Inertia, what: str) -> None:
 
 
 def tell_of_inertias(model: pin.Model, what: str) -> None:
-    """Warn of inertias that no body can have: kinematics stay right, but torques are wrong."""
+    """Warn of inertias that no body can have: kinematics stay right, but torques are wrong.
+
+    Principal moments are integrals of y^2 + z^2, x^2 + z^2 and x^2 + y^2: not negative, and none above the sum of the
+    other two.
+    """
     wrong = []
     for inertia, name in list(zip(model.inertias, model.names, strict=True))[1:]:
-        J = np.array(inertia.inertia)
-        if np.linalg.eigvalsh(J).min() < -EXACT * (1.0 + np.abs(J).max()):
+        least, middle, most = np.linalg.eigvalsh(np.array(inertia.inertia))
+        if least < -EXACT * (1.0 + most) or most > (1.0 + DIGITS) * (least + middle) + EXACT:
             wrong.append(name)
     if wrong:
         tell(f"{what}: no body has such an inertia, torques are not to be trusted, at the joints {', '.join(wrong)}")

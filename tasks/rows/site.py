@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from hqp import InvalidInput
+
 from ..base.checks import Array, per_row
 from ..robots import abilities as able
 from ..robots.answers import at_rest, joint_reader
@@ -307,10 +309,23 @@ class Site:
 
 
 def kept_up(trajectory: Callable[[float], Any], *places: Array) -> tuple[Move, ...]:
-    """Write what a trajectory gives into these arrays, now, and every tick unless it stands still."""
+    """Write what a trajectory gives into these arrays, now, and every tick unless it stands still.
+
+    Raises
+    ------
+    InvalidInput
+        At a tick, if it gives another number of arrays or other shapes than at first; NumPy would spread one number.
+    """
+    first = trajectory(0.0)
+    shapes = [np.shape(part) for part in first]
 
     def move(t: float) -> None:
-        for place, part in zip(places, trajectory(t), strict=True):
+        given = trajectory(t)
+        if len(given) != len(shapes):
+            raise InvalidInput(f"a target gives {len(given)} arrays at t = {t:g} s, and gave {len(shapes)} at first")
+        for place, part, shape in zip(places, given, shapes, strict=True):
+            if np.shape(part) != shape:
+                raise InvalidInput(f"a target has shape {np.shape(part)} at t = {t:g} s, and had {shape} at first")
             place[:] = part
 
     move(0.0)

@@ -11,6 +11,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import accumulate
 
+from hqp import InvalidInput
+
 
 @dataclass(frozen=True, eq=False)
 class Block:
@@ -47,10 +49,19 @@ class Unknowns:
     ----------
     n : int
         All unknowns.
+
+    Raises
+    ------
+    InvalidInput
+        If two blocks have the same name, by which their forces are asked for.
     """
 
     def __init__(self, nv: int, blocks: Iterable[Block] = ()) -> None:
         self.nv, self.blocks = nv, tuple(blocks)
+        names = [block.name for block in self.blocks]
+        twice = next((name for name in names if names.count(name) > 1), None)
+        if twice is not None:
+            raise InvalidInput(f"several parts with forces are named {twice!r}; give each a name of its own: name=...")
         self._ends = tuple(accumulate(map(len, self.blocks), initial=nv))
         self.n = self._ends[-1]
 

@@ -71,6 +71,9 @@ def simulate(
 ) -> Record:
     """Run a controller in closed loop with its robot.
 
+    Contacts and loops hold where the robot is at the start. Which of them are on, and changes under way, stay as they
+    are in the controller.
+
     Parameters
     ----------
     controller : Controller
@@ -177,6 +180,7 @@ class _Run:
         parts = {id(part): part for stack in stacks for part in stack}
         self.log = Log(controller, self.ticks, robot.at(self._q, self._v), parts.values())
         self._integrate = integration(robot)
+        controller.settle()
 
     def tick(self, k: int) -> Stop | None:
         """Run tick k; returns why the run stops here, or None if it goes on."""

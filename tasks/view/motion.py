@@ -123,6 +123,7 @@ class Motion:
         self.fault: str | None = None
         self.samples.clear()
         self.change(self.controller.stack, 0.0)
+        self.controller.settle()
 
     def change(self, stack: Stack, duration: float) -> None:
         """Change to another stack within `duration` [s].

@@ -36,7 +36,7 @@ def looks_like_a_file(source: str | PathLike[str]) -> bool:
     if not isinstance(source, str) or source.lstrip().startswith("<"):
         return True
     path = Path(source)
-    return path.suffix.lower() in SUFFIXES or len(path.parts) > 1
+    return path.suffix.lower() in SUFFIXES or len(path.parts) > 1 or source.startswith("./")  # which Path leaves out
 
 
 def check_file(source: str | PathLike[str]) -> Path:

@@ -32,6 +32,7 @@ from ..joint_axes import kind
 from .closures import closed_chains
 from .couplings import couplings, moves
 from .description import BASE_JOINT, BASES, Description
+from .motors import motor_limits
 from .mujoco_numbers import BALL, FREE, HINGE, SLIDE, body_name, pose, randomise, single_joint, xyzw, yaw_of
 from .scene import Scene, body_names, scene
 
@@ -90,7 +91,6 @@ class _Reader:
         self._add_sites()
         ties = couplings(self.mj, self.scene, self.joint_names(), self.what)
         closures, open_ends = closed_chains(self.mj, self.world, self.scene, self.placed, self.names, self.what)
-        left_out = *self.scene.left_out, *open_ends, *self._unmodelled()
         neutral = np.concatenate([np.zeros(0), *self.start])
         for i in range(self.mj.nkey):
             name = self.mj.key(i).name or f"key{i}"
@@ -98,6 +98,7 @@ class _Reader:
                 raise InvalidInput(f"{self.what}: keyframe {name!r} has numbers that are not finite")
             self.model.referenceConfigurations[name] = self.configuration(self.mj.key_qpos[i], neutral)
         self._verify(neutral)
+        left_out = *self.scene.left_out, *open_ends, *self._unmodelled(), *self._displaced(neutral)
         return Description(self.model, neutral, ties, (), left_out, tuple(closures), self.mj)
 
     def joint_names(self) -> dict[int, str]:
@@ -217,11 +218,11 @@ class _Reader:
 
     def _range(self, j: int, name: str) -> tuple[float, float]:
         """Lowest and highest position of a joint."""
+        low, high = (float(end) for end in self.mj.jnt_range[j])
+        if not low <= high:  # without limited="true" MuJoCo takes such a range for none
+            raise InvalidInput(f"{self.what}: joint {name!r} has the range {low:g} to {high:g}; it must be in order")
         if not self.mj.jnt_limited[j]:
             return -np.inf, np.inf
-        low, high = (float(end) for end in self.mj.jnt_range[j])
-        if not low <= high:
-            raise InvalidInput(f"{self.what}: joint {name!r} has the range {low:g} to {high:g}; it must be in order")
         return low if low > -LARGEST else -np.inf, high if high < LARGEST else np.inf
 
     def _largest_force(self, j: int, name: str) -> float:
@@ -261,9 +262,27 @@ class _Reader:
             ("gravity compensation of the bodies", lifted),
             ("springs, dampers and armature of the tendons", tendons),
         ]
-        return [f"{thing} {', '.join(names)} (torques do not count them)" for thing, names in told if names]
+        lines = [f"{thing} {', '.join(names)} (torques do not count them)" for thing, names in told if names]
+        motors = motor_limits(self.mj, self.joint_names())
+        if motors:
+            lines.append(f"limits of the motors of the joints {', '.join(motors)} (torque_limit= gives them)")
+        return lines
 
     # Configurations.
+
+    def _displaced(self, neutral: Array) -> list[str]:
+        """Keyframes with a base that floats in the file elsewhere than the base of the robot can be, or is held."""
+        root, names = self.scene.roots[0], list[str]()
+        data, world = self.model.createData(), mujoco.MjData(self.mj)
+        carrier, placement = self.placed[root]
+        for i in range(self.mj.nkey):
+            world.qpos[:] = self.mj.key_qpos[i]
+            mujoco.mj_kinematics(self.mj, world)
+            pin.forwardKinematics(self.model, data, self.configuration(world.qpos, neutral))
+            off = pose(world.xpos[root], world.xquat[root]).actInv(data.oMi[carrier] * placement)
+            if not off.isIdentity(EXACT * (1.0 + float(np.abs(world.xpos[root]).max()))):
+                names.append(self.mj.key(i).name or f"key{i}")
+        return [f"places of the base in the keyframes {', '.join(names)} (base= holds it)"] if names else []
 
     def configuration(self, qpos: Array, neutral: Array) -> Array:
         """The robot's configuration from qpos; a base that MuJoCo does not have stays neutral."""

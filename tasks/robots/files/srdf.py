@@ -13,7 +13,23 @@ import pinocchio as pin
 from hqp import InvalidInput
 
 from ...base.checks import Array, suggestion
+from .elements import check_spelling
 from .xml import parsed
+
+#: The elements that are read, by parent element; and others that an SRDF may have.
+READ = {
+    "robot": ("group", "group_state", "disable_collisions"),
+    "group": ("joint", "link", "chain", "group"),
+    "group_state": ("joint",),
+}
+OTHERS = (
+    "passive_joint",
+    "virtual_joint",
+    "end_effector",
+    "enable_collisions",
+    "disable_default_collisions",
+    "gripper",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +64,7 @@ def read_srdf(path: Path, model: pin.Model, what: str) -> Semantics:
         a number, a state has two of a joint, or nothing that is named is the robot's.
     """
     root = parsed(path, what)
+    _check_names(root, what)
     elements: dict[str, list[Element]] = {}
     for own in root.findall("group"):
         elements.setdefault(_text(own, "name", what), []).extend(own)
@@ -99,7 +116,7 @@ class _Groups:
             elif element.tag == "chain":
                 ends = [_text(element, end, self._what) for end in ("base_link", "tip_link")]
                 base, tip = (self._carriers(end) for end in ends)
-                found |= {self._model.names[joint] for joint in tip ^ base}  # up from one, and down to the other
+                found |= {self._model.names[joint] for joint in tip ^ base}  # up to where both meet, and down
             elif element.tag == "group":
                 name = _text(element, "name", self._what)
                 if name not in self._elements:
@@ -136,6 +153,16 @@ class _Groups:
             return self._model.frames[number]
         self.unknown.append(link)
         return None
+
+
+def _check_names(root: Element, what: str) -> None:
+    """Refuse elements whose names are misspelt: they would be passed over."""
+    for parent in [root, *root.findall("group"), *root.findall("group_state")]:
+        read = READ.get(str(parent.tag), READ["robot"])
+        where = f"{parent.tag} {parent.get('name')!r}"
+        for child in parent:
+            if child.tag not in (*read, *OTHERS):
+                check_spelling(str(child.tag), list(read), f"{what}: <{child.tag}> of {where}", "<{}>")
 
 
 def _positions(state: Element, what: str) -> dict[str, Array]:

@@ -18,29 +18,14 @@ from ..choices import Base
 from ..frame_names import KINDS
 from ..ranges import open_ranges
 from .description import BASE_JOINT, BASES, Description
+from .elements import check_elements, what_is_unread
 from .ties import Tie
 from .xml import parsed, written
 
+#: Types of joints that move along or about one axis.
+MOVING = ("revolute", "continuous", "prismatic")
 #: The numbers of a mimic element, and their defaults.
 MIMIC = (("multiplier", "1"), ("offset", "0"))
-#: The elements of a robot by parent element; those that may occur only once; attributes.
-ELEMENTS = {
-    "robot": ("link", "joint"),
-    "joint": ("origin", "parent", "child", "axis", "limit", "mimic"),
-    "link": ("inertial", "collision"),
-    "inertial": ("origin", "mass", "inertia"),
-    "collision": ("origin", "geometry"),
-}
-#: Elements of an SRDF.
-SRDF = ("group", "group_state", "disable_collisions")
-#: Elements of other tools, which may contain their own joints and links.
-FOREIGN = ("gazebo", "transmission", "ros2_control", "drake", "sensor")
-ONCE = (*ELEMENTS["joint"], *ELEMENTS["inertial"], "inertial", "geometry")
-#: Attributes that are read only in lower case.
-ATTRIBUTES = (
-    *("name", "type", "xyz", "rpy", "link", "joint", "lower", "upper"),
-    *("velocity", "effort", "multiplier", "offset"),
-)
 
 
 def read_urdf(path: Path, base: Base | None, what: str) -> Description:
@@ -52,10 +37,12 @@ def read_urdf(path: Path, base: Base | None, what: str) -> Description:
         If it cannot be read exactly; the message names the element and the reason.
     """
     root = parsed(path, what)
-    _check_elements(root, path, what)
+    check_elements(root, path, what)
+    unread = what_is_unread(root, what)
     joints = root.findall("joint")
     ties = list(_ties(joints, what))
     _check_axes(joints, what)
+    _tell_of_zeros(joints, what)
     _open(joints, {name for tie in ties for name in (tie.follower, tie.leader)})
     shared = rename_shared(root)
     _drop_pictures(root)
@@ -79,9 +66,8 @@ def read_urdf(path: Path, base: Base | None, what: str) -> Description:
         for joint in joints
         if joint.get("type") in ("planar", "floating") and joint.find("limit") is not None
     )
-    return Description(
-        model, np.array(pin.neutral(model)), ties, tuple(shared.get(name, name) for name in fixed), left_out
-    )
+    names = tuple(shared.get(name, name) for name in fixed)
+    return Description(model, np.array(pin.neutral(model)), ties, names, (*left_out, *unread))
 
 
 def rename_shared(root: Element) -> dict[str, str]:
@@ -118,38 +104,6 @@ def _names(name: str) -> Iterator[str]:
     while True:
         yield name
         name += "_"
-
-
-def _check_elements(root: Element, path: Path, what: str) -> None:
-    """Refuse unexpanded xacro, and elements of a robot that Pinocchio does not read in their place or form."""
-    stem = path.name.split(".")[0]
-    unexpanded = any("xacro" in str(element.tag).split("}")[0] for element in root.iter())
-    if unexpanded or any("${" in value for element in root.iter() for value in element.attrib.values()):
-        raise InvalidInput(f"{what} is to be expanded by xacro first: xacro {path.name} > {stem}.urdf")
-    if root.find("link") is None and any(root.find(tag) is not None for tag in SRDF):
-        raise InvalidInput(f"{what} is an SRDF; load the URDF beside it, and robot.with_srdf({path.name!r})")
-    for element in [root, *(own for child in root if child.tag in ELEMENTS["robot"] for own in child.iter())]:
-        known = ELEMENTS.get(str(element.tag), ())
-        for child in element:
-            tag = str(child.tag)
-            if tag not in known and tag.lower() in known:
-                raise InvalidInput(f"{what}: <{tag}> in <{element.tag}> is not read; write <{tag.lower()}>")
-            if tag in ONCE and len(element.findall(tag)) > 1:
-                name = element.get("name")
-                raise InvalidInput(f"{what}: <{element.tag} name={name!r}> has several <{tag}>; only one is read")
-            wrong = [name for name in child.attrib if name not in ATTRIBUTES and name.lower() in ATTRIBUTES]
-            if tag in known and wrong:
-                raise InvalidInput(f"{what}: {wrong[0]!r} of <{tag}> is not read; write {wrong[0].lower()!r}")
-    for child in root:
-        if child.tag not in ELEMENTS["robot"] and child.tag not in FOREIGN and not str(child.tag).startswith("{"):
-            joint = next((own for own in child.iter("joint") if own.find("parent") is not None), None)
-            link = next((own for own in child.iter("link") if len(own)), None)
-            if joint is not None or link is not None:
-                tag = "joint" if joint is not None else "link"
-                raise InvalidInput(f"{what}: <{tag}> inside <{child.tag}> is not read; it must stand in <robot>")
-    for joint in root.findall("joint"):
-        if joint.get("name") == "universe":
-            raise InvalidInput(f"{what}: joint 'universe' has the name of the world; it must have another")
 
 
 def _check_said(lines: list[str], what: str) -> None:
@@ -213,6 +167,22 @@ def _check_axes(joints: list[Element], what: str) -> None:
             raise InvalidInput(
                 f"{what}: the axis of planar joint {name!r} is {axis.get('xyz')}; only 0 0 1 is read, turn its origin"
             )
+
+
+def _tell_of_zeros(joints: list[Element], what: str) -> None:
+    """Tell of largest speeds and efforts of 0, which count as unknown: a joint that never moves would be fixed."""
+    for key, named in ("velocity", "speed"), ("effort", "effort"):
+        limits = {str(joint.get("name")): joint.find("limit") for joint in joints if joint.get("type") in MOVING}
+        found = [name for name, limit in limits.items() if limit is not None and _is_zero(limit.get(key, ""))]
+        if found:
+            tell(f"{what}: joints whose largest {named} is 0 are taken to have none: {', '.join(found)}")
+
+
+def _is_zero(text: str) -> bool:
+    try:
+        return float(text) == 0.0
+    except ValueError:
+        return False  # urdfdom reports the error
 
 
 def _open(joints: list[Element], tied: set[str | None]) -> None:
