@@ -136,9 +136,11 @@ class Live:
     Copies, by :mod:`copy` or pickle, have no watchers.
     """
 
-    # Watchers are in a slot, not in the state: no copy takes them along, whatever its __getstate__ returns.
-    __slots__ = ("__dict__", "__weakref__", "_watchers")
+    # Watchers, and what is kept beside an object, are in slots, not in the state: no copy takes them along, whatever
+    # its __getstate__ returns.
+    __slots__ = ("__dict__", "__weakref__", "_beside", "_watchers")
 
+    _beside: Any
     _watchers: tuple[ref[Watcher], ...]
     _sealed: bool
     #: What to do instead of setting structure; the end of the error message.

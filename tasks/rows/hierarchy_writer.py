@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -137,14 +137,27 @@ class HierarchyWriter:
             self._take_up()
 
     def _renumber(self, part: Live, own: list[int]) -> bool:
+        """Write what has changed of a part where its plans have put it; False where it takes new plans."""
+        changed = self._ledger.changes(part)
+        if not changed or not self.renumber(part, changed, own):
+            return False
+        self._ledger.keep(part)
+        return True
+
+    def renumber(self, part: Live, changed: Sequence[str], own: Sequence[int]) -> bool:
         """Write numbers of a part that have changed where its plans have put them; False where it takes new plans.
 
         It does if more has changed than its plans know the places of, if Python writes its rows, or if a subclass has
         its own say in what a plan is asked for.
+
+        Parameters
+        ----------
+        part : Live
+        changed : sequence of str
+            Their names.
+        own : sequence of int
+            The numbers of the parts of the stack that it can be reached from.
         """
-        changed = self._ledger.changes(part)
-        if not changed:
-            return False
         keys, tunes = [(id(part), name) for name in changed], False
         for k in own:
             view, site = self._views[k]
@@ -164,8 +177,12 @@ class HierarchyWriter:
             self._take_rates()
         if "weight" in changed:
             self._weigh(own)
-        self._ledger.keep(part)
         return True
+
+    @property
+    def stands_still(self) -> bool:
+        """Whether rows go by their plans and the state alone: loops write them, no target moves, no part has memory."""
+        return self.compiled and not self._moves and not self._memory
 
     def _reclaim(self, changed: Live, own: list[int]) -> bool:
         """Have the envelope take the limits of these parts as they are now; False if more than numbers has changed."""
