@@ -217,15 +217,15 @@ class Live:
 
     def _change(self, name: str, value: Any) -> None:
         """Set a number, or a property with a setter, as during construction; undone as a whole if it fails."""
-        before = dict(vars(self))
-        self._sealed = False
+        own = vars(self)
+        before, own["_sealed"] = dict(own), False
         try:
             setattr(self, name, value)
             self._renew()
         except BaseException:
             self._restore(before)
             raise
-        self._sealed = True
+        own["_sealed"] = True
         try:
             self._tell(name)
         except BaseException:

@@ -252,16 +252,18 @@ class Site:
         )
         shortens = self.shortens and shared.order != "displacement"
 
+        def fitting(name: str, value: Array) -> Array:
+            return per_row(value, rows, f"{task.full_name()}: {name}") if value.ndim else value
+
         def write() -> bool:
-            what, gain, cap, brakes = task.full_name(), task.gain, task.cap, task.deceleration
-            numbers[of.GAIN] = gain = per_row(gain, rows, f"{what}: gain")
-            numbers[of.C1], numbers[of.C2] = 2.0 * task.damping_ratio * gain, gain**2
-            numbers[of.CAP] = np.inf if cap is None or cap.ndim == 0 else per_row(cap, rows, f"{what}: cap")
+            gain, cap, brakes = fitting("gain", task.gain), task.cap, task.deceleration
+            numbers[of.GAIN], numbers[of.C1], numbers[of.C2] = gain, 2.0 * task.damping_ratio * gain, gain * gain
+            numbers[of.CAP] = np.inf if cap is None or cap.ndim == 0 else fitting("cap", cap)
             longest[0] = np.inf if cap is None or cap.ndim else cap
             longest[1] = np.inf if brakes is None else brakes
             table.numbers[of.SHORTENS] = shortens and not (cap is None and brakes is None)
-            numbers[of.BELOW] = 0.0 if band is None else per_row(band.below, rows, f"{what}: below")
-            numbers[of.ABOVE] = 0.0 if band is None else per_row(band.above, rows, f"{what}: above")
+            numbers[of.BELOW] = 0.0 if band is None else fitting("below", band.below)
+            numbers[of.ABOVE] = 0.0 if band is None else fitting("above", band.above)
             return True
 
         write()
