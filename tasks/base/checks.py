@@ -30,7 +30,7 @@ FLAT = 1e-9
 def numbers(value: ArrayLike, what: str) -> Array:
     """`value` as a new read-only float array; raises InvalidInput if it is none."""
     array = real_array(value, what)
-    array.flags.writeable = False
+    array.setflags(write=False)
     return array
 
 

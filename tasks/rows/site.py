@@ -308,12 +308,11 @@ class Site:
         return write()
 
 
-def kept_up(trajectory: Callable[[float], Any], *places: Array) -> tuple[Move, ...]:
+def kept_up(trajectory: Callable[[float], Any], value: Array, rate: Array, change: Array) -> tuple[Move, ...]:
     """Write what a trajectory gives into these arrays, now, and every tick unless it stands still."""
 
     def move(t: float) -> None:
-        for place, part in zip(places, trajectory(t), strict=True):
-            place[:] = part
+        value[:], rate[:], change[:] = trajectory(t)
 
     move(0.0)
     return () if constant(trajectory) is not None else (move,)
