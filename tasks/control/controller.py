@@ -272,13 +272,13 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
             elif self._limits is not None:
                 x = self._limits.keep(self.hierarchy, x)
         if self.order == "velocity":
-            return new(Step, ("velocity", state, solution, x, None, None, share, None))  # type: ignore[type-var]
+            return new(Step, ("velocity", state, solution, x, None, None, share, None))
         valid = solution.status is not Status.INVALID
         tau = None if self._torques is None else self._torques(self._rows, state, x, valid)
         if self._rows.unknowns.blocks:
             self._forces = of.Forces(self._rows, x)
             x = x[: self._rows.unknowns.nv]
-        return new(Step, (self.order, state, solution, None, x, tau, share, self._forces))  # type: ignore[type-var]
+        return new(Step, (self.order, state, solution, None, x, tau, share, self._forces))
 
     def release(self, contact: Contact | str, duration: float = 0.0) -> None:
         """Release a contact: the caps of its normal forces fall from the present forces to 0, then its motion is freed.
