@@ -13,6 +13,8 @@ from .errors import InvalidInput, brief
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+#: Integers up to this one are floats without rounding.
+EXACT = 2**53
 
 
 def real_array(value: ArrayLike, what: str) -> Array:
@@ -22,6 +24,8 @@ def real_array(value: ArrayLike, what: str) -> Array:
     """
     if type(value) is np.ndarray and value.dtype == np.float64:  # as it mostly is in a control loop
         return value.copy()
+    if type(value) is float or (type(value) is int and -EXACT <= value <= EXACT):
+        return np.array(float(value))
     refusal = f"{what} is not an array of real numbers"
     given = _as_array(value, refusal)
     strangers: list[Any] = [] if given.dtype.kind in "biuf" else [value]

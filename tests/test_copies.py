@@ -370,7 +370,7 @@ def test_two_threads_on_one_robot_get_right_answers_or_none(shared):
     original = controller_of("panda")
     other = original if shared == "controller" else Controller(original.robot, original.stack, dt=0.01)
     ticks = list(states(original.robot, 8))
-    expected = [controller_of("panda")(*tick).v for tick in ticks]
+    expected = [copy.deepcopy(original)(*tick).v for tick in ticks]
     order = [(k % TICKS, (original, other)[k % 2]) for k in range(500)]
     found = tried(lambda pair: pair[1](*ticks[pair[0]]).v, order)
     for (k, _), v in zip(order, found, strict=True):

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 import pytest
@@ -38,6 +39,28 @@ def test_10_000_solves_warm_and_cold_take_nothing_from_the_heap(allocations: Cal
             h.lower += 0.01
             h.upper += 0.01
     assert allocations() == before
+
+
+@pytest.mark.parametrize("damping", [{}, {0: 0.1}], ids=["strict", "damped"])
+def test_a_solver_that_forgets_is_as_new_in_all_that_follows(damping: dict[int | str, float]) -> None:
+    """To the last bit, and by the same iterations: also where the second solve is warm from the first."""
+    for seed in range(100):
+        h, rng = random_hierarchy(np.random.default_rng(seed)), np.random.default_rng([seed, 1])
+        lower, upper = h.lower.copy(), h.upper.copy()
+        shifts = [rng.uniform(-1.0, 1.0, h.m) for _ in range(7)]
+
+        def answers(solver: Solver, some: list[np.ndarray], h: Hierarchy = h, ends: Any = (lower, upper)) -> list[Any]:
+            found = []
+            for shift in some:
+                h.lower[:], h.upper[:] = ends[0] + shift, ends[1] + shift
+                solution = solver.solve(h)
+                found.append((solution.x.tobytes(), solution.counts))
+            return found
+
+        used = Solver(damping=damping)
+        answers(used, shifts[:4])
+        used.forget()
+        assert answers(used, shifts[4:]) == answers(Solver(damping=damping), shifts[4:]), seed
 
 
 def test_what_compiled_code_takes_from_the_heap_is_counted(allocations: Callable[[], tuple[int, ...]]) -> None:

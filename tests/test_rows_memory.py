@@ -41,10 +41,15 @@ def untouched(arrays: list[np.ndarray]) -> bool:
 @pytest.fixture(autouse=True)
 def quick() -> Iterator[None]:
     """What there is before a test is no rubbish, and need not be looked through again and again."""
-    gc.collect()
-    gc.freeze()
+    settle()
     yield
     gc.unfreeze()
+
+
+def settle() -> None:
+    """What there is now is looked through once more, and then no more in this test."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.mark.parametrize("robot", SETTINGS)
@@ -52,6 +57,7 @@ def test_controllers_come_and_go_beside_others_at_work(robot: str) -> None:
     """Each is made, copied, changed and dropped; one of them, and one copy, go on and say what they said."""
     setting, problems = SETTINGS[robot](), list[str]()
     for case in cases(setting):
+        settle()
         order, name = case.orders[-1], case.spec.kind.__name__
         alive = Alive(case, setting)
         controller, dropped = alive.controller(order), alive.controller(order)

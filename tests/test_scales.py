@@ -47,9 +47,10 @@ def at_rest(rng: np.random.Generator, tiny: float) -> tuple[Hierarchy, Array, fl
     return Hierarchy([*levels, Level.equality(np.eye(n), posture)]), x, float(np.linalg.norm(posture - x))
 
 
+@pytest.mark.parametrize("seeds", [range(100), pytest.param(range(100, 334), marks=pytest.mark.sweep)], ids=str)
 @pytest.mark.parametrize("tiny", [0.0, 1e-17, 1e-13])
-def test_at_rest_above_a_posture(tiny: float) -> None:
-    for seed in range(334):
+def test_at_rest_above_a_posture(tiny: float, seeds: range) -> None:
+    for seed in seeds:
         rng = np.random.default_rng(seed)
         h, x, way = at_rest(rng, tiny)
         d = direction(rng, h.n)

@@ -288,7 +288,7 @@ def test_ctrl_c_in_the_middle_and_on_again(tmp_path):
     """The real command with its processes: interrupted once something is finished, it goes on where it was."""
     script = (
         "import sys; from dataclasses import replace; from tasks import cli; from tasks.thesis import scenarios as s;"
-        "s.SCENARIOS.update({k: replace(v, tick=0.06, free_tick=0.06) for k, v in s.SCENARIOS.items()});"
+        "s.SCENARIOS.update({k: replace(v, tick=0.12, free_tick=0.12) for k, v in s.SCENARIOS.items()});"
         "cli.main(sys.argv[1:])"
     )
     command = [sys.executable, "-c", script, "thesis", "-j", "2", "-o", str(tmp_path)]
@@ -318,10 +318,10 @@ def test_formats(form, short_figures, tmp_path):
 
 
 def test_animation(short_figures, tmp_path, monkeypatch):
-    monkeypatch.setattr(animation, "FRAMES", 25)  # a third, and each takes as long
+    monkeypatch.setattr(animation, "FRAMES", 13)  # a sixth, and each takes as long
     make(tmp_path, "4.7", animated=True)
     with Image.open(tmp_path / "figure-4.7.gif") as picture:
-        assert picture.n_frames > 20
+        assert picture.n_frames > 10
 
 
 @pytest.mark.parametrize(

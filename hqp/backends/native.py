@@ -163,7 +163,7 @@ class Native:
     def forget(self) -> None:
         """Forget which rows were active, and keep the memory."""
         if self._memory is not None:
-            self._memory.head[at.WARM] = 0
+            self._memory.forget()
 
 
 def judged(hierarchy: Hierarchy, x: Array, x_ref: Array, outcome: int, level: int, counts: Counts) -> Answer:
@@ -201,10 +201,11 @@ class Memory:
     ) -> None:
         directory, self._owned, (ints, floats) = _layout(structure, damped, rows)
         self._directory = directory.copy()
+        self._twin: Memory | None = None
         self._blocks = np.empty(ints, dtype=np.int64), np.empty(floats)  # nothing is read before it is written
         entries = self._directory[at.HEAD :].reshape(-1, 3)
         first, count, _ = entries[at.STAGES]
-        self._blocks[0][first : first + count] = 0  # but the sides of a stage that no solve has come to
+        self._stages = self._blocks[0][first : first + count]
         begins = {place: int(entries[place, 0]) for place in (at.X, at.X_REF, at.OPTION, at.RULES, at.PASSED, at.AIMS)}
         for block, places in zip(self._blocks, at.PLACES, strict=True):
             entries[places, 0] = block.ctypes.data + 8 * entries[places, 0]
@@ -229,11 +230,18 @@ class Memory:
         elif damped:
             self._twin = Memory(structure, settings, damped, rows=True)
             self.head[at.TWIN] = self._twin.share(entries)
-        self.head[at.WARM] = 0
+        self.forget()
         # The compiled function itself: there is one, and nothing to dispatch.
         entry = kernel_damped.solve_damped if damped else kernel.solve
         self.address = int(self._directory.ctypes.data)
         self.run = partial(door(entry), self.address)
+
+    def forget(self) -> None:
+        """Be as new for the calls to come: no guess, no sides at the ends of levels, nor of stages."""
+        self.head[at.WARM] = self.head[at.HISTORY] = 0
+        self._stages[:] = 0  # where no solve comes to a stage, its sides are read all the same
+        if self._twin is not None:
+            self._twin.forget()
 
     def share(self, entries: NDArray[np.int64]) -> int:
         """Have the weighted rows where they are in another directory; the address of this one."""

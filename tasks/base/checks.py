@@ -21,6 +21,8 @@ T = TypeVar("T")
 LARGEST = 1e15
 #: The least positive number: a quotient by it, or by its square, does not overflow either.
 LEAST = 1.0 / LARGEST
+#: Fewer numbers than these are checked one by one, which costs less than the calls of numpy.
+MANY = 10
 #: Points lie in a plane if their least extent is at most this share of their largest.
 FLAT = 1e-9
 
@@ -28,7 +30,7 @@ FLAT = 1e-9
 def numbers(value: ArrayLike, what: str) -> Array:
     """`value` as a new read-only float array; raises InvalidInput if it is none."""
     array = real_array(value, what)
-    array.flags.writeable = False
+    array.setflags(write=False)
     return array
 
 
@@ -42,7 +44,11 @@ def own_numbers(value: ArrayLike, what: str) -> Array:
 def finite(value: ArrayLike, what: str) -> Array:
     """`value` as an array of finite numbers, none beyond `LARGEST` in size."""
     array = numbers(value, what)
-    if (np.abs(array) <= LARGEST).all():  # False for NaN
+    if array.size < MANY:
+        within = all(-LARGEST <= entry <= LARGEST for entry in array.ravel().tolist())  # False for NaN
+    else:
+        within = bool((np.abs(array) <= LARGEST).all())
+    if within:
         return array
     if not np.isfinite(array).all():
         raise InvalidInput(f"{_first(what, array, ~np.isfinite(array))} must be finite")
@@ -52,6 +58,8 @@ def finite(value: ArrayLike, what: str) -> Array:
 def positive(value: ArrayLike, what: str, *, unit: str = "") -> Array:
     """`value` as an array of positive numbers from `LEAST` to `LARGEST`."""
     array = numbers(value, what)
+    if array.ndim == 0 and LEAST <= array.item() <= LARGEST:
+        return array
     wrong = ~((array >= LEAST) & (array <= LARGEST))
     if not wrong.any():
         return array
@@ -64,6 +72,8 @@ def positive(value: ArrayLike, what: str, *, unit: str = "") -> Array:
 def not_negative(value: ArrayLike, what: str, *, unit: str = "") -> Array:
     """`value` as an array of numbers from 0 to `LARGEST`."""
     array = numbers(value, what)
+    if array.ndim == 0 and 0.0 <= array.item() <= LARGEST:
+        return array
     wrong = ~((array >= 0) & (array <= LARGEST))
     if wrong.any():
         raise InvalidInput(
@@ -159,7 +169,7 @@ def position_range(
         own = numbers(given, f"{what}, {name}")
         spread = per_row(own, rows, f"{what}, {name}", "joint")
         ends.append(np.where(has, spread, free) if own.ndim == 0 else np.array(spread))
-    low, high = np.array(ends) + 0.0  # turns -0 into 0
+    low, high = both = np.array(ends) + 0.0  # turns -0 into 0
     wrong = ~(low <= high) | (low == np.inf) | (high == -np.inf)
     none = ~has & ((low != -np.inf) | (high != np.inf))
     for joint in np.flatnonzero(wrong | none).tolist():
@@ -171,7 +181,7 @@ def position_range(
             else "it has no position of its own, as it turns without end or is a part of a base; give -inf and inf"
         )
         raise InvalidInput(f"{what}: {called} from {low[joint]:g} to {high[joint]:g}{unit}; {rule}")
-    return np.array([low, high])
+    return both
 
 
 def suggestion(name: str, names: Iterable[str]) -> str:

@@ -136,9 +136,11 @@ class Live:
     Copies, by :mod:`copy` or pickle, have no watchers.
     """
 
-    # Watchers are in a slot, not in the state: no copy takes them along, whatever its __getstate__ returns.
-    __slots__ = ("__dict__", "__weakref__", "_watchers")
+    # Watchers, and what is kept beside an object, are in slots, not in the state: no copy takes them along, whatever
+    # its __getstate__ returns.
+    __slots__ = ("__dict__", "__weakref__", "_beside", "_watchers")
 
+    _beside: Any
     _watchers: tuple[ref[Watcher], ...]
     _sealed: bool
     #: What to do instead of setting structure; the end of the error message.
@@ -215,15 +217,15 @@ class Live:
 
     def _change(self, name: str, value: Any) -> None:
         """Set a number, or a property with a setter, as during construction; undone as a whole if it fails."""
-        before = dict(vars(self))
-        self._sealed = False
+        own = vars(self)
+        before, own["_sealed"] = dict(own), False
         try:
             setattr(self, name, value)
             self._renew()
         except BaseException:
             self._restore(before)
             raise
-        self._sealed = True
+        own["_sealed"] = True
         try:
             self._tell(name)
         except BaseException:

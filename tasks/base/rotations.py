@@ -200,7 +200,7 @@ def transform(value: Any, what: str) -> tuple[Array, Array]:
         If it is none of these, its last row is not 0 0 0 1, or its rotation part is not a rotation.
     """
     value = matrix_of(value)
-    if isinstance(value, RigidTransform):
+    if not isinstance(value, np.ndarray) and isinstance(value, RigidTransform):  # the second question is a long one
         position, rotation = finite(value.translation, f"{what}, translation"), value.rotation
     else:
         T = finite(value, what)

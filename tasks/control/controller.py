@@ -29,6 +29,9 @@ from .transition import Limits, Transition
 if TYPE_CHECKING:
     from ..contacts.contact import Contact
 
+#: Makes a step from all its fields, at a third of the price of its own `__new__`.
+new = tuple.__new__
+
 
 class Controller(Live, Generic[Velocity, Acceleration, Torque]):
     """Computes the command of every tick from a stack of tasks, each solve warm-started from the last.
@@ -248,11 +251,18 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
 
     def unchecked(self, q: Array, v: Array | None, t: float) -> Step[Velocity, Acceleration, Torque]:
         """The command for this tick, for callers that pass float arrays q and v of the right shape."""
-        with self._states.guard:
-            if self._rows.compiled:
+        guard = self._states.guard
+        try:
+            guard.take()
+        except IndexError:
+            guard.refuse()
+        try:
+            if self._now.rows.compiled:
                 return self._step(q, v, t)
             with np.errstate(all="ignore"):
                 return self._step(q, v, t)
+        finally:
+            guard.give(None)
 
     def _step(self, q: Array, v: Array | None, t: float) -> Step[Velocity, Acceleration, Torque]:
         state, fault = self._states.read(q, self._rest if v is None else v)
@@ -265,15 +275,14 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
                 self._transition = None
             elif self._limits is not None:
                 x = self._limits.keep(self.hierarchy, x)
-        step: Any = Step  # its type arguments come from the overloads of __init__
         if self.order == "velocity":
-            return step("velocity", state, solution, x, share=share)  # type: ignore[no-any-return]
+            return new(Step, ("velocity", state, solution, x, None, None, share, None))
         valid = solution.status is not Status.INVALID
         tau = None if self._torques is None else self._torques(self._rows, state, x, valid)
         if self._rows.unknowns.blocks:
             self._forces = of.Forces(self._rows, x)
             x = x[: self._rows.unknowns.nv]
-        return step(self.order, state, solution, None, x, tau, share, self._forces)  # type: ignore[no-any-return]
+        return new(Step, (self.order, state, solution, None, x, tau, share, self._forces))
 
     def release(self, contact: Contact | str, duration: float = 0.0) -> None:
         """Release a contact: the caps of its normal forces fall from the present forces to 0, then its motion is freed.

@@ -13,7 +13,7 @@ way, not even at half a turn. In the axes of the frame itself, which turn with i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -104,7 +104,8 @@ class PlacementTask(FrameTask, LoopTask):
         from .kernels import placement as loops
 
         target, law = np.zeros(loops.TARGET_SIZE), site.law(self)
-        moves = site.follow(self, ("target", "position", "rotation"), lambda: self._keep_up(target), self._goals)
+        places = Places.of(target)
+        moves = site.follow(self, ("target", "position", "rotation"), lambda: self._keep_up(places), self._goals)
         call = Call(
             loops.write_placement,
             law,
@@ -152,21 +153,17 @@ class PlacementTask(FrameTask, LoopTask):
                 velocity[own] = goal(t)[1]
         return velocity
 
-    def _keep_up(self, target: Array) -> tuple[Move, ...]:
-        """Keep the target up to date; see :mod:`tasks.frames.kernels.placement`."""
-        from .kernels import placement as loops
-
+    def _keep_up(self, places: Places) -> tuple[Move, ...]:
+        """Keep the target up to date."""
         position, rotation, moves = self.position, self.rotation, tuple[Move, ...]()
-        p = target[loops.P : loops.R].reshape(3, 3)
         if isinstance(position, Spread):
-            moves += kept_up(position.trajectory, *p[:, position.columns])
+            moves += kept_up(position.trajectory, *(part[position.columns] for part in places.point))
         elif position is not None:
-            moves += kept_up(position, *p)
-        omega, alpha = target[loops.OMEGA : loops.ALPHA], target[loops.ALPHA : loops.TURNED]
+            moves += kept_up(position, *places.point)
         if isinstance(rotation, AboutZ):
-            moves += kept_up(rotation.angle, target[loops.TURNED :], omega[2:], alpha[2:])
+            moves += kept_up(rotation.angle, *places.angle)
         elif rotation is not None:
-            moves += kept_up(rotation, target[loops.R : loops.OMEGA].reshape(3, 3), omega, alpha)
+            moves += kept_up(rotation, *places.turn)
         return moves
 
     @property
@@ -195,6 +192,24 @@ class PlacementTask(FrameTask, LoopTask):
 
     def _shown(self) -> list[str]:
         return [*super()._shown(), *([] if self.reference == "world" else [f"reference={self.reference!r}"])]
+
+
+class Places(NamedTuple):
+    """Where the loop reads a target with its first and second derivative; see :mod:`tasks.frames.kernels.placement`."""
+
+    point: tuple[Array, Array, Array]
+    turn: tuple[Array, Array, Array]
+    angle: tuple[Array, Array, Array]
+
+    @classmethod
+    def of(cls, target: Array) -> Places:
+        """The parts of the array that the loop is given."""
+        from .kernels import placement as loops
+
+        p, v, a = target[loops.P : loops.R].reshape(3, 3)
+        R = target[loops.R : loops.OMEGA].reshape(3, 3)
+        omega, alpha = target[loops.OMEGA : loops.ALPHA], target[loops.ALPHA : loops.TURNED]
+        return cls((p, v, a), (R, omega, alpha), (target[loops.TURNED :], omega[2:], alpha[2:]))
 
 
 def as_reference(value: str, what: str) -> Reference:

@@ -33,12 +33,13 @@ from ..base.checks import Array, positive
 from ..robots.robot import Robot, as_robot, check_states, home
 from ..rows.part import Part, Stack
 from .linearised import Linearised, Visit
-from .newton import TRUST_REGION
+from .newton import RADIUS, TRUST_REGION
+from .pool import borrow, give_back
 
 #: Lengths [m] and angles [rad] up to which a task counts as met.
 TOLERANCE = (1e-4, 1e-3)
-#: First trust region, its factor after the error grew (it doubles after the error fell), and its least radius.
-RADIUS, SHRINK, LEAST_RADIUS = 2.0, 0.5, 0.2
+#: Factor on the trust region after the error grew (it doubles after the error fell), and its least radius.
+SHRINK, LEAST_RADIUS = 0.5, 0.2
 #: Share of the distance to its limit by which a joint may move in one step, while the error [m, rad] exceeds `NEAR`.
 SHARE, NEAR = 0.3, 0.1
 #: An attempt ends after this many steps in a row without an error below this share of the least one.
@@ -158,12 +159,11 @@ def solve_ik(
     """
     stack = stack if isinstance(stack, Stack) else Stack(stack)
     check_states(as_robot(robot))
-    problem = Linearised(robot, stack, goal, _tolerances(tolerance), backend)
-    most = whole_number(iterations, "iterations", least=1)
+    most, drawn_by = whole_number(iterations, "iterations", least=1), whole_number(seed, "seed")
     again, on = truth(restarts, "restarts"), truth(settle, "settle")
-    rng = np.random.default_rng(whole_number(seed, "seed"))
+    key, problem = borrow(robot, stack, goal, _tolerances(tolerance), backend)
     start = problem.inside(home(robot) if q0 is None else q0)
-    best, begun = _search(problem, start, most - most // RESERVE if on else most, again, rng)
+    best, begun = _search(problem, start, most - most // RESERVE if on else most, drawn_by if again else None)
     best, at_rest = _settle(problem, best, most) if on else (best, False)
     spent = problem.solves
     errors = problem.errors(problem.visit(best.q))
@@ -173,6 +173,7 @@ def solve_ik(
     else:
         unmet = "" if best.reached or not at_rest else _why(solution, problem.unmet(best))
         status = _in_words(best.reached, spent, most, begun, unmet)
+    give_back(key, problem)
     return IkResult(best.q, best.reached, errors, spent, begun, solution, status)
 
 
@@ -192,13 +193,12 @@ def _tolerances(value: float | tuple[float, float]) -> Array:
     return np.broadcast_to(pair, 2)
 
 
-def _search(
-    problem: Linearised, start: Array, most: int, restarts: bool, rng: np.random.Generator
-) -> tuple[Visit, int]:
-    """The best configuration of all attempts, and how many were begun anew."""
+def _search(problem: Linearised, start: Array, most: int, seed: int | None) -> tuple[Visit, int]:
+    """The best configuration of all attempts, and how many were begun anew; without a seed none is."""
+    rng: np.random.Generator | None = None
     here = best = problem.visit(start)
     radius, least, idle, begun = RADIUS, here.error, 0, 0
-    patience = PATIENCE if restarts else LAST * PATIENCE
+    patience = PATIENCE if seed is not None else LAST * PATIENCE
     while not best.reached and problem.solves < most:
         step = problem.solve(radius, SHARE if here.error > NEAR else 1.0)
         if not step.ok:
@@ -209,8 +209,9 @@ def _search(
         idle = 0 if here.error < FALL * least else idle + 1
         least = min(least, here.error) if idle else here.error
         if idle >= patience:
-            if not restarts:
+            if seed is None:
                 break
+            rng = rng or np.random.default_rng(seed)
             here = problem.visit(problem.nearest(problem.random(start, rng, CANDIDATES)))
             best = min(best, here)
             radius, least, idle, begun = RADIUS, here.error, 0, begun + 1

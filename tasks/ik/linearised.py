@@ -13,6 +13,7 @@ from hqp.checks import listed
 from hqp.errors import brief
 
 from ..base.checks import Array, finite, numbers
+from ..base.live import Live, reachable, watch_alone
 from ..joints.posture import PostureTask
 from ..robots.answers import integration
 from ..robots.robot import Robot, base, joint_positions
@@ -102,13 +103,16 @@ class Linearised:
         self, robot: Robot, stack: Stack, goal: Part | Iterable[Part] | None, tolerance: Array, backend: str
     ) -> None:
         self.robot, self.solves = robot, 0
-        solved, unknowns, _ = stack.expanded(robot, "displacement")
+        solved, unknowns, meant = stack.expanded(robot, "displacement")
+        self._alone = all(len(parts) == 1 and id(parts[0]) == part for part, parts in meant.items())
         levels = levels_of_steps(stack, solved)
         wanted = _wanted([part for level in levels for part in level if isinstance(part, JUDGED)], goal)
         self.room = Room(*ranges(robot, solved))
         step = Levels(((self.room,), *map(tuple, levels)), (None,) * (1 + len(levels)))
         self._rows = HierarchyWriter(Expanded(step, unknowns, {}), robot, "displacement", live=False)
         self.hierarchy, self._solver = self._rows.hierarchy, hqp.Solver(backend)
+        self._parts: list[Live] = []
+        self._stale = False
         self._still = numbers(np.zeros(robot.nv), "v")
         self.integrate = integration(robot)
         self._here: Visit | None = None
@@ -116,6 +120,43 @@ class Linearised:
         low, high = self.room.low, self.room.high
         self._from = np.maximum(low, np.minimum(high - 2.0 * HALF_TURN, -HALF_TURN))
         self._to = np.minimum(high, np.maximum(low + 2.0 * HALF_TURN, HALF_TURN))
+
+    def stay(self, parts: list[Live]) -> bool:
+        """Be ready for stacks of the same form; False if what is planned goes by more than their numbers.
+
+        Parameters
+        ----------
+        parts : list of Live
+            All live objects of the stack, which nobody else has.
+        """
+        if not (self._alone and self._rows.stands_still):  # a part that stands for others has numbers there
+            return False
+        self._parts, self._owners = parts, dict[int, list[int]]()
+        for k, part in enumerate(self._rows.levels.all_parts):
+            for held in reachable(part):
+                self._owners.setdefault(id(held), []).append(k)
+        watch_alone(self.robot, self)  # type: ignore[arg-type]  # who keeps problems asks for a live robot
+        return True
+
+    def admit(self, part: Live, name: str) -> None:
+        """The robot has changed; see :class:`tasks.base.live.Watcher`."""
+        self._stale = True
+
+    def take(self, given: list[Live]) -> bool:
+        """Begin anew with the numbers of other parts of the same form; False if that takes another plan."""
+        if self._stale:
+            return False
+        for own, other in zip(self._parts, given, strict=True):
+            before, now = vars(own), vars(other)
+            changed = [name for name in own._numbers if name in now and not _same(before[name], now[name])]
+            if changed:
+                before.update({name: now[name] for name in changed})
+                owners = self._owners.get(id(own), ())
+                if not owners or "weight" in changed or not self._rows.renumber(own, changed, owners):
+                    return False
+        self.solves, self._here = 0, None
+        self._solver.forget()
+        return True
 
     def _measure(self, levels: list[list[RowWriter]], wanted: list[RowWriter], tolerance: Array) -> None:
         """Which rows make up the error of a task in one unit, that of the goal and of a level, and what is small."""
@@ -221,6 +262,15 @@ class Linearised:
 def _tolerance(unit: str, tolerance: Array) -> float:
     """The tolerance for a row in this unit: that of lengths or of angles, or the smaller one for a sum of both."""
     return float({"m": tolerance[0], "rad": tolerance[1]}.get(unit, tolerance.min()))
+
+
+def _same(before: object, now: object) -> bool:
+    """Whether a number is the same; of targets, whether they are the same object."""
+    if before is now:
+        return True
+    if not (isinstance(before, np.ndarray) and isinstance(now, np.ndarray)):
+        return type(before) is type(now) is float and before == now
+    return before.shape == now.shape and before.tobytes() == now.tobytes()
 
 
 def _shown(part: object) -> str:

@@ -9,7 +9,6 @@ only the ranges are used. They hold exactly, above all levels, together with a t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +29,8 @@ if TYPE_CHECKING:
     from ..rows.plan import Plan
     from ..rows.site import Site
 
+#: Radius [rad], [m] of the first trust region, the largest, and that of the last step, which explains what is at rest.
+RADIUS = 2.0
 #: Relative tolerance within which a bound is that of the trust region.
 SAME = 1e-12
 #: Name of a bound that is not a joint limit.
@@ -57,7 +58,7 @@ class Room(Part):
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         joints = zip(joint_names(robot), joint_units(robot), strict=True)
-        return [Label("position limit", joint, unit, Which(self)) for joint, unit in joints]
+        return [Label("position limit", joint, unit, which) for joint, unit in joints]
 
     def plan(self, site: Site) -> Plan:
         """No loop: the bounds depend on the errors at the state, and are written by :meth:`open`."""
@@ -72,25 +73,15 @@ class Room(Part):
         )
         return Plan()
 
-    @property
-    def radius(self) -> float:
-        """The radius of the trust region [rad], [m]."""
-        return float(self._reach[0])
-
     def open(self, radius: float, share: float) -> None:
         """Write the bounds at the present joints: a share of the distances to the limits, within the radius."""
         self._reach[:] = radius, share
         self._call.run()
 
 
-@dataclass(frozen=True)
-class Which:
-    """Which limit a bound of the room is."""
-
-    room: Room
-
-    def __call__(self, side: Side, bound: float) -> str:
-        return TRUST_REGION if abs(bound) >= self.room.radius * (1.0 - SAME) else "position limit"
+def which(side: Side, bound: float) -> str:
+    """Which limit a bound of the last step is."""
+    return TRUST_REGION if abs(bound) >= RADIUS * (1.0 - SAME) else "position limit"
 
 
 def levels_of_steps(stack: Stack, levels: Levels) -> list[list[RowWriter]]:

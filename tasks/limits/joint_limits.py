@@ -19,6 +19,7 @@ from ..base.checks import numbers
 from ..base.live import structure
 from ..robots.robot import Robot, joint_names, joint_units, limit_of
 from ..rows.part import PER, Order, Part
+from ..rows.plan import check_numbers
 from .acceleration import JointAccelerationLimit
 from .limit import JointLimit
 from .position import JointPositionLimit
@@ -86,6 +87,10 @@ class JointLimits(Part):
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         for limit in self.of(robot):
             limit.check(robot, order, dt)
+
+    def check_numbers(self, robot: Robot, order: Order, dt: float | None) -> None:
+        for limit in self.of(robot):
+            check_numbers(limit, robot, order, dt)
 
     def claim(self, site: Site) -> None:
         for limit in self.of(site.shared.robot):

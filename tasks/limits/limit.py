@@ -116,6 +116,9 @@ class SymmetricLimit(JointLimit):
         self.largest(robot)
         super().check(robot, order, dt)
 
+    def check_numbers(self, robot: Robot, order: Order, dt: float | None) -> None:
+        """Nothing: what is wrong is refused by :meth:`claim`."""
+
     def __repr__(self) -> str:
         return f"{type(self).__name__}({'' if self.limit is None else self.limit.tolist()})"
 

@@ -150,6 +150,9 @@ class JointPositionLimit(JointLimit):
         super().check(robot, order, dt)
         integration(robot)  # or there is no telling which position is whose
 
+    def check_numbers(self, robot: Robot, order: Order, dt: float | None) -> None:
+        """Nothing: what is wrong is refused by :meth:`claim`."""
+
     def ends(self, robot: Robot) -> Array:
         return self.range(robot)
 

@@ -23,6 +23,7 @@ there is none the velocity within reach.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import reduce
 from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
@@ -202,10 +203,12 @@ class Envelope:
         InvalidInput
             As :meth:`close` does.
         """
-        before, self._claims = self._claims, []
-        ask()
-        new, own = self._claims, [k for k, old in enumerate(before) if any(old.lower is site.lower for site in sites)]
-        self._claims = before
+        before, self._claims = self._claims, list[Claim]()
+        try:
+            ask()
+        finally:
+            new, self._claims = self._claims, before
+        own = [k for k, old in enumerate(before) if any(old.lower is site.lower for site in sites)]
         if [each.form for each in new] != [before[k].form for k in own]:
             return False
         for k, each in zip(own, new, strict=True):
@@ -242,7 +245,7 @@ class Envelope:
         own = limit_of(robot, kind)
         if not limits and self._has("position") and own is not None:
             limits = [per_row(own, robot.nv, f"{robot!r}: {kind} limit", "joint")]
-        return np.asarray(np.min([np.full(robot.nv, np.inf), *limits], axis=0))
+        return reduce(np.minimum, limits, np.array(np.inf))
 
     def _loop(self, shared: Shared) -> Call:
         """The loop with all claims as arguments, the harder ones first."""

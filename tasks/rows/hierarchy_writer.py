@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +20,7 @@ from .envelope import Envelope
 from .expansion import Expanded
 from .ledger import Ledger
 from .own_limits import OwnLimits
-from .plan import Plan, overridden, plan_of
+from .plan import Plan, check_numbers, overridden, plan_of
 from .row_writer import RowWriter
 from .site import Memory, Site, Workspace
 from .tick import Order, Tick
@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 #: What a part is asked when it is planned, beside its plan.
 ASKED = ("check", "check_beside", "labels", "row_names", "size", "variables", "weights", "decay_rate")
 
-
+#: What says how the rows of a limit are called.
+NAMES = ("labels", "row_names", "size", "variables")
 #: That of a part whose rows others write.
 NO_PLAN = Plan()
 
@@ -129,28 +130,40 @@ class HierarchyWriter:
             self._check()
             self._take_up()
             return
-        own = self._ledger.owners(part)
-        if self._renumber(part, own):
+        own, changed = self._ledger.owners(part), self._ledger.changes(part)
+        if changed and self.renumber(part, changed, own):
+            self._ledger.keep(part)
             return
-        for k in own:
-            changed = self._views[k][0]
-            changed.check(self._robot, self._order, self._dt)
-            if row_names(changed, self._robot, self._order) != self._names[k]:
-                raise InvalidInput(f"{changed.full_name()}: with another {name} it has other rows; {changed._instead}")
-        if not any(type(self._views[k][0]).claim is not RowWriter.claim for k in own):
+        limits = [type(self._views[k][0]).claim is not RowWriter.claim for k in own]
+        for k, limit in zip(own, limits, strict=True):
+            view = self._views[k][0]
+            if limit:  # which refuses when it claims
+                check_numbers(view, self._robot, self._order, self._dt)
+                if not overridden(type(view), NAMES, "claim"):
+                    continue
+            else:
+                view.check(self._robot, self._order, self._dt)
+            if row_names(view, self._robot, self._order) != self._names[k]:
+                raise InvalidInput(f"{view.full_name()}: with another {name} it has other rows; {view._instead}")
+        if not any(limits):
             self._plan(own)
-        elif not self._reclaim(part, own):  # by which others go
+        elif not self._reclaim(part, changed, own):  # by which others go
             self._take_up()
 
-    def _renumber(self, part: Live, own: list[int]) -> bool:
+    def renumber(self, part: Live, changed: Sequence[str], own: Sequence[int]) -> bool:
         """Write numbers of a part that have changed where its plans have put them; False where it takes new plans.
 
         It does if more has changed than its plans know the places of, if Python writes its rows, or if a subclass has
         its own say in what a plan is asked for.
+
+        Parameters
+        ----------
+        part : Live
+        changed : sequence of str
+            Their names.
+        own : sequence of int
+            The numbers of the parts of the stack that it can be reached from.
         """
-        changed = self._ledger.changes(part)
-        if not changed:
-            return False
         keys, tunes = [(id(part), name) for name in changed], False
         for k in own:
             view, site = self._views[k]
@@ -160,27 +173,31 @@ class HierarchyWriter:
                 return False
             tunes = tunes or any(key in site.numbers for key in keys if key[1] != "weight")
             if tunes or view is not part:
-                view.check(self._robot, self._order, self._dt)
+                check_numbers(view, self._robot, self._order, self._dt)
         for k in own:
             site = self._views[k][1]
-            if not all((site.targets.get(key) or site.numbers[key])() for key in keys):
+            if not all(write() for write in {site.targets.get(key) or site.numbers[key] for key in keys}):
                 return False
         if tunes:
             self.tuned += 1
             self._take_rates()
         if "weight" in changed:
             self._weigh(own)
-        self._ledger.keep(part)
         return True
 
-    def _reclaim(self, changed: Live, own: list[int]) -> bool:
+    @property
+    def stands_still(self) -> bool:
+        """Whether rows go by their plans and the state alone: loops write them, no target moves, no part has memory."""
+        return self.compiled and not self._moves and not self._memory
+
+    def _reclaim(self, part: Live, changed: list[str], own: list[int]) -> bool:
         """Have the envelope take the limits of these parts as they are now; False if more than numbers has changed."""
         shared, views = self.shared, [self._views[k] for k in own]
         braked = np.isfinite(shared.braking[0])
 
         def ask() -> None:
-            for part, site in views:
-                part.claim(site)
+            for view, site in views:
+                view.claim(site)
 
         if any(self.plans[k][1] != NO_PLAN for k in own):
             return False
@@ -189,9 +206,10 @@ class HierarchyWriter:
         if np.isfinite(shared.braking[0]) != braked:  # by which plans differ
             return False
         self._check_beside(range(len(self._views)))
-        self._weigh(own)
-        self._ledger.keep(changed)
-        if self._ledger.holds_others(changed):
+        if not changed or "weight" in changed:
+            self._weigh(own)
+        self._ledger.keep(part)
+        if self._ledger.holds_others(part, changed):
             for k in own:
                 self._ledger.enter(k, self._views[k][0], self)
         return True
@@ -268,10 +286,13 @@ class HierarchyWriter:
 
     def _check_beside(self, which: Iterable[int]) -> None:
         """Ask parts whether they can work with the joint limits of the stack."""
+        asked = [part for part in (self._views[k][0] for k in which) if part.stands_beside]
+        if not asked:
+            return
         rest = Tick(self._robot, self._rest, 0.0, self._order, self._dt, self.shared.envelope)
         with np.errstate(all="ignore"):  # what is infinite is refused in words
-            for k in which:
-                self._views[k][0].check_beside(rest)
+            for part in asked:
+                part.check_beside(rest)
 
     def _weigh(self, which: Iterable[int]) -> None:
         """Take the weights of these parts."""

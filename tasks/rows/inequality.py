@@ -96,6 +96,10 @@ class Inequality(Part):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         self.task.check(robot, order, dt if order == "acceleration" else None)
+        self.check_numbers(robot, order, dt)
+
+    def check_numbers(self, robot: Robot, order: Order, dt: float | None) -> None:
+        self.task.check_numbers(robot, order, dt if order == "acceleration" else None)
         for word in "cap", "deceleration":
             if getattr(self.task, word) is not None:
                 raise InvalidInput(
@@ -104,7 +108,8 @@ class Inequality(Part):
                 )
         rows = self.size(robot)
         for what, value in ("below", self.below), ("above", self.above):
-            per_row(value, rows, f"{self.full_name()}: {what}")
+            if value.ndim:
+                per_row(value, rows, f"{self.full_name()}: {what}")
         fastest = float(self.task.gain.max())
         if dt is not None and order == "velocity" and fastest * dt > 1.0 + 1e-9:
             raise InvalidInput(

@@ -37,6 +37,6 @@ class Ledger:
         changed = [name for name, value in now.items() if before.get(name, self) is not value]
         return changed if len(now) == len(before) else []
 
-    def holds_others(self, part: Live) -> bool:
-        """Whether other live objects can be reached from it."""
-        return any(True for _ in reachable(list(vars(part).values())))
+    def holds_others(self, part: Live, names: list[str]) -> bool:
+        """Whether other live objects can be reached from these attributes of it; from all, where none is named."""
+        return any(True for _ in reachable([vars(part)[name] for name in names or vars(part)]))

@@ -14,11 +14,15 @@ from hqp import InvalidInput
 
 from ..base.checks import Array, numbers, per_row
 from ..base.once import once
+from ..robots.robot import Robot
 from .site import Site
-from .tick import Tick
+from .tick import Order, Tick
 
 if TYPE_CHECKING:
     from ..base.loops import Call
+
+#: What a subclass may refuse by.
+CHECK = ("check",)
 
 
 @dataclass(frozen=True)
@@ -77,6 +81,10 @@ class Planned(Protocol):
     @property
     def says(self) -> tuple[str, ...]: ...
 
+    def check(self, robot: Robot, order: Order, dt: float | None) -> None: ...
+
+    def check_numbers(self, robot: Robot, order: Order, dt: float | None) -> None: ...
+
     def plan(self, site: Site) -> Plan: ...
 
     def python_plan(self, site: Site) -> Plan: ...
@@ -86,6 +94,12 @@ def plan_of(part: Planned, site: Site) -> Plan:
     """How a part writes its rows here: by the plan of its class, unless a subclass says what that cannot know."""
     own = overridden(type(part), part.says)
     return part.plan(site) if own is None else replace(part.python_plan(site), why=own)
+
+
+def check_numbers(part: Planned, robot: Robot, order: Order, dt: float | None) -> None:
+    """Have a part refuse the numbers that it has now; by its whole check, where a subclass has one of its own."""
+    own = overridden(type(part), CHECK, "check_numbers")
+    (part.check_numbers if own is None else part.check)(robot, order, dt)
 
 
 @once

@@ -94,6 +94,15 @@ class RowWriter(Live):
         InvalidInput
         """
 
+    def check_numbers(self, robot: Robot, order: Order, dt: float | None) -> None:
+        """Refuse numbers that cannot work here, whenever one has been set; :meth:`check` refuses all else, too.
+
+        Raises
+        ------
+        InvalidInput
+        """
+        self.check(robot, order, dt)
+
     def check_beside(self, tick: Tick) -> None:
         """Refuse, or tell of, what cannot work with the joint limits of the stack; once, at a state of rest.
 
@@ -101,6 +110,11 @@ class RowWriter(Live):
         ------
         InvalidInput
         """
+
+    @property
+    def stands_beside(self) -> bool:
+        """Whether it has a say in :meth:`check_beside`."""
+        return type(self).check_beside is not RowWriter.check_beside
 
     def decay_rate(self) -> float:
         """The ``zeta K`` [1/s] of its law, half the rate at which that slows a speed; 0 if it asks for no motion.

@@ -254,16 +254,18 @@ class Site:
         )
         shortens = self.shortens and shared.order != "displacement"
 
+        def fitting(name: str, value: Array) -> Array:
+            return per_row(value, rows, f"{task.full_name()}: {name}") if value.ndim else value
+
         def write() -> bool:
-            what, gain, cap, brakes = task.full_name(), task.gain, task.cap, task.deceleration
-            numbers[of.GAIN] = gain = per_row(gain, rows, f"{what}: gain")
-            numbers[of.C1], numbers[of.C2] = 2.0 * task.damping_ratio * gain, gain**2
-            numbers[of.CAP] = np.inf if cap is None or cap.ndim == 0 else per_row(cap, rows, f"{what}: cap")
+            gain, cap, brakes = fitting("gain", task.gain), task.cap, task.deceleration
+            numbers[of.GAIN], numbers[of.C1], numbers[of.C2] = gain, 2.0 * task.damping_ratio * gain, gain * gain
+            numbers[of.CAP] = np.inf if cap is None or cap.ndim == 0 else fitting("cap", cap)
             longest[0] = np.inf if cap is None or cap.ndim else cap
             longest[1] = np.inf if brakes is None else brakes
             table.numbers[of.SHORTENS] = shortens and not (cap is None and brakes is None)
-            numbers[of.BELOW] = 0.0 if band is None else per_row(band.below, rows, f"{what}: below")
-            numbers[of.ABOVE] = 0.0 if band is None else per_row(band.above, rows, f"{what}: above")
+            numbers[of.BELOW] = 0.0 if band is None else fitting("below", band.below)
+            numbers[of.ABOVE] = 0.0 if band is None else fitting("above", band.above)
             return True
 
         write()
@@ -308,7 +310,7 @@ class Site:
         return write()
 
 
-def kept_up(trajectory: Callable[[float], Any], *places: Array) -> tuple[Move, ...]:
+def kept_up(trajectory: Callable[[float], Any], value: Array, rate: Array, change: Array) -> tuple[Move, ...]:
     """Write what a trajectory gives into these arrays, now, and every tick unless it stands still.
 
     Raises
@@ -316,17 +318,17 @@ def kept_up(trajectory: Callable[[float], Any], *places: Array) -> tuple[Move, .
     InvalidInput
         At a tick, if it gives another number of arrays or other shapes than at first; NumPy would spread one number.
     """
-    first = trajectory(0.0)
+    value[:], rate[:], change[:] = first = trajectory(0.0)
+    if constant(trajectory) is not None:
+        return ()
     shapes = [np.shape(part) for part in first]
 
     def move(t: float) -> None:
         given = trajectory(t)
         if len(given) != len(shapes):
             raise InvalidInput(f"a target gives {len(given)} arrays at t = {t:g} s, and gave {len(shapes)} at first")
-        for place, part, shape in zip(places, given, shapes, strict=True):
-            if np.shape(part) != shape:
-                raise InvalidInput(f"a target has shape {np.shape(part)} at t = {t:g} s, and had {shape} at first")
-            place[:] = part
+        if (now := [np.shape(part) for part in given]) != shapes:
+            raise InvalidInput(f"a target has shapes {now} at t = {t:g} s, and had {shapes} at first")
+        value[:], rate[:], change[:] = given
 
-    move(0.0)
-    return () if constant(trajectory) is not None else (move,)
+    return (move,)

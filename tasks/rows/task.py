@@ -112,15 +112,19 @@ class Task(Part):
         return None if value is None else positive_scalar(value, what, unit="m/s^2 or rad/s^2")
 
     def _renew(self) -> None:
-        if self.rows is not None:
-            whole_number(self.rows, f"{self.full_name()}: rows", least=1)
-            per_row(self.gain, self.rows, f"{self.full_name()}: gain")
-            per_row(self.weight, self.rows, f"{self.full_name()}: weight")
-            self._check_cap(self.rows)
+        rows = self.rows
+        if rows is None:
+            return
+        if type(rows) is not int or rows < 1:
+            whole_number(rows, f"{self.full_name()}: rows", least=1)
+        self._check_rows(rows, "gain", "weight", "cap")
 
-    def _check_cap(self, rows: int) -> None:
-        if self.cap is not None:
-            per_row(self.cap, rows, f"{self.full_name()}: cap")
+    def _check_rows(self, rows: int, *names: str) -> None:
+        """Refuse numbers that are neither one for all rows nor one a row."""
+        for name in names:
+            value = getattr(self, name)
+            if value is not None and value.ndim:
+                per_row(value, rows, f"{self.full_name()}: {name}")
 
     def _call(self, name: str | None) -> None:
         """Take this name, before anything is refused in it."""
@@ -185,11 +189,13 @@ class Task(Part):
         return robot.at(neutral(robot), np.zeros(robot.nv))
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
-        per_row(self.gain, self.size(robot), f"{self.full_name()}: gain")
-        self._check_cap(self.size(robot))
-        self.check_gain(order, dt)
+        self.check_numbers(robot, order, dt)
         if self.in_python:
             self._try(robot, order)
+
+    def check_numbers(self, robot: Robot, order: Order, dt: float | None) -> None:
+        self._check_rows(self.size(robot), "gain", "cap")
+        self.check_gain(order, dt)
 
     @property
     def in_python(self) -> bool:

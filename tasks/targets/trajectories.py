@@ -46,6 +46,13 @@ class Fixed:
             raise InvalidInput(f"target has shape {self.target.shape}; it must have one axis")
         self._sample = (self.target, *np.zeros((2, len(self.target))))
 
+    @classmethod
+    def of(cls, target: Array) -> Fixed:
+        """A constant target of numbers that have been checked, shape (rows,)."""
+        fixed = cls.__new__(cls)
+        fixed.target, fixed._sample = target, (target, *np.zeros((2, len(target))))
+        return fixed
+
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
         return self._sample
 
@@ -131,7 +138,7 @@ def as_trajectory(target: ArrayLike | Trajectory, rows: int | None, what: str) -
         given = finite(target, f"{what}: target")
         if given.ndim > 1:
             raise InvalidInput(f"{what}: target has shape {given.shape}; it must have one axis")
-        still = Fixed(given)
+        still = Fixed.of(given if given.ndim else given.reshape(1))
         if rows not in (None, len(still.target)):
             raise InvalidInput(f"{what}: target has shape {still.target.shape}; it must be ({rows},)")
         return still

@@ -286,12 +286,14 @@ def stands_still(target: object) -> bool:
 
 def constant(target: object) -> tuple[object, ...] | None:
     """The form of a constant target, the same for all that differ by their numbers alone; None of what may move."""
+    if isinstance(target, Fixed):
+        return type(target), len(target.target)
+    if isinstance(target, FixedRotation):
+        return (type(target),)
     if isinstance(target, Spread):
         inner = constant(target.trajectory)
         return None if inner is None else (Spread, target.columns.start, target.columns.stop, *inner)
     if isinstance(target, AboutZ):
         inner = constant(target.angle)
         return None if inner is None else (AboutZ, *inner)
-    if isinstance(target, Fixed):
-        return type(target), len(target.target)
-    return (type(target),) if isinstance(target, FixedRotation) else None
+    return None
