@@ -199,7 +199,8 @@ def test_a_level_whose_own_rows_contradict_each_other_has_no_cause_above() -> No
             Level.bounds([-9.0] * 3, [9.0] * 3),
             Level.equality([[1.0, 1.0, 0.0], [1.0, 1.0, 0.0]], [0.0, 1.0], name="sum"),
             Level.equality([[0.0, 0.0, 0.0]], [1.0], name="nothing"),
-            Level.equality(np.zeros((2, 3)), [1.0, 2.0], name="no move"),
+            Level.equality([[0.0, 0.0, 0.0]] * 2, [1.0, 1.0], name="twice"),
+            Level.equality([[1.0, 1.0, 0.0]] * 2, [0.0, 1.0], name="the sum again"),
         ]
     )
     explanation = solve(h).explain()
@@ -207,9 +208,10 @@ def test_a_level_whose_own_rows_contradict_each_other_has_no_cause_above() -> No
         "level 0 met (0 of 3 rows at a bound)",
         "sum short by 0.707: its own rows contradict each other (rank 1 of 2)",
         "nothing short by 1: its own row is zero (rank 0 of 1)",
-        "no move short by 2.24: its own rows are zero (rank 0 of 2)",
+        "twice short by 1.41: its own rows are zero (rank 0 of 2)",
+        "the sum again short by 0.707: its own rows contradict each other (rank 0 of 2)",
     ]
-    assert [level.contradicts for level in explanation.levels] == [False, True, True, True]
+    assert [level.contradicts for level in explanation.levels] == [False, True, True, True, True]
 
 
 def test_parts_and_units_of_one_level_are_told_apart() -> None:

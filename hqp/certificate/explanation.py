@@ -41,7 +41,7 @@ class LevelExplanation:
     damped : str
         Why the solver relaxed the level, and in which direction; empty if it did not.
     zero : bool
-        Whether all its rows are zero, so that no x changes them.
+        Whether all rows that are not met are zero: nothing in x moves them.
     """
 
     level: int
@@ -80,7 +80,7 @@ class LevelExplanation:
         if self.damped:
             named = ", then ".join([f"damped, {self.damped}", *causes[:1]])
         more = f" and {len(causes) - MOST_NAMED} more" if len(causes) > MOST_NAMED and not self.damped else ""
-        why = f"{self.own} ({self._standing()})" if self.contradicts else named + more or "nothing above"
+        why = f"{self._own} ({self._standing()})" if self.contradicts else named + more or "nothing above"
         told = self.parts if len(self.parts) <= MOST_NAMED else tuple(part for part in self.parts if not part.met)
         short = f"{self._beside()}{', '.join(map(str, told))}"
         return f"{short}: {why}" + ("" if self.proved else "; not proved optimal")
@@ -92,9 +92,8 @@ class LevelExplanation:
         return "" if known else f"{self.name}: "
 
     @property
-    def own(self) -> str:
-        """Why a level that contradicts itself is not met."""
-        if self.fixing == 1:
+    def _own(self) -> str:
+        if self.fixing <= 1:
             return "its own row is zero"
         return "its own rows are zero" if self.zero else "its own rows contradict each other"
 
@@ -142,7 +141,7 @@ class Explanation:
         for title in ("level", "part", "state", "short by", "rank", "held back by"):
             table.add_column(title)
         for level in self.levels:
-            why = level.own if level.contradicts else "\n".join(f"{cause} {cause.share:.0%}" for cause in level.causes)
+            why = level._own if level.contradicts else "\n".join(f"{cause} {cause.share:.0%}" for cause in level.causes)
             rank = f"{level.rank} of {level.fixing}" if level.fixing else ""
             for number, part in enumerate(level.parts):
                 first = number == 0

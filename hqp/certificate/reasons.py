@@ -51,13 +51,13 @@ def explain(
                 name=level.name,
                 proved=judged.ok,
                 contradicts=contradicts,
+                zero=contradicts and not rows.norms[own][missing[own] != 0.0].any(),
                 rank=rank,
                 fixing=int(fixing.sum()),
                 at_bound=int(((sides != Side.INACTIVE) & ~fixing).sum()),
                 parts=parts_of(labels[own], missing[own], level.weights),
                 causes=() if contradicts else causes_of(hierarchy, labels, rows, dense, judged.multipliers),
                 inner=_inner(dense[own], level.weights**2 * missing[own], labels[own]),
-                zero=not dense[own].any(),
             )
         )
     return tuple(levels)

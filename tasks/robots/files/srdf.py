@@ -99,7 +99,7 @@ class _Groups:
             elif element.tag == "chain":
                 ends = [_text(element, end, self._what) for end in ("base_link", "tip_link")]
                 base, tip = (self._carriers(end) for end in ends)
-                found |= {self._model.names[joint] for joint in tip ^ base}  # up from one, and down to the other
+                found |= {self._model.names[joint] for joint in tip ^ base}  # up to where both meet, and down
             elif element.tag == "group":
                 name = _text(element, "name", self._what)
                 if name not in self._elements:
