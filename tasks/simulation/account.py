@@ -31,7 +31,7 @@ class Shortfall:
     lacks : dict of str to float
         Unit -> Euclidean norm of what is missing.
     causes : tuple of str
-        What held it back: damping first, then the strongest causes; of a level that contradicts itself, how.
+        What held it back: damping first, then the strongest causes; empty if its own rows contradict each other.
     """
 
     level: str
@@ -55,7 +55,7 @@ def shortfalls(solution: Solution) -> tuple[Shortfall, ...]:
                 for unit, norm in part.residual.items():
                     lacks[unit] = (lacks.get(unit, 0.0) ** 2 + norm**2) ** 0.5
             causes = tuple((["damping"] if level.damped else []) + [str(cause) for cause in level.causes])[:MOST_NAMED]
-            causes = (level.own,) if level.contradicts else causes
+            causes = ("its own rows are zero",) if level.zero else causes
             found.append(Shortfall(name, {unit: norm for unit, norm in lacks.items() if norm > 0.0}, causes))
     return tuple(found)
 

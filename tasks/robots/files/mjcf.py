@@ -33,8 +33,8 @@ from .closures import closed_chains
 from .couplings import couplings, moves
 from .description import BASE_JOINT, BASES, Description
 from .motors import motor_limits
-from .mujoco_numbers import BALL, FREE, HINGE, SLIDE, body_name, pose, randomise, single_joint, xyzw, yaw_of
-from .scene import Scene, body_names, scene
+from .mujoco_numbers import BALL, FREE, HINGE, SLIDE, pose, randomise, single_joint, xyzw, yaw_of
+from .scene import Scene, body_name, body_names, scene
 
 #: Tolerance for positions against MuJoCo's, relative to the size of the robot, and number of comparisons.
 EXACT, TRIES = 1e-9, 3

@@ -12,7 +12,8 @@ import pinocchio as pin
 from hqp import InvalidInput
 
 from ..convexity import hull, shape_of, triangles
-from .mujoco_numbers import body_name, pose
+from .mujoco_numbers import pose
+from .scene import body_name
 
 GEOM = mujoco.mjtGeom
 #: The geoms that can be drawn, and the last group of those that MuJoCo's viewer shows at first.

@@ -15,16 +15,6 @@ FREE, BALL, SLIDE, HINGE = range(4)
 ALIGNED = {(1.0, 0.0, 0.0): "X", (0.0, 1.0, 0.0): "Y", (0.0, 0.0, 1.0): "Z"}
 
 
-def body_name(mj: mujoco.MjModel, body: int) -> str:
-    """The name of a body; one of its own where it has none, such as ``"body3"``."""
-    name = str(mj.body(body).name)
-    if not name:
-        taken, name = {mj.body(i).name for i in range(mj.nbody)}, f"body{body}"
-        while name in taken:
-            name += "_"
-    return name
-
-
 def pose(position: Array, quaternion: Array) -> pin.SE3:
     """A pose of MuJoCo, with its quaternion w, x, y, z."""
     rotation = pin.Quaternion(xyzw(quaternion)).toRotationMatrix()

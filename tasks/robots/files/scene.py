@@ -93,6 +93,16 @@ def body_names(mj: mujoco.MjModel) -> list[str]:
     return [mj.body(i).name or f"body {i}" for i in range(mj.nbody)]
 
 
+def body_name(mj: mujoco.MjModel, body: int) -> str:
+    """The name of a body; one of its own where it has none, such as ``"body3"``."""
+    name = str(mj.body(body).name)
+    if not name:
+        taken, name = {mj.body(i).name for i in range(mj.nbody)}, f"body{body}"
+        while name in taken:
+            name += "_"
+    return name
+
+
 def _tree(mj: mujoco.MjModel, root: int) -> list[int]:
     """A body and all that it carries."""
     own = {root}
