@@ -38,16 +38,17 @@ def untouched(arrays: list[np.ndarray]) -> bool:
     return all((array == POISON).all() for array in arrays)
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture(autouse=True, scope="module")
 def quick() -> Iterator[None]:
-    """What there is before a test is no rubbish, and need not be looked through again and again."""
+    """What there is before these tests is no rubbish, and need not be looked through again and again."""
     settle()
     yield
     gc.unfreeze()
+    settle()
 
 
 def settle() -> None:
-    """What there is now is looked through once more, and then no more in this test."""
+    """What there is now is looked through once more, and then no more."""
     gc.collect()
     gc.freeze()
 
