@@ -117,6 +117,8 @@ def solve_stages(here, gate):
     outcome, opened, above, damped, first = integer(OPTIMAL), False, integer(0), 0.0, True
     head[at.OPENED], x = levels, vector(marks(here, at.DIRECTORIES)[levels], plain.X)
     head[at.STIFF] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
+    if head[at.LOOKS_AHEAD] != 0:  # as quiet() has done
+        note_errors(here)
     at_bounds = crowded(here, vector(here, at.LAST))
     begin(here)
     for k in range(head[at.TOP], levels):
