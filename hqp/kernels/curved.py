@@ -130,6 +130,8 @@ def solve_stages(here, gate):
     levels, above, outcome, opened, damped, first = head[plain.LEVELS], integer(0), integer(OPTIMAL), False, 0.0, True
     head[at.OPENED], x = levels, vector(marks(here, at.DIRECTORIES)[levels], plain.X)
     head[at.STIFF] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
+    if head[at.LOOKS_AHEAD] != 0:  # as quiet() has done
+        note_errors(here)
     at_bounds = crowded(here, vector(here, at.LAST))
     begin(here)
     d = free = hold_above(here)

@@ -15,11 +15,17 @@ from .memory import ints, marks, matrix, vector
 
 @inner
 def note_lacking(here, k):
-    """Write ``errors`` of the rows of level k that have a worth: what these lack at the x of ``reach``, times that."""
+    """Let ``errors`` of the rows of level k that have a worth look ahead: from e towards what they lack, times that.
+
+    They lack it at the x of ``reach``. With l the difference from e, errors become e + l |l|^2 / (|l|^2 + |e|^2): where
+    a task has lost its target already, e says more.
+    """
     n, col, row_of = ints(here, 0, plain.HEAD)[plain.N], marks(here, plain.COL), marks(here, plain.ROW_OF)
     lower, upper, worth = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, at.WORTH)
     errors, x, ptr, A = vector(here, at.ERRORS), vector(here, at.REACH), marks(here, plain.PTR), matrix(here, plain.A)
+    more, square, longer = vector(here, at.WANTED), 0.0, 0.0
     for i in range(ptr[k], ptr[k + 1]):
+        more[i] = 0.0
         if worth[i] == 0.0:
             continue
         value = 0.0
@@ -30,7 +36,12 @@ def note_lacking(here, k):
             for j in range(n):
                 value += row[j] * x[j]
         low, high = lower[i] - value, upper[i] - value
-        errors[i] = worth[i] * (low if low > 0.0 else high if high < 0.0 else 0.0)
+        more[i] = worth[i] * (low if low > 0.0 else high if high < 0.0 else 0.0) - errors[i]
+        square += errors[i] * errors[i]
+        longer += more[i] * more[i]
+    if longer > 0.0:
+        for i in range(ptr[k], ptr[k + 1]):
+            errors[i] += more[i] * longer / (longer + square)
 
 
 @inner

@@ -80,8 +80,8 @@ class Linearisation:
     scales : array, shape (m,)
         The rate at which the error of each row is to be reduced, relative to the fastest.
     worth : array, shape (m,)
-        The error that a unit of a row's bound is worth, scaled; 0: the error is as measured. With a worth, the error
-        of a level below the first curved one is what it lacks where the levels above it leave off, times that.
+        The error that a unit of a row's bound is worth, scaled; 0: the error is as measured. With a worth, rows below
+        the first curved level look ahead, to what they lack where the levels above leave off, times that.
     shares : array, shape (levels,)
         The share of its error that a level removes in one step.
     aims : array, shape (levels, n)
