@@ -42,6 +42,8 @@ GAINS, ROUND_OFF = 1e-11, 1e-15
 NOTHING = 1e-14
 #: So many steps of length zero, beside one for each row of the working set, before :func:`.escape.escape`.
 PATIENCE = 3
+#: So many iterations in a row that bring nothing, beside one for each variable, are the end.
+IDLE = 20
 
 
 @inner
@@ -95,7 +97,7 @@ def minimise(here, k, last, frozen, working):
             lowest, since = square, integer(0)
         else:
             since += 1
-        if since > 2 * (n + ptr[k]) + 20:
+        if since > n + IDLE:
             return integer(STALLED), 0.0, working
 
         gain = 0.0 if full else newton(here, k, last, frozen + working, count)

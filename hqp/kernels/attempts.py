@@ -1,10 +1,11 @@
 """What is tried, one after the other, until there is an answer with its proof.
 
-One sweep with the sides that are known, whose contradictions change sides at once; level by level, warm, then cold
-(:mod:`.levels`). Where a rank is in doubt (:mod:`.doubt`), the compiled certificate decides (:mod:`.proof`). If it does
-not accept the answer, or there is none, the same is tried with ranks as sharp as round-off allows, from there on; only
-what the certificate accepts counts. What is left is for the safe method (:mod:`.active_set`), from the last point that
-is known to be exact.
+One sweep with the sides that are known, whose contradictions change sides at once; then level by level
+(:mod:`.levels`), where a level that fails is tried with sharper ranks itself. What is left is for the safe method
+(:mod:`.active_set`), from the last point that is known to be exact. Where a rank is in doubt (:mod:`.doubt`), the
+compiled certificate decides (:mod:`.proof`). If it does not accept the answer, or there is none, all is tried once more
+with ranks as sharp as round-off allows, from a cold start if the first one has failed; only what the certificate
+accepts counts.
 """
 
 from __future__ import annotations
@@ -12,8 +13,9 @@ from __future__ import annotations
 from . import layout as at
 from .active_set import OPTIMAL, STALLED, SUBOPTIMAL, active_set
 from .compile import inner, integer
-from .doubt import MOST, SHARPEST, doubtful
+from .doubt import SHARPEST, doubtful, sharpen
 from .dual import late
+from .extent import extent
 from .levels import levels
 from .line_search import best_step
 from .memory import ints, marks, vector
@@ -32,6 +34,10 @@ PATIENCE = 1
 FEW = 2
 #: Where a row that counts as dependent shows that it is not, less of it has to be left, down to round-off.
 SHARPER = 0.1
+#: What another try has come to.
+PROVED, FAILED, LATE = 0, 1, 2
+#: What moves x by no more than this share of its length does not move it.
+UNMOVED = 1e-13
 
 
 @inner
@@ -125,7 +131,7 @@ def stop_early(here, k, last):
 
 @inner
 def attempt(here, last, start, warm):
-    """Solve for levels 0 .. last from this start on, and from those behind it.
+    """Solve for levels 0 .. last from this start on: where the sides alone are no answer, level by level.
 
     Returns
     -------
@@ -133,9 +139,11 @@ def attempt(here, last, start, warm):
         0 where x is proved.
     exact_above : int
         The levels above this one are exact at EXACT.
+    sharpened : bool
+        Whether ranks were sharper than asked for from one level on.
     """
-    head = ints(here, 0, at.HEAD)
-    exact_above = integer(0)
+    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
+    exact_above, tau = integer(0), option[at.TAU]
     while True:
         level, faults = integer(last + 1), integer(1)
         if start != SIDES:
@@ -144,11 +152,14 @@ def attempt(here, last, start, warm):
             head[at.SWEEPS] += level == last + 2
         if faults > 0 and level == last + 1:
             faults = verify(here, last)
+        sharpened = option[at.TAU] < tau
+        if sharpened:
+            option[at.TAU], head[at.DOUBT] = tau, 1
         if start != SIDES:
             head[at.HISTORY] = faults == 0
-        if faults == 0 or start == COLD or (start != SIDES and late(here)):
-            return faults, exact_above
-        start = integer(COLD) if start == SIDES and not warm else start + 1
+        if faults == 0 or start != SIDES:
+            return faults, exact_above, sharpened
+        start = integer(WARM if warm else COLD)
 
 
 @inner
@@ -176,31 +187,70 @@ def work_out(here, last, start, warm):
 
     DOUBT is set where an answer that is OPTIMAL is yet to be accepted by the certificate.
     """
-    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
-    faults, exact_above = attempt(here, last, start, warm)
+    head = ints(here, 0, at.HEAD)
+    status, level = integer(OPTIMAL), integer(last + 1)
+    faults, exact_above, sharpened = attempt(here, last, start, warm)
     if faults == 0 and accepted(here, last):
-        return OPTIMAL, integer(last + 1)
-    tau = option[at.TAU]
-    if head[at.DAMPED] == 0 and SHARPEST < tau <= MOST and not late(here):
-        kept = at.X if faults == 0 else at.EXACT
-        copy(here, kept, at.SAFE)
-        option[at.TAU] = SHARPEST
-        again, above = attempt(here, last, integer(SIDES if faults == 0 else COLD), False)
-        option[at.TAU] = tau
-        if again == 0 and proves(here, last):
-            head[at.DOUBT] = 0
-            return OPTIMAL, integer(last + 1)
-        if faults > 0 and again > 0 and late(here):
-            exact_above = above
-        else:
-            copy(here, at.SAFE, kept)
-    if faults == 0:
-        head[at.DOUBT] = 1
-        return OPTIMAL, integer(last + 1)
-    if late(here):
+        return status, level
+    if faults > 0 and late(here):
         stop_early(here, exact_above, last)
-        return SUBOPTIMAL, exact_above
-    return play_safe(here, last)
+        return integer(SUBOPTIMAL), exact_above
+    failed = faults > 0 or sharpened
+    if failed and not late(here):
+        status, level = play_safe(here, last)
+        if status == SUBOPTIMAL or (status == OPTIMAL and head[at.DOUBT] == 0):
+            return status, level
+    if not late(here):
+        again, stopped = try_again(here, last, failed, warm)
+        if again == PROVED:
+            return integer(OPTIMAL), integer(last + 1)
+        if again == LATE and status == STALLED:
+            stop_early(here, stopped, last)
+            return integer(SUBOPTIMAL), stopped
+        copy(here, at.SAFE, at.X)
+    head[at.DOUBT] = 1
+    return status, level
+
+
+@inner
+def try_again(here, last, failed, warm):
+    """Once more with ranks as sharp as can be, from the sides that are known or, if these have `failed`, from none.
+
+    Where the user has set the ranks, they stay, and only a warm start that has failed is tried cold. DOUBT is 0 where
+    the certificate has accepted what is PROVED. SAFE is the x of before.
+
+    Returns
+    -------
+    outcome : int
+        PROVED, FAILED or LATE.
+    exact_above : int
+        As of :func:`attempt`.
+    """
+    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
+    tau, known = option[at.TAU], warm or head[at.HISTORY] != 0
+    copy(here, at.X, at.SAFE)
+    sharper = sharpen(here)
+    if not sharper and not (failed and warm):
+        return integer(FAILED), integer(0)
+    faults, exact_above, _ = attempt(here, last, integer(COLD if failed else SIDES), known)
+    option[at.TAU] = tau
+    if faults > 0:
+        return integer(LATE if late(here) else FAILED), exact_above
+    if sharper:
+        head[at.DOUBT] = 1
+    if (sharper and unmoved(here)) or not accepted(here, last):
+        return integer(FAILED), exact_above
+    return integer(PROVED), exact_above
+
+
+@inner
+def unmoved(here):
+    """Whether x is SAFE up to round-off: the certificate has judged it."""
+    n, x, y = ints(here, 0, at.HEAD)[at.N], vector(here, at.X), vector(here, at.SAFE)
+    away = 0.0
+    for j in range(n):
+        away = max(away, abs(x[j] - y[j]))
+    return away <= UNMOVED * extent(x, here)
 
 
 @inner
@@ -218,9 +268,9 @@ def play_safe(here, last):
             return status, level
         copy(here, at.SAFE, at.X)  # where round-off decides what the sweep says, it has the last word
         if status == OPTIMAL:  # and no proof
-            status, level = STALLED, first_contradiction(here, last)
+            status, level = integer(STALLED), first_contradiction(here, last)
     head[at.HISTORY] = 0
     if status == STALLED and head[at.DAMPED] == 0 and proves(here, last):
         head[at.DOUBT] = 0
-        return OPTIMAL, integer(last + 1)
+        return integer(OPTIMAL), integer(last + 1)
     return status, level

@@ -15,7 +15,7 @@ import math
 
 from . import layout as at
 from .compile import inner, integer, step
-from .doubt import note_doubt
+from .doubt import note_doubt, sharpen
 from .dual import FINE, admit, late, settle
 from .extent import extent, far
 from .freeze import freeze
@@ -56,11 +56,14 @@ def levels(here, last, warm):
             faults, _, pull = judge(here, k, last, frozen, hard, rank, own)
             if faults == 0:
                 break
-        for turn in range(2):
-            if k < last and faults > 0 and not late(here) and (turn > 0 or feasible(here, k)):
-                if turn > 0:
-                    start_again(here, k)
-                faults, hard, rank, own, own_rank, pull = primal(here, k, last, frozen)
+        for way in range(3):  # from the point of the dual; the same with ranks as sharp as can be; from EXACT
+            if k == last or faults == 0 or late(here):
+                break
+            if way == 2:
+                start_again(here, k)
+            elif not feasible(here, k) or (way == 1 and not sharpen(here)):
+                continue
+            faults, hard, rank, own, own_rank, pull = primal(here, k, last, frozen)
         if faults > 0 and k < last:
             break
         keep(here, k, last)

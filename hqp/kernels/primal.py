@@ -9,6 +9,7 @@ from .compile import inner, integer
 from .dual import late
 from .extent import extent
 from .memory import ints, marks, vector
+from .orthogonal import length
 from .polish import judge, polish
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target, value_of
 from .working_set import FROZEN
@@ -17,6 +18,8 @@ from .working_set import FROZEN
 STEPS = 60
 #: A step changes a row if it does so by more than round-off, relative to the length of both.
 MOVES = 1e-12
+#: A step that is no longer than this share of x is none; so many members in a row may leave without a step.
+STILL, PATIENCE = 1e-12, 6
 
 
 @inner
@@ -66,10 +69,15 @@ def first_event(here, k):
 
 @inner
 def primal(here, k, last, frozen):
-    """Take exact steps from APPROACH until level k is optimal; what :func:`.polish.polish` and its judge say then."""
+    """Take exact steps from APPROACH until level k is optimal; what :func:`.polish.polish` and its judge say then.
+
+    No more are taken once they lead nowhere: a member that has just left is in the way at once, or one after the other
+    leaves and x stays where it is.
+    """
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
-    side, start, x = marks(here, at.SIDE), vector(here, at.APPROACH), vector(here, at.X)
+    side, start, d = marks(here, at.SIDE), vector(here, at.APPROACH), vector(here, at.D)
+    left, still = integer(-1), integer(0)
     for steps in range(STEPS + 1):
         hard, rank, own, own_rank = polish(here, k, last, frozen)
         faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
@@ -77,12 +85,17 @@ def primal(here, k, last, frozen):
             break
         head[at.ITERATIONS] += 1
         reach, row, becomes = first_event(here, k)
+        if reach * length(d, n) > STILL * extent(start, here):
+            left, still = integer(-1), integer(0)
         for j in range(n):
-            start[j] += reach * (x[j] - start[j])
-        if row >= 0:
+            start[j] += reach * d[j]
+        if row >= 0 and row != left:
             side[row] = becomes
-        elif worst >= 0:
+            left = integer(-1)
+        elif row < 0 and worst >= 0 and still < PATIENCE:
             side[worst] = INACTIVE
+            left = worst
+            still += 1
         else:
             break
     return faults, hard, rank, own, own_rank, pull

@@ -3,8 +3,7 @@ r"""The certificate, compiled: whether x is optimal, from the numbers of the hie
 It decides as :mod:`hqp.certificate.balance` does, level by level: the forces of the level must be balanced by the
 normals of the rows above it, by the free ones either way and by those at a bound inward, up to round-off. What it
 accepts the certificate accepts, whose least squares leave no more; what it does not accept may be optimal yet, for it
-asks neither whether the slacks of the level may shift within their tolerances, nor which rows at a bound hold a level
-above and are free therefore: round-off has a say in which these are.
+does not ask which rows at a bound hold a level above and are free therefore: round-off has a say in which these are.
 """
 
 from __future__ import annotations
@@ -15,21 +14,21 @@ from . import layout as at
 from .compile import inner, integer
 from .escape import nonnegative
 from .memory import ints, marks, matrix, vector
-from .orthogonal import factor, length, pivots, separate
+from .orthogonal import factor, length
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, copy_row, value_of
+from .shift import carried, moving
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance
 
 #: As in :mod:`hqp.certificate`: the tolerance on rows, round-off of rows and of forces.
 JUDGED, ROUND_OFF, BALANCED = 1e-9, 256 * 2.0**-52, 64 * 2.0**-52
-#: As there: ranks of free normals, and of what the rows of a level can still move; what is asked of the balance, and
-#: what at the least.
-FREE_RANK, OWN_RANK, STATIONARITY, BLURRED = 1e-11, 4e-9, 1e-10, 1e-6
+#: As there: ranks of free normals; what is asked of the balance, and what at the least.
+FREE_RANK, STATIONARITY, BLURRED = 1e-11, 1e-10, 1e-6
 #: Rows of which the others leave less do not press from the start, for large forces along them balance very little.
 CLEAR = 1e-6
 #: By so much of a row's length round-off turns what others leave of it.
 TURNS = 8 * 2.0**-52
-#: What rounding differently must not turn over.
-MARGIN = 0.9
+#: What rounding differently must not turn over: of what is left of forces, and of tolerances.
+MARGIN, NEARLY = 0.9, 0.99
 #: The share of the length of x that adds to the tolerance of a row that it hardly moves.
 LENGTH = 0.1
 
@@ -90,16 +89,21 @@ def measure_rows(here):
 
 @inner
 def find_sides(here):
-    """Where x is in every row: ``side``, EQUALITY if it may push either way, and what it is violated by, ``slope``."""
+    """Where x is in every row: ``side``, EQUALITY if it may push either way, and what it is violated by, ``slope``.
+
+    And, in the place of the multipliers, ``lambda``, the force that the tolerance of the row may hide.
+    """
     size, way = measure_rows(here)
     norm, lo, hi = vector(here, at.NORM), vector(here, at.LO), vector(here, at.HI)
     value, slack, side = vector(here, at.VALUE), vector(here, at.SLOPE), marks(here, at.HELD)
+    room = vector(here, at.LAMBDA)
     flat = JUDGED * LENGTH * size + ROUND_OFF * way
     for i in range(ints(here, 0, at.HEAD)[at.ROWS]):
-        side[i] = INACTIVE
+        side[i], room[i] = INACTIVE, 0.0
         if norm[i] == 0.0:
             continue
         near = JUDGED * (abs(value[i]) + abs(value[i] - slack[i])) + flat * norm[i]
+        room[i] = NEARLY * norm[i] * near
         over, under = value[i] >= hi[i] - near, value[i] <= lo[i] + near
         if abs(slack[i]) > near:
             side[i] = EQUALITY
@@ -197,7 +201,11 @@ def balanced(here, k, last, frozen, scale):
     small = rest * weakest(here, frozen, working) <= 0.25 * BALANCED * scale
     if small and rest <= MARGIN * BLURRED * scale:
         return True
-    return k < last and unsure + moving(here, k, frozen + working) <= enough
+    if k == last:
+        return False
+    if unsure + moving(here, k, frozen + working) <= enough:
+        return True
+    return carried(here, k, frozen, frozen + working, enough - unsure)
 
 
 @inner
@@ -298,35 +306,3 @@ def weakest(here, base, working):
     for q in range(base + working):
         least = min(least, math.sqrt(along[q]))
     return least
-
-
-@inner
-def moving(here, k, c):
-    """At most how much of d is along what the rows of level k can still move, above :data:`OWN_RANK`, given V[:c]."""
-    n, ptr, where = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR), marks(here, at.HELD)
-    ids, slots, lengths = marks(here, at.IDS), marks(here, at.SLOTS), vector(here, at.LENGTHS)
-    norm, d = vector(here, at.NORM), vector(here, at.D)
-    V, L, R = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
-    count = integer(0)
-    for i in range(ptr[k], ptr[k + 1]):
-        if where[i] != INACTIVE:
-            ids[count] = i
-            copy_row(i, R[count], here)
-            count += 1
-    separate(ids, count, slots, lengths, R, norm, V, L, 0, c, n, 0.0)
-    rank = pivots(ids, count, slots, lengths, R, norm, V, L, c, n, 0.25 * OWN_RANK)
-    moved = left = 0.0
-    for q in range(c, c + rank):
-        direction, along = V[q], 0.0
-        for j in range(n):
-            along += direction[j] * d[j]
-        for j in range(n):
-            d[j] -= along * direction[j]
-        moved += along * along
-    for r in range(rank, count):
-        row, along = R[slots[r]], 0.0
-        for j in range(n):
-            along += row[j] * d[j]
-        along /= norm[ids[r]]
-        left += along * along
-    return math.sqrt(moved) + math.sqrt(left) / OWN_RANK
