@@ -56,14 +56,14 @@ def levels(here, last, warm):
             faults, _, pull = judge(here, k, last, frozen, hard, rank, own)
             if faults == 0:
                 break
-        for way in range(3):  # from the point of the dual; the same with ranks as sharp as can be; from EXACT
-            if k == last or faults == 0 or late(here):
-                break
-            if way == 2:
-                start_again(here, k)
-            elif not feasible(here, k) or (way == 1 and not sharpen(here)):
+        for again in range(2):
+            if k == last or faults == 0 or late(here) or (again == 0 and not feasible(here, k)):
                 continue
-            faults, hard, rank, own, own_rank, pull = primal(here, k, last, frozen)
+            if again == 1:
+                start_again(here, k)
+            faults, circles, hard, rank, own, own_rank, pull = primal(here, k, last, frozen)
+            if circles and sharpen(here):  # what was let go is needed: it matters what counts as dependent
+                faults, circles, hard, rank, own, own_rank, pull = primal(here, k, last, frozen)
         if faults > 0 and k < last:
             break
         keep(here, k, last)

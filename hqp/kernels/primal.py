@@ -69,15 +69,21 @@ def first_event(here, k):
 
 @inner
 def primal(here, k, last, frozen):
-    """Take exact steps from APPROACH until level k is optimal; what :func:`.polish.polish` and its judge say then.
+    """Take exact steps from APPROACH until level k is optimal.
 
-    No more are taken once they lead nowhere: a member that has just left is in the way at once, or one after the other
-    leaves and x stays where it is.
+    Returns
+    -------
+    faults : int
+    circles : bool
+        Whether the steps went round in a circle: a member that had just left was in the way at once, or one after the
+        other left and x stayed where it was.
+    hard, rank, own, own_rank, pull
+        As :func:`.polish.polish` and its judge say at the end.
     """
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
     side, start, d = marks(here, at.SIDE), vector(here, at.APPROACH), vector(here, at.D)
-    left, still = integer(-1), integer(0)
+    left, still, circles = integer(-1), integer(0), False
     for steps in range(STEPS + 1):
         hard, rank, own, own_rank = polish(here, k, last, frozen)
         faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
@@ -97,5 +103,6 @@ def primal(here, k, last, frozen):
             left = worst
             still += 1
         else:
+            circles = row >= 0 or worst >= 0
             break
-    return faults, hard, rank, own, own_rank, pull
+    return faults, circles, hard, rank, own, own_rank, pull
