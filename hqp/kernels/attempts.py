@@ -1,11 +1,11 @@
 """What is tried, one after the other, until there is an answer with its proof.
 
 One sweep with the sides that are known, whose contradictions change sides at once; then level by level
-(:mod:`.levels`), where a level that fails is tried with sharper ranks itself. What is left is for the safe method
-(:mod:`.active_set`), from the last point that is known to be exact. Where a rank is in doubt (:mod:`.doubt`), the
-compiled certificate decides (:mod:`.proof`). If it does not accept the answer, or there is none, all is tried once more
-with ranks as sharp as round-off allows, from a cold start if the first one has failed; only what the certificate
-accepts counts.
+(:mod:`.levels`), where ranks are as sharp as round-off allows from the first level on that needs it. Where a rank is in
+doubt (:mod:`.doubt`), the compiled certificate decides (:mod:`.proof`). What has failed so far is for the safe method
+(:mod:`.active_set`), from the last point that is known to be exact. If there is still no answer, or the certificate
+does not accept it, and ranks were not sharpened yet, all levels are solved once more with sharp ones, from a cold start
+if the first one has failed; only what the certificate accepts counts then.
 """
 
 from __future__ import annotations
@@ -200,7 +200,7 @@ def work_out(here, last, start, warm):
         status, level = play_safe(here, last)
         if status == SUBOPTIMAL or (status == OPTIMAL and head[at.DOUBT] == 0):
             return status, level
-    if not late(here):
+    if not sharpened and not late(here):
         again, stopped = try_again(here, last, failed, warm)
         if again == PROVED:
             return integer(OPTIMAL), integer(last + 1)
@@ -216,8 +216,8 @@ def work_out(here, last, start, warm):
 def try_again(here, last, failed, warm):
     """Once more with ranks as sharp as can be, from the sides that are known or, if these have `failed`, from none.
 
-    Where the user has set the ranks, they stay, and only a warm start that has failed is tried cold. DOUBT is 0 where
-    the certificate has accepted what is PROVED. SAFE is the x of before.
+    Where the user has set the ranks, they stay, and only a warm start that has failed is tried cold; DOUBT tells
+    whether the certificate has accepted what is PROVED. SAFE is the x of before.
 
     Returns
     -------
@@ -238,8 +238,10 @@ def try_again(here, last, failed, warm):
         return integer(LATE if late(here) else FAILED), exact_above
     if sharper:
         head[at.DOUBT] = 1
-    if (sharper and unmoved(here)) or not accepted(here, last):
-        return integer(FAILED), exact_above
+        if unmoved(here) or not accepted(here, last):
+            return integer(FAILED), exact_above
+    else:
+        accepted(here, last)
     return integer(PROVED), exact_above
 
 
