@@ -14,7 +14,7 @@ from . import layout as at
 from .active_set import OPTIMAL, STALLED, SUBOPTIMAL, active_set
 from .compile import inner, integer
 from .doubt import SHARPEST, doubtful, sharpen
-from .dual import late
+from .dual import NEVER, late
 from .extent import extent
 from .levels import levels
 from .line_search import best_step
@@ -196,11 +196,12 @@ def work_out(here, last, start, warm):
         stop_early(here, exact_above, last)
         return integer(SUBOPTIMAL), exact_above
     failed = faults > 0 or sharpened
-    if failed and not late(here):
+    if (failed or vector(here, at.OPTION)[at.TAU] <= SHARPEST) and not late(here):
         status, level = play_safe(here, last)
         if status == SUBOPTIMAL or (status == OPTIMAL and head[at.DOUBT] == 0):
             return status, level
-    if not sharpened and not late(here):
+    # Without a time limit the caller asks for a cold start himself, if `certify` refuses what is left.
+    if not late(here) and not (sharpened and head[at.DEADLINE] == NEVER):
         again, stopped = try_again(here, last, failed, warm)
         if again == PROVED:
             return integer(OPTIMAL), integer(last + 1)

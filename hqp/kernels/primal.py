@@ -71,12 +71,15 @@ def first_event(here, k):
 def primal(here, k, last, frozen):
     """Take exact steps from APPROACH until level k is optimal.
 
+    A member that leaves, because it pulls the wrong way, and is in the way again at once, stays: as far as ranks go,
+    the level gains nothing without it. If that is all that contradicts the level, it is optimal, and in doubt.
+
     Returns
     -------
     faults : int
     circles : bool
-        Whether the steps went round in a circle: a member that had just left was in the way at once, or one after the
-        other left and x stayed where it was.
+        Whether the steps went round in a circle: this was not all, or one after the other left and x stayed where it
+        was.
     hard, rank, own, own_rank, pull
         As :func:`.polish.polish` and its judge say at the end.
     """
@@ -95,14 +98,21 @@ def primal(here, k, last, frozen):
             left, still = integer(-1), integer(0)
         for j in range(n):
             start[j] += reach * d[j]
-        if row >= 0 and row != left:
+        if row < 0 and (worst < 0 or still == PATIENCE):
+            circles = worst >= 0
+            break
+        if row >= 0:
             side[row] = becomes
+            if row == left:
+                hard, rank, own, own_rank = polish(here, k, last, frozen)
+                faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
+                circles = head[at.DAMPED] != 0 or faults != 1 or worst != row
+                if not circles:
+                    faults, head[at.DOUBT] = integer(0), 1
+                break
             left = integer(-1)
-        elif row < 0 and worst >= 0 and still < PATIENCE:
+        else:
             side[worst] = INACTIVE
             left = worst
             still += 1
-        else:
-            circles = row >= 0 or worst >= 0
-            break
     return faults, circles, hard, rank, own, own_rank, pull
