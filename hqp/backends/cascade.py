@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, length
-from ..certificate import certify
+from ..certificate import first_failed
 from ..errors import HqpError
 from ..hierarchy import Hierarchy
 from ..qp import FlatQP, FlatResult, FlatSolver, Sizes, make_flat_solver
@@ -122,15 +122,15 @@ class Cascade:
 
     def _judged(self, hierarchy: Hierarchy, x_ref: Array, answer: Answer) -> Answer:
         """The status of an x with a level that was not verified, by the certificate."""
-        failed = certify(hierarchy, answer.x, x_ref).failed
-        if failed is None or (answer.level is not None and answer.level <= failed.level):
+        failed = first_failed(hierarchy, answer.x, x_ref)
+        if failed is None or (answer.level is not None and answer.level <= failed):
             return answer
         said = f"the answer of {self.solver} could not be verified, and the certificate refutes it"
-        message = f"{_level_name(hierarchy, failed.level)}: {said}; {EXACT_ABOVE}"
+        message = f"{_level_name(hierarchy, failed)}: {said}; {EXACT_ABOVE}"
         if answer.message:
             message = f"{answer.message.removesuffix(f'; {EXACT_ABOVE}')}; {message}"
         status = Status.STALLED if answer.status is Status.OPTIMAL else answer.status
-        return Answer(answer.x, status, message, failed.level, answer.counts)
+        return Answer(answer.x, status, message, failed, answer.counts)
 
     def _solve_level(self, k: int, problem: LevelProblem, tally: Tally) -> Settled:
         """The step y of one level, and the hard rows that press against it."""

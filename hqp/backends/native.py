@@ -18,7 +18,7 @@ from numba.core import event
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..certificate import certify
+from ..certificate import first_failed
 from ..damping import DampingRule, ErrorDamping, FixedDamping, ManipulabilityDamping, SingularValueDamping
 from ..hierarchy import Hierarchy
 from ..kernels import damped as kernel_damped
@@ -170,11 +170,8 @@ def judged(hierarchy: Hierarchy, x: Array, x_ref: Array, outcome: int, level: in
     """What is claimed of x. What the kernel has not proved, nor its own certificate accepted, is for `certify`."""
     status = STATUSES[outcome]
     if status is Status.STALLED:
-        failed = certify(hierarchy, x, x_ref).failed
-        if failed is None:
-            status = Status.OPTIMAL
-        else:
-            level = failed.level
+        failed = first_failed(hierarchy, x, x_ref)
+        status, level = (Status.OPTIMAL, level) if failed is None else (status, failed)
     if status is Status.OPTIMAL:
         return Answer(x, counts=counts)
     where = hierarchy.level_name(level) if level < len(hierarchy.levels) else "min ||x - x_ref||"

@@ -1,7 +1,7 @@
 """Certificates, the proofs that a point is lexicographically optimal, and explanations, made from their multipliers."""
 
 from .causes import Cause
-from .certificate import Certificate, LevelCertificate, certify
+from .certificate import Certificate, LevelCertificate, certify, first_failed
 from .explanation import Explanation, LevelExplanation
 from .hand_over import Handed, left_alone
 from .parts import PartExplanation
@@ -22,6 +22,7 @@ __all__ = [
     "certify",
     "excess",
     "explain",
+    "first_failed",
     "left_alone",
     "pull",
     "row_space",

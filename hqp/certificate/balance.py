@@ -73,14 +73,14 @@ class Balance(NamedTuple):
         The sum of all forces in the level.
     stationarity : float
         Norm of the residual force, relative to `scale`.
-    multipliers : array, shape (rows above,)
-        Of all rows of the levels above.
+    attempt : _Attempt or None
+        How the forces were balanced, for :meth:`Above.multipliers`; None where the level is met.
     """
 
     exact: bool
     scale: float
     stationarity: float
-    multipliers: Array
+    attempt: _Attempt | None
 
 
 class _Attempt(NamedTuple):
@@ -151,7 +151,7 @@ class Above:
     def balance(self, forces: Forces, count: int) -> Balance:
         """Balance the forces of a level by the `count` rows above it; `count` must not fall between calls."""
         if not forces.push.any():  # met: nothing to improve
-            return Balance(True, 0.0, 0.0, np.zeros(count))
+            return Balance(True, 0.0, 0.0, None)
 
         known, self.free = len(self.free), self._all_free[: self._all_free.searchsorted(count)]
         self.signed = self._all_signed[: self._all_signed.searchsorted(count)]
@@ -169,11 +169,9 @@ class Above:
         blurred = (one for one in attempts if _round_off(one, forces, scale))  # the slow test, so it comes second
         found = next(chain(straight, blurred), None)
         exact, best = found is not None, found or attempts[0]
-        multipliers = self._multipliers(best, scale, count)
         if exact:
-            pushes = multipliers[self.signed] * self._rows.sides[self.signed] * self._rows.norms[self.signed]
-            self._holds[self.signed[pushes > HOLDS * scale]] = True
-        return Balance(exact, scale, length(best.left), multipliers)
+            self._holds[best.pressing[best.mu > HOLDS]] = True
+        return Balance(exact, scale, length(best.left), best)
 
     def _balance(self, gradient: Array, span: RowSpace, free: NDArray[np.intp], signed: NDArray[np.intp]) -> _Attempt:
         """Balance the gradient, relative to the sum of forces, by free rows, with their span, and by signed rows."""
@@ -189,12 +187,14 @@ class Above:
             gradient = gradient + mu @ outward[able]
         return _Attempt(span, free, pressing, normals, mu, left, gradient)
 
-    def _multipliers(self, attempt: _Attempt, scale: float, count: int) -> Array:
-        """The multipliers of all `count` rows above, in the unit of the gradient per unit of the row."""
-        norms, sides, pressing, free = self._rows.norms, self._rows.sides, attempt.pressing, attempt.free
+    def multipliers(self, balance: Balance, count: int) -> Array:
+        """The multipliers of all `count` rows above, before any other level is balanced."""
+        norms, sides, attempt = self._rows.norms, self._rows.sides, balance.attempt
         multipliers = np.zeros(count)
-        multipliers[pressing] = scale * attempt.mu * sides[pressing] / norms[pressing]
-        multipliers[free] = -scale * attempt.span.combine(attempt.pushed) / norms[free]
+        if attempt is not None:
+            pressing, free = attempt.pressing, attempt.free
+            multipliers[pressing] = balance.scale * attempt.mu * sides[pressing] / norms[pressing]
+            multipliers[free] = -balance.scale * attempt.span.combine(attempt.pushed) / norms[free]
         return multipliers
 
 

@@ -29,8 +29,8 @@ from ..arrays import Array, finite_vector, length
 from ..checks import of_type, positive_number, truth
 from ..errors import InvalidInput
 from ..hierarchy import Hierarchy
-from .balance import EITHER_WAY, Above, Forces
-from .rows import ROUND_OFF, RowStates, row_states
+from .balance import EITHER_WAY, Above, Balance, Forces
+from .rows import ROUND_OFF, row_states
 
 #: Largest entry of x that is judged: beyond it, squares of residuals overflow.
 FURTHEST = 1e60
@@ -202,25 +202,18 @@ def certify(
       !!  level 1 (sum)                                1.1         0.707       0.605
       !!  level 2 (min ||x - x_ref||)              1.34536        0.0372        0.15
     """
-    of_type(hierarchy, Hierarchy, "the hierarchy")
-    point = finite_vector(x, hierarchy.n, "x")
-    reference = np.zeros(hierarchy.n) if x_ref is None else finite_vector(x_ref, hierarchy.n, "x_ref")
-    if np.abs(point).max(initial=0.0) > FURTHEST:
-        raise InvalidInput(f"x reaches {np.abs(point).max():g}; nothing beyond {FURTHEST:g} can be judged")
-    tolerance = positive_number(tolerance, "tolerance", below=1.0)
     unique = truth(unique, "unique")
-    fault = hierarchy.find_fault()
-    if fault:
-        raise InvalidInput(fault)
-
     with np.errstate(all="ignore"):  # where numbers over- or underflow, the comparisons below refuse x
-        rows = row_states(hierarchy, point, reference, tolerance)
-        judge = _Judge(hierarchy, rows, length(point) + length(reference))
-        levels = [judge.level(k) for k in range(len(hierarchy.levels))]
-        if unique:
-            allowed = tolerance * (np.abs(point) + np.abs(reference)) + ROUND_OFF * rows.way
-            levels.append(judge.last(point - reference, allowed))
-    return Certificate(point, tuple(levels), unique, judge.radius)
+        judge = _Judge(hierarchy, x, x_ref, tolerance)
+        levels = tuple(judge.certificate(k) for k in range(len(hierarchy.levels) + unique))
+    return Certificate(judge.x, levels, unique, judge.radius)
+
+
+def first_failed(hierarchy: Hierarchy, x: ArrayLike, x_ref: ArrayLike) -> int | None:
+    """The verdict alone: the level at which :func:`certify` first fails, the implicit last one included, or None."""
+    with np.errstate(all="ignore"):
+        judge = _Judge(hierarchy, x, x_ref, 1e-9)
+        return next((k for k in range(len(hierarchy.levels) + 1) if not judge.balance(k).exact), None)
 
 
 class _Judge:
@@ -228,23 +221,33 @@ class _Judge:
 
     Parameters
     ----------
-    hierarchy : Hierarchy
-    rows : RowStates
-        The rows at x.
-    size : float
-        ``||x|| + ||x_ref||``.
+    hierarchy, x, x_ref, tolerance
+        See :func:`certify`.
 
     Attributes
     ----------
+    x : array, shape (n,)
     radius : float
-        ``size`` plus the largest distance of x from a row, see :attr:`Certificate.radius`.
+        ``||x|| + ||x_ref||`` plus the largest distance of x from a row, see :attr:`Certificate.radius`.
     """
 
-    def __init__(self, hierarchy: Hierarchy, rows: RowStates, size: float) -> None:
+    def __init__(self, hierarchy: Hierarchy, x: ArrayLike, x_ref: ArrayLike | None, tolerance: float) -> None:
+        of_type(hierarchy, Hierarchy, "the hierarchy")
+        self.x = point = finite_vector(x, hierarchy.n, "x")
+        reference = np.zeros(hierarchy.n) if x_ref is None else finite_vector(x_ref, hierarchy.n, "x_ref")
+        if np.abs(point).max(initial=0.0) > FURTHEST:
+            raise InvalidInput(f"x reaches {np.abs(point).max():g}; nothing beyond {FURTHEST:g} can be judged")
+        tolerance = positive_number(tolerance, "tolerance", below=1.0)
+        fault = hierarchy.find_fault()
+        if fault:
+            raise InvalidInput(fault)
+        self._hierarchy, self._rows = hierarchy, row_states(hierarchy, point, reference, tolerance)
+        rows, self._away = self._rows, point - reference
+        self._allowed = tolerance * (np.abs(point) + np.abs(reference)) + ROUND_OFF * rows.way
         norms, force = rows.norms, rows.norms * hierarchy.weights**2
         reach = np.divide(np.abs(rows.slack), norms, out=np.zeros(hierarchy.m), where=norms > 0)
-        self.radius = size + float(reach.max(initial=0.0))
-        self._hierarchy, self._rows, self._distance = hierarchy, rows, np.abs(rows.slack) + rows.tolerance
+        self.radius = length(point) + length(reference) + float(reach.max(initial=0.0))
+        self._distance = np.abs(rows.slack) + rows.tolerance
         self._forces = Forces(
             units=hierarchy.dense() / np.where(norms > 0, norms, 1.0)[:, None],
             push=np.where(rows.violated, force * rows.slack, 0.0),
@@ -253,20 +256,24 @@ class _Judge:
         )
         self._above = Above(self._forces.units, rows)
 
-    def level(self, k: int) -> LevelCertificate:
-        """Judge level k, given those above it; to be called for every level, from the highest down."""
-        own, level = slice(*self._hierarchy.pointers[k : k + 2]), self._hierarchy.levels[k]
-        forces = Forces._make(part[own] for part in self._forces)
-        return self._verdict(k, level.name, forces, own.start, length(level.weights * self._rows.slack[own]))
+    def balance(self, k: int) -> Balance:
+        """How level k is balanced by those above; the one behind all others is ``min ||x - x_ref||``."""
+        h = self._hierarchy
+        if k < len(h.levels):
+            first, end = h.pointers[k : k + 2]
+            return self._above.balance(Forces._make(part[first:end] for part in self._forces), first)
+        push = np.where(np.abs(self._away) > self._allowed, self._away, 0.0)
+        return self._above.balance(Forces(np.eye(h.n), push, self._allowed, np.full(h.n, EITHER_WAY)), h.m)
 
-    def last(self, away: Array, tolerance: Array) -> LevelCertificate:
-        """Judge the implicit last level ``min ||away||``, given all others; entries within `tolerance` count as 0."""
-        h, push = self._hierarchy, np.where(np.abs(away) > tolerance, away, 0.0)
-        forces = Forces(np.eye(h.n), push, tolerance, np.full(h.n, EITHER_WAY))
-        return self._verdict(len(h.levels), "min ||x - x_ref||", forces, h.m, length(away))
-
-    def _verdict(self, k: int, name: str, forces: Forces, above: int, residual: float) -> LevelCertificate:
-        exact, scale, stationarity, multipliers = self._above.balance(forces, above)
+    def certificate(self, k: int) -> LevelCertificate:
+        """Level k in full."""
+        h, name, residual = self._hierarchy, "min ||x - x_ref||", length(self._away)
+        if k < len(h.levels):
+            own, level = slice(*h.pointers[k : k + 2]), h.levels[k]
+            name, residual = level.name, length(level.weights * self._rows.slack[own])
+        balance = self.balance(k)
+        exact, scale, stationarity, _ = balance
+        multipliers = self._above.multipliers(balance, h.pointers[k] if k < len(h.levels) else h.m)
         gap = shortfall = 0.0
         if scale > 0.0:
             signed = self._above.signed

@@ -45,6 +45,8 @@ GAINS, ROUND_OFF = 1e-11, 1e-15
 NOTHING = 1e-14
 #: Steps of length zero before :func:`.escape.escape` is called, in addition to one for each row of the working set.
 PATIENCE = 3
+#: So many iterations in a row that bring nothing, beside one for each variable, are the end.
+IDLE = 20
 
 
 @inner
@@ -99,7 +101,7 @@ def minimise(here, k, last, frozen, working):
             lowest, since = square, integer(0)
         else:
             since += 1
-        if since > 2 * (n + ptr[k]) + 20:
+        if since > n + IDLE:
             return integer(STALLED), 0.0, working
 
         gain = 0.0 if full else newton(here, k, last, frozen + working, count)

@@ -2,10 +2,11 @@
 
 1. A sweep with the known sides (:mod:`.sweep`); rows that contradict their side change it, and the sweep is repeated.
 2. Level by level (:mod:`.levels`): first warm, from the sides at the end of each level of the last solve, then cold.
-3. If neither gives an answer, or a rank is in doubt (:mod:`.doubt`) and the compiled certificate (:mod:`.proof`)
-   rejects the answer: the same again, with the smallest rank tolerance that round-off allows. This answer counts only
-   if the certificate accepts it.
-4. The safe method (:mod:`.active_set`), from the last point that is known to be exact.
+   From the first level on that needs it, ranks are as sharp as round-off allows.
+3. If a rank is in doubt (:mod:`.doubt`), the compiled certificate (:mod:`.proof`) decides.
+4. If that fails, the safe method (:mod:`.active_set`), from the last point that is known to be exact.
+5. If there is still no answer, or the certificate rejects it, and ranks were not sharpened yet: all levels once more
+   with sharp ranks, cold if the first start has failed. This answer counts only if the certificate accepts it.
 """
 
 from __future__ import annotations
@@ -13,8 +14,9 @@ from __future__ import annotations
 from . import layout as at
 from .active_set import OPTIMAL, STALLED, SUBOPTIMAL, active_set
 from .compile import inner, integer
-from .doubt import MOST, SHARPEST, doubtful
-from .dual import late
+from .doubt import SHARPEST, doubtful, sharpen
+from .dual import NEVER, late
+from .extent import extent
 from .levels import levels
 from .line_search import best_step
 from .memory import ints, marks, vector
@@ -33,6 +35,10 @@ PATIENCE = 1
 FEW = 2
 #: Factor on the rank tolerance, down to round-off, each time that a row which counts as dependent proves not to be.
 SHARPER = 0.1
+#: What another try has come to.
+PROVED, FAILED, LATE = 0, 1, 2
+#: What moves x by no more than this share of its length does not move it.
+UNMOVED = 1e-13
 
 
 @inner
@@ -140,9 +146,11 @@ def attempt(here, last, start, warm):
         0 if x is proved optimal.
     exact_above : int
         EXACT is optimal for all levels above this one.
+    sharpened : bool
+        Whether ranks were sharper than asked for from one level on.
     """
-    head = ints(here, 0, at.HEAD)
-    exact_above = integer(0)
+    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
+    exact_above, tau = integer(0), option[at.TAU]
     while True:
         level, faults = integer(last + 1), integer(1)
         if start != SIDES:
@@ -151,11 +159,14 @@ def attempt(here, last, start, warm):
             head[at.SWEEPS] += level == last + 2
         if faults > 0 and level == last + 1:
             faults = verify(here, last)
+        sharpened = option[at.TAU] < tau
+        if sharpened:
+            option[at.TAU], head[at.DOUBT] = tau, 1
         if start != SIDES:
             head[at.HISTORY] = faults == 0
-        if faults == 0 or start == COLD or (start != SIDES and late(here)):
-            return faults, exact_above
-        start = integer(COLD) if start == SIDES and not warm else start + 1
+        if faults == 0 or start != SIDES:
+            return faults, exact_above, sharpened
+        start = integer(WARM if warm else COLD)
 
 
 @inner
@@ -188,31 +199,73 @@ def work_out(here, last, start, warm):
     status, level : int
         As of :func:`.active_set.active_set`.
     """
-    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
-    faults, exact_above = attempt(here, last, start, warm)
+    head = ints(here, 0, at.HEAD)
+    status, level = integer(OPTIMAL), integer(last + 1)
+    faults, exact_above, sharpened = attempt(here, last, start, warm)
     if faults == 0 and accepted(here, last):
-        return OPTIMAL, integer(last + 1)
-    tau = option[at.TAU]
-    if head[at.DAMPED] == 0 and SHARPEST < tau <= MOST and not late(here):
-        kept = at.X if faults == 0 else at.EXACT
-        copy(here, kept, at.SAFE)
-        option[at.TAU] = SHARPEST
-        again, above = attempt(here, last, integer(SIDES if faults == 0 else COLD), False)
-        option[at.TAU] = tau
-        if again == 0 and proves(here, last):
-            head[at.DOUBT] = 0
-            return OPTIMAL, integer(last + 1)
-        if faults > 0 and again > 0 and late(here):
-            exact_above = above
-        else:
-            copy(here, at.SAFE, kept)
-    if faults == 0:
-        head[at.DOUBT] = 1
-        return OPTIMAL, integer(last + 1)
-    if late(here):
+        return status, level
+    if faults > 0 and late(here):
         stop_early(here, exact_above, last)
-        return SUBOPTIMAL, exact_above
-    return play_safe(here, last)
+        return integer(SUBOPTIMAL), exact_above
+    failed = faults > 0 or sharpened
+    if (failed or vector(here, at.OPTION)[at.TAU] <= SHARPEST) and not late(here):
+        status, level = play_safe(here, last)
+        if status == SUBOPTIMAL or (status == OPTIMAL and head[at.DOUBT] == 0):
+            return status, level
+    # Without a time limit the caller asks for a cold start himself, if `certify` refuses what is left.
+    if not late(here) and not (sharpened and head[at.DEADLINE] == NEVER):
+        again, stopped = try_again(here, last, failed, warm)
+        if again == PROVED:
+            return integer(OPTIMAL), integer(last + 1)
+        if again == LATE and status == STALLED:
+            stop_early(here, stopped, last)
+            return integer(SUBOPTIMAL), stopped
+        copy(here, at.SAFE, at.X)
+    head[at.DOUBT] = 1
+    return status, level
+
+
+@inner
+def try_again(here, last, failed, warm):
+    """Once more with ranks as sharp as can be, from the sides that are known or, if these have `failed`, from none.
+
+    Where the user has set the ranks, they stay, and only a warm start that has failed is tried cold; DOUBT tells
+    whether the certificate has accepted what is PROVED. SAFE is the x of before.
+
+    Returns
+    -------
+    outcome : int
+        PROVED, FAILED or LATE.
+    exact_above : int
+        As of :func:`attempt`.
+    """
+    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
+    tau, known = option[at.TAU], warm or head[at.HISTORY] != 0
+    copy(here, at.X, at.SAFE)
+    sharper = sharpen(here)
+    if not sharper and not (failed and warm):
+        return integer(FAILED), integer(0)
+    faults, exact_above, _ = attempt(here, last, integer(COLD if failed else SIDES), known)
+    option[at.TAU] = tau
+    if faults > 0:
+        return integer(LATE if late(here) else FAILED), exact_above
+    if sharper:
+        head[at.DOUBT] = 1
+        if unmoved(here) or not accepted(here, last):
+            return integer(FAILED), exact_above
+    else:
+        accepted(here, last)
+    return integer(PROVED), exact_above
+
+
+@inner
+def unmoved(here):
+    """Whether x is SAFE up to round-off: the certificate has judged it."""
+    n, x, y = ints(here, 0, at.HEAD)[at.N], vector(here, at.X), vector(here, at.SAFE)
+    away = 0.0
+    for j in range(n):
+        away = max(away, abs(x[j] - y[j]))
+    return away <= UNMOVED * extent(x, here)
 
 
 @inner
@@ -230,9 +283,9 @@ def play_safe(here, last):
             return status, level
         copy(here, at.SAFE, at.X)  # the sweep contradicts by round-off: the answer of the safe method stays
         if status == OPTIMAL:  # but it has no proof
-            status, level = STALLED, first_contradiction(here, last)
+            status, level = integer(STALLED), first_contradiction(here, last)
     head[at.HISTORY] = 0
     if status == STALLED and head[at.DAMPED] == 0 and proves(here, last):
         head[at.DOUBT] = 0
-        return OPTIMAL, integer(last + 1)
+        return integer(OPTIMAL), integer(last + 1)
     return status, level

@@ -39,6 +39,19 @@ def note_doubt(here, begin, rank, count, pull):
 
 
 @inner
+def sharpen(here):
+    """Have ranks as sharp as round-off allows from here on: False where they are, or where that is not ours to decide.
+
+    What comes out is in doubt.
+    """
+    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
+    if head[at.DAMPED] != 0 or option[at.TAU] <= SHARPEST or option[at.TAU] > MOST:
+        return False
+    option[at.TAU], head[at.DOUBT] = SHARPEST, 1
+    return True
+
+
+@inner
 def is_even(here):
     """Whether the weighted rows of each level are of comparable length, see :data:`EVEN`."""
     head, ptr, norm = ints(here, 0, at.HEAD), marks(here, at.PTR), vector(here, at.NORM)

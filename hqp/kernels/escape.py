@@ -55,24 +55,15 @@ def nonnegative(here, enough, frozen, working, hard_end):
     stuck : bool
         Whether it ended because a row that blocks d depends on the working set: nothing can be gained.
     """
-    n, v, d, g = ints(here, 0, at.HEAD)[at.N], vector(here, at.VALUE), vector(here, at.D), vector(here, at.G)
+    n, v, d = ints(here, 0, at.HEAD)[at.N], vector(here, at.VALUE), vector(here, at.D)
     kind, side, norm = marks(here, at.KIND), marks(here, at.SIDE), vector(here, at.NORM)
     low, high, allowed = vector(here, at.LOW), vector(here, at.HIGH), vector(here, at.ALLOWED)
-    share, scratch, V = vector(here, at.SHARE), vector(here, at.SCRATCH), matrix(here, at.V)
-    steep = 0.0
+    share, V = vector(here, at.SHARE), matrix(here, at.V)
+    steep, fresh = leave(here, frozen + working), True
     for _ in range(3 * hard_end + 10):
         c = frozen + working
-        for j in range(n):
-            d[j] = -g[j]
-        for q in range(c):
-            scratch[q] = 0.0
-        project(d, n, V, 0, c, scratch)
-        project(d, n, V, 0, c, scratch)
-        steep = length(d, n)
-        if steep <= enough:
-            return working, steep, False
         worst, enters, bound = LEAVES * steep, integer(-1), integer(0)
-        for i in range(hard_end):
+        for i in range(hard_end if steep > enough else 0):
             if kind[i] != HARD or norm[i] == 0.0:
                 continue
             where = 0
@@ -86,13 +77,43 @@ def nonnegative(here, enough, frozen, working, hard_end):
             if outward > worst:
                 worst, enters, bound = outward, i, where
         if enters < 0:
-            return working, steep, False
+            if fresh:
+                return working, steep, False
+            steep, fresh = leave(here, c), True  # what the steps below have left out may be round-off
+            continue
         if not append(enters, c, here, DEPENDENT):
-            return working, steep, True
+            if fresh:
+                return working, steep, True
+            steep, fresh = leave(here, c), True
+            continue
         kind[enters], side[enters] = WORKING, bound
         share[c] = 0.0
-        working = step_back(here, frozen, working + 1)
-    return working, steep, False
+        kept = step_back(here, frozen, working + 1)
+        if kept == working + 1:  # d less its part along the direction that the row has added
+            direction, along = V[c], 0.0
+            for j in range(n):
+                along += direction[j] * d[j]
+            for j in range(n):
+                d[j] -= along * direction[j]
+            steep, fresh = length(d, n), False
+        else:
+            steep, fresh = leave(here, frozen + kept), True
+        working = kept
+    return working, leave(here, frozen + working), False
+
+
+@inner
+def leave(here, c):
+    """d: what V[:c] leaves of g, turned round; its length."""
+    n, d, g = ints(here, 0, at.HEAD)[at.N], vector(here, at.D), vector(here, at.G)
+    scratch, V = vector(here, at.SCRATCH), matrix(here, at.V)
+    for j in range(n):
+        d[j] = -g[j]
+    for q in range(c):
+        scratch[q] = 0.0
+    project(d, n, V, 0, c, scratch)
+    project(d, n, V, 0, c, scratch)
+    return length(d, n)
 
 
 @inner

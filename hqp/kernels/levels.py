@@ -19,7 +19,7 @@ import math
 
 from . import layout as at
 from .compile import inner, integer, step
-from .doubt import note_doubt
+from .doubt import note_doubt, sharpen
 from .dual import FINE, admit, late, settle
 from .extent import extent, far
 from .freeze import freeze
@@ -60,11 +60,14 @@ def levels(here, last, warm):
             faults, _, pull = judge(here, k, last, frozen, hard, rank, own)
             if faults == 0:
                 break
-        for turn in range(2):
-            if k < last and faults > 0 and not late(here) and (turn > 0 or feasible(here, k)):
-                if turn > 0:
-                    start_again(here, k)
-                faults, hard, rank, own, own_rank, pull = primal(here, k, last, frozen)
+        for again in range(2):
+            if k == last or faults == 0 or late(here) or (again == 0 and not feasible(here, k)):
+                continue
+            if again == 1:
+                start_again(here, k)
+            faults, circles, hard, rank, own, own_rank, pull = primal(here, k, last, frozen)
+            if circles and sharpen(here):  # what was let go is needed: it matters what counts as dependent
+                faults, circles, hard, rank, own, own_rank, pull = primal(here, k, last, frozen)
         if faults > 0 and k < last:
             break
         keep(here, k, last)

@@ -9,6 +9,7 @@ from .compile import inner, integer
 from .dual import late
 from .extent import extent
 from .memory import ints, marks, vector
+from .orthogonal import length
 from .polish import judge, polish
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target, value_of
 from .working_set import FROZEN
@@ -17,6 +18,8 @@ from .working_set import FROZEN
 STEPS = 60
 #: A change of a row along a step below this share of both lengths is round-off.
 MOVES = 1e-12
+#: A step that is no longer than this share of x is none; so many members in a row may leave without a step.
+STILL, PATIENCE = 1e-12, 6
 
 
 @inner
@@ -68,12 +71,24 @@ def first_event(here, k):
 def primal(here, k, last, frozen):
     """Take primal steps from APPROACH until level k is optimal, or STEPS are spent.
 
-    Each step goes towards the x of :func:`.polish.polish`, up to the first event; then one row changes its side.
-    Returns what `polish` and :func:`.polish.judge` return at the end: faults, hard, rank, own, own_rank, pull.
+    Each step goes towards the x of :func:`.polish.polish`, up to the first event; then one row changes its side. A
+    member that leaves the working set because of the sign of its multiplier, and blocks the next step at once, stays:
+    as far as ranks can tell, the level gains nothing without it. If nothing else contradicts the level, it is optimal,
+    and in doubt.
+
+    Returns
+    -------
+    faults : int
+    circles : bool
+        Whether the steps went round in a circle: something else contradicts the level, or members left one after the
+        other without a step.
+    hard, rank, own, own_rank, pull
+        What :func:`.polish.polish` and :func:`.polish.judge` return at the end.
     """
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
-    side, start, x = marks(here, at.SIDE), vector(here, at.APPROACH), vector(here, at.X)
+    side, start, d = marks(here, at.SIDE), vector(here, at.APPROACH), vector(here, at.D)
+    left, still, circles = integer(-1), integer(0), False
     for steps in range(STEPS + 1):
         hard, rank, own, own_rank = polish(here, k, last, frozen)
         faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
@@ -81,12 +96,25 @@ def primal(here, k, last, frozen):
             break
         head[at.ITERATIONS] += 1
         reach, row, becomes = first_event(here, k)
+        if reach * length(d, n) > STILL * extent(start, here):
+            left, still = integer(-1), integer(0)
         for j in range(n):
-            start[j] += reach * (x[j] - start[j])
+            start[j] += reach * d[j]
+        if row < 0 and (worst < 0 or still == PATIENCE):
+            circles = worst >= 0
+            break
         if row >= 0:
             side[row] = becomes
-        elif worst >= 0:
-            side[worst] = INACTIVE
+            if row == left:
+                hard, rank, own, own_rank = polish(here, k, last, frozen)
+                faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
+                circles = head[at.DAMPED] != 0 or faults != 1 or worst != row
+                if not circles:
+                    faults, head[at.DOUBT] = integer(0), 1
+                break
+            left = integer(-1)
         else:
-            break
-    return faults, hard, rank, own, own_rank, pull
+            side[worst] = INACTIVE
+            left = worst
+            still += 1
+    return faults, circles, hard, rank, own, own_rank, pull

@@ -1,10 +1,11 @@
 r"""The compiled certificate: decides whether x is optimal from the numbers of the hierarchy alone.
 
+
 As in :mod:`hqp.certificate.balance`, level by level, the normals of the rows above must balance the forces of the level
 up to round-off: free normals (equalities and violated rows) with multipliers of either sign, normals of rows at a bound
 with multipliers of one sign. What it accepts, the certificate accepts too, as its least squares leave no larger
-residual. What it rejects may still be optimal: it does not ask whether the slacks of the level may shift within their
-tolerances, nor which rows at a bound hold a level above and are therefore free, which depends on round-off.
+residual. What it rejects may still be optimal: it does not ask which rows at a bound hold a level above and are
+therefore free, which depends on round-off.
 """
 
 from __future__ import annotations
@@ -15,21 +16,23 @@ from . import layout as at
 from .compile import inner, integer
 from .escape import nonnegative
 from .memory import ints, marks, matrix, vector
-from .orthogonal import factor, length, pivots, separate
+from .orthogonal import factor, length
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, copy_row, value_of
+from .shift import carried, moving
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance
 
 #: As in :mod:`hqp.certificate`: the tolerance on rows, round-off of rows and of forces.
 JUDGED, ROUND_OFF, BALANCED = 1e-9, 256 * 2.0**-52, 64 * 2.0**-52
-#: As there: rank tolerances of free normals, and of the rows of the level itself in their null space; the residual that
-#: is allowed, and its upper limit for badly conditioned rows.
-FREE_RANK, OWN_RANK, STATIONARITY, BLURRED = 1e-11, 4e-9, 1e-10, 1e-6
+#: As there: the rank tolerance of free normals; the residual that is allowed, and its upper limit for badly conditioned
+#: rows.
+FREE_RANK, STATIONARITY, BLURRED = 1e-11, 1e-10, 1e-6
 #: Rows at a bound with a smaller remainder are not in the first working set: they need huge multipliers for little.
 CLEAR = 1e-6
 #: Round-off in the direction of a remainder, relative to the length of its row.
 TURNS = 8 * 2.0**-52
-#: Factor on tolerances, so that other rounding in the certificate cannot reverse an acceptance.
-MARGIN = 0.9
+#: Factors on the residual of forces and on tolerances, so that other rounding in the certificate cannot reverse an
+#: acceptance.
+MARGIN, NEARLY = 0.9, 0.99
 #: Share of the length of x in the tolerance of a row, for rows that x hardly changes.
 LENGTH = 0.1
 
@@ -95,17 +98,19 @@ def measure_rows(here):
 def find_sides(here):
     """Write the side of every row at x to ``held``, EQUALITY if its multiplier is free, and its violation to ``slope``.
 
-    Returns as :func:`measure_rows`.
+    Also, to ``lambda``, the force that the tolerance of the row may hide. Returns as :func:`measure_rows`.
     """
     size, way = measure_rows(here)
     norm, lo, hi = vector(here, at.NORM), vector(here, at.LO), vector(here, at.HI)
     value, slack, side = vector(here, at.VALUE), vector(here, at.SLOPE), marks(here, at.HELD)
+    room = vector(here, at.LAMBDA)
     flat = JUDGED * LENGTH * size + ROUND_OFF * way
     for i in range(ints(here, 0, at.HEAD)[at.ROWS]):
-        side[i] = INACTIVE
+        side[i], room[i] = INACTIVE, 0.0
         if norm[i] == 0.0:
             continue
         near = JUDGED * (abs(value[i]) + abs(value[i] - slack[i])) + flat * norm[i]
+        room[i] = NEARLY * norm[i] * near
         over, under = value[i] >= hi[i] - near, value[i] <= lo[i] + near
         if abs(slack[i]) > near:
             side[i] = EQUALITY
@@ -206,7 +211,11 @@ def balanced(here, k, last, frozen, scale):
     small = rest * weakest(here, frozen, working) <= 0.25 * BALANCED * scale
     if small and rest <= MARGIN * BLURRED * scale:
         return True
-    return k < last and unsure + moving(here, k, frozen + working) <= enough
+    if k == last:
+        return False
+    if unsure + moving(here, k, frozen + working) <= enough:
+        return True
+    return carried(here, k, frozen, frozen + working, enough - unsure)
 
 
 @inner
@@ -310,38 +319,3 @@ def weakest(here, base, working):
     for q in range(base + working):
         least = min(least, math.sqrt(along[q]))
     return least
-
-
-@inner
-def moving(here, k, c):
-    """A bound on the part of ``d`` in the row space of level k, projected onto the null space of V[:c].
-
-    Directions with a singular value below OWN_RANK count as none.
-    """
-    n, ptr, where = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR), marks(here, at.HELD)
-    ids, slots, lengths = marks(here, at.IDS), marks(here, at.SLOTS), vector(here, at.LENGTHS)
-    norm, d = vector(here, at.NORM), vector(here, at.D)
-    V, L, R = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
-    count = integer(0)
-    for i in range(ptr[k], ptr[k + 1]):
-        if where[i] != INACTIVE:
-            ids[count] = i
-            copy_row(i, R[count], here)
-            count += 1
-    separate(ids, count, slots, lengths, R, norm, V, L, 0, c, n, 0.0)
-    rank = pivots(ids, count, slots, lengths, R, norm, V, L, c, n, 0.25 * OWN_RANK)
-    moved = left = 0.0
-    for q in range(c, c + rank):
-        direction, along = V[q], 0.0
-        for j in range(n):
-            along += direction[j] * d[j]
-        for j in range(n):
-            d[j] -= along * direction[j]
-        moved += along * along
-    for r in range(rank, count):
-        row, along = R[slots[r]], 0.0
-        for j in range(n):
-            along += row[j] * d[j]
-        along /= norm[ids[r]]
-        left += along * along
-    return math.sqrt(moved) + math.sqrt(left) / OWN_RANK

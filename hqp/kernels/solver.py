@@ -133,7 +133,9 @@ def solve_one(here):
         return SUSPECT
     last = levels_that_count(here)
     note_blur(here)
-    if warm and head[at.HISTORY] == 0:
+    if not warm:
+        head[at.HISTORY] = 0
+    elif head[at.HISTORY] == 0:
         seed(here, last)
     start = integer(SIDES if warm or guess(here, last) else COLD)
     status, level = work_out(here, last, start, warm)
