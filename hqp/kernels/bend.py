@@ -18,108 +18,15 @@ import math
 from . import curved_layout as at
 from . import layout as plain
 from .call import called
-from .compile import inner, integer
+from .compile import inner
 from .memory import floats, ints, marks, matrix, vector
-from .symmetric import cholesky, eigen, smallest
+from .symmetric import cholesky, eigen
 
 #: Up to this ratio of the curvature to the smallest squared singular value of J, the linearisation is trusted.
 TRUSTED = 0.3
 #: Added to the Gram matrix of the rows above, relative to its largest diagonal entry: it bounds the multipliers of
 #: nearly dependent rows.
 DEPENDENT = 1e-10
-
-
-@inner
-def gather(here, k):
-    """Collect the equalities of level k, and its inequalities that have an error; returns how many these are.
-
-    Writes their numbers ``ids``, weighted rows ``J``, the weights ``wanted`` of their curvatures (by row number), and
-    ``pull`` = J' e, with the errors weighted like the rows.
-    """
-    head, ptr, col = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, plain.COL)
-    n, row_of, ids = head[plain.N], marks(here, plain.ROW_OF), marks(here, at.IDS)
-    lower, upper, weights = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, plain.WEIGHTS)
-    errors, wanted, pull = vector(here, at.ERRORS), vector(here, at.WANTED), vector(here, at.PULL)
-    A, J = matrix(here, plain.A), matrix(here, at.J)
-    count = integer(0)
-    for j in range(n):
-        pull[j] = 0.0
-    for i in range(ptr[k], ptr[k + 1]):
-        wanted[i] = 0.0
-        if not (lower[i] == upper[i] or (errors[i] != 0.0 and (lower[i] > -math.inf or upper[i] < math.inf))):
-            continue
-        row, weight = J[count], weights[i]
-        if col[i] >= 0:
-            for j in range(n):
-                row[j] = 0.0
-            row[col[i]] = weight
-        else:
-            own = A[row_of[i]]
-            for j in range(n):
-                row[j] = weight * own[j]
-        if errors[i] != 0.0:
-            wanted[i] = -weight * weight * errors[i]
-            for j in range(n):
-                pull[j] += weight * errors[i] * row[j]
-        ids[count] = i
-        count += 1
-    return count
-
-
-@inner
-def project(here, count, d):
-    """Write ``G`` = J Z', shape (count, d); returns a lower bound of its smallest squared singular value."""
-    n, basis = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS)
-    J, G, gram = matrix(here, at.J), matrix(here, at.G), matrix(here, at.E)
-    for i in range(count):
-        row, own = G[i], J[i]
-        for p in range(d):
-            direction, along = basis[p], 0.0
-            for j in range(n):
-                along += own[j] * direction[j]
-            row[p] = along
-    few = count <= d
-    side = count if few else d
-    for i in range(side):
-        for r in range(i + 1):
-            total = 0.0
-            if few:
-                one, other = G[i], G[r]
-                for p in range(d):
-                    total += one[p] * other[p]
-            else:
-                for p in range(count):
-                    total += G[p][i] * G[p][r]
-            gram[i][r] = gram[r][i] = total
-    return smallest(gram, matrix(here, at.U), side)
-
-
-@inner
-def stack_above(here, count, above, free):
-    """Append the `count` rows J to the `above` rows of the levels above, and to their Gram matrix; returns the sum.
-
-    They are taken along the first `free` directions of the basis.
-    """
-    n, J, ids = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), marks(here, at.IDS)
-    all_above, whose, gram = matrix(here, at.ABOVE), marks(here, at.WHOSE), matrix(here, at.GRAM)
-    for r in range(count):
-        row, own = all_above[above], J[r]
-        for j in range(n):
-            row[j] = own[j]
-        for b in range(free, n):
-            direction, total = matrix(here, at.BASIS)[b], 0.0
-            for j in range(n):
-                total += direction[j] * row[j]
-            for j in range(n):
-                row[j] -= total * direction[j]
-        whose[above] = ids[r]
-        for q in range(above + 1):
-            other, total = all_above[q], 0.0
-            for j in range(n):
-                total += row[j] * other[j]
-            gram[above][q] = gram[q][above] = total
-        above += 1
-    return above
 
 
 @inner
@@ -269,44 +176,6 @@ def add_bent(here, d, positive, negative):
 
 
 @inner
-def measure(here, k, d, count, size):
-    """Write L, L L' = I + R' R for the soft rows R above along Z, and replace G by G L^-T; whether there are any."""
-    head, ptr, state = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.STATE)
-    n, basis, L, M, G = (
-        head[plain.N],
-        matrix(here, at.BASIS),
-        matrix(here, at.METRIC),
-        matrix(here, at.M),
-        matrix(here, at.G),
-    )
-    rows, stiffness, left, some = matrix(here, at.ROW), vector(here, at.STIFFNESS), vector(here, at.VALUES), False
-    for p in range(d):
-        for q in range(d):
-            M[p][q] = 1.0 if p == q else 0.0
-    for i in range(ptr[head[at.TOP]], ptr[k]):
-        if state[i] != at.SOFT:
-            continue
-        some = True
-        for p in range(d):
-            direction, along = basis[p], 0.0
-            for j in range(n):
-                along += rows[i][j] * direction[j]
-            left[p] = stiffness[i] * along
-        for p in range(d):
-            for q in range(d):
-                M[p][q] += left[p] * left[q]
-    if some:
-        cholesky(M, L, d)
-        for r in range(count):
-            row = G[r]
-            for p in range(d):
-                for q in range(p):
-                    row[p] -= L[p][q] * row[q]
-                row[p] /= L[p][p]
-    return some
-
-
-@inner
 def bend(here, k, count, d, above, least, damped):
     r"""Write the damping ``P`` of level k, shape (d, d): :math:`P = [|S_u| + [S_o]_+ + \sqrt\alpha [S_o]_- - G^T G]_+`.
 
@@ -373,28 +242,3 @@ def bend(here, k, count, d, above, least, damped):
 def ratio_of(bent, least):
     """The ratio of a curvature to the smallest squared singular value of the rows."""
     return bent / least if least > 0.0 else math.inf if bent > 0.0 else 0.0
-
-
-@inner
-def norm_of(here, count, free):
-    """The largest singular value of the `count` rows J along the first `free` directions of the basis."""
-    n, J, M, half = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), matrix(here, at.M), matrix(here, at.HALF)
-    values, basis, most = vector(here, at.VALUES), matrix(here, at.BASIS), 0.0
-    for r in range(count):
-        one = J[r]
-        for b in range(free, n):
-            direction, total = basis[b], 0.0
-            for j in range(n):
-                total += one[j] * direction[j]
-            half[r][b - free] = total
-        for q in range(r + 1):
-            other, total = J[q], 0.0
-            for j in range(n):
-                total += one[j] * other[j]
-            for b in range(n - free):
-                total -= half[r][b] * half[q][b]
-            M[r][q] = M[q][r] = total
-    eigen(M, matrix(here, at.U), values, count)
-    for r in range(count):
-        most = max(most, values[r])
-    return math.sqrt(most)

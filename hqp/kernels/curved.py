@@ -13,9 +13,10 @@ import math
 from . import curved_layout as at
 from . import layout as plain
 from .active_set import OPTIMAL
-from .bend import TRUSTED, bend, find_bounds, gather, measure, norm_of, project, stack_above
+from .bend import TRUSTED, bend, find_bounds
 from .call import called_on
 from .compile import entry, inner, integer, stamp
+from .curved_rows import gather, measure, norm_of, project, stack_above
 from .hand_over import freeze, hold
 from .lacking import leave_off_above, note_lacking
 from .memory import floats, given, ints, marks, matrix, vector

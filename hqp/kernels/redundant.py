@@ -17,8 +17,9 @@ import math
 
 from . import curved_layout as at
 from . import layout as plain
-from .bend import contract, gather, multipliers
+from .bend import contract, multipliers
 from .compile import inner, integer
+from .curved_rows import gather
 from .memory import ints, marks, matrix, vector
 from .symmetric import eigen
 

@@ -9,8 +9,9 @@ import math
 
 from . import curved_layout as at
 from . import layout as plain
-from .bend import TRUSTED, bound, contract, gather
+from .bend import TRUSTED, bound, contract
 from .compile import inner, integer
+from .curved_rows import gather
 from .lacking import note_lacking
 from .memory import ints, marks, matrix, vector
 from .redundant import BALANCED, across, longest, weight_of
