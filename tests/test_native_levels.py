@@ -222,3 +222,17 @@ def test_only_a_few_solvers_are_kept_and_every_thread_has_its_own() -> None:
     thread.join()
     assert len(found) == 1
     assert found[0] not in mine.values()
+
+
+@pytest.mark.parametrize("slight", [3e-10, 1e-10, 3e-11])
+def test_what_a_level_hardly_feels_does_not_take_x_far(slight: float) -> None:
+    """Two rows that differ by less than the rank threshold ask for a step of 1 / slight; a row above holds x back."""
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        Q = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+        wall = Level(Q[:, 1:2].T, [0.0], [np.inf])
+        apart = Level.equality(np.array([[1.0, slight, 0.0], [1.0, -slight, 0.0]]) @ Q.T, [1.0, -1.0])
+        solution = module_solve(Hierarchy([wall, apart]), x_ref=Q @ [0.3, -1.0, 0.5], backend=BACKEND)
+        assert proved(solution)
+        np.testing.assert_allclose(Q.T @ solution.x, [0.0, 0.0, 0.5], atol=1e-6)
+        assert solution.counts.iterations < 40
