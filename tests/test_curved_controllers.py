@@ -295,3 +295,15 @@ def test_a_limit_of_the_robot_counts_for_its_ends_and_goes_again() -> None:
         most.append(controller.bounds(ends)[1][0])
     assert most[0] == most[2] == pytest.approx(np.sqrt(2.0 * GENTLE * 0.1), rel=0.1)
     assert most[1] == pytest.approx(np.sqrt(2.0 * 20.0 * 0.1), rel=0.1)
+
+
+def test_what_is_braked_without_a_limit_is_told() -> None:
+    free, limited = PlanarArm([0.5, 0.5]), PlanarArm([0.5, 0.5], acceleration_limit=10.0)
+    for robot in free, limited:
+        robot.position_limit = [-2.0, 2.0]
+    tip = PositionTask([0.5, 0.5], gain=2.0)
+    braked = "at ends of ranges 60 rad/s^2"
+    assert braked in repr(Controller(free, JointLimits() >> tip, dt=0.01))
+    assert braked not in repr(Controller(free, JointLimits() >> tip, dt=0.01, damping=None))
+    assert braked not in repr(Controller(free, tip, dt=0.01))
+    assert braked not in repr(Controller(limited, JointLimits() >> tip, dt=0.01))

@@ -399,5 +399,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
     def __repr__(self) -> str:
         tick = "" if self.dt is None else f", dt={self.dt:g}"
         tick += "" if self._prepared.how.damping else ", damping=None"
+        ends = self._rows.shared.envelope.eased
+        tick += "" if np.isinf(ends) else f", at ends of ranges {ends:g} rad/s^2"
         tick += ", torque=True" if self._torques is not None and self.order == "acceleration" else ""
         return f"Controller({self.robot!r}, {self.stack!r}, order={self.order!r}{tick}, backend={self.backend!r})"

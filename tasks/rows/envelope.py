@@ -149,6 +149,15 @@ class Envelope:
         self._gentle = deceleration
         self._note_ends()
 
+    @property
+    def eased(self) -> float:
+        """With what joints are braked at the ends of their ranges though nothing limits their accelerations [rad/s^2].
+
+        Infinite if there is no such joint.
+        """
+        ranges = any(claim.kind == "position" for claim in self._claims)
+        return self._gentle if ranges and np.isinf(self.acceleration).any() else np.inf
+
     def _note_ends(self) -> None:
         self.ends[:] = np.where(np.isfinite(self.acceleration), self.acceleration, self._gentle)
 
