@@ -14,6 +14,7 @@ from tasks import (
     PlanarArm,
     PositionTask,
     PostureTask,
+    TargetTask,
     load_robot,
 )
 
@@ -145,3 +146,22 @@ def test_repeated_rows_do_not_hide_a_singularity(bend: float) -> None:
     assert once.relaxed[0].damping > 0.1
     assert twice.relaxed[0].damping == pytest.approx(once.relaxed[0].damping)
     assert twice.relaxed[1].damping > 0.1
+
+
+class OwnTip(TargetTask):
+    """A task of one's own, whose curvature nobody tells: the position of the tip."""
+
+    rows = 2
+
+    def measure(self, state):
+        return state.pose[:2]
+
+    def jacobian(self, state):
+        return state.jacobian[:2]
+
+
+def test_rows_whose_curvature_is_not_known_are_no_singularity() -> None:
+    stack = JointLimits() >> OwnTip(CLOSE, gain=5.0) >> tip(CLOSE) >> posture()
+    default, strict = (Controller(arm(), stack, dt=DT, damping=damping)(BENT) for damping in ("curvature", None))
+    assert default.relaxed == ()
+    np.testing.assert_allclose(default.v, strict.v, atol=1e-9)

@@ -210,7 +210,18 @@ def certify(
 
 
 def first_failed(hierarchy: Hierarchy, x: ArrayLike, x_ref: ArrayLike) -> int | None:
-    """The verdict alone: the level at which :func:`certify` first fails, the implicit last one included, or None."""
+    """The verdict alone: the level at which :func:`certify` first fails, the implicit last one included, or None.
+
+    Parameters
+    ----------
+    hierarchy, x, x_ref
+        See :func:`certify`.
+
+    Raises
+    ------
+    InvalidInput
+        As :func:`certify` does.
+    """
     with np.errstate(all="ignore"):
         judge = _Judge(hierarchy, x, x_ref, 1e-9)
         return next((k for k in range(len(hierarchy.levels) + 1) if not judge.balance(k).exact), None)

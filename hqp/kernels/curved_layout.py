@@ -44,7 +44,9 @@ CALL = 8
 (DAMPED, NORMS, COMBINED) = range(49, 52)
 # Of every row, the error that a unit of its bound is worth; 0: its error is as it is measured.
 WORTH = 52
-PLACES = 53
+# Of every row, whether it is not linear and its curvature is not known.
+UNKNOWN = 53
+PLACES = 54
 
 #: Value of CURVED: the level counts as curved, but is left strict.
 SPARED = 2

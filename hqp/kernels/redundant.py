@@ -8,7 +8,8 @@ or the corners of a sole: then the curvatures balance too,
 .. math:: \sum_i u_i H_i = \sum_j c_j H_j,
 
 and the singular value says nothing of the arm. One combination u with fixed, unequal weights is tested for all, as the
-difference of the two sides is linear in u.
+difference of the two sides is linear in u. If a row in it has a curvature that is not known, such as that of a wheel
+that rolls, its combination is taken for redundant: damping is for singularities that are known.
 """
 
 from __future__ import annotations
@@ -49,6 +50,16 @@ def longest(here, count):
             total += J[r][j] * J[r][j]
         most = max(most, total)
     return most
+
+
+@inner
+def has_unknown(here, k):
+    """Whether a row whose curvature is not known has a weight in ``wanted``, of levels up to k."""
+    head, ptr, unknown = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.UNKNOWN)
+    wanted, weights, found = vector(here, at.WANTED), vector(here, plain.WEIGHTS), False
+    for i in range(ptr[head[at.TOP]], ptr[k + 1]):
+        found = found or (unknown[i] != 0 and abs(wanted[i]) > BALANCED * weights[i])
+    return found
 
 
 @inner
@@ -119,7 +130,7 @@ def least_apart(here, k, count, d, above, least):
             pull[j] += u[r] * J[r][j]
     multipliers(here, k, above, 0.0)
     most = BALANCED * math.sqrt(whole * size)
-    balanced = contract(here, ints(here, 0, plain.HEAD)[at.TOP], k + 1) <= most
+    balanced = has_unknown(here, k) or contract(here, ints(here, 0, plain.HEAD)[at.TOP], k + 1) <= most
     balanced = balanced or across(here, matrix(here, at.BASIS), d, n, n) <= most
     gather(here, k)  # as it was
     return own if balanced else least

@@ -14,7 +14,7 @@ from .compile import inner, integer
 from .curved_rows import gather
 from .lacking import note_lacking
 from .memory import ints, marks, matrix, vector
-from .redundant import BALANCED, across, longest, weight_of
+from .redundant import BALANCED, across, has_unknown, longest, weight_of
 from .solver import levels_that_count
 
 #: Share of its range within which a row is near a bound, and the power with which the nearness counts.
@@ -140,7 +140,7 @@ def repeated(here, there, k, count, first, end, f):
             pull[j] += u * J[r][j]
     pushed(here, there, k, end, f)
     most = BALANCED * math.sqrt(longest(here, count) * size)
-    balanced = contract(here, ints(here, 0, plain.HEAD)[at.TOP], k + 1) <= most
+    balanced = has_unknown(here, k) or contract(here, ints(here, 0, plain.HEAD)[at.TOP], k + 1) <= most
     if not balanced:
         for i in range(f):
             for j in range(f):

@@ -77,6 +77,7 @@ class Work:
         owned: dict[int, Any] = {
             plain.PTR: hierarchy.pointers,
             at.CURVED: linearisation.curved,
+            at.UNKNOWN: linearisation.unknown,
             plain.COL: hierarchy.columns,
             plain.ROW_OF: np.where(dense_rows, np.cumsum(dense_rows) - 1, -1),
             at.NUMBERS: [0 if stage is None else stage.address for stage in stages],

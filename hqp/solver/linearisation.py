@@ -6,6 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..arrays import Array
 
 
@@ -75,6 +78,8 @@ class Linearisation:
         they ask for counts.
     errors : sequence of Errors
     contractions : sequence of Contraction
+    unknown : array of bool, shape (m,)
+        Rows that are not linear and whose curvature is not among the contractions.
     curvature : array, shape (n, n)
         What the contractions add to.
     scales : array, shape (m,)
@@ -97,6 +102,7 @@ class Linearisation:
     curved: tuple[int, ...]
     errors: Sequence[Errors]
     contractions: Sequence[Contraction]
+    unknown: NDArray[np.bool_]
     curvature: Array
     scales: Array
     worth: Array

@@ -40,10 +40,11 @@ def linearised(rows: HierarchyWriter, dt: float | None, curved: tuple[int, ...],
     from ..base.loops import Table, address, compiled
 
     work, n = rows.work, rows.hierarchy.n
-    S, tables = np.zeros((n, n)), list[Table]()
+    S, tables, unknown = np.zeros((n, n)), list[Table](), np.zeros(rows.hierarchy.m, dtype=bool)
     contractions, errors = list[Contraction](), list[Errors]()
     for _, row, _, plan, site in work:
         errors += [Errors(*off, row) for off in site.off]
+        unknown[row : row + site.rows] = plan.curvature is None and not plan.linear
         if plan.curvature is not None:
             weights = np.zeros(site.rows)
             table = Table(weights, S, *plan.curvature.table.told[2:])
@@ -56,7 +57,9 @@ def linearised(rows: HierarchyWriter, dt: float | None, curved: tuple[int, ...],
                 bound = Bound(compiled(plan.bound), address(tables[-1]), most)
             contractions.append(Contraction(loop, address(table), weights, row, bound))
     paced = paces(gains_of(rows), rows.hierarchy.m, dt, len(curved))
-    return Linearisation(curved, errors, contractions, S, *paced, rows.every_aim, last, STRAIGHT, (tables, work))
+    return Linearisation(
+        curved, errors, contractions, unknown, S, *paced, rows.every_aim, last, STRAIGHT, (tables, work)
+    )
 
 
 def gains_of(rows: HierarchyWriter) -> list[tuple[slice, Task, bool]]:

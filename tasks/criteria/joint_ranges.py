@@ -99,7 +99,7 @@ class JointCentringTask(GradientTask):
         places, ends = shared.position_indices[own].astype(np.int64), self._ends(shared.robot)
         slope = np.zeros(shared.n)
         told = len(shared.positions), shared.positions, places, ends, slope
-        return Plan((Call(write_centring, *self.law(site), *told),))
+        return Plan((Call(write_centring, *self.law(site), *told),), linear=True)
 
     def _ends(self, robot: Robot) -> Array:
         """Lowest and highest position of each row, shape (2, rows)."""

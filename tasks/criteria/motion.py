@@ -122,7 +122,7 @@ class MinimumMotionTask(_LeastMotion):
         from ..rows.plan import Plan
         from .kernels.joints import write_least_motion
 
-        return Plan((Call(write_least_motion, *self._law(site)),))
+        return Plan((Call(write_least_motion, *self._law(site)),), linear=True)
 
     def write(self, tick: Tick, A: Array | None, lower: Array, upper: Array) -> None:
         lower[:] = upper[:] = self._wanted(tick)  # the rows of A are those of the identity from the start

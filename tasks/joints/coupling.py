@@ -135,9 +135,8 @@ class JointCouplingTask(LoopTask, TargetTask):
         shared, target = site.shared, np.zeros((3, 1))
         moves = site.keep_up(self, "target", *target)
         row, q = self._row(shared.robot), shared.positions
-        return Plan(
-            (Call(loops.write_coupling, site.law(self), q, len(q), target, row, shared.position_indices),), moves
-        )
+        call = Call(loops.write_coupling, site.law(self), q, len(q), target, row, shared.position_indices)
+        return Plan((call,), moves, linear=True)
 
     def _row(self, robot: Robot) -> Array:
         """The factor of every joint of a robot, shape (nv,)."""

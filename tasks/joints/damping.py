@@ -77,7 +77,7 @@ class Damping(Part):
         from ..rows.kernels.braking import write_damping
         from ..rows.plan import Plan
 
-        return Plan((Call(write_damping, site.rows, site.rate, site.shared.v, site.lower, site.upper),))
+        return Plan((Call(write_damping, site.rows, site.rate, site.shared.v, site.lower, site.upper),), linear=True)
 
     def __repr__(self) -> str:
         return f"Damping({self.weight.tolist()})"

@@ -60,7 +60,7 @@ class JointSpeeds(Part):
         if gain is None:
             gain = np.full(site.rows, np.nan if shared.dt is None else 1.0 / shared.dt)
         told = ORDERS.index(shared.order), site.rows, shared.n, own, shared.v, target, gain, site.lower, site.upper
-        return Plan((Call(write_speeds, *told),))
+        return Plan((Call(write_speeds, *told),), linear=True)
 
 
 class JointVelocityTask(JointSpeeds):

@@ -138,7 +138,7 @@ class LinearHolonomicTask(LoopTask, TargetTask):
         site.A[:] = self.A
         start, q = self._start(shared.robot), shared.positions
         told = site.law(self), q, len(q), np.zeros(shared.n), target, start, joint_kinds(shared, np.arange(shared.n))
-        return Plan((Call(loops.write_linear, *told),), moves)
+        return Plan((Call(loops.write_linear, *told),), moves, linear=True)
 
     def _start(self, robot: Robot) -> Array:
         return neutral(robot) if self.q0 is None else self.q0

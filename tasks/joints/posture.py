@@ -128,13 +128,13 @@ class PostureTask(LoopTask, TargetTask):
             joints,
         )
         if not (joints[loops.KIND] == loops.MANIFOLD).any():
-            return Plan((call,), moves)
+            return Plan((call,), moves, linear=True)
 
         def measure(tick: Tick) -> None:
             steps[:] = towards(tick.state, target[0])[own]
 
         why = "some of its joints have no position of their own; the robot tells the way to a configuration"
-        return Plan((call,), moves, measure, why)
+        return Plan((call,), moves, measure, why, linear=True)
 
     def _joints(self, shared: Workspace, own: NDArray[np.intp]) -> NDArray[np.int64]:
         """The arguments of its loop for every row, shape (5, rows); see :mod:`tasks.joints.kernels.joints`."""

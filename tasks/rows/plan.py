@@ -46,6 +46,8 @@ class Plan:
     bound : callable, optional
         A loop with the table of `curvature`, but for the first entry: F (rows, rows), which it writes, so that the
         Frobenius norm of S(w) is at most the root of w' F w.
+    linear : bool
+        Whether the rows are the same in every configuration.
     """
 
     calls: tuple[Call, ...] = ()
@@ -54,6 +56,7 @@ class Plan:
     why: str = ""
     curvature: Call | None = None
     bound: Any = None
+    linear: bool = False
 
     def curvature_of(self, weights: ArrayLike) -> Array:
         """``S(w)`` of these weights, one a row, at the state of the last tick; shape (nv, nv).
