@@ -39,6 +39,6 @@ def hand(side: str) -> PoseTask:
 body_goes = PoseTask(Swing(np.zeros(3), [0.0, 0.0, 0.3], 2.0), np.eye(3), frame="base", gain=5.0, name="body")
 stack = JointLimits() >> hand("left") + hand("right") >> body_goes >> PostureTask(q, gain=1.0)
 # On a body that flies hands are always in reach: there is nothing to damp.
-record = simulate(Controller(robot, stack, dt=5e-3, damping=None), q, duration=6.0)
+record = simulate(Controller(robot, stack, dt=5e-3), q, duration=6.0)
 print(f"in the last 3 s: hands {off(record, 'left', 'right', since=3.0):.3f} mm off", end=", ")
 print(f"body {off(record, 'body', since=3.0):.0f} mm")
