@@ -27,11 +27,11 @@ from . import layout as at
 from .compile import inner, integer
 from .decide import decide
 from .dual import late
-from .escape import escape
+from .escape import escape, residual
 from .extent import extent
 from .line_search import line_search
 from .memory import ints, marks, matrix, vector
-from .orthogonal import factor, length, level_least_squares, project
+from .orthogonal import factor, length, level_least_squares
 from .pull import DUAL, hold, pull, release
 from .rows import INACTIVE, LOWER, UPPER, copy_row, value_of
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance, remove
@@ -168,7 +168,7 @@ def newton(here, k, last, c, count):
     Returns ``||S d||``, by how much the step changes these rows.
     """
     if k == last:
-        return newton_of_reference(here, c)
+        return residual(here, c)  # of the last level: x_0 - x
     n, tau = ints(here, 0, at.HEAD)[at.N], vector(here, at.OPTION)[at.TAU]
     ids, slots, lengths = marks(here, at.IDS), marks(here, at.SLOTS), vector(here, at.LENGTHS)
     norm, w, missing = vector(here, at.NORM), vector(here, at.W), vector(here, at.SLOPE)
@@ -191,20 +191,6 @@ def newton(here, k, last, c, count):
         change = missing[ids[r]] + w[ids[r]]
         gain += change * change
     return math.sqrt(gain)
-
-
-@inner
-def newton_of_reference(here, c):
-    """The Newton step ``d`` of the last level: x_0 - x, projected onto the null space of V[:c]; returns its length."""
-    n, V = ints(here, 0, at.HEAD)[at.N], matrix(here, at.V)
-    g, d, scratch = vector(here, at.G), vector(here, at.D), vector(here, at.SCRATCH)
-    for j in range(n):
-        d[j] = -g[j]
-    for q in range(c):
-        scratch[q] = 0.0
-    project(d, n, V, 0, c, scratch)
-    project(d, n, V, 0, c, scratch)
-    return length(d, n)
 
 
 @inner

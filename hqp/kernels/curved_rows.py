@@ -12,6 +12,18 @@ from .symmetric import cholesky, eigen, smallest
 
 
 @inner
+def value_at(here, i, x):
+    """A_i x: the value of row i at x (n,)."""
+    column, value = marks(here, plain.COL)[i], 0.0
+    if column >= 0:
+        return x[column]
+    row = matrix(here, plain.A)[marks(here, plain.ROW_OF)[i]]
+    for j in range(ints(here, 0, plain.HEAD)[plain.N]):
+        value += row[j] * x[j]
+    return value
+
+
+@inner
 def gather(here, k):
     """Collect the equalities of level k, and its inequalities that have an error; returns how many these are.
 

@@ -40,9 +40,9 @@ def note_doubt(here, begin, rank, count, pull):
 
 @inner
 def sharpen(here):
-    """Have ranks as sharp as round-off allows from here on: False where they are, or where that is not ours to decide.
+    """Set the rank tolerance to SHARPEST, and DOUBT to 1; False if it is as small already, or was set by the user.
 
-    What comes out is in doubt.
+    Neither with damped levels.
     """
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
     if head[at.DAMPED] != 0 or option[at.TAU] <= SHARPEST or option[at.TAU] > MOST:

@@ -59,7 +59,7 @@ def nonnegative(here, enough, frozen, working, hard_end):
     kind, side, norm = marks(here, at.KIND), marks(here, at.SIDE), vector(here, at.NORM)
     low, high, allowed = vector(here, at.LOW), vector(here, at.HIGH), vector(here, at.ALLOWED)
     share, V = vector(here, at.SHARE), matrix(here, at.V)
-    steep, fresh = leave(here, frozen + working), True
+    steep, fresh = residual(here, frozen + working), True
     for _ in range(3 * hard_end + 10):
         c = frozen + working
         worst, enters, bound = LEAVES * steep, integer(-1), integer(0)
@@ -79,12 +79,12 @@ def nonnegative(here, enough, frozen, working, hard_end):
         if enters < 0:
             if fresh:
                 return working, steep, False
-            steep, fresh = leave(here, c), True  # what the steps below have left out may be round-off
+            steep, fresh = residual(here, c), True  # what the steps below have left out may be round-off
             continue
         if not append(enters, c, here, DEPENDENT):
             if fresh:
                 return working, steep, True
-            steep, fresh = leave(here, c), True
+            steep, fresh = residual(here, c), True
             continue
         kind[enters], side[enters] = WORKING, bound
         share[c] = 0.0
@@ -97,14 +97,14 @@ def nonnegative(here, enough, frozen, working, hard_end):
                 d[j] -= along * direction[j]
             steep, fresh = length(d, n), False
         else:
-            steep, fresh = leave(here, frozen + kept), True
+            steep, fresh = residual(here, frozen + kept), True
         working = kept
-    return working, leave(here, frozen + working), False
+    return working, residual(here, frozen + working), False
 
 
 @inner
-def leave(here, c):
-    """d: what V[:c] leaves of g, turned round; its length."""
+def residual(here, c):
+    """Write ``d`` = -g, projected onto the null space of V[:c]; returns its length."""
     n, d, g = ints(here, 0, at.HEAD)[at.N], vector(here, at.D), vector(here, at.G)
     scratch, V = vector(here, at.SCRATCH), matrix(here, at.V)
     for j in range(n):

@@ -1,8 +1,7 @@
-"""What a level lacks where the levels above it leave off: at acceleration order its error in the long run.
+"""Looks ahead at acceleration order: how far a level is from being met at the x of the levels above it.
 
-A measured error is small as long as a task is followed, however fast its rows turn to where they cannot be met. At
-acceleration order those above tell: what they leave to the level, over the square of its gain, is the error that it
-will come to have unless it can be met.
+While a task is followed its error is small, even just before its rows can no longer be met. What the rows lack at that
+x, divided by the square of the gain, is the error that the task will come to have.
 """
 
 from __future__ import annotations
@@ -10,31 +9,25 @@ from __future__ import annotations
 from . import curved_layout as at
 from . import layout as plain
 from .compile import inner
+from .curved_rows import value_at
 from .memory import ints, marks, matrix, vector
 
 
 @inner
 def note_lacking(here, k):
-    """Let ``errors`` of the rows of level k that have a worth look ahead: from e towards what they lack, times that.
+    """Replace ``errors`` e of the rows of level k that look ahead by e + l |l|^2 / (|l|^2 + |e|^2).
 
-    They lack it at the x of ``reach``. With l the difference from e, errors become e + l |l|^2 / (|l|^2 + |e|^2): where
-    a task has lost its target already, e says more.
+    e + l is what the rows lack at the x of ``reach``, times their ``worth``; rows with a worth of 0 do not look ahead.
+    Where a task is far from its target already, |e| is large, and e counts.
     """
-    n, col, row_of = ints(here, 0, plain.HEAD)[plain.N], marks(here, plain.COL), marks(here, plain.ROW_OF)
     lower, upper, worth = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, at.WORTH)
-    errors, x, ptr, A = vector(here, at.ERRORS), vector(here, at.REACH), marks(here, plain.PTR), matrix(here, plain.A)
+    errors, x, ptr = vector(here, at.ERRORS), vector(here, at.REACH), marks(here, plain.PTR)
     more, square, longer = vector(here, at.WANTED), 0.0, 0.0
     for i in range(ptr[k], ptr[k + 1]):
         more[i] = 0.0
         if worth[i] == 0.0:
             continue
-        value = 0.0
-        if col[i] >= 0:
-            value = x[col[i]]
-        else:
-            row = A[row_of[i]]
-            for j in range(n):
-                value += row[j] * x[j]
+        value = value_at(here, i, x)
         low, high = lower[i] - value, upper[i] - value
         more[i] = worth[i] * (low if low > 0.0 else high if high < 0.0 else 0.0) - errors[i]
         square += errors[i] * errors[i]

@@ -1,8 +1,8 @@
-r"""What a level itself can do about forces that nothing above it balances, as :mod:`hqp.certificate.balance` sees it.
+r"""Decides whether a residual force d, which no row above balances, still allows the level to be optimal.
 
-Nothing, in directions that its rows hardly move: there no rank is certain. Everything, where its slacks may shift
-within the tolerances of their rows until the forces are balanced: the point is optimal for slacks that round-off cannot
-tell from its own.
+As in :mod:`hqp.certificate.balance`, it does in two cases: d lies in directions that the rows of the level hardly move,
+where their rank is not certain (:func:`moving`); or the slacks of the level can shift within the tolerances of their
+rows so that d vanishes (:func:`carried`): x is then optimal for slacks that round-off cannot tell from its own.
 """
 
 from __future__ import annotations
@@ -11,23 +11,26 @@ import math
 
 from . import layout as at
 from .compile import inner, integer
-from .escape import leave
+from .escape import residual
 from .memory import ints, marks, matrix, vector
 from .orthogonal import pivots, reflect, separate, triangle
 from .rows import INACTIVE, LOWER, UPPER, copy_row
 from .working_set import balance
 
-#: As in the certificate: ranks of what the rows of a level can still move.
+#: As in the certificate: the rank tolerance of the rows of the level in the null space of those above.
 OWN_RANK = 4e-9
-#: A row of which the others leave no more than this share is not asked to shift along what is left.
+#: A row that depends on others of the level up to this share of its length is not shifted along its remainder.
 ALONE = 1e-6
-#: How often rows that would have to shift out of what they allow are left out.
+#: How often the shift is computed again without the rows that would have to shift in the wrong direction.
 ROUNDS = 4
 
 
 @inner
 def moving(here, k, c):
-    """At most how much of d is along what the rows of level k can still move, above :data:`OWN_RANK`, given V[:c]."""
+    """An upper bound of the part of d in the row space of level k, projected onto the null space of V[:c].
+
+    Directions with a singular value below :data:`OWN_RANK` count as none.
+    """
     n, ptr, where = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR), marks(here, at.HELD)
     ids, slots, lengths = marks(here, at.IDS), marks(here, at.SLOTS), vector(here, at.LENGTHS)
     norm, d = vector(here, at.NORM), vector(here, at.D)
@@ -59,15 +62,16 @@ def moving(here, k, c):
 
 @inner
 def carried(here, k, base, c, enough):
-    """Whether slacks of level k that shift within their tolerances take all but `enough` of the forces that are left.
+    """Whether slacks of level k can shift within their tolerances so that a residual of at most `enough` is left.
 
-    V[:c] are the normals that balance the level, from `base` on those that press, and have to keep pressing.
+    V[:c] are the normals that balance the level; those from `base` on belong to rows at a bound, whose multipliers must
+    keep their signs.
     """
     n, ids, where = ints(here, 0, at.HEAD)[at.N], marks(here, at.IDS), marks(here, at.HELD)
     room, g, shift = vector(here, at.LAMBDA), vector(here, at.G), vector(here, at.RHS)
     norm, R = vector(here, at.NORM), matrix(here, at.R)
     pivot, side, multiplier = marks(here, at.PIVOT), marks(here, at.SIDE), vector(here, at.MULTIPLIER)
-    count, hopeless = list_shifts(here, k, leave(here, c), enough)
+    count, hopeless = list_shifts(here, k, residual(here, c), enough)
     for _ in range(ROUNDS):
         if hopeless or count == 0:
             return False
@@ -91,7 +95,7 @@ def carried(here, k, base, c, enough):
         row, much = R[r], shift[r] * room[i] / norm[i]
         for j in range(n):
             g[j] += much * row[j]
-    if leave(here, c) > enough:
+    if residual(here, c) > enough:
         return False
     balance(base, c, n, here)
     pressing = True
@@ -102,7 +106,10 @@ def carried(here, k, base, c, enough):
 
 @inner
 def list_shifts(here, k, steep, enough):
-    """List the rows of level k that can shift: how many; and whether all together cannot reach d, which is so long."""
+    """Write the rows of level k with a tolerance to ``ids``; returns how many, and whether they are hopeless.
+
+    They are if all their tolerances together change d, of length `steep`, too little to leave at most `enough`.
+    """
     n, ptr, where = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR), marks(here, at.HELD)
     ids, norm, room = marks(here, at.IDS), vector(here, at.NORM), vector(here, at.LAMBDA)
     d, row = vector(here, at.D), vector(here, at.SHARE)
@@ -121,7 +128,10 @@ def list_shifts(here, k, steep, enough):
 
 @inner
 def shortest_shift(here, count, c):
-    """The shortest shift of the rows that are listed, in units of what each can, that takes d: by Householder."""
+    """Write ``shift``: the least-norm shift of the `count` rows ``ids`` that cancels d, in units of their tolerances.
+
+    By Householder reflections, on the null space of V[:c].
+    """
     n, ids, slots = ints(here, 0, at.HEAD)[at.N], marks(here, at.IDS), marks(here, at.SLOTS)
     lengths, norm, room = vector(here, at.LENGTHS), vector(here, at.NORM), vector(here, at.LAMBDA)
     shift, y = vector(here, at.RHS), vector(here, at.Y)

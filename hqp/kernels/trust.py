@@ -11,7 +11,7 @@ from . import curved_layout as at
 from . import layout as plain
 from .bend import TRUSTED, bound, contract
 from .compile import inner, integer
-from .curved_rows import gather
+from .curved_rows import gather, value_at
 from .lacking import note_lacking
 from .memory import ints, marks, matrix, vector
 from .redundant import BALANCED, across, has_unknown, longest, weight_of
@@ -25,19 +25,12 @@ NEAR, SOONER = 0.1, 3
 def crowded(here, x):
     """How close x moves along bounds of the levels above the curved ones: 0 away from them (or x NaN), 1 at a bound."""
     head = ints(here, 0, plain.HEAD)
-    n, col, row_of, A = head[plain.N], marks(here, plain.COL), marks(here, plain.ROW_OF), matrix(here, plain.A)
     lower, upper, gate = vector(here, plain.LOWER), vector(here, plain.UPPER), 0.0
     for i in range(marks(here, plain.PTR)[head[at.TOP]]):
         room = upper[i] - lower[i]
         if not room > 0.0 or room == math.inf:
             continue
-        value = 0.0
-        if col[i] >= 0:
-            value = x[col[i]]
-        else:
-            row = A[row_of[i]]
-            for j in range(n):
-                value += row[j] * x[j]
+        value = value_at(here, i, x)
         near = min(value - lower[i], upper[i] - value) / room
         if near < NEAR:  # a row at rest at its bound does not count
             moving = min(1.0, 2.0 * abs(value) / max(abs(lower[i]), abs(upper[i])))
