@@ -55,11 +55,13 @@ def test_an_empty_folder_is_filled_once(tmp_path: Path) -> None:
         for _ in range(2)
     ]
     for one, said in zip(done, ("compiled", "already compiled, ready"), strict=True):
-        for name, line in zip(("native", "damped", "rows"), one.stdout.splitlines(), strict=True):
+        for name, line in zip(("native", "damped", "curved", "rows"), one.stdout.splitlines(), strict=True):
             assert re.fullmatch(rf"{name}: {said} in \d+\.\d s; kept in {re.escape(str(tmp_path))}.*", line)
-    announced = done[0].stderr.splitlines()
-    assert announced[0].startswith("hqp: compiling the native solver, once ")
-    assert announced[1].startswith("hqp: compiling damped levels, once ")
-    assert announced[2].startswith("hqp: compiling the rows of tasks, once ")
+    for what, line in zip(
+        ("the native solver", "damped levels", "curved levels", "the rows of tasks"),
+        done[0].stderr.splitlines(),
+        strict=True,
+    ):
+        assert line.startswith(f"hqp: compiling {what}, once ")
     assert done[1].stderr == ""
     assert list(tmp_path.rglob("*.nbc"))
