@@ -274,3 +274,13 @@ def test_what_a_method_returns_is_held_to_its_shape_at_every_tick(method, value)
     later[0] = True
     with pytest.raises(InvalidInput, match=f"Own 'own': {method}"):
         controller([0.1, 0.2, 0.3, 0.4], np.ones(4), 0.01)
+
+
+@pytest.mark.parametrize("method", ["measure", "feedforward"])
+def test_a_method_that_nothing_asks_for_is_refused(method) -> None:
+    """A class whose rows come from loops has its error from them, not from what its base class would ask."""
+    for base in PositionTask([0.6, 0.2], gain=2.0), PostureTask(np.zeros(4), gain=2.0):
+        kind = type("Own", (type(base),), {method: lambda self, at: np.zeros(2)})
+        task = kind(base.target, gain=2.0)
+        with pytest.raises(InvalidInput, match=rf"Own has its own {method}\(\)"):
+            Controller(ARM, task, dt=0.01)
