@@ -126,20 +126,7 @@ def simulate(
     ((101, 3), True)
     """
     run = _Run(controller, q0, v0, duration, start, speed_cap, certify, proof, changes, plant)
-    progress = None if progress is None else function(progress, "progress")
-    report_every, k = max(run.ticks // 100, 1), 0
-    try:
-        for k in range(run.ticks):
-            stopped = run.tick(k)
-            if stopped is not None:
-                return run.log.record(stopped)
-            if progress is not None and (k + 1) % report_every == 0:
-                progress((k + 1) / run.ticks)
-        run.end()
-    except BaseException as error:
-        run.hand_over(k, error)
-        raise
-    return run.log.record(None)
+    return run.whole(None if progress is None else function(progress, "progress"))
 
 
 class _Run:
@@ -189,6 +176,22 @@ class _Run:
         self.log = Log(controller, self.ticks, robot.at(self._q, self._v), parts.values())
         self._integrate = integration(robot)
         controller.settle()
+
+    def whole(self, progress: Callable[[float], None] | None) -> Record:
+        """Run all ticks; what ends the run midway is given the record until then."""
+        report_every, k = max(self.ticks // 100, 1), 0
+        try:
+            for k in range(self.ticks):
+                stopped = self.tick(k)
+                if stopped is not None:
+                    return self.log.record(stopped)
+                if progress is not None and (k + 1) % report_every == 0:
+                    progress((k + 1) / self.ticks)
+            self.end()
+        except BaseException as error:
+            self.hand_over(k, error)
+            raise
+        return self.log.record(None)
 
     def tick(self, k: int) -> Stop | None:
         """Run tick k; returns why the run stops here, or None if it goes on."""
