@@ -202,3 +202,20 @@ def test_a_hull_is_held_at_its_corners() -> None:
     way = end - start
     share = np.clip((points - start) @ way / max(way @ way, 1e-12), 0.0, 1.0)
     assert np.linalg.norm(points - start - share[:, None] * way, axis=1).max() == pytest.approx(radius, rel=1e-9)
+
+
+def test_a_robot_without_shapes_is_refused(tmp_path) -> None:
+    """A file may have none; no capsules, or no pairs, would be kept from nothing."""
+    arm = tmp_path / "arm.urdf"
+    arm.write_text(
+        "<robot name='arm'><link name='base'/><link name='bar'/>"
+        "<joint name='turn' type='revolute'><parent link='base'/><child link='bar'/><axis xyz='0 0 1'/>"
+        "<limit lower='-1' upper='1' velocity='1' effort='1'/></joint></robot>"
+    )
+    bare = load_robot(arm, tip="bar")
+    for ask in (
+        lambda: link_capsules(bare),
+        lambda: Controller(bare, JointLimits() >> SelfCollisionLimit(margin=0.1, gain=5.0), dt=0.01),
+    ):
+        with pytest.raises(InvalidInput, match=r"'arm'.*no collision shapes"):
+            ask()

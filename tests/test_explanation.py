@@ -21,6 +21,7 @@ import hqp.solution.solution
 from hqp import Explanation, Hierarchy, InvalidInput, Label, Level, Side, Solution, Solver, solve
 from hqp.certificate import LevelExplanation
 from hqp.problems import FAMILIES, hierarchies
+from hqp.solution.softening import strongest
 
 
 def speed_or_position(side: Side, value: float) -> str:
@@ -201,6 +202,7 @@ def test_a_level_whose_own_rows_contradict_each_other_has_no_cause_above() -> No
             Level.equality([[0.0, 0.0, 0.0]], [1.0], name="nothing"),
             Level.equality([[0.0, 0.0, 0.0]] * 2, [1.0, 1.0], name="twice"),
             Level.equality([[1.0, 1.0, 0.0]] * 2, [0.0, 1.0], name="the sum again"),
+            Level.equality([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]], [1.0, 1.0], name="half"),
         ]
     )
     explanation = solve(h).explain()
@@ -210,8 +212,27 @@ def test_a_level_whose_own_rows_contradict_each_other_has_no_cause_above() -> No
         "nothing short by 1: its own row is zero (rank 0 of 1)",
         "twice short by 1.41: its own rows are zero (rank 0 of 2)",
         "the sum again short by 0.707: its own rows contradict each other (rank 0 of 2)",
+        "half short by 1: of its own rows row 0 is zero (rank 1 of 2)",
     ]
-    assert [level.contradicts for level in explanation.levels] == [False, True, True, True, True]
+    assert [level.contradicts for level in explanation.levels] == [False, *[True] * 5]
+
+
+@pytest.mark.parametrize("damping", [0.1, 10.0])
+def test_what_nothing_moves_is_no_matter_of_damping(damping) -> None:
+    """A damped level is short where its rows are zero, and where it gave way; what is most of it is told."""
+    labels = [Label("arm", "x", "m/s"), Label("arm", "y", "m/s")]
+    for ends, told in ([1.0, 0.1], "nothing moves it in this direction (x)"), ([1.0, 90.0], "damped, lambda = "):
+        h = Hierarchy([Level.equality([[0.0, 0.0], [0.0, 1.0]], ends, labels=labels)])
+        level = solve(h, damping={0: damping}).explain().levels[0]
+        assert (told in str(level)) == (damping > 1.0 or ends[1] < 1.0)
+
+
+def test_the_direction_told_is_the_one_in_which_most_was_given_up() -> None:
+    """Not the weakest one; and of directions that are softened alike, the one between them that is missing."""
+    h = Hierarchy([Level.equality(np.diag([0.1, 1.0, 1.0]), [1e-4, 3.0, -4.0])])
+    softs = solve(h, damping={0: 1.0}).relaxed[0].softened
+    direction = strongest(softs, np.array([1e-4, 1.5, -2.0])).direction
+    np.testing.assert_allclose(direction, [0.0, 0.6, -0.8], atol=1e-9)
 
 
 def test_parts_and_units_of_one_level_are_told_apart() -> None:
@@ -431,4 +452,4 @@ def test_a_damped_level_says_so_and_does_not_contradict_itself() -> None:
         assert str(solve(h, damping={0: least}).explain().levels[0]) == "reach met (rank 2 of 2)"
     own = Hierarchy([Level.equality([[1.0], [1.0]], [0.0, 1.0], name="sum")])
     assert "contradict" in str(solve(own).explain())
-    assert "damped, lambda = 0.5" in str(solve(own, damping={0: 0.5}).explain())
+    assert "nothing moves it in this direction (0.71 row 1, -0.71 row 0)" in str(solve(own, damping={0: 0.5}).explain())

@@ -265,3 +265,18 @@ def test_a_box_in_the_plane(order):
     assert (record.pose[:, 0] - 0.6).max() <= KEPT
     assert record.pose[-1, 0] > 0.59
     assert np.abs(record.errors["box"]).max() <= KEPT
+
+
+@orders
+def test_a_band_never_excludes_itself(order):
+    """Its two bounds are in order from any motion: also from beyond one, on a way that bends towards the other."""
+    arm = PlanarArm([0.5, 0.5, 0.5], velocity_limit=3.0, acceleration_limit=20.0)
+    for seed in range(40):
+        rng = np.random.default_rng(seed)
+        q, v = rng.uniform(-1.5, 1.5, 3), rng.uniform(-3.0, 3.0, 3)
+        target = arm.pose(q)[:2] + rng.normal(0.0, 0.1, 2)
+        band = Within(PositionTask(target, gain=20.0), rng.uniform(0.0, 0.1))
+        controller = Controller(arm, JointLimits() >> band, order=order, dt=0.01, damping=None)
+        assert controller(q, v).ok
+        level = controller.hierarchy.levels[1]
+        assert (level.lower <= level.upper).all()

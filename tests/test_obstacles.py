@@ -33,6 +33,7 @@ from tasks.obstacles.pairs import Pairs
 KEPT = 1e-6
 MARGIN, DT, SPEED = 0.03, 0.01, 1.5
 #: Links of a Panda, each carried by the first of its frames.
+APART = LinkCapsule("panda_link2", "panda_link4", 0.1)  # a joint lies between the two: neither carries the other
 PANDA = [("panda_link2", "panda_link3"), ("panda_link4", "panda_link5"), ("panda_link7", "panda_hand_tcp")]
 
 
@@ -333,7 +334,8 @@ def test_refusals_of_numbers(make, word):
     [
         (ARM, lambda: DistanceLimit(LINKS, [BALL], margin=0.1, gain=101.0), "at most 100"),
         (ARM, lambda: DistanceLimit([LinkCapsule("hand", [0.1, 0.0], 0.1)], [BALL], margin=0.1, gain=5.0), "hand"),
-        (ARM, lambda: DistanceLimit([LinkCapsule("link1", "tip", 0.1)], [BALL], margin=0.1, gain=5.0), "carry"),
+        (ARM, lambda: DistanceLimit([LinkCapsule("link1", "tip", 0.1)], [BALL], margin=0.1, gain=5.0), "way round"),
+        (None, lambda: DistanceLimit([APART], [BALL], margin=0.1, gain=5.0), "'panda_link4'; end at a joint"),
         (ARM, lambda: SelfCollisionLimit(margin=0.1, gain=5.0), "load_robot"),
         (None, lambda: SelfCollisionLimit([("hand", "panda_link0")], margin=0.1, gain=5.0), "panda_hand"),
     ],

@@ -269,3 +269,29 @@ def test_refuses_a_controller_without_a_tick():
 def test_refuses_what_is_no_controller(no_controller):
     with pytest.raises(InvalidInput, match=r"controller = .* it must be a Controller"):
         simulate(no_controller, Q, duration=1.0)
+
+
+@pytest.mark.parametrize("error", [RuntimeError("the sensor broke"), KeyboardInterrupt()])
+@pytest.mark.parametrize("where", ["target", "progress"])
+def test_an_exception_midway_has_the_record_until_then(error, where):
+    """It goes on as it is; and what was run before it is that of a run which ends there."""
+
+    def broken(t):
+        if t > 0.0955:
+            raise error
+        return np.array([1.0, 0.2]), np.zeros(2), np.zeros(2)
+
+    target = broken if where == "target" else [1.0, 0.2]
+    controller = Controller(ARM, PositionTask(target, gain=3.0), dt=0.01)
+    told = {"progress": broken} if where == "progress" else {}
+    with pytest.raises(type(error)) as raised:
+        simulate(controller, [1.1, -1.3, -0.7], duration=1.0, **told)
+    assert raised.value is error
+    record = error.record
+    whole = simulate(Controller(ARM, PositionTask([1.0, 0.2], gain=3.0), dt=0.01), [1.1, -1.3, -0.7], duration=1.0)
+    assert 9 <= len(record.t) <= 11
+    np.testing.assert_array_equal(record.q, whole.q[: len(record.t)])
+    np.testing.assert_array_equal(record.a, whole.a[: len(record.t) - 1])
+    assert record.stopped.reason.startswith(f"{type(error).__name__} at t = ")
+    assert "record" in error.__notes__[0]
+    del error.record, error.__notes__

@@ -250,3 +250,37 @@ def test_weights_decide_inside_a_level_only():
     hierarchy = Controller(ARM, high + low, backend="pseudoinverse").hierarchy
     assert isinstance(hierarchy, hqp.Hierarchy)
     np.testing.assert_array_equal(hierarchy.levels[0].weights, [10.0, 0.5])
+
+
+WRONG = {
+    "error": [0.1, np.zeros(2), np.zeros((1, 1)), None, "far", np.array([1j])],
+    "jacobian": [1.0, np.ones(3), np.ones((3, 1)), np.ones((2, 3)), None],
+    "feedforward": [0.0, (0.0,), (np.zeros(2), 0.0), (0.0, np.zeros((1, 1))), None],
+    "drift": [np.zeros(2), "fast"],
+}
+
+
+@pytest.mark.parametrize(("method", "value"), [(word, value) for word, values in WRONG.items() for value in values])
+def test_what_a_method_returns_is_held_to_its_shape_at_every_tick(method, value) -> None:
+    """As at the first one: numpy would spread a number over all joints, or drop an imaginary part."""
+    later = [False]
+
+    def own(self, *at):
+        return value if later[0] else getattr(ElbowHeight, method)(self, *at)
+
+    task = type("Own", (ElbowHeight,), {method: own})(gain=2.0)
+    controller = Controller(ARM, task, order="acceleration", dt=0.01)
+    assert controller([0.1, 0.2, 0.3, 0.4], np.ones(4)).ok
+    later[0] = True
+    with pytest.raises(InvalidInput, match=f"Own 'own': {method}"):
+        controller([0.1, 0.2, 0.3, 0.4], np.ones(4), 0.01)
+
+
+@pytest.mark.parametrize("method", ["measure", "feedforward"])
+def test_a_method_that_nothing_asks_for_is_refused(method) -> None:
+    """A class whose rows come from loops has its error from them, not from what its base class would ask."""
+    for base in PositionTask([0.6, 0.2], gain=2.0), PostureTask(np.zeros(4), gain=2.0):
+        kind = type("Own", (type(base),), {method: lambda self, at: np.zeros(2)})
+        task = kind(base.target, gain=2.0)
+        with pytest.raises(InvalidInput, match=rf"Own has its own {method}\(\)"):
+            Controller(ARM, task, dt=0.01)

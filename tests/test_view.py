@@ -485,7 +485,7 @@ def test_a_robot_of_one_joint_is_shown_whatever_it_has_to_be_drawn(place, tmp_pa
         session.motion.tick()
         window.show()
         assert "elbow &lt;b&gt; &amp; co" in window.panel.joints.content
-        assert "its own rows are zero" in window.panel.reasons.content
+        assert "of its own rows x and z are zero" in window.panel.reasons.content
         drawn = "nothing is drawn" if place == "0 0 0" else "capsules from joint to joint"
         assert drawn in window.scene.figure.note
         assert np.isfinite(window.scene.figure.bounds).all()

@@ -42,6 +42,8 @@ class LevelExplanation:
         Why the solver relaxed the level, and in which direction; empty if it did not.
     zero : bool
         Whether all rows that are not met are zero: nothing in x moves them.
+    unmoved : str
+        Of a damped level, the direction in which most is missing, if nothing in x moves it there; else empty.
     """
 
     level: int
@@ -56,6 +58,7 @@ class LevelExplanation:
     inner: float
     damped: str = ""
     zero: bool = False
+    unmoved: str = ""
 
     @property
     def rows(self) -> int:
@@ -94,6 +97,12 @@ class LevelExplanation:
     @property
     def own(self) -> str:
         """Why a level that contradicts itself is not met."""
+        if self.unmoved:
+            return f"nothing moves it in this direction ({self.unmoved})"
+        lacking = [pair for part in self.parts for pair in zip(part.labels, part.missing, strict=True) if pair[1]]
+        rows = [label.row or label.part for label, _ in lacking]
+        if self.zero and len(rows) < self.fixing and len(rows) <= MOST_NAMED:
+            return f"of its own rows {' and '.join(rows)} {'are' if len(rows) > 1 else 'is'} zero"
         if self.fixing <= 1:
             return "its own row is zero"
         return "its own rows are zero" if self.zero else "its own rows contradict each other"

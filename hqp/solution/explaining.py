@@ -16,7 +16,7 @@ from ..certificate.causes import LEAST_SHARE
 from ..certificate.parts import parts_of
 from ..hierarchy import Hierarchy, Side
 from .answer import Answer
-from .softening import SMOOTH, in_words
+from .softening import SMOOTH, direction_in_words, in_words, strongest, unmoved
 from .stages import Stages, softened_in, stage_of
 
 #: Where a level gave way, what is missing counts from so much of what its rows ask for on, and from so much in their
@@ -47,6 +47,11 @@ def _own(
     if gave:
         asked = np.where(np.isfinite(level.lower) & np.isfinite(level.upper), np.abs(level.lower), 0.0)
         missing[np.abs(missing) <= SHARE * float(asked.max(initial=0.0)) + LEAST] = 0.0
+    lacks = level.weights * missing
+    stuck = unmoved(level.weights[:, None] * h.matrix(k), lacks) if gave and missing.any() else np.zeros(len(lacks))
+    given_up = np.array([soft.direction @ lacks for soft in softened_in(solution, k)]) if stuck.any() else stuck
+    no_way = length(stuck) > length(given_up)  # what nothing moves is not given up for calm
+    gave = gave and not no_way
     fixing = (rows.sides[own] == Side.EQUALITY) | rows.violated[own]
     at_bound = (rows.sides[own] != Side.INACTIVE) & ~fixing
     soft = [] if not missing.any() else _soft(h, stage.hierarchy, stage.x, k)
@@ -56,12 +61,13 @@ def _own(
         told,
         parts=parts_of(labels, missing, level.weights),
         causes=tuple(replace(cause, share=cause.strength / total) for cause in causes if missing.any()),
-        contradicts=told.contradicts and not gave and not soft,
+        contradicts=no_way or (told.contradicts and not gave and not soft),
+        unmoved=direction_in_words(stuck / length(stuck), labels) if no_way else "",
         rank=solution.levels[k].rank,
         fixing=int(fixing.sum()),
         at_bound=int(at_bound.sum()),
         inner=0.0 if gave or soft else told.inner,
-        damped=_why(solution, staged, k, bool(causes)) if gave and missing.any() else "",
+        damped=_why(solution, staged, k, lacks, bool(causes)) if gave and missing.any() else "",
     )
 
 
@@ -78,13 +84,16 @@ def _joined(causes: list[Cause]) -> list[Cause]:
     return list(found.values())
 
 
-def _why(solution: Answer, staged: Stages, k: int, above: bool) -> str:
-    """How a level was damped, or why, and in which direction it gave way most; `above`: whether that has causes too."""
+def _why(solution: Answer, staged: Stages, k: int, lacks: Array, above: bool) -> str:
+    """How a level was damped, or why, and in which direction it gave way most; `above`: whether that has causes too.
+
+    `lacks` is what its rows lack, times their weights.
+    """
     if not staged.singular:
         return f"lambda = {staged.dampings[k]:.3g}"
     labels = [solution.hierarchy.label_of(row) for row in range(*solution.hierarchy.pointers[k : k + 2])]
-    most = [in_words(soft, labels, staged.singular) for soft in softened_in(solution, k)[:1]]
-    return most[0] if most else "" if above else SMOOTH
+    most = strongest(softened_in(solution, k), lacks)
+    return in_words(most, labels, staged.singular) if most is not None else "" if above else SMOOTH
 
 
 def _soft(given: Hierarchy, stage: Hierarchy, x: Array, k: int) -> list[Cause]:

@@ -9,7 +9,8 @@ the eigenvectors of T are directions among its rows, and the eigenvalues the sha
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -24,6 +25,8 @@ MET = 0.99
 SHORT = 0.5
 #: What is at most this long beside the longest row cannot be moved, and is no matter of damping.
 NONE = 1e-9
+#: Directions whose shares differ by less are softened alike: each direction between them is one too.
+ALIKE = 1e-6
 #: Rows with less of a share in a direction are not named.
 NAMED = 0.2
 #: Why a level is damped, if not for directions in which x cannot move it.
@@ -76,15 +79,48 @@ def softened(stage: Hierarchy, own: int) -> tuple[Softened, ...]:
     return tuple(found)
 
 
+def strongest(softs: Sequence[Softened], missing: Array) -> Softened | None:
+    """The direction in which most of what a level lacks is given up, of unit length; None if it lacks nothing there.
+
+    Parameters
+    ----------
+    softs : sequence of Softened
+        Those of the level, by their shares.
+    missing : array, shape (rows,)
+        What its rows lack, times their weights.
+    """
+    found, most = None, 0.0
+    for first in (i for i, soft in enumerate(softs) if i == 0 or soft.share > softs[i - 1].share + ALIKE):
+        alike = [soft for soft in softs[first:] if soft.share <= softs[first].share + ALIKE]
+        along = sum(((soft.direction @ missing) * soft.direction for soft in alike), np.zeros(len(missing)))
+        if length(along) > most:
+            found, most = replace(alike[0], direction=along / length(along)), length(along)
+    return found
+
+
+def unmoved(A: Array, missing: Array) -> Array:
+    """The part of what a level lacks, both weighted, that nothing in x moves: ``A^T`` of it is zero; shape (rows,)."""
+    U, sizes, _ = np.linalg.svd(A)
+    rank = int((sizes > NONE * sizes.max(initial=0.0)).sum())
+    return np.asarray(U[:, rank:] @ (U[:, rank:].T @ missing))
+
+
 def in_words(soft: Softened, labels: list[Label], singular: str) -> str:
-    """Why a level was softened in its weakest direction, with that direction in the labels of its rows."""
+    """Why a level was softened in a direction, with that direction in the labels of its rows."""
     said = {
         "singular": singular,
         "above": "the levels above leave little to move it by in this direction",
         "calm": f"{SMOOTH} in this direction",
     }[soft.cause]
-    order = np.argsort(-np.abs(soft.direction), kind="stable")
-    main = [i for i in map(int, order) if abs(soft.direction[i]) >= NAMED] or [int(order[0])]
-    sign = 1.0 if soft.direction[main[0]] > 0.0 else -1.0
-    names = (f"{sign * soft.direction[i]:.2g} {labels[i].row or labels[i].part}" for i in main[:3])
-    return f"{said} ({labels[main[0]].row or labels[main[0]].part if len(main) == 1 else ', '.join(names)})"
+    return f"{said} ({direction_in_words(soft.direction, labels)})"
+
+
+def direction_in_words(direction: Array, labels: list[Label]) -> str:
+    """A direction of unit length among the rows of a level, as in ``0.9 x, -0.44 z``; one row alone has no number."""
+    order = np.argsort(-np.abs(direction), kind="stable")
+    main = [i for i in map(int, order) if abs(direction[i]) >= NAMED] or [int(order[0])]
+    sign = 1.0 if direction[main[0]] > 0.0 else -1.0
+    names = [labels[i].row or labels[i].part for i in main[:3]]
+    if len(main) == 1:
+        return names[0]
+    return ", ".join(f"{sign * direction[i]:.2g} {name}" for i, name in zip(main, names, strict=False))

@@ -41,6 +41,20 @@ def own_numbers(value: ArrayLike, what: str) -> Array:
     return numbers(value, what)
 
 
+def fill(out: Array, value: ArrayLike, what: str, *, spread: bool = False) -> None:
+    """Write what a method returned this tick to `out`: numbers of its shape, or with `spread` one for all.
+
+    Raises
+    ------
+    InvalidInput
+        If it is anything else. NaN is written, for the solver to report.
+    """
+    array = value if type(value) is np.ndarray and value.dtype == np.float64 else real_array(value, what)
+    if array.shape != out.shape and not (spread and array.ndim == 0):
+        raise InvalidInput(f"{what} has shape {array.shape}; it must be {out.shape}{' or ()' if spread else ''}")
+    out[...] = array
+
+
 def finite(value: ArrayLike, what: str) -> Array:
     """`value` as an array of finite numbers, none beyond `LARGEST` in size."""
     array = numbers(value, what)

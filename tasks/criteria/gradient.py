@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from hqp.checks import of_type
 
-from ..base.checks import Array, positive, positive_scalar
+from ..base.checks import Array, fill, positive, positive_scalar
 from ..base.live import number
 from ..robots.robot import Robot, base, integration
 from ..rows.part import Part, Tick
@@ -122,10 +122,10 @@ class GradientTask(Part):
         from ..rows.plan import Plan
         from .kernels.joints import write_gradient
 
-        slope = np.zeros(site.shared.n)
+        slope, what = np.zeros(site.shared.n), f"{self.full_name()}: gradient"
 
         def measure(tick: Tick) -> None:
-            slope[:] = self.gradient(tick.robot, tick.state.q, tick.t)
+            fill(slope, self.gradient(tick.robot, tick.state.q, tick.t), what)
 
         call = Call(write_gradient, *self.law(site), slope)
         return Plan((call,), python=measure, why=f"{type(self).__name__} is measured in Python")

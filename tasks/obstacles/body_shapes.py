@@ -118,7 +118,10 @@ def shapes_of(robot: Any, what: str) -> Any:
     """
     if not on_pinocchio(robot):
         raise InvalidInput(f"{what}: {brief(robot)} has no shapes; it needs a robot of load_robot")
-    return robot.geometry()
+    geometry = robot.geometry()
+    if not len(geometry.geometryObjects):
+        raise InvalidInput(f"{what}: {robot!r} has no collision shapes; give it some by robot.with_geometry")
+    return geometry
 
 
 def bodies_of(robot: Any, geometry: Any) -> list[str]:

@@ -91,15 +91,20 @@ class LinkCapsule(Live):
         if not isinstance(self.end, str):
             return np.stack([self.start, self.end])
         q, step = neutral(robot), 0.3 * np.cos(np.arange(robot.nv))
-        local = []
-        for there in (q, integrate(robot, q, step)):
-            state = robot.at(there, np.zeros(robot.nv))
-            frame = state.frame(self.frame)
-            local.append(axes(frame).T @ (state.frame(self.end).position - frame.position))
-        if np.abs(local[0] - local[1]).max() > RIGID:
-            raise InvalidInput(
-                f"LinkCapsule: {self.frame!r} does not carry {self.end!r}; name them the other way round"
-            )
+        states = [robot.at(there, np.zeros(robot.nv)) for there in (q, integrate(robot, q, step))]
+
+        def seen(end: str, frame: str) -> list[Array]:
+            both = [(state.frame(end), state.frame(frame)) for state in states]
+            return [axes(carrier).T @ (there.position - carrier.position) for there, carrier in both]
+
+        def fixed(local: list[Array]) -> bool:
+            return bool(np.abs(local[0] - local[1]).max() <= RIGID)
+
+        local = seen(self.end, self.frame)
+        if not fixed(local):
+            other = fixed(seen(self.frame, self.end))
+            instead = "name them the other way round" if other else "end at a joint or a point that it carries"
+            raise InvalidInput(f"LinkCapsule: {self.frame!r} does not carry {self.end!r}; {instead}")
         return np.stack([self.start, local[0]])
 
     def __repr__(self) -> str:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from hqp import InvalidInput
+
 from ..base.checks import Array
-from ..robots.robot import RobotState
+from ..robots.robot import Robot, RobotState
 from .alone import measured_alone
+from .plan import overridden
 from .task import Task
+from .tick import Order
 
 
 class LoopTask(Task):
@@ -25,3 +29,11 @@ class LoopTask(Task):
     def rates(self, state: RobotState, t: float) -> tuple[Array, Array]:
         found = measured_alone(self, state, t, drifts=True)
         return found.rate, found.change
+
+    def _try(self, robot: Robot, order: Order) -> None:
+        unheard = overridden(type(self), ("feedforward", "measure"))
+        if unheard is not None:
+            raise InvalidInput(
+                f"{self.full_name()}: {unheard}, which nothing asks for here; write error(state, t) or rates(state, t)"
+            )
+        super()._try(robot, order)

@@ -24,7 +24,7 @@ from hqp import InvalidInput, Label
 from hqp.checks import of_type, whole_number
 from hqp.errors import brief
 
-from ..base.checks import Array, numbers, per_row, positive, positive_scalar
+from ..base.checks import Array, fill, numbers, per_row, positive, positive_scalar
 from ..base.live import number, structure
 from ..base.telling import tell
 from ..robots.robot import Robot, RobotState, neutral
@@ -163,14 +163,20 @@ class Task(Part):
         from .kernels.law import write_law
 
         error, rate, change, drift, now = site.measured
+        A = np.zeros((site.rows, site.shared.robot.nv)) if site.A is None else site.A
+        what = {word: f"{self.full_name()}: {word}" for word in ("error", "jacobian", "drift", "feedforward")}
 
         def measure(tick: Tick) -> None:
             state, t = tick.state, tick.t
-            error[:], (rate[:], change[:]) = self.error(state, t), self.rates(state, t)
-            if site.A is not None:
-                site.A[:] = self.jacobian(state)
+            fill(error, self.error(state, t), what["error"])
+            velocity, acceleration = self._rates(state, t)
+            fill(rate, velocity, f"{what['feedforward']} velocity", spread=True)
+            fill(change, acceleration, f"{what['feedforward']} acceleration", spread=True)
+            if site.A is not None or site.drifts:
+                fill(A, self.jacobian(state), what["jacobian"])
             if site.drifts:
-                drift[:], now[:] = self.drift(state), np.asarray(self.jacobian(state)) @ state.v
+                fill(drift, self.drift(state), what["drift"], spread=True)
+                np.dot(A, state.v, out=now)
 
         return Plan(
             (Call(write_law, site.law(self)),), python=measure, why=f"{type(self).__name__} is measured in Python"
@@ -205,11 +211,7 @@ class Task(Part):
     def _try(self, robot: Robot, order: Order) -> None:
         """Measure once at the neutral configuration: what does not fit is refused here, not in the loop."""
         rows, state = self.size(robot), self.at_rest(robot)
-        feedforward = self.rates(state, 0.0)
-        if not (isinstance(feedforward, tuple) and len(feedforward) == 2):
-            raise InvalidInput(
-                f"{self.full_name()}: feedforward = {brief(feedforward)} must be (velocity, acceleration)"
-            )
+        feedforward = self._rates(state, 0.0)
         spread: list[tuple[int, ...]] = [(rows,), ()]  # one number a row, or one for all
         parts: list[tuple[str, Any, list[tuple[int, ...]]]] = [
             ("error", self.error(state, 0.0), [(rows,)]),
@@ -224,6 +226,13 @@ class Task(Part):
             if shape not in allowed:
                 shapes = " or ".join(map(str, allowed))
                 raise InvalidInput(f"{self.full_name()}: {what} has shape {shape}; with this robot it must be {shapes}")
+
+    def _rates(self, state: RobotState, t: float) -> tuple[Array | float, Array | float]:
+        """The checked pair of :meth:`rates`."""
+        given = self.rates(state, t)
+        if not (isinstance(given, tuple) and len(given) == 2):
+            raise InvalidInput(f"{self.full_name()}: feedforward = {brief(given)} must be (velocity, acceleration)")
+        return given
 
     def check_gain(self, order: Order, dt: float | None) -> None:
         r"""Refuse a gain that makes the error grow from tick to tick, and tell once of one that passes the target.

@@ -55,7 +55,8 @@ def shortfalls(solution: Solution) -> tuple[Shortfall, ...]:
                 for unit, norm in part.residual.items():
                     lacks[unit] = (lacks.get(unit, 0.0) ** 2 + norm**2) ** 0.5
             causes = tuple((["damping"] if level.damped else []) + [str(cause) for cause in level.causes])[:MOST_NAMED]
-            causes = ("its own rows are zero",) if level.zero else causes
+            if level.zero or level.unmoved:
+                causes = ("its own rows are zero" if level.zero else "nothing moves it in a direction",)
             found.append(Shortfall(name, {unit: norm for unit, norm in lacks.items() if norm > 0.0}, causes))
     return tuple(found)
 

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -111,6 +112,9 @@ def simulate(
     InvalidInput
         If the controller has no dt, the start is not finite or has the wrong shape, a number is out of range, the run
         would take more than `MOST_TICKS`, or there is a plant and the order is not torque.
+    BaseException
+        Whatever a task, a target or a plant of your own raises, and Ctrl-C. The record until then is its attribute
+        ``record``.
 
     Examples
     --------
@@ -122,16 +126,7 @@ def simulate(
     ((101, 3), True)
     """
     run = _Run(controller, q0, v0, duration, start, speed_cap, certify, proof, changes, plant)
-    progress = None if progress is None else function(progress, "progress")
-    report_every = max(run.ticks // 100, 1)
-    for k in range(run.ticks):
-        stopped = run.tick(k)
-        if stopped is not None:
-            return run.log.record(stopped)
-        if progress is not None and (k + 1) % report_every == 0:
-            progress((k + 1) / run.ticks)
-    run.end()
-    return run.log.record(None)
+    return run.whole(None if progress is None else function(progress, "progress"))
 
 
 class _Run:
@@ -182,6 +177,22 @@ class _Run:
         self._integrate = integration(robot)
         controller.settle()
 
+    def whole(self, progress: Callable[[float], None] | None) -> Record:
+        """Run all ticks; what ends the run midway is given the record until then."""
+        report_every, k = max(self.ticks // 100, 1), 0
+        try:
+            for k in range(self.ticks):
+                stopped = self.tick(k)
+                if stopped is not None:
+                    return self.log.record(stopped)
+                if progress is not None and (k + 1) % report_every == 0:
+                    progress((k + 1) / self.ticks)
+            self.end()
+        except BaseException as error:
+            self.hand_over(k, error)
+            raise
+        return self.log.record(None)
+
     def tick(self, k: int) -> Stop | None:
         """Run tick k; returns why the run stops here, or None if it goes on."""
         controller, t = self._controller, self._start + k * self.dt
@@ -215,6 +226,15 @@ class _Run:
         q.flags.writeable = v.flags.writeable = False  # read-only, so that a robot need not copy them
         self._q, self._v = q, v
         return np.asarray(a)
+
+    def hand_over(self, k: int, error: BaseException) -> None:
+        """Give an exception that ends the run in tick k the record until then, and a note that says so."""
+        t = self._start + k * self.dt
+        with suppress(Exception):  # what keeps it from being made, or from being taken, is no news beside the error
+            if self.log.states:
+                what = f"{type(error).__name__} at t = {t:g} s: {error}".removesuffix(": ")
+                error.record = self.log.record(Stop(t, what, diverged=False))  # type: ignore[attr-defined]
+                error.add_note(f"simulate: raised at t = {t:g} s; its attribute `record` is the run until then")
 
     def end(self) -> None:
         """Log the state after the last tick."""

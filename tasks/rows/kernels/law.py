@@ -104,11 +104,13 @@ def kept_in_time(order, e, rate, drift, now, K, below, above, dt):
     known = e + rate + drift + now
     if known != known:
         return math.nan, math.nan
-    # Room that the drift takes during a stop of duration 1/K, on the side to which it points.
-    bend = 0.5 * (1.0 / K + dt) / K
-    high, low = e + above, e + below
-    high = max(high - bend * max(drift, 0.0), min(high, 0.0))
-    low = min(low + bend * max(-drift, 0.0), max(low, 0.0))
+    # Room that the drift takes during a stop of duration 1/K, on the side to which it points: as much as there is, also
+    # where the value is on its way back from beyond the other bound, so that the two never exclude each other.
+    bend, low, high = 0.5 * (1.0 / K + dt) / K, e + below, e + above
+    if drift > 0.0:
+        high = max(high - bend * drift, min(high, max(low, 0.0)))
+    else:
+        low = min(low - bend * drift, max(low, min(high, 0.0)))
     if order == VELOCITY:
         return rate + K * low, rate + K * high
     # The velocity at the end of the tick must obey the same law at the position at that time.
