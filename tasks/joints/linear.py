@@ -83,8 +83,9 @@ class LinearHolonomicTask(LoopTask, TargetTask):
         self._call(name)
         self.A = A
         self.rows, self.q0 = len(self.A), q0
-        if not callable(b) and np.ndim(b) == 0:
-            b = np.full(self.rows, finite(b, f"{self.full_name()}: b"))
+        if not callable(b):
+            wanted = finite(b, f"{self.full_name()}: b")
+            b = wanted if wanted.ndim else np.full(self.rows, wanted)
         super().__init__(
             b, gain=gain, damping_ratio=damping_ratio, weight=weight, cap=cap, deceleration=deceleration, name=name
         )

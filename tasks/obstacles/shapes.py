@@ -155,8 +155,9 @@ class Capsule(Obstacle):
     @number
     def end(self, value: ArrayLike) -> Array:
         """Where it ends [m], shape (3,)."""
+        point = _point(value, f"{self.full_name()}: end")
         self._ends_flat = np.shape(value) == (2,)
-        return _point(value, f"{self.full_name()}: end")
+        return point
 
     @property
     def is_flat(self) -> bool:

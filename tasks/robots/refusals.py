@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from hqp import InvalidInput
+from hqp.arrays import real_array
 from hqp.checks import whole_number
 
 from ..base.checks import Array, suggestion
@@ -102,8 +103,9 @@ def _check_method(robot: Robot, what: str, method: str, given: Array | None, sha
     if given is None:
         name = method.partition("(")[0]
         raise InvalidInput(f"{what}: takes a robot that has {name}, and {robot!r} has no {method}")
-    if np.shape(given) != shape:
-        raise InvalidInput(f"{what}: {method} of {robot!r} gives shape {np.shape(given)}; it must be {shape}")
+    found = real_array(given, f"{what}: {method} of {robot!r}").shape
+    if found != shape:
+        raise InvalidInput(f"{what}: {method} of {robot!r} gives shape {found}; it must be {shape}")
 
 
 def check_joints(robot: Robot, q: Array, v: Array) -> None:
