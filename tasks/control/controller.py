@@ -279,9 +279,10 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
             return new(Step, ("velocity", state, solution, x, None, None, share, None))
         valid = solution.status is not Status.INVALID
         tau = None if self._torques is None else self._torques(self._rows, state, x, valid)
-        if self._rows.unknowns.blocks:
-            self._forces = of.Forces(self._rows, x)
-            x = x[: self._rows.unknowns.nv]
+        places = self._now.forces
+        if places is not None:
+            self._forces = places.forces(x)
+            x = x[: self.robot.nv]
         return new(Step, (self.order, state, solution, None, x, tau, share, self._forces))
 
     def release(self, contact: Contact | str, duration: float = 0.0) -> None:

@@ -17,6 +17,7 @@ from ..base.telling import tell
 from ..robots.robot import Robot, RobotState, limit_of
 from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.part import Order, Stack
+from .contacts import ForcePlaces
 
 if TYPE_CHECKING:
     from ..rows.site import Memory
@@ -60,10 +61,16 @@ class PreparedStack:
     stack : Stack
     rows : HierarchyWriter
     solver : hqp.Solver or CalmSolver
+
+    Attributes
+    ----------
+    forces : ForcePlaces or None
+        None where no forces are unknowns.
     """
 
     def __init__(self, stack: Stack, rows: HierarchyWriter, solver: Solver | CalmSolver) -> None:
         self.stack, self.rows, self.solver = stack, rows, solver
+        self.forces = ForcePlaces(rows) if rows.unknowns.blocks else None
 
     def solve(self, state: RobotState, t: float, last: Array | None, fault: str | None = None) -> Solution:
         """The solution at this state and time t [s].
