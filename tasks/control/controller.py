@@ -61,8 +61,8 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         an acceleration limit come to rest at the ends of their ranges with at most 60 rad/s^2. Elsewhere the answer is
         the strict one. ``step.relaxed`` and ``step.solution.explain()`` show where levels are relaxed;
         ``Damped(level, None)`` keeps a level strict. None: every level is strict. All levels are also strict if the
-        stack has damping of its own, if no part has curvature (as postures), if contact forces are unknowns, and with
-        closed-form backends, which take no inequalities.
+        stack has damping of its own, if no part has curvature (as postures), if contact forces are unknowns (then see
+        docs/contacts.md, "Tasks out of reach"), and with closed-form backends, which take no inequalities.
 
     Raises
     ------
@@ -182,6 +182,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
             "changes": [] if self._transition is None else self._transition.history(),
             "kept": of.kept(self.stack, self._rows),
             "pressed": self._pressed if self._forces is None else of.pressed(self._forces),
+            "aims": self._rows.every_aim,
         }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -194,6 +195,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
             self._transition.since = since
         of.take(state["kept"], self._rows)
         self._pressed = state["pressed"]
+        self._rows.every_aim[:] = state["aims"]
 
     @property
     def stack(self) -> Stack:
@@ -400,6 +402,8 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
     def __repr__(self) -> str:
         tick = "" if self.dt is None else f", dt={self.dt:g}"
         tick += "" if self._prepared.how.damping else ", damping=None"
+        undamped = self._now.forces is not None and self._prepared.how.damping and not self._rows.levels.damps
+        tick += ", strict, as forces are unknowns" if undamped else ""
         ends = self._rows.shared.envelope.eased
         tick += "" if np.isinf(ends) else f", at ends of ranges {ends:g} rad/s^2"
         tick += ", torque=True" if self._torques is not None and self.order == "acceleration" else ""
