@@ -1,4 +1,4 @@
-"""Damped levels where contact forces are unknowns: at rest damping costs nothing, as forces are damped to what they are."""
+"""Damped levels where contact forces are unknowns: at rest damping costs nothing, as forces may stay."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def controller_of(scene: Scene, level: Damped | CenterOfMassTask | PositionTask)
 @pytest.mark.parametrize("damping", [0.01, 0.03])
 def test_a_damped_level_in_reach_is_met_at_rest(damping: float) -> None:
     scene = humanoid()
-    level = CenterOfMassTask(scene.com + [0.0, 0.02, -0.01], gain=5.0)
+    level = CenterOfMassTask(scene.com + np.array([0.0, 0.02, -0.01]), gain=5.0)
     controller, q, v = controller_of(scene, Damped(level, damping)), scene.q, scene.v
     for k in range(1500):
         step = controller(q, v, DT * k)
@@ -34,7 +34,7 @@ def test_a_damped_level_in_reach_is_met_at_rest(damping: float) -> None:
 def test_a_damped_hand_lets_the_robot_stand() -> None:
     scene = humanoid()
     start = scene.robot.at(scene.q, scene.v).frame(HAND).position
-    hand = PositionTask(start + [0.1, 0.0, 0.1], frame=HAND, gain=3.0)
+    hand = PositionTask(start + np.array([0.1, 0.0, 0.1]), frame=HAND, gain=3.0)
     stack = scene.limits >> SupportLimit(0.02) >> Damped(hand, 0.3) >> scene.rest()
     controller, q, v = Controller(scene.robot, stack, order="torque", dt=DT), scene.q, scene.v
     for k in range(1000):
@@ -43,12 +43,14 @@ def test_a_damped_hand_lets_the_robot_stand() -> None:
     borne = sum(force[:, 2].sum() for force in step.forces.values())
     weight = 9.81 * scene.robot.mass_matrix(scene.q)[0, 0]
     assert borne == pytest.approx(weight, rel=0.05)
-    assert scene.robot.at(q, v).frame("pelvis").position[2] > 0.9 * scene.robot.at(scene.q, v).frame("pelvis").position[2]
+    assert (
+        scene.robot.at(q, v).frame("pelvis").position[2] > 0.9 * scene.robot.at(scene.q, v).frame("pelvis").position[2]
+    )
 
 
 def test_a_copy_goes_on_with_the_forces_that_levels_are_damped_towards() -> None:
     scene = humanoid()
-    level = Damped(CenterOfMassTask(scene.com + [0.0, 0.02, 0.0], gain=5.0), 0.1)
+    level = Damped(CenterOfMassTask(scene.com + np.array([0.0, 0.02, 0.0]), gain=5.0), 0.1)
     controller, q, v = controller_of(scene, level), scene.q, scene.v
     for k in range(5):
         step = controller(q, v, DT * k)

@@ -59,7 +59,7 @@ def test_it_reaches_as_far_as_the_points_in_every_direction(seed: int) -> None:
 def test_soles_side_by_side_have_four_edges(noise: float) -> None:
     rng = np.random.default_rng(5)
     sole = np.array([(x, y) for x in (-0.05, 0.12) for y in (-0.03, 0.03)])
-    both = np.concatenate([sole, sole + [0.0, 0.24]])
+    both = np.concatenate([sole, sole + np.array([0.0, 0.24])])
     for _ in range(50):
         assert len(hull(both + noise * rng.standard_normal(both.shape))) == 4
 
