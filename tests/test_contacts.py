@@ -761,3 +761,21 @@ def test_a_robot_in_the_plane_whose_base_has_joints_without_motors(tmp_path: Pat
     assert step.solution.certify().ok
     assert abs(robot.at(q).center_of_mass.position - com)[[0, 2]].max() < 1e-3
     assert sum(f[:, 2].sum() for f in step.forces.values()) == pytest.approx(weight, rel=1e-2)
+
+
+@pytest.mark.usefixtures("nothing_told")
+def test_points_off_one_plane_are_told_and_borne(caplog: pytest.LogCaptureFixture) -> None:
+    """A foot on uneven ground: each point has a force of its own, and the motion equation holds."""
+    steps = [(x, y, -0.03 + 0.02 * (x > 0.0)) for x in (-0.05, 0.12) for y in (-0.03, 0.03)]
+    bent = [(-0.05, -0.03, -0.03), (-0.05, 0.03, 0.03), (0.12, -0.03, -0.03), (0.12, 0.03, -0.03)]
+    level = [(x, y, -0.03 + 1e-4 * (x * y > 0.0)) for x in (-0.05, 0.12) for y in (-0.03, 0.03)]
+    for points, told in ((level, 0), (SOLE, 0), (steps, 0), (bent, 1)):
+        caplog.clear()
+        scene = humanoid(points=points)
+        assert len([line for line in caplog.messages if "off one plane" in line]) == 2 * told
+    controller = controller_of(scene)
+    for seed in range(3):
+        q, v = moved(scene, seed, 0.02)
+        step = controller(q, v)
+        assert step.solution.certify().ok
+        check_mechanics(scene, q, v, step)

@@ -16,7 +16,7 @@ from .scenes import DT, declare
 from .stream import StandingStream, restore, workspace
 
 if TYPE_CHECKING:
-    from tasks.robots.state import State
+    from tasks.robots.pinocchio_state import PinocchioState
 
 
 class Standing(Driver):
@@ -48,11 +48,11 @@ class Standing(Driver):
     def unknowns(self) -> int:
         return self.hierarchy.n
 
-    def state(self, k: int) -> State:
+    def state(self, k: int) -> PinocchioState:
         """The robot at tick k, its kinematics and its motion equation known."""
         return self.robot.at(self.q[k], self.v[k])
 
-    def fill(self, k: int, state: State) -> Hierarchy:
+    def fill(self, k: int, state: PinocchioState) -> Hierarchy:
         """The rows of tick k."""
         restore(self.declared.contacts, self.rows.shared, self.numbers[k])
         return self.rows.fill(state, k * DT)
@@ -75,7 +75,7 @@ class OursStanding(Standing):
 
     def stages(self, k: int) -> Iterator[None]:
         state = self.state(k)
-        state.ready()
+        state.accelerated()
         yield
         hierarchy = self.fill(k, state)
         yield

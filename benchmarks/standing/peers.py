@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from importlib import import_module
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from hqp import Hierarchy
 from hqp.arrays import Array
 from hqp.backends.daqp import DaqpProblem
-from tasks.control.contacts import joint_torques
+from tasks.control.torques import ContactTorques
 
 from ..methods.daqp_direct import TOLERANCES
 from .ours import Standing
 from .solvers import NoAnswer, QPSolver
 from .stream import StandingStream
 from .weighted import Weighing
+
+if TYPE_CHECKING:
+    from tasks.robots.pinocchio_state import PinocchioState
 
 #: What a tick ends with: the answer, and the joint torques.
 Answer = tuple[Array, Array]
@@ -25,22 +29,25 @@ Answer = tuple[Array, Array]
 class Peer(Standing):
     """A driver that solves the rows of this library by another solver, and computes the torques."""
 
+    def __init__(self, name: str, stream: StandingStream) -> None:
+        super().__init__(name, stream)
+        self.torques = ContactTorques()
+
     def tick(self, k: int) -> Answer:
-        *_, x = self._parts(k)
+        state = self.state(k)
+        *_, x = self._parts(k, state)
         assert x is not None
-        return x, joint_torques(self.rows, x)
+        return x, self.torques(self.rows, state, x, valid=True)
 
     def stages(self, k: int) -> Iterator[None]:
-        for _ in self._parts(k):
-            yield
+        yield from (None for _ in self._parts(k, self.state(k)))
 
     def velocity(self, answer: Answer) -> Array:
         return answer[0]
 
-    def _parts(self, k: int) -> Iterator[Array | None]:
+    def _parts(self, k: int, state: PinocchioState) -> Iterator[Array | None]:
         """Kinematics, rows, solve; the last gives the answer."""
-        state = self.state(k)
-        state.ready()
+        state.accelerated()
         yield None
         yield from self._decide(self.fill(k, state))
 

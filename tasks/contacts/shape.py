@@ -10,9 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 from hqp import InvalidInput
 
 from ..base.checks import Array, finite, positive, positive_scalar
+from ..base.telling import tell
 
 #: Points count as collinear, or as one point, up to this share of their extent.
 FLAT = 1e-6
+#: Points count as in one plane up to this share of their extent.
+UNEVEN = 0.01
 #: Cosine beyond which an axis of the frame counts as parallel to the normal.
 STEEP = 0.7
 
@@ -74,7 +77,21 @@ def shape_of(
     own = finite(points, f"{what}: points")
     if own.ndim != 2 or own.shape[1] != 3 or not len(own):
         raise InvalidInput(f"{what}: points have shape {own.shape}; they must be (k, 3), one or more of them, in m")
-    return _shape(own + middle)
+    shape = _shape(own + middle)
+    off = _unevenness(shape)
+    if off > UNEVEN * np.ptp(own, axis=0).max():
+        tell(
+            f"{what}: its points are up to {1e3 * off:.3g} mm off one plane; each has a friction cone about the one"
+            " normal, as on a step. Is a coordinate wrong?"
+        )
+    return shape
+
+
+def _unevenness(shape: Shape) -> float:
+    """How far points are from the plane that fits them best, at most [m]."""
+    out = shape.points - shape.centre
+    normal = np.linalg.svd(out, full_matrices=True)[2][2]
+    return float(np.abs(out @ normal).max())
 
 
 def _shape(points: Array) -> Shape:

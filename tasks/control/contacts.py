@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -22,8 +22,34 @@ if TYPE_CHECKING:
 #: Cap on the normal forces of a contact while it is being made: the weight of the robot, with this gravity [m/s^2]; or,
 #: if the base is fixed and the weight unknown, this force [N].
 GRAVITY, FIXED = 9.81, 1000.0
-#: Axes of forces that are given in world axes.
-NO_AXES = np.zeros(0)
+#: Of each contact or loop with forces, by its name: where these are in x, and where its axes are among all axes.
+Places: TypeAlias = "dict[str, tuple[Contact | Loop, slice, slice]]"
+
+
+class ForcePlaces:
+    """Where the forces of each contact are among all unknowns of a stack, the same at every tick.
+
+    Parameters
+    ----------
+    rows : HierarchyWriter
+    """
+
+    def __init__(self, rows: HierarchyWriter) -> None:
+        unknowns, shared = rows.unknowns, rows.shared
+        self._axes: list[Array] = [np.zeros(0)]
+        self._places: Places = {}
+        last = 0
+        for block in unknowns.blocks:
+            owner, first = block.owner, last
+            assert isinstance(owner, Contact | Loop)
+            if isinstance(owner, Contact):
+                self._axes.append(owner.slot(shared).axes)
+                last += len(self._axes[-1])
+            self._places[block.name] = owner, unknowns.of(owner), slice(first, last)
+
+    def forces(self, x: Array) -> Forces:
+        """The forces in x, the answer of this tick."""
+        return Forces(self._places, x, np.concatenate(self._axes))
 
 
 class Forces(Mapping[str, Array]):
@@ -33,20 +59,16 @@ class Forces(Mapping[str, Array]):
     contact with one wrench, shape (6,), [N] and [N m] about its centre. :meth:`cop` gives the centre of pressure.
     """
 
-    def __init__(self, rows: HierarchyWriter, x: Array) -> None:
-        unknowns, shared = rows.unknowns, rows.shared
-        self._of: dict[str, tuple[Contact | Loop, Array, Array]] = {}
-        for block in unknowns.blocks:
-            owner = block.owner
-            axes = owner.slot(shared).axes.copy() if isinstance(owner, Contact) else NO_AXES
-            assert isinstance(owner, Contact | Loop)
-            self._of[block.name] = owner, x[unknowns.of(owner)], axes
+    def __init__(self, places: Places, x: Array, axes: Array) -> None:
+        self._places, self._x, self._axes = places, x, axes
 
     def __getitem__(self, name: str) -> Array:
-        if name not in self._of:
-            raise KeyError(f"{name!r} is no contact{suggestion(str(name), self._of)}")
-        owner, f, axes = self._of[name]
-        return owner.forces(f, axes) if isinstance(owner, Contact) else owner.forces(f)
+        found = self._places.get(name)
+        if found is None:
+            raise KeyError(f"{name!r} is no contact{suggestion(str(name), self._places)}")
+        owner, own, axes = found
+        f = self._x[own]
+        return owner.forces(f, self._axes[axes]) if isinstance(owner, Contact) else owner.forces(f)
 
     def cop(self, name: str) -> Array:
         """The centre of pressure of a contact in the coordinates of its frame, shape (3,) [m]; NaN without pressure."""
@@ -59,21 +81,21 @@ class Forces(Mapping[str, Array]):
         return contact.normal_forces(f)
 
     def _find(self, name: str) -> tuple[Contact, Array, Array]:
-        found = self._of.get(name)
+        found = self._places.get(name)
         if found is None or not isinstance(found[0], Contact):
             raise KeyError(f"{name!r} is no contact{suggestion(str(name), self.contacts)}")
-        return found[0], found[1], found[2]
+        return found[0], self._x[found[1]], self._axes[found[2]]
 
     @property
     def contacts(self) -> tuple[str, ...]:
         """The names of the contacts, without loops."""
-        return tuple(name for name, (owner, _, _) in self._of.items() if isinstance(owner, Contact))
+        return tuple(name for name, (owner, _, _) in self._places.items() if isinstance(owner, Contact))
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._of)
+        return iter(self._places)
 
     def __len__(self) -> int:
-        return len(self._of)
+        return len(self._places)
 
     def __repr__(self) -> str:
         return f"Forces({', '.join(f'{name}: {self[name].round(3).tolist()}' for name in self)})"
@@ -136,16 +158,6 @@ def check_change(
             "change: the new stack has other contacts; put all of them into both stacks, and release and make them, or"
             " change with duration=0"
         )
-
-
-def joint_torques(rows: HierarchyWriter, x: Array) -> Array:
-    """``M a + b - G^T f`` of all joints that have a motor, from the arrays of this tick, shape (nv - base,) [N m]."""
-    shared, nv = rows.shared, rows.unknowns.nv
-    M, b, first = shared.blocks.mass_matrix(), shared.blocks.bias(), base(shared.robot)
-    tau = M[first:] @ x[:nv] + b[first:]
-    if rows.unknowns.n > nv:
-        tau -= x[nv:] @ shared.wrenches[:, first:]
-    return np.asarray(tau)
 
 
 def weight_of(rows: HierarchyWriter) -> float:

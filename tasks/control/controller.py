@@ -61,8 +61,8 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         an acceleration limit come to rest at the ends of their ranges with at most 60 rad/s^2. Elsewhere the answer is
         the strict one. ``step.relaxed`` and ``step.solution.explain()`` show where levels are relaxed;
         ``Damped(level, None)`` keeps a level strict. None: every level is strict. All levels are also strict if the
-        stack has damping of its own, if no part has curvature (as postures), if contact forces are unknowns, and with
-        closed-form backends, which take no inequalities.
+        stack has damping of its own, if no part has curvature (as postures), if contact forces are unknowns (then see
+        docs/contacts.md, "Tasks out of reach"), and with closed-form backends, which take no inequalities.
 
     Raises
     ------
@@ -182,6 +182,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
             "changes": [] if self._transition is None else self._transition.history(),
             "kept": of.kept(self.stack, self._rows),
             "pressed": self._pressed if self._forces is None else of.pressed(self._forces),
+            "aims": self._rows.every_aim,
         }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -194,6 +195,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
             self._transition.since = since
         of.take(state["kept"], self._rows)
         self._pressed = state["pressed"]
+        self._rows.every_aim[:] = state["aims"]
 
     @property
     def stack(self) -> Stack:
@@ -279,9 +281,10 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
             return new(Step, ("velocity", state, solution, x, None, None, share, None))
         valid = solution.status is not Status.INVALID
         tau = None if self._torques is None else self._torques(self._rows, state, x, valid)
-        if self._rows.unknowns.blocks:
-            self._forces = of.Forces(self._rows, x)
-            x = x[: self._rows.unknowns.nv]
+        places = self._now.forces
+        if places is not None:
+            self._forces = places.forces(x)
+            x = x[: self.robot.nv]
         return new(Step, (self.order, state, solution, None, x, tau, share, self._forces))
 
     def release(self, contact: Contact | str, duration: float = 0.0) -> None:
@@ -399,6 +402,8 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
     def __repr__(self) -> str:
         tick = "" if self.dt is None else f", dt={self.dt:g}"
         tick += "" if self._prepared.how.damping else ", damping=None"
+        undamped = self._now.forces is not None and self._prepared.how.damping and not self._rows.levels.damps
+        tick += ", strict, as forces are unknowns" if undamped else ""
         ends = self._rows.shared.envelope.eased
         tick += "" if np.isinf(ends) else f", at ends of ranges {ends:g} rad/s^2"
         tick += ", torque=True" if self._torques is not None and self.order == "acceleration" else ""

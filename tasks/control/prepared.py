@@ -17,6 +17,7 @@ from ..base.telling import tell
 from ..robots.robot import Robot, RobotState, limit_of
 from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.part import Order, Stack
+from .contacts import ForcePlaces
 
 if TYPE_CHECKING:
     from ..rows.site import Memory
@@ -60,10 +61,16 @@ class PreparedStack:
     stack : Stack
     rows : HierarchyWriter
     solver : hqp.Solver or CalmSolver
+
+    Attributes
+    ----------
+    forces : ForcePlaces or None
+        None where no forces are unknowns.
     """
 
     def __init__(self, stack: Stack, rows: HierarchyWriter, solver: Solver | CalmSolver) -> None:
         self.stack, self.rows, self.solver = stack, rows, solver
+        self.forces = ForcePlaces(rows) if rows.unknowns.blocks else None
 
     def solve(self, state: RobotState, t: float, last: Array | None, fault: str | None = None) -> Solution:
         """The solution at this state and time t [s].
@@ -80,9 +87,12 @@ class PreparedStack:
         rows = self.rows
         if fault is None and isfinite(t):
             rows.fill(state, t)
-            if isinstance(self.solver, Solver):
-                return self.solver.solve(rows.hierarchy, aims=rows.aims)
-            return self.solver.solve(rows.hierarchy, last)
+            if not isinstance(self.solver, Solver):
+                return self.solver.solve(rows.hierarchy, last)
+            solution = self.solver.solve(rows.hierarchy, aims=rows.aims)
+            if self.forces is not None and rows.aims is not None and solution.ok:
+                rows.aim_at_forces(solution.x)
+            return solution
         rows.hierarchy.lower.fill(np.nan)  # NaN in every bound makes the solution INVALID
         return replace(self.solver.solve(rows.hierarchy), message=fault or f"t = {t} s must be finite")
 

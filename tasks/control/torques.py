@@ -10,10 +10,11 @@ import numpy as np
 from hqp import InvalidInput
 
 from ..base.checks import Array
-from ..robots.robot import Robot, RobotState, check_fixed_base, inverse_dynamics
+from ..robots.robot import Robot, RobotState, base, check_fixed_base, inverse_dynamics
 from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.part import Command, Stack
-from .contacts import check_torques, has_dynamics, joint_torques
+from ..rows.site import Workspace
+from .contacts import check_torques, has_dynamics
 
 #: Function that gives joint torques [N m] from the rows of this tick, the state, x, and whether they are valid.
 Torques: TypeAlias = Callable[[HierarchyWriter, RobotState, Array, bool], Array]
@@ -35,9 +36,28 @@ class RobotTorques:
         return _finite(self._inverse_dynamics(state.q, state.v, x), True) if valid else np.zeros_like(x)
 
 
-def contact_torques(rows: HierarchyWriter, state: RobotState, x: Array, valid: bool) -> Array:
-    """``M a + b - G^T f`` for a stack with the motion equation, from the arrays of this tick."""
-    return _finite(joint_torques(rows, x), valid)
+class ContactTorques:
+    """``M a + b - G^T f`` of all joints that have a motor, from the arrays of this tick, by one loop."""
+
+    def __init__(self) -> None:
+        self._shared: Workspace | None = None
+
+    def __call__(self, rows: HierarchyWriter, state: RobotState, x: Array, valid: bool) -> Array:
+        if rows.shared is not self._shared:
+            self._come_to(rows.shared)
+        self._x[:] = x
+        return self._torques.copy() if self._compute() and valid else np.zeros_like(self._torques)
+
+    def _come_to(self, shared: Workspace) -> None:
+        """Make the loop for the arrays of this workspace."""
+        from ..base.loops import Call
+        from ..contacts.kernels.dynamics import compute_torques
+
+        n, first = shared.n, base(shared.robot)
+        self._x, self._torques = np.zeros(shared.unknowns.n), np.zeros(n - first)
+        arrays = shared.blocks.mass_matrix(), shared.blocks.bias(), shared.wrenches, 0, self._x, self._torques
+        self._compute = Call(compute_torques, n, shared.unknowns.n, first, n - first, *arrays).run
+        self._shared = shared
 
 
 def torques_of(robot: Robot, stack: Stack, order: Command) -> Torques:
@@ -55,7 +75,7 @@ def torques_of(robot: Robot, stack: Stack, order: Command) -> Torques:
         raise InvalidInput(f"torque = True, but order = {order!r} gives no accelerations; it must be False")
     check_torques(stack)
     if has_dynamics(stack):
-        return contact_torques
+        return ContactTorques()
     check_fixed_base(robot, asked)
     method = inverse_dynamics(robot)
     if method is None:

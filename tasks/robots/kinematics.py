@@ -40,6 +40,7 @@ class Kinematics:
             self.data = model.createData()
         except MemoryError:
             raise InvalidInput(f"{what} has {model.njoints - 1} joints; it is too large for Pinocchio") from None
+        self._still = np.zeros(model.nv)
         self._apart: pin.Data | None = None
         self._holder: RobotState | None = None
         self._accelerated = False
@@ -53,10 +54,12 @@ class Kinematics:
 
     def accelerations(self, state: RobotState) -> pin.Data:
         """The data with joint Jacobians, and the accelerations of the joints' frames at zero joint acceleration."""
-        data = self.jacobians(state)
-        if not self._accelerated:
-            pin.forwardKinematics(self.model, data, state.q, state.v, np.zeros(self.model.nv))
-            self._accelerated = True
+        data, known = self.data, self._holder is state
+        if not (known and self._accelerated):
+            pin.forwardKinematics(self.model, data, state.q, state.v, self._still)
+            if not known:
+                pin.computeJointJacobians(self.model, data)  # from the placements of the line above
+            self._holder, self._accelerated = state, True
         return data
 
     def center_of_mass(self, q: Array) -> pin.Data:

@@ -71,10 +71,11 @@ class HierarchyWriter:
     planned, tuned : int
         How often rows have been planned: whoever knows plans by their addresses looks at them again. And how often the
         numbers of a law have changed since: whoever goes by gains looks at those.
-    aims : dict of int to array, shape (nv,), or None
-        What each damped level is damped towards at this tick, ``-2 zeta K v`` by the fastest of its tasks; None at
-        other orders than that of accelerations, where it is zero, and where no level is damped.
-    every_aim : array, shape (levels, nv)
+    aims : dict of int to array, shape (n,), or None
+        What each damped level is damped towards at this tick, ``-2 zeta K v`` by the fastest of its tasks, and the
+        forces of the tick before; None at other orders than that of accelerations, where it is zero, and where no level
+        is damped.
+    every_aim : array, shape (levels, n)
         The same of all levels, zero where there is none.
     """
 
@@ -118,6 +119,10 @@ class HierarchyWriter:
         self._ends = ends
         self.shared.envelope.ease_ends(ends)
         self._chain()
+
+    def aim_at_forces(self, x: Array) -> None:
+        """Damp levels towards the forces in x from the next tick on: damped towards 0 they would not bear the robot."""
+        self.every_aim[:, self.unknowns.nv :] = x[self.unknowns.nv :]
 
     def _take_note(self, damped: Iterable[int]) -> None:
         """Which levels are damped: at acceleration order they have aims."""

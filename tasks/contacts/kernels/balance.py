@@ -20,6 +20,8 @@ GRAVITY = 9.81
 LOW, WALL = 1e-3, 0.5
 #: Points count as the same, or as on a line, up to this squared distance, or twice the area that they span [m^2].
 FLAT = 1e-10
+#: The first corner of a hull is the farthest along (1, ASLANT), to which few edges of feet are perpendicular.
+ASLANT = 0.4142
 #: Entries of a contact that may bear: its slot; block of its frame; axes of its surface; its points, and how many.
 SLOT, BLOCK, AXES, POINTS, COUNT = range(5)
 FIELDS = 5
@@ -132,10 +134,18 @@ def write_capture_point(here):
 
 
 @inner
-def hull(x, y, count, out_x, out_y):
-    """Write the corners of the convex hull of `count` points, counter-clockwise, by monotone chains; returns how many.
+def turn(x, y, i, j, a, b):
+    """Twice the area of the triangle of points i, j of x, y and (a, b); positive if it is counter-clockwise [m^2]."""
+    return (x[j] - x[i]) * (b - y[i]) - (y[j] - y[i]) * (a - x[i])
 
-    Sorts the points x, y in place.
+
+@inner
+def hull(x, y, count, out_x, out_y):
+    """Write the corners of the convex hull of `count` points, counter-clockwise; returns how many: two for a line.
+
+    Monotone chains of the exact hull, without any tolerance: corners would be lost whose order along the sweep is one
+    of round-off, as of feet side by side. Then corners are left out that lie on another one, or on a line with their
+    neighbours. Sorts the points x, y in place.
     """
     for i in range(1, count):
         a, b, k = x[i], y[i], i
@@ -143,25 +153,51 @@ def hull(x, y, count, out_x, out_y):
             x[k], y[k] = x[k - 1], y[k - 1]
             k -= 1
         x[k], y[k] = a, b
-    size, turn = 0, 2
+    size, least = 0, 2
     for step in range(2 * count - 1):  # the lower chain, then the upper one backwards
         i = step if step < count else 2 * count - 2 - step
-        least = 2 if step < count else turn
-        while (
-            size >= least
-            and (out_x[size - 1] - out_x[size - 2]) * (y[i] - out_y[size - 2])
-            - (out_y[size - 1] - out_y[size - 2]) * (x[i] - out_x[size - 2])
-            <= FLAT
-        ):
+        while size >= least and turn(out_x, out_y, size - 2, size - 1, x[i], y[i]) <= 0.0:
             size -= 1
-        if size == 0 or (x[i] - out_x[size - 1]) ** 2 + (y[i] - out_y[size - 1]) ** 2 > FLAT:
-            out_x[size], out_y[size] = x[i], y[i]
-            size += 1
+        out_x[size], out_y[size] = x[i], y[i]
+        size += 1
         if step == count - 1:
-            turn = size + 1
-    if size > 1 and (out_x[0] - out_x[size - 1]) ** 2 + (out_y[0] - out_y[size - 1]) ** 2 <= FLAT:
-        size -= 1
-    return size
+            least = size + 1
+    return without_flat(out_x, out_y, max(size - 1, 1))  # the last corner is the first one again
+
+
+@inner
+def without_flat(x, y, size):
+    """Leave out corners of a hull that lie on another one, or on a line with their neighbours; returns how many stay.
+
+    Of a hull without area the two ends stay, of a point one. The first corner is one that round-off does not change
+    from tick to tick, so that each edge keeps its row. Room for twice the corners is needed.
+    """
+    i, j, most = 0, 0, FLAT
+    for a in range(size):  # the ends
+        for b in range(a):
+            length = (x[a] - x[b]) ** 2 + (y[a] - y[b]) ** 2
+            if length > most:
+                i, j, most = b, a, length
+    first_x, first_y, last_x, last_y = x[i], y[i], x[j], y[j]
+    kept = 0
+    for k in range(size):
+        before, a, b = (kept if kept > 0 else size) - 1, x[k], y[k]
+        after = k + 1 if k + 1 < size else 0
+        if (a - x[before]) ** 2 + (b - y[before]) ** 2 <= FLAT or turn(x, y, before, k, x[after], y[after]) <= FLAT:
+            continue
+        x[kept], y[kept] = a, b
+        kept += 1
+    if kept > 2:
+        first = 0
+        for k in range(kept):
+            x[kept + k], y[kept + k] = x[k], y[k]
+            if x[k] + ASLANT * y[k] > x[kept + first] + ASLANT * y[kept + first]:
+                first = k
+        for k in range(kept):
+            x[k], y[k] = x[kept + (first + k) % kept], y[kept + (first + k) % kept]
+        return kept
+    x[0], y[0], x[1], y[1] = first_x, first_y, last_x, last_y
+    return 1 if i == j else 2
 
 
 @inner

@@ -1,4 +1,4 @@
-"""Loops that write the motion equation of a floating base, and add external wrenches."""
+"""Loops that write the motion equation of a floating base, add external wrenches, and compute joint torques."""
 
 from __future__ import annotations
 
@@ -39,3 +39,33 @@ def add_wrench(here):
         for j in range(n):
             bias[j] -= J[k * n + j] * wrench[k]
     return 0
+
+
+#: Table of torques: after the entries of :mod:`tasks.rows.kernels.motion`, of which the matrix is not used, all
+#: unknowns x = (a, f), and the torques.
+X, TORQUES = range(motion.LENGTH, motion.LENGTH + 2)
+
+
+@stamp
+@entry
+def compute_torques(here):
+    """Compute the torques ``M a + b - G^T f`` of the rows of the motion equation; 1 if all are finite, else 0."""
+    told = ints(here, 0, motion.LENGTH + 2)
+    n, first, rows = told[motion.N], told[motion.FIRST], told[motion.ROWS]
+    forces = told[motion.UNKNOWNS] - n
+    M, bias = floats(told[motion.MASSES], first * n, rows * n), floats(told[motion.BIAS], first, rows)
+    a, f = floats(told[X], 0, n), floats(told[X], n, forces)
+    torques = floats(told[TORQUES], 0, rows)
+    for r in range(rows):
+        total = bias[r]
+        for j in range(n):
+            total += M[r * n + j] * a[j]
+        torques[r] = total
+    for i in range(forces):
+        G = floats(told[motion.WRENCHES], i * n + first, rows)
+        for r in range(rows):
+            torques[r] -= f[i] * G[r]
+    nothing = 0.0
+    for r in range(rows):
+        nothing += 0.0 * torques[r]  # NaN where a torque is not finite
+    return 1 if nothing == 0.0 else 0

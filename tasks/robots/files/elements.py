@@ -14,7 +14,7 @@ from hqp import InvalidInput
 #: The elements of a robot by parent element; those that may occur only once.
 ELEMENTS = {
     "robot": ("link", "joint"),
-    "joint": ("origin", "parent", "child", "axis", "limit", "mimic"),
+    "joint": ("origin", "parent", "child", "axis", "limit", "mimic", "safety_controller"),
     "link": ("inertial", "collision"),
     "inertial": ("origin", "mass", "inertia"),
     "collision": ("origin", "geometry"),
@@ -22,7 +22,7 @@ ELEMENTS = {
 ONCE = (*ELEMENTS["joint"], *ELEMENTS["inertial"], "inertial", "geometry")
 #: Elements that are known to mean nothing to a controller, by parent element.
 PASSED = {
-    "joint": ("dynamics", "safety_controller", "calibration"),
+    "joint": ("dynamics", "calibration"),
     "link": ("visual", "contact", "self_filter", "collision_checking", "kinematic", "gravity", "surface"),
 }
 #: The attributes of elements, all that make a robot what it is.
@@ -35,11 +35,12 @@ ATTRIBUTES = {
     "axis": ("xyz",),
     "limit": ("lower", "upper", "velocity", "effort"),
     "mimic": ("joint", "multiplier", "offset"),
+    "safety_controller": ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"),
     "mass": ("value",),
     "inertia": ("ixx", "iyy", "izz", "ixy", "ixz", "iyz"),
 }
 #: Elements whose other attributes are told: they add to what is read, and change nothing of it.
-OPEN = ("joint", "link", "limit", "parent", "child")
+OPEN = ("joint", "link", "limit", "parent", "child", "safety_controller")
 #: Elements of an SRDF.
 SRDF = ("group", "group_state", "disable_collisions")
 #: Elements of other tools, which may contain their own joints and links.

@@ -19,6 +19,7 @@ from ..frame_names import KINDS
 from ..ranges import open_ranges
 from .description import BASE_JOINT, BASES, Description
 from .elements import check_elements, what_is_unread
+from .soft_ranges import narrow_ranges
 from .ties import Tie
 from .xml import parsed, written
 
@@ -43,6 +44,7 @@ def read_urdf(path: Path, base: Base | None, what: str) -> Description:
     ties = list(_ties(joints, what))
     _check_axes(joints, what)
     _tell_of_zeros(joints, what)
+    narrow_ranges(joints, _number, what)
     _open(joints, {name for tie in ties for name in (tie.follower, tie.leader)})
     shared = rename_shared(root)
     _drop_pictures(root)
