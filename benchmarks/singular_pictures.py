@@ -23,8 +23,8 @@ LEAST = 1e-2, 1e-1, 1e-2
 
 def draw(path: Path, runs: Mapping[str, Sequence[Run]]) -> None:
     """Draw a column for each scene: largest joint speed, error of the position, error of the orientation."""
-    with mpl.rc_context({"font.size": 8, "axes.titlesize": 9, "axes.titlelocation": "left", "legend.frameon": False}):
-        figure = Figure(figsize=(11.0, 6.0), layout="constrained")
+    with mpl.rc_context({"font.size": 11, "axes.titlesize": 12, "axes.titlelocation": "left", "legend.frameon": False}):
+        figure = Figure(figsize=(11.0, 8.0), layout="constrained")
         grid = figure.subplots(3, len(runs), sharex="col", sharey="row", squeeze=False)
         for column, (name, each) in zip(grid.T, runs.items(), strict=True):
             column[0].set_title(name)
@@ -47,4 +47,4 @@ def draw(path: Path, runs: Mapping[str, Sequence[Run]]) -> None:
             axes.set_ylabel(what)
         handles, labels = grid[0, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=-(-len(labels) // 2))
-        figure.savefig(path, dpi=76, metadata={"Software": None}, pil_kwargs={"optimize": True})
+        figure.savefig(path, dpi=100, metadata={"Software": None}, pil_kwargs={"optimize": True})

@@ -153,12 +153,21 @@ def test_a_box_that_is_moved_is_seen_at_the_next_tick() -> None:
     assert np.abs(before - fresh).max() > 1e-3
 
 
+def test_a_point_is_a_place_with_the_axes_of_the_world() -> None:
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    for solid in Box([0.1, 0.2, 0.3], [0.5, 0.1, 0.2]), Polyhedron(corners, [0.5, 0.1, 0.2]):
+        np.testing.assert_array_equal(solid.at, at(0.5, 0.1, 0.2))
+        solid.at = [0.4, 0.0, 0.0]
+        np.testing.assert_array_equal(solid.at, at(0.4, 0.0, 0.0))
+
+
 @pytest.mark.parametrize(
     ("make", "words"),
     [
         (lambda: Box([0.1, -0.2, 0.3]), "size"),
         (lambda: Box([0.1, 0.2]), "(3,)"),
         (lambda: Box([0.1, 0.2, 0.3], np.eye(3)), "(4, 4)"),
+        (lambda: Box([0.1, 0.2, 0.3], [0.5, np.nan, 0.2]), "at"),
         (lambda: Polyhedron(np.eye(3)), "plane"),
         (lambda: CollisionLimit([], margin=0.0, gain=1.0), "got none"),
         (lambda: CollisionLimit([1.0], margin=0.0, gain=1.0), "Box or Polyhedron"),

@@ -10,7 +10,7 @@ import pytest
 from mjcf_idioms import FOUR_BARS, LOOPS
 
 from hqp import InvalidInput
-from tasks import Controller, Loop, PostureTask, Stack, load_robot, simulate
+from tasks import Controller, Loop, PositionTask, PostureTask, Stack, load_robot, simulate
 from tasks.base.rotations import log
 from tasks.contacts.loop import LoopMotion
 
@@ -41,6 +41,31 @@ def test_stacks_close_them(name, order) -> None:
     record = simulate(Controller(robot, stack, order=order, dt=0.005), start, duration=2.0)
     error = LoopMotion(Loop.of(robot)[0]).error(robot.at(record.q[-1]), 0.0)
     assert np.abs(error).max() < 1e-3
+
+
+#: A planar four-bar on the forearm of an arm in space, its pin told by three rows, of which one is across its plane.
+CARRIED = """
+<mujoco><compiler angle="radian"/><default><joint range="-3 3"/><geom size=".01"/></default><worldbody>
+  <body name="base"><geom/>
+  <body pos="0 0 .1"><joint name="pan" axis="0 0 1"/><geom/><body pos="0 0 .3"><joint name="lift" axis="0 1 0"/>
+    <geom/><body pos="0 0 .4"><joint name="elbow" axis="0 1 0"/><geom/><site name="tip" pos=".3 0 .1"/>
+      <body name="crank" pos="0 0 .1"><joint name="crank" axis="0 1 0"/><geom/>
+        <body name="coupler" pos="0 0 .1"><joint name="coupler" axis="0 1 0"/><geom/></body></body>
+      <body name="rocker" pos=".1 0 .1"><joint name="rocker" axis="0 1 0"/><geom/></body>
+</body></body></body></body></worldbody>
+<equality><connect body1="coupler" body2="rocker" anchor=".1 0 0"/></equality></mujoco>"""
+
+
+@pytest.mark.parametrize("options", [{}, {"damping": None}], ids=["default", "strict"])
+def test_a_chain_takes_nothing_from_the_joints_that_carry_it(options) -> None:
+    """Differences of columns that are the same are zero, not round-off, which would be rows."""
+    robot = load_robot(mujoco.MjModel.from_xml_string(CARRIED), tip="tip", velocity_limit=2.0)
+    q = robot.configuration({"lift": 0.5, "elbow": 1.0, "crank": 0.3, "coupler": -0.3, "rocker": 0.3})
+    reach = PositionTask(robot.at(q).frame().position + np.array([0.0, 0.02, 0.0]), gain=5.0)
+    closed = Controller(robot, Stack(*Loop.of(robot)) >> reach >> PostureTask(q, gain=1.0), dt=5e-3, **options)(q)
+    free = Controller(robot, reach >> PostureTask(q, gain=1.0), dt=5e-3, **options)(q)
+    np.testing.assert_allclose(closed.v, free.v, atol=1e-9)
+    assert [level.rank for level in closed.solution.levels] == [2, 3, 1]
 
 
 def test_that_there_are_loops_is_told(caplog, nothing_told) -> None:

@@ -21,6 +21,7 @@ from tasks import (
     Record,
     simulate,
 )
+from tasks.simulation.account import MOST_TOLD, Shortfall, account
 from tasks.simulation.record import Stop
 
 ARM = PlanarArm([0.5, 0.4, 0.3])
@@ -221,7 +222,22 @@ def test_an_account_tells_which_level_was_short_from_when_to_when_and_held_by_wh
         lines[0]
         == f"t = 0 .. {record.checked_t[-1]:g} s, {record.certified} of {record.checked} checked ticks certified"
     )
-    assert len(lines) == 1 + len(told.stretches)
+    levels = {stretch.level: sum(each.level == stretch.level for each in told.stretches) for stretch in told.stretches}
+    assert len(lines) == 1 + sum(min(number, MOST_TOLD + 1) for number in levels.values())
+
+
+def test_an_account_is_short_however_often_a_level_is():
+    """The worst stretches have their lines; one line has the number, the times and the most of all others."""
+    sizes = [3e-5, 0.2, 1e-6, 0.5, 2e-4, 0.1, 4e-5, 0.3]
+    met_between = [size for each in sizes for size in (each, None)]
+    ticks = [[] if size is None else [Shortfall("hand", {"m/s": size}, ("damping",))] for size in met_between]
+    told = account(np.arange(len(ticks)) * 0.1, ticks, len(ticks), None)
+    assert [stretch.most["m/s"] for stretch in told.stretches] == sizes
+    lines = str(told).splitlines()[1:]
+    assert len(lines) == MOST_TOLD + 1
+    for line, words in zip(lines, ("from 0 to 1.2 s, by at most 0.1", "at 0.2 s", "at 0.6 s", "at 1.4 s"), strict=True):
+        assert words in line
+    assert "5 other times" in lines[0]
 
 
 def test_a_motion_that_lacks_nothing_says_so_and_one_that_was_not_checked_too():

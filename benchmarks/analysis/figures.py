@@ -27,6 +27,8 @@ _FIRST, _COLOURS = "#000000", ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69
 _LINES, _MARKERS = ("-", "--", ":"), "osD^vP"
 #: Factors of a profile, and errors, beyond which nothing is shown.
 _FURTHEST, _LEAST = 1e4, 1e-16
+#: What the axes of growth get on top for a legend of three lines above all curves, as a share of their decades.
+_HEADROOM = 0.35
 
 
 class Styles:
@@ -82,7 +84,9 @@ def draw_growth(rows: pd.DataFrame, path: Path) -> None:
                 if here:
                     axes.set_xticks(here[0].sizes, [f"{size:.0f}" for size in here[0].sizes])
                     axes.minorticks_off()
-                    axes.legend(loc="upper left", frameon=True, framealpha=0.9, edgecolor="none")
+                    bottom, top = axes.get_ylim()
+                    axes.set_ylim(bottom, top * (top / bottom) ** _HEADROOM)
+                    axes.legend(loc="upper left")
             line[0].set_ylabel("median time [us]")
 
 

@@ -23,8 +23,8 @@ class Solid(Live):
 
     Parameters
     ----------
-    at : array, shape (4, 4), or pinocchio.SE3
-        Where it is in the world.
+    at : array, shape (4, 4) or (3,), or pinocchio.SE3
+        Where it is in the world; a point [m] leaves its axes along those of the world.
     name : str
         For labels.
     """
@@ -37,8 +37,11 @@ class Solid(Live):
     @number
     def at(self, value: Any) -> Array:
         """Where it is in the world, shape (4, 4); set it to move it from one tick to the next."""
-        place = np.eye(4)
-        place[:3, 3], place[:3, :3] = transform(value, f"{self.full_name()}: at")
+        what, place = f"{self.full_name()}: at", np.eye(4)
+        if np.shape(value) == (3,):
+            place[:3, 3] = finite(value, what)
+        else:
+            place[:3, 3], place[:3, :3] = transform(value, what)
         return place
 
     def numbers(self) -> tuple[Any, ...]:
@@ -57,8 +60,8 @@ class Box(Solid):
     ----------
     size : array, shape (3,)
         Its edges along its own axes [m].
-    at : array, shape (4, 4), or pinocchio.SE3
-        Where its centre is in the world, and how it stands.
+    at : array, shape (4, 4) or (3,), or pinocchio.SE3
+        Where its centre is in the world, and how it stands; a point [m] leaves its axes along those of the world.
     name : str
 
     Raises
@@ -68,11 +71,8 @@ class Box(Solid):
 
     Examples
     --------
-    >>> import numpy as np
     >>> from tasks import Box
-    >>> place = np.eye(4)
-    >>> place[:3, 3] = [0.5, 0.0, 0.2]
-    >>> Box([0.6, 1.2, 0.04], place, name="table")
+    >>> Box([0.6, 1.2, 0.04], [0.5, 0.0, 0.2], name="table")
     Box([0.6, 1.2, 0.04])
     """
 
@@ -107,8 +107,8 @@ class Polyhedron(Solid):
     ----------
     points : array, shape (k, 3)
         At least four, not in a plane [m].
-    at : array, shape (4, 4), or pinocchio.SE3
-        Where its own coordinates are in the world.
+    at : array, shape (4, 4) or (3,), or pinocchio.SE3
+        Where its own coordinates are in the world; a point [m] leaves its axes along those of the world.
     name : str
 
     Raises

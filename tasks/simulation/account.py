@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from hqp import Solution
@@ -16,6 +16,8 @@ from ..base.checks import Array
 MOST_NAMED = 3
 #: A residual up to this size is round-off [m/s], [rad/s], ...
 ROUND_OFF = 1e-9
+#: The most stretches of one level that a line each is written of: the worst ones; the rest of them share a line.
+MOST_TOLD = 3
 #: A level that lacks up to this counts as met: damping and contacts leave residuals of such sizes [m/s], [rad/s], ...
 NEGLIGIBLE = 1e-7
 
@@ -88,7 +90,10 @@ class Stretch:
     causes: tuple[str, ...]
 
     def __str__(self) -> str:
-        when = f"at {self.begin:g} s" if self.begin == self.end else f"from {self.begin:g} to {self.end:g} s"
+        return self.told(f"at {self.begin:g} s" if self.begin == self.end else f"from {self.begin:g} to {self.end:g} s")
+
+    def told(self, when: str) -> str:
+        """The line about it, with the words for its time."""
         lacks = " and ".join(f"{norm:.3g} {unit}".rstrip() for unit, norm in self.most.items())
         why = ", then ".join(self.causes) if self.causes else "its own rows contradict each other"
         return f"{self.level} short {when}, by at most {lacks}: {why}"
@@ -97,6 +102,8 @@ class Stretch:
 @dataclass(frozen=True)
 class Account:
     """The explanation of a whole motion; ``print`` it.
+
+    Of a level with many stretches the worst are printed in a line each, and all others in one more line.
 
     Attributes
     ----------
@@ -122,7 +129,7 @@ class Account:
             lines = ["no tick was checked; simulate(..., certify=1) checks all"]
         else:
             every = f"{self.certified} of {self.checked} checked ticks certified"
-            lines = [f"t = {self.begin:g} .. {self.end:g} s, {every}", *map(str, self.stretches)]
+            lines = [f"t = {self.begin:g} .. {self.end:g} s, {every}", *_lines(self.stretches)]
             lines += [] if self.stretches else ["all levels met"]
         return "\n".join(lines + ([] if self.stopped is None else [f"stopped: {self.stopped}"]))
 
@@ -154,6 +161,27 @@ def account(checked_t: Array, ticks: Sequence[Sequence[Shortfall]], certified: i
     begin, end = (times[0], times[-1]) if times else (0.0, 0.0)
     stretches = tuple(sorted(done, key=lambda stretch: stretch.begin))
     return Account(begin, end, len(times), certified, stretches, stopped)
+
+
+def _lines(stretches: Sequence[Stretch]) -> list[str]:
+    """The lines about stretches, in the order of time."""
+    found: list[tuple[float, str]] = []
+    for level in dict.fromkeys(stretch.level for stretch in stretches):
+        own = [stretch for stretch in stretches if stretch.level == level]
+        own.sort(key=lambda stretch: max(stretch.most.values(), default=0.0), reverse=True)
+        told, rest = (own, []) if len(own) <= MOST_TOLD + 1 else (own[:MOST_TOLD], own[MOST_TOLD:])
+        found += [(stretch.begin, str(stretch)) for stretch in told]
+        if rest:
+            joined = _joined(rest)
+            when = f"at {len(rest)} other times from {joined.begin:g} to {joined.end:g} s"
+            found.append((joined.begin, joined.told(when)))
+    return [line for _, line in sorted(found, key=lambda each: each[0])]
+
+
+def _joined(stretches: Sequence[Stretch]) -> Stretch:
+    """One stretch for several of a level, from the first begin to the last end, with their commonest causes."""
+    parts = [(stretch.begin, Shortfall(stretch.level, stretch.most, stretch.causes)) for stretch in stretches]
+    return replace(_stretch(sorted(parts, key=lambda each: each[0])), end=max(stretch.end for stretch in stretches))
 
 
 def _stretch(ticks: Sequence[tuple[float, Shortfall]]) -> Stretch:

@@ -12,6 +12,8 @@ from ...rows.kernels import law as of
 #: Table: the table of the law; blocks of both frames, and a point on each; whether the relative rotation of the frames
 #: was stored, and that rotation (1 + 9, by rows); work space; G, and its number of rows.
 LAW, FIRST, SECOND, POINT, OTHER, KEPT, WORK, MAP, FORCES = range(9)
+#: Up to this share of the longest entry an entry is round-off: the difference of two columns that are the same.
+ROUND_OFF = 1e-12
 
 
 @inner
@@ -41,6 +43,26 @@ def moved(block, J, point, n, sign, rows, A, measured, r):
     crossed(w[0], w[1], w[2], x, y, z, sign, measured, d)
     for k in range(3):
         measured[k] -= sign * (block[k] + r[k])
+
+
+@inner
+def cleared(J, other, n, rows, A):
+    """Clear columns of joints that carry both frames, which cannot open the loop, and entries that are round-off.
+
+    A row of round-off would count as a row, and take a direction from the levels below: that of a pin across the plane
+    of a planar chain does so.
+    """
+    longest = 0.0
+    for j in range(n):
+        turns = abs(J[3 * n + j]) + abs(J[4 * n + j]) + abs(J[5 * n + j])
+        carries = turns * (abs(other[3 * n + j]) + abs(other[4 * n + j]) + abs(other[5 * n + j])) > 0.0
+        for k in range(rows):
+            if carries:
+                A[k * n + j] = 0.0
+            longest = max(longest, abs(A[k * n + j]))
+    for k in range(rows * n):
+        if abs(A[k]) <= ROUND_OFF * longest:
+            A[k] = 0.0
 
 
 @inner
@@ -92,6 +114,7 @@ def write_loop(here):
     G = floats(told[MAP], 0, told[FORCES] * n)
     for k in range(told[FORCES] * n):
         G[k] = A[k]
+    cleared(floats(told[FIRST], at.JACOBIAN, 6 * n), J, n, rows, A)
     of.moving(told[LAW])
     of.law(told[LAW])
     return 0
