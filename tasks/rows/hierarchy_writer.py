@@ -225,6 +225,7 @@ class HierarchyWriter:
         shared.curvature = self._live
         self._joints: list[tuple[RowWriter, Array, Array]] = []  # of wide rows: the joints' part
         self._views: list[tuple[RowWriter, Site]] = []
+        self._sites: dict[int, tuple[Site, ...]] = {}  # of all parts, declared ones too, by their ids
         self._weights: list[tuple[Array, NDArray[np.intp]]] = []  # and which rows ask for nothing
         self._ledger = Ledger()
         for level, (view, parts) in enumerate(zip(self.hierarchy.levels, self.levels.parts, strict=True)):
@@ -239,6 +240,9 @@ class HierarchyWriter:
         shared.envelope.ease_ends(self._ends)
         shared.envelope.close(shared)
         self._embed = self._embedding()
+        self._sites |= {id(part): (site,) for part, site in self._views}
+        for declared, meant in self._meant.items():
+            self._sites[declared] = tuple(site for part, site in self._views if any(part is each for each in meant))
         self.plans: list[tuple[RowWriter, Plan]] = [(part, Plan()) for part, _ in self._views]
         self._plan(range(len(self._views)))
 
@@ -348,15 +352,19 @@ class HierarchyWriter:
 
     def bounds(self, part: RowWriter) -> tuple[Array, Array] | None:
         """Lower and upper bounds of a part (views; of one that stands for several, a copy), None if it is not here."""
-        meant = self._meant.get(id(part), (part,))
-        sites = [site for own, site in self._views if any(own is each for each in meant)]
-        if not sites and id(part) not in self._meant:
+        sites = self._sites.get(id(part))
+        if sites is None:
             return None
         if len(sites) == 1:
             return sites[0].lower, sites[0].upper
         none = np.zeros(0)
         lower, upper = ([getattr(site, side) for site in sites] for side in ("lower", "upper"))
         return np.concatenate([none, *lower]), np.concatenate([none, *upper])
+
+    def error(self, part: object) -> Array | None:
+        """The error of a part as it was measured when rows were last filled (a view); None if loops do not keep it."""
+        sites = self._sites.get(id(part), ())
+        return sites[0].plain_error[0] if len(sites) == 1 and sites[0].plain_error else None
 
     def describe(self) -> Description:
         """Who writes the rows of each part, and why Python does where it does."""
