@@ -104,7 +104,7 @@ class Log:
         """Log the state at the beginning of tick k; `solved` tells that the controller has just solved there."""
         self.t[k], self.q[k], self.v[k], self.pose[k] = t, state.q, state.v, self._pose(state)
         for _, part, values in self.errors:
-            known = self._controller.error(part) if solved else None
+            known = self._controller.error(part) if solved and isinstance(part, Part) else None
             values[k] = part.error(state, t) if known is None else known
         self.states = k + 1
 
