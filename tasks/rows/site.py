@@ -326,13 +326,21 @@ def kept_up(trajectory: Callable[[float], Any], value: Array, rate: Array, chang
     if constant(trajectory) is not None:
         return ()
     shapes = [np.shape(part) for part in first]
+    of_value, of_rate, of_change = shapes
 
     def move(t: float) -> None:
         given = trajectory(t)
-        if len(given) != len(shapes):
-            raise InvalidInput(f"a target gives {len(given)} arrays at t = {t:g} s, and gave {len(shapes)} at first")
-        if (now := [np.shape(part) for part in given]) != shapes:
-            raise InvalidInput(f"a target has shapes {now} at t = {t:g} s, and had {shapes} at first")
+        try:
+            r, dr, ddr = given
+            alike = r.shape == of_value and dr.shape == of_rate and ddr.shape == of_change
+        except (ValueError, AttributeError):  # another number of them, or numbers that are no arrays
+            alike = False
+        if not alike:
+            if len(given) != len(shapes):
+                many = f"{len(given)} arrays at t = {t:g} s, and gave {len(shapes)} at first"
+                raise InvalidInput(f"a target gives {many}")
+            if (now := [np.shape(part) for part in given]) != shapes:
+                raise InvalidInput(f"a target has shapes {now} at t = {t:g} s, and had {shapes} at first")
         value[:], rate[:], change[:] = given
 
     return (move,)
