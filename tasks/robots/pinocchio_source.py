@@ -107,9 +107,9 @@ class PinocchioSource:
         for M in self._matrices:
             M[:] = self._robot.mass_matrix(q)
         if drifts:
-            state.accelerated()
+            self._robot.kinematics.accelerations(state)
         else:
-            state.ready()
+            self._robot.kinematics.jacobians(state)
         if self._centre:
             if drifts:
                 pin.centerOfMass(model, data, pin.ACCELERATION, False)
