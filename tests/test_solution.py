@@ -91,3 +91,17 @@ def test_x_belongs_to_the_caller() -> None:
     x_ref = np.zeros(3)
     solve(Hierarchy([], n=3), x_ref=x_ref).x[:] = 7.0
     assert x_ref.tolist() == [0.0, 0.0, 0.0]
+
+
+def test_an_answer_is_judged_by_its_present_numbers_however_often_it_was_judged_before() -> None:
+    solution = solve(Hierarchy([Level.bounds([-1.0, -1.0], [1.0, 1.0]), Level.equality([[1.0, 1.0]], [3.0])]))
+    assert solution.certify().ok
+    assert solution.certify(unique=False).levels[1].residual_norm == solution.certify().levels[1].residual_norm == 1.0
+    solution.x[0] = 0.5
+    assert not solution.certify().ok
+    assert "short by 1.5" in str(solution.explain())
+    solution.x[0] = 1.0
+    solution.hierarchy.levels[0].upper[:] = 2.0
+    assert not solution.certify(unique=False).ok
+    solution.hierarchy.levels[0].upper[:] = 1.0
+    assert solution.certify().ok

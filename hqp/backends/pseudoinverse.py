@@ -20,10 +20,11 @@ the second task would make *alone*. It has no algorithmic singularities, and it 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..arrays import Array, lengths
+from ..arrays import Array, length
 from ..errors import InvalidInput, Unsupported
-from ..hierarchy import LARGEST, Hierarchy, Level
+from ..hierarchy import Hierarchy, Level
 from ..settings import Settings
 from ..solution import Status
 from .base import Answer
@@ -36,8 +37,8 @@ def prioritized(tasks: list[tuple[Array, Array]], z: Array, cut: float) -> Array
     x = np.zeros_like(z)
     N = np.eye(len(z))
     for k, (J, r) in enumerate(tasks):
-        J_hat = J @ N
-        J_hat_pinv = pinv(J_hat, cut, scale=norm(J) if k else None)  # the first task is not projected
+        J_hat = J @ N if k else J  # the first task is not projected
+        J_hat_pinv = pinv(J_hat, cut, scale=norm(J) if k else None)
         x = x + J_hat_pinv @ (r - J @ x)
         N = N - J_hat_pinv @ J_hat
     return x + N @ z
@@ -47,22 +48,28 @@ def joint_space(tasks: list[tuple[Array, Array]], z: Array, cut: float) -> Array
     """Eq. 4.8 for any number of tasks (J, h): each corrects the motion that all below it would make alone."""
     x = z
     for J, h in reversed(tasks):
-        J_pinv = pinv(J, cut)
-        x = J_pinv @ h + (np.eye(len(z)) - J_pinv @ J) @ x
+        x = x + pinv(J, cut) @ (h - J @ x)
     return x
 
 
 def pinv(J: Array, cut: float, scale: float | None = None) -> Array:
     """Pseudoinverse with singular values up to ``cut * scale`` taken for zero; the scale of J is its own norm."""
+    if len(J) == 1:  # of one row, J^T / |J|^2
+        size = norm(J)
+        return J.T / size / size if size > cut * (size if scale is None else scale) else np.zeros_like(J.T)
     U, s, Vt = np.linalg.svd(J, full_matrices=False)
     kept = s > cut * (s.max(initial=0.0) if scale is None else scale)
-    inverse: Array = (Vt[kept].T / s[kept]) @ U[:, kept].T
+    if not kept.all():
+        U, s, Vt = U[:, kept], s[kept], Vt[kept]
+    inverse: Array = (Vt.T / s) @ U.T
     return inverse
 
 
 def norm(J: Array) -> float:
     """Largest singular value of J, the scale of its rank decision."""
-    return float(np.linalg.norm(J, 2)) if J.size else 0.0
+    if len(J) == 1:
+        return length(J[0])
+    return float(np.linalg.svd(J, compute_uv=False).max(initial=0.0))
 
 
 def equality_tasks(hierarchy: Hierarchy) -> list[tuple[Array, Array]]:
@@ -73,22 +80,31 @@ def equality_tasks(hierarchy: Hierarchy) -> list[tuple[Array, Array]]:
     Unsupported
         At the first inequality row, with its level and row and a backend which takes it.
     """
-    tasks = []
+    equal = hierarchy.lower == hierarchy.upper
+    if not equal.all():
+        _refuse_inequalities(hierarchy, equal)
+    says = equal & (hierarchy.row_norms() > 0.0)
+    tasks, every = [], says.all()
     for k, level in enumerate(hierarchy.levels):
-        equal = level.lower == level.upper
-        free = np.isinf(level.lower) & np.isinf(level.upper)
-        if not np.all(equal | free):
-            row = int(np.argmin(equal | free))
-            raise Unsupported(
-                f"{hierarchy.level_name(k)}, row {row} is an inequality"
-                f" ({level.lower[row]:g} <= A x <= {level.upper[row]:g});"
-                f' the closed form takes equality rows only: use backend="{INEQUALITIES_GO_TO}"'
-            )
-        A = hierarchy.matrix(k)
-        says = equal & (lengths(A) >= 1.0 / LARGEST)
-        weights = level.weights[says]
-        tasks.append((weights[:, None] * A[says], weights * level.lower[says]))
+        A, r, weights = hierarchy.matrix(k), level.lower, level.weights
+        if not every:
+            own = says[hierarchy.pointers[k] : hierarchy.pointers[k + 1]]
+            A, r, weights = A[own], r[own], weights[own]
+        tasks.append((weights[:, None] * A, weights * r))
     return tasks
+
+
+def _refuse_inequalities(hierarchy: Hierarchy, equal: NDArray[np.bool_]) -> None:
+    known = equal | (np.isinf(hierarchy.lower) & np.isinf(hierarchy.upper))
+    if known.all():
+        return
+    k, row = hierarchy.locate(int(np.argmin(known)))
+    level = hierarchy.levels[k]
+    raise Unsupported(
+        f"{hierarchy.level_name(k)}, row {row} is an inequality"
+        f" ({level.lower[row]:g} <= A x <= {level.upper[row]:g});"
+        f' the closed form takes equality rows only: use backend="{INEQUALITIES_GO_TO}"'
+    )
 
 
 def joint_form(hierarchy: Hierarchy, x_ref: Array | None = None, settings: Settings | None = None) -> Hierarchy:

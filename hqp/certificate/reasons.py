@@ -65,14 +65,18 @@ def explain(
 
 def _cancels(A: Array, norms: Array, weights: Array, missing: Array, tolerance: Array) -> bool:
     """Whether the forces of the violated rows sum to zero, up to round-off and the tolerances of the rows."""
+    if not missing.any():
+        return False
     force = norms * weights**2
     blur = length((force * tolerance)[missing != 0.0])
     gradient = length(A.T @ np.where(norms > 0.0, weights**2 * missing, 0.0))
-    return bool(missing.any()) and gradient <= STATIONARITY * float(force @ np.abs(missing)) + blur
+    return gradient <= STATIONARITY * float(force @ np.abs(missing)) + blur
 
 
 def _inner(A: Array, pull: Array, labels: list[Label]) -> float:
     """How far the forces of the parts of a level cancel: the sum of their norms less the norm of their sum."""
+    if not pull.any():
+        return 0.0
     parts = np.array([label.part for label in labels])
     pulls = [A[parts == part].T @ pull[parts == part] for part in dict.fromkeys(parts.tolist())]
     lengths = sum(map(length, pulls))

@@ -19,6 +19,7 @@ copy. A level of plain bounds on x keeps indices instead of rows.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from functools import cached_property
 from typing import Any
@@ -253,7 +254,7 @@ class Hierarchy:
 
     def locate(self, row: int) -> tuple[int, int]:
         """Level, and row inside it, of row number `row` of the whole hierarchy."""
-        level = int(np.searchsorted(self.pointers, row, side="right")) - 1
+        level = bisect_right(self.pointers, row) - 1
         return level, row - self.pointers[level]
 
     def find_fault(self) -> str | None:

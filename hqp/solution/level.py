@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array, length
-from ..certificate import RowStates, certify, excess, row_space
+from ..certificate import Certificate, RowStates, excess, row_space
 from ..hierarchy import Hierarchy, Side
 
 
@@ -53,11 +54,10 @@ class LevelSolution:
 
 
 def levels_at(
-    h: Hierarchy, x: Array, x_ref: Array, rows: RowStates, rank_tolerance: float
+    h: Hierarchy, certificate: Certificate, rows: RowStates, ranks: Sequence[tuple[int, float]]
 ) -> tuple[LevelSolution, ...]:
-    """Every level at x, by the states of its rows there."""
-    judged = certify(h, x, x_ref, unique=False).levels
-    ranks = ranks_of(h, rows, rank_tolerance)
+    """Every level at x, by its certificate, the states of its rows there, and what they fix; see :func:`ranks_of`."""
+    judged = certificate.levels
     return tuple(
         LevelSolution(
             name=level.name,

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from ..arrays import Array
 from ..certificate import Certificate, Explanation, RowStates, certify, explain, row_states
+from ..checks import positive_number, truth
 from ..hierarchy import Hierarchy
 from ..settings import Settings
 from .explaining import explained
@@ -17,6 +19,8 @@ from .level import LevelSolution, levels_at, ranks_of
 from .relaxation import Relaxation
 from .stages import Stages, proof, relaxations
 from .status import NO_COUNTS, Counts, Status
+
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -89,11 +93,29 @@ class Solution:
         """Slack, residual, rank, active rows and multipliers of every level."""
         if self.status is Status.INVALID:
             return ()
-        return levels_at(self.hierarchy, self.x, self.x_ref, self._rows, self.settings.rank_tolerance)
+        tolerance = 10 * self.settings.tolerance
+        return levels_at(self.hierarchy, self._proof(1e-9), self._rows(tolerance), self._ranks(tolerance))
 
-    @cached_property
-    def _rows(self) -> RowStates:
-        return row_states(self.hierarchy, self.x, self.x_ref, 10 * self.settings.tolerance)
+    def _proof(self, tolerance: float) -> Certificate:
+        return self._once("proof", tolerance, lambda: certify(self.hierarchy, self.x, self.x_ref, tolerance=tolerance))
+
+    def _rows(self, tolerance: float) -> RowStates:
+        return self._once("rows", tolerance, lambda: row_states(self.hierarchy, self.x, self.x_ref, tolerance))
+
+    def _ranks(self, tolerance: float) -> list[tuple[int, float]]:
+        rows, least = self._rows(tolerance), self.settings.rank_tolerance
+        return self._once("ranks", tolerance, lambda: ranks_of(self.hierarchy, rows, least))
+
+    def _once(self, what: str, tolerance: float, make: Callable[[], Made]) -> Made:
+        """What was made before of these very numbers, or is now: whoever wrote into x or a level is judged anew."""
+        numbers = self.x.tobytes(), self.x_ref.tobytes(), self.hierarchy.numbers.tobytes()
+        of, found = self.__dict__.get("_made", (None, {}))
+        if of != numbers:
+            _, found = self.__dict__["_made"] = numbers, {}
+        if (what, tolerance) not in found:
+            found[what, tolerance] = make()
+        made: Made = found[what, tolerance]
+        return made
 
     @property
     def stages(self) -> tuple[Solution, ...]:
@@ -119,7 +141,9 @@ class Solution:
         """The proof of this answer, of every stage, or by how much it falls short; see :func:`hqp.certify`."""
         if self.staged is not None:
             return proof(self, self.staged, unique, tolerance)
-        return certify(self.hierarchy, self.x, self.x_ref, unique=unique, tolerance=tolerance)
+        unique, tolerance = truth(unique, "unique"), positive_number(tolerance, "tolerance", below=1.0)
+        found = self._proof(tolerance)
+        return found if unique else replace(found, levels=found.levels[:-1], unique=False)
 
     def explain(self, *, tolerance: float = 1e-9) -> Explanation:
         """Which row stopped which level, in the words of its labels.
@@ -151,8 +175,7 @@ class Solution:
         if self.staged is not None:
             return explained(self, self.staged, tolerance)
         certificate = self.certify(unique=False, tolerance=tolerance)
-        rows = row_states(self.hierarchy, self.x, self.x_ref, tolerance)
-        ranks = [rank for rank, _ in ranks_of(self.hierarchy, rows, self.settings.rank_tolerance)]
+        rows, ranks = self._rows(tolerance), [rank for rank, _ in self._ranks(tolerance)]
         with np.errstate(all="ignore"):  # as in the certificate: an x out of all bounds is judged, not warned about
             return Explanation(explain(self.hierarchy, certificate, rows, ranks), self.message)
 

@@ -26,6 +26,7 @@ Values are kept in ``vars(self)``, so that reading them costs no more than in an
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from functools import wraps
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, NoReturn, Protocol, Self, TypeVar, overload
@@ -140,7 +141,7 @@ class Live:
     # its __getstate__ returns.
     __slots__ = ("__dict__", "__weakref__", "_beside", "_watchers")
 
-    _beside: Any
+    _beside: threading.local
     _watchers: tuple[ref[Watcher], ...]
     _sealed: bool
     #: What to do instead of setting structure; the end of the error message.
@@ -254,6 +255,18 @@ class Live:
 
     def __getstate__(self) -> dict[str, Any]:
         return dict(vars(self))
+
+
+def beside(part: Live) -> threading.local:
+    """What this thread keeps beside an object, in attributes of any name; it goes with the object, and no copy has it.
+
+    A mapping with weak keys would not do: what is kept may hold the object itself.
+    """
+    try:
+        return part._beside
+    except AttributeError:
+        part._beside = threading.local()
+        return part._beside
 
 
 def watch(root: object, watcher: Watcher) -> None:

@@ -391,6 +391,14 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
             raise InvalidInput(f"{part!r} is not in the stack {self.stack!r}")
         return found
 
+    def error(self, part: Part) -> Array | None:
+        """The error of a task as its rows had it at the last tick (a view: the next call overwrites it).
+
+        It is ``part.error(step.state, t)``, but need not be computed again. None where the rows do not have it: of
+        parts that are no tasks or not in the stack, of inequalities, and where `cap` or `deceleration` is set.
+        """
+        return self._rows.error(part)
+
     def describe(self) -> Description:
         """Who writes the rows of each part of the present stack every tick: a compiled loop, by its name, or Python.
 

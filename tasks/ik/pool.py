@@ -8,7 +8,6 @@ differs is a problem of its own. Parts of a user's own classes, and targets that
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterable
 from typing import Any
 
@@ -17,7 +16,7 @@ import numpy as np
 from hqp.checks import listed
 
 from ..base.checks import Array
-from ..base.live import Live
+from ..base.live import Live, beside
 from ..base.once import once
 from ..robots.robot import Robot
 from ..rows.part import Part, Stack, of_levels
@@ -49,8 +48,8 @@ def borrow(
     """
     wanted = [goal] if isinstance(goal, Part) else goal if goal is None else listed(goal, "goal", "tasks of the stack")
     parts: dict[int, Live] = {}
-    form = _form(stack.levels, parts) if isinstance(robot, Live) and of_library(type(robot)) else None
-    if form is None or not isinstance(backend, str):
+    form = _form(stack.levels, parts)
+    if form is None or not isinstance(robot, Live) or not of_library(type(robot)) or not isinstance(backend, str):
         return None, Linearised(robot, stack, wanted, tolerance, backend)
     number = {own: k for k, own in enumerate(parts)}
     key = form, backend, *tolerance.tolist(), *([] if wanted is None else [number.get(id(part)) for part in wanted])
@@ -66,7 +65,7 @@ def borrow(
 
 def give_back(key: Key | None, problem: Linearised) -> None:
     """Keep the problem for the next call of this thread with such a stack."""
-    if key is None:
+    if key is None or not isinstance(problem.robot, Live):
         return
     kept = _kept(problem.robot)
     kept[key] = problem
@@ -74,16 +73,13 @@ def give_back(key: Key | None, problem: Linearised) -> None:
         del kept[next(iter(kept))]
 
 
-def _kept(robot: Any) -> dict[Key, Linearised]:
+def _kept(robot: Live) -> dict[Key, Linearised]:
     """The problems that a robot keeps for this thread; they go with the robot."""
+    own = beside(robot)
     try:
-        beside = robot._beside
+        found: dict[Key, Linearised] = own.problems
     except AttributeError:
-        beside = robot._beside = threading.local()
-    try:
-        found: dict[Key, Linearised] = beside.problems
-    except AttributeError:
-        found = beside.problems = {}
+        found = own.problems = {}
     return found
 
 

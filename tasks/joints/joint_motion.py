@@ -98,6 +98,7 @@ class JointMotion(Part):
         rows, n = self.task.size(site.shared.robot), site.shared.n
         own = Site(site.shared, np.zeros((rows, n)), *np.zeros((2, rows)))
         assert own.A is not None
+        own.plain_error = site.plain_error
         damping, work = np.array([self.damping]), np.zeros(work_size(rows, n))
         call = Call(write_alone, rows, n, own.A, own.lower, damping, work, site.lower, site.upper)
         plan = plan_of(self.task, own)

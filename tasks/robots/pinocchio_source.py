@@ -67,7 +67,7 @@ class PinocchioSource:
         from .kernels.frames import point_frame
 
         self._centre = True
-        data = self._data
+        data = self._robot.kinematics.overwritten()
         pin.centerOfMass(self._model, data, self._q, self._v, self._still)  # allocates the arrays
         pin.jacobianCenterOfMass(self._model, data, self._q)
         return Call(point_frame, self._robot.nv, block, drifts, data.com[0], data.Jcom, data.vcom[0], data.acom[0])
@@ -84,7 +84,7 @@ class PinocchioSource:
         from .kernels.frames import symmetric
 
         self._inertia = True
-        pin.crba(self._model, self._data, pin.neutral(self._model))  # allocates the array
+        pin.crba(self._model, self._robot.kinematics.overwritten(), pin.neutral(self._model))  # allocates the array
         return Call(symmetric, self._robot.nv, np.asarray(self._data.M), M)
 
     def bias(self, b: Array) -> None:
@@ -97,8 +97,8 @@ class PinocchioSource:
         if len(self._model.mimicking_joints):
             raise InvalidInput(f"{self._robot!r}: momentum is not told of robots whose joints follow others")
         self._momentum = True
-        pin.computeCentroidalMapTimeVariation(self._model, self._data, pin.neutral(self._model), self._still)
-        data = self._data
+        data = self._robot.kinematics.overwritten()
+        pin.computeCentroidalMapTimeVariation(self._model, data, pin.neutral(self._model), self._still)
         return Call(momentum_map, self._robot.nv, data.Ag, data.dAg, self._v, G, drift)
 
     def update(self, state: PinocchioState, drifts: bool) -> None:
@@ -107,9 +107,9 @@ class PinocchioSource:
         for M in self._matrices:
             M[:] = self._robot.mass_matrix(q)
         if drifts:
-            state.accelerated()
+            self._robot.kinematics.accelerations(state)
         else:
-            state.ready()
+            self._robot.kinematics.jacobians(state)
         if self._centre:
             if drifts:
                 pin.centerOfMass(model, data, pin.ACCELERATION, False)

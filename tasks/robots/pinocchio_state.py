@@ -21,7 +21,11 @@ class PinocchioState(Transforms):
 
     def __init__(self, robot: PinocchioModel, q: Array, v: Array) -> None:
         self.robot, self.q, self.v = robot, q, v
-        self._frames: dict[str | None, PinocchioFrame] = {}
+
+    @cached_property
+    def _frames(self) -> dict[str | None, PinocchioFrame]:
+        """Those that were asked for: most ticks of a controller ask for none."""
+        return {}
 
     @cached_property
     def joints(self) -> Array:

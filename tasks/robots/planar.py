@@ -38,6 +38,8 @@ DENSITY = 1.0
 TIP = "tip"
 #: x, y and the turn about z among three linear and three angular coordinates.
 PLANE = [0, 1, 5]
+#: Where x, y and the angle are in a block.
+POSE = np.array([at.POSITION, at.POSITION + 1, at.ANGLE])
 
 
 class PlanarState(Transforms):
@@ -60,18 +62,22 @@ class PlanarState(Transforms):
 
     def __init__(self, robot: PlanarArm, q: Array, v: Array) -> None:
         self.robot, self.q, self.v = robot, q, v
+        self._block: Array | None = None
 
     @cached_property
     def points(self) -> Array:
         return self.robot.points(self.q)
 
-    @cached_property
+    @property
     def _tip(self) -> Array:
-        return block_of(self.robot, self.q, self.v, None)
+        if self._block is None:
+            self._block = block_of(self.robot, self.q, self.v, None)
+        return self._block
 
     @property
     def pose(self) -> Array:
-        return self._tip[[at.POSITION, at.POSITION + 1, at.ANGLE]]
+        pose: Array = self._tip[POSE]
+        return pose
 
     @property
     def jacobian(self) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Protocol
 from weakref import WeakKeyDictionary
 
@@ -73,10 +74,11 @@ class PlanarSource:
 
 
 class _Ends(threading.local):
-    """The loops of this thread, by arm and number of links, with the arrays they read and write: q, v, block."""
+    """The loops of this thread, by arm and frame, with the arrays they read and write: q, v, block."""
 
     def __init__(self) -> None:
-        self.of: WeakKeyDictionary[Links, dict[int, tuple[Call, Array, Array, Array]]] = WeakKeyDictionary()
+        self.of: WeakKeyDictionary[Links, dict[str | None, tuple[Callable[[], object], Array, Array, Array]]]
+        self.of = WeakKeyDictionary()
 
 
 _ends = _Ends()
@@ -84,13 +86,14 @@ _ends = _Ends()
 
 def block_of(arm: Links, q: Array, v: Array, name: str | None) -> Array:
     """The block of one frame at (q, v)."""
-    own, end = _ends.of.setdefault(arm, {}), arm.links_to(name)
-    if end not in own:
+    try:
+        run, place, rate, block = _ends.of[arm][name]
+    except KeyError:
         place, rate, block = np.zeros(arm.nv), np.zeros(arm.nv), np.zeros(at.size(arm.nv))
-        own[end] = _written(arm, block, np.ones(1, dtype=np.int64), place, rate, end), place, rate, block
-    call, place, rate, block = own[end]
+        run = _written(arm, block, np.ones(1, dtype=np.int64), place, rate, arm.links_to(name)).run
+        _ends.of.setdefault(arm, {})[name] = run, place, rate, block
     place[:], rate[:] = q, v
-    call.run()
+    run()
     return block.copy()
 
 

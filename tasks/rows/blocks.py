@@ -113,7 +113,7 @@ class Blocks:
 
     def update(self, state: RobotState) -> None:
         """Have all of them ready to be written for this state."""
-        self._source.update(state, self.drifts[0] != 0)
+        self._source.update(state, self.drifts.item() != 0)
 
     def _of(self, key: tuple[str, str | None], relative_to: str | None) -> Array:
         if key not in self._blocks:

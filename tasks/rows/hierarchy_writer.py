@@ -6,15 +6,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from hqp import Hierarchy, InvalidInput, Level
+from hqp import Hierarchy, InvalidInput
 
 from ..base.checks import Array
 from ..base.live import Live, watch_alone
 from ..robots.answers import at_rest
 from ..robots.robot import Robot, RobotState
 from .description import Description, WrittenPart
+from .embedding import Embedding
 from .empty import empty_level, row_names
 from .envelope import Envelope
 from .expansion import Expanded
@@ -24,6 +24,7 @@ from .plan import Plan, check_numbers, overridden, plan_of
 from .row_writer import RowWriter
 from .site import Memory, Site, Workspace
 from .tick import Order, Tick
+from .weights import Weights
 
 if TYPE_CHECKING:
     from ..base.loops import Call
@@ -228,46 +229,28 @@ class HierarchyWriter:
         robot, order, dt = self._robot, self._order, self._dt
         self.shared = shared = Workspace(robot, order, dt, self.unknowns, self._memory)
         shared.curvature = self._live
-        self._joints: list[tuple[RowWriter, Array, Array]] = []  # of wide rows: the joints' part
+        embedding, self._weights = Embedding(self.unknowns), Weights(robot)
         self._views: list[tuple[RowWriter, Site]] = []
-        self._weights: list[tuple[Array, NDArray[np.intp]]] = []  # and which rows ask for nothing
+        self._sites: dict[int, tuple[Site, ...]] = {}  # of all parts, declared ones too, by their ids
         self._ledger = Ledger()
         for level, (view, parts) in enumerate(zip(self.hierarchy.levels, self.levels.parts, strict=True)):
             row, rate = 0, self._rates[level : level + 1]
             for part in parts:
                 own = slice(row, row + part.size(robot))
                 row = own.stop
-                site = Site(shared, self._matrix(part, view, own), view.lower[own], view.upper[own], rate)
+                A = None if view.A is None else embedding.of_joints(part, view.A[own])
+                site = Site(shared, A, view.lower[own], view.upper[own], rate)
                 part.claim(site)
                 self._views.append((part, site))
-                self._weights.append((view.weights[own], np.zeros(0, dtype=np.intp)))
+                self._weights.add(part, site, view.weights[own])
         shared.envelope.ease_ends(self._ends)
         shared.envelope.close(shared)
-        self._embed = self._embedding()
+        self._embedding, self._embed = embedding, embedding.calls()
+        self._sites |= {id(part): (site,) for part, site in self._views}
+        for declared, meant in self._meant.items():
+            self._sites[declared] = tuple(site for part, site in self._views if any(part is each for each in meant))
         self.plans: list[tuple[RowWriter, Plan]] = [(part, Plan()) for part, _ in self._views]
         self._plan(range(len(self._views)))
-
-    def _matrix(self, part: RowWriter, view: Level, own: slice) -> Array | None:
-        """Where a part writes its rows: in the hierarchy, or, where it has more unknowns, beside it."""
-        if view.A is None:
-            return None
-        rows = view.A[own]
-        if part.wide or self.unknowns.n == self.unknowns.nv:
-            return rows
-        joints = rows[:, : self.unknowns.nv].copy()
-        self._joints.append((part, joints, rows))
-        return joints
-
-    def _embedding(self) -> list[Call]:
-        """The loop that copies rows of the joint motion into rows of all unknowns, every tick."""
-        moving = [(joints, rows) for part, joints, rows in self._joints if not part.plain]
-        if not moving:
-            return []
-        from ..base.loops import Call, Table
-        from .kernels.embedding import embed_joints
-
-        told = [entry for joints, rows in moving for entry in (joints, rows, len(rows))]
-        return [Call(embed_joints, len(moving), self.unknowns.nv, self.unknowns.n, Table(*told))]
 
     def _plan(self, which: Iterable[int]) -> None:
         """Plan how these parts write their rows."""
@@ -281,9 +264,7 @@ class HierarchyWriter:
             if self._live:
                 self._ledger.enter(k, part, self)
         self._weigh(which)
-        for part, joints, rows in self._joints:
-            if part.plain:  # whose rows stay as they are
-                rows[:, : self.unknowns.nv] = joints
+        self._embedding.copy_plain()
         self._take_rates()
         self._moves = [move for _, plan in self.plans for move in plan.moves]
         self._python = [plan.python for _, plan in self.plans if plan.python is not None]
@@ -301,14 +282,8 @@ class HierarchyWriter:
 
     def _weigh(self, which: Iterable[int]) -> None:
         """Take the weights of these parts."""
-        for k in which:
-            part, (view, _) = self._views[k][0], self._weights[k]
-            weights = part.weights(self._robot)
-            without = np.flatnonzero(weights == 0.0)
-            view[:], view[without] = weights, 1.0
-            self._weights[k] = view, without
-        pairs = zip(self._views, self._weights, strict=True)
-        self._unweighted = [(site.lower, site.upper, without) for (_, site), (_, without) in pairs if without.size]
+        self._weights.take(which)
+        self._unbounded = self._weights.unbounded
 
     def _take_rates(self) -> None:
         """Take how fast the tasks of each level decay: at acceleration order what is damped goes by it."""
@@ -353,15 +328,19 @@ class HierarchyWriter:
 
     def bounds(self, part: RowWriter) -> tuple[Array, Array] | None:
         """Lower and upper bounds of a part (views; of one that stands for several, a copy), None if it is not here."""
-        meant = self._meant.get(id(part), (part,))
-        sites = [site for own, site in self._views if any(own is each for each in meant)]
-        if not sites and id(part) not in self._meant:
+        sites = self._sites.get(id(part))
+        if sites is None:
             return None
         if len(sites) == 1:
             return sites[0].lower, sites[0].upper
         none = np.zeros(0)
         lower, upper = ([getattr(site, side) for site in sites] for side in ("lower", "upper"))
         return np.concatenate([none, *lower]), np.concatenate([none, *upper])
+
+    def error(self, part: object) -> Array | None:
+        """The error of a part as it was measured when rows were last filled (a view); None if loops do not keep it."""
+        sites = self._sites.get(id(part), ())
+        return sites[0].plain_error[0] if len(sites) == 1 and sites[0].plain_error else None
 
     def describe(self) -> Description:
         """Who writes the rows of each part, and why Python does where it does."""
@@ -389,6 +368,6 @@ class HierarchyWriter:
             for write in self._python:
                 write(tick)
         self._run()
-        for lower, upper, rows in self._unweighted:
+        for lower, upper, rows in self._unbounded:
             lower[rows], upper[rows] = -np.inf, np.inf
         return self.hierarchy

@@ -176,6 +176,8 @@ class Site:
         Whether errors are cut off by the `cap` and `deceleration` of the task.
     off : list of (array, array, array)
         Of those who follow the law: the error, and how far from it below and above a task may be, shape (rows,) each.
+    plain_error : list of array, shape (rows,)
+        The error of the task as it measures it, if loops leave it so; empty where they cut it off.
     targets, numbers : dict of (int, str) to callable
         What writes an attribute of a part, by the id of the part and its name, where the plan has put it: targets, and
         other numbers. False where it takes a new plan.
@@ -193,6 +195,7 @@ class Site:
         self.bounds, self.shortens = False, True
         self.measured = np.zeros((KINDS, self.rows))
         self.off: list[tuple[Array, Array, Array]] = []
+        self.plain_error: list[Array] = []
         self.targets: dict[tuple[int, str], Callable[[], bool]] = {}
         self.numbers: dict[tuple[int, str], Callable[[], bool]] = {}
 
@@ -209,7 +212,7 @@ class Site:
 
     def forget(self) -> None:
         """Forget what the last plan left here."""
-        for left in self.off, self.targets, self.numbers:
+        for left in self.off, self.plain_error, self.targets, self.numbers:
             left.clear()
 
     def frame(self, name: str | None, relative_to: str | None = None) -> Array:
@@ -263,7 +266,8 @@ class Site:
             numbers[of.CAP] = np.inf if cap is None or cap.ndim == 0 else fitting("cap", cap)
             longest[0] = np.inf if cap is None or cap.ndim else cap
             longest[1] = np.inf if brakes is None else brakes
-            table.numbers[of.SHORTENS] = shortens and not (cap is None and brakes is None)
+            table.numbers[of.SHORTENS] = cut = shortens and not (cap is None and brakes is None)
+            self.plain_error[:] = [] if cut else [self.measured[of.ERROR]]
             numbers[of.BELOW] = 0.0 if band is None else fitting("below", band.below)
             numbers[of.ABOVE] = 0.0 if band is None else fitting("above", band.above)
             return True
@@ -322,13 +326,21 @@ def kept_up(trajectory: Callable[[float], Any], value: Array, rate: Array, chang
     if constant(trajectory) is not None:
         return ()
     shapes = [np.shape(part) for part in first]
+    of_value, of_rate, of_change = shapes
 
     def move(t: float) -> None:
         given = trajectory(t)
-        if len(given) != len(shapes):
-            raise InvalidInput(f"a target gives {len(given)} arrays at t = {t:g} s, and gave {len(shapes)} at first")
-        if (now := [np.shape(part) for part in given]) != shapes:
-            raise InvalidInput(f"a target has shapes {now} at t = {t:g} s, and had {shapes} at first")
+        try:
+            r, dr, ddr = given
+            alike = r.shape == of_value and dr.shape == of_rate and ddr.shape == of_change
+        except (ValueError, AttributeError):  # another number of them, or numbers that are no arrays
+            alike = False
+        if not alike:
+            if len(given) != len(shapes):
+                many = f"{len(given)} arrays at t = {t:g} s, and gave {len(shapes)} at first"
+                raise InvalidInput(f"a target gives {many}")
+            if (now := [np.shape(part) for part in given]) != shapes:
+                raise InvalidInput(f"a target has shapes {now} at t = {t:g} s, and had {shapes} at first")
         value[:], rate[:], change[:] = given
 
     return (move,)

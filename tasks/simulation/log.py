@@ -74,7 +74,7 @@ class Log:
         self.states = 0
         telling: list[Erring] = [part for part in parts if isinstance(part, Erring)]
         self.errors = [
-            (name, part.error, np.empty((ticks + 1, len(part.error(first, 0.0))))) for name, part in _named(telling)
+            (name, part, np.empty((ticks + 1, len(part.error(first, 0.0))))) for name, part in _named(telling)
         ]
         limits = list(_named(part for part in parts if part.limited is not None))
         #: Bounds at every tick: of limits on the motion, x, and of limits on torques.
@@ -100,11 +100,12 @@ class Log:
         self._manipulability = _asked_at_once(manipulability(controller.robot), "manipulability", (q,), (1,))
         self._levels, self._unknowns = len(controller.hierarchy.levels), controller.hierarchy.n
 
-    def state(self, k: int, t: float, state: RobotState) -> None:
-        """Log the state at the beginning of tick k."""
+    def state(self, k: int, t: float, state: RobotState, *, solved: bool = False) -> None:
+        """Log the state at the beginning of tick k; `solved` tells that the controller has just solved there."""
         self.t[k], self.q[k], self.v[k], self.pose[k] = t, state.q, state.v, self._pose(state)
-        for _, error, values in self.errors:
-            values[k] = error(state, t)
+        for _, part, values in self.errors:
+            known = self._controller.error(part) if solved and isinstance(part, Part) else None
+            values[k] = part.error(state, t) if known is None else known
         self.states = k + 1
 
     def tick(self, k: int, a: Array, step: Step[Any, Any, Any]) -> None:
@@ -117,8 +118,10 @@ class Log:
                 self.forces[name] = np.full((self._ticks, *force.shape), np.nan)
             self.forces[name][k] = force
         self.status.append(step.solution.status)
-        for _, part, lowers, uppers in (*self.bounds, *self.torque_bounds):
-            lowers[k], uppers[k] = self._controller.bounds(part) if part in self._controller.stack else FREE
+        if self.bounds or self.torque_bounds:
+            stack, bounds = self._controller.stack, self._controller.bounds
+            for _, part, lowers, uppers in (*self.bounds, *self.torque_bounds):
+                lowers[k], uppers[k] = bounds(part) if part in stack else FREE
 
     def check(self, t: float, solution: Solution, passed: bool) -> None:
         """Log a tick that was put to the certificate; `passed` tells whether it was accepted."""

@@ -199,7 +199,7 @@ class _Run:
         while self._waiting and t >= self._waiting[0].t:
             _make_happen(self._waiting.popleft(), controller)
         step = controller.unchecked(self._q, self._v, t)
-        self.log.state(k, t, step.state)
+        self.log.state(k, t, step.state, solved=step.ok)
         if not step.ok:
             where = f" ({step.solution.message})" if step.solution.message else ""
             return Stop(t, f"{step.solution.status} at t = {t:g} s{where}", diverged=False)

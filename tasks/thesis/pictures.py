@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import hqp
 from hqp.backends import BackendInfo
@@ -19,7 +20,10 @@ from .plain import draw_plain
 from .runs import Job, jobs_of
 from .scenarios import SCENARIOS, Scenario, scenario
 from .studies import STUDIES, Study
-from .style import PRINT, part, save
+from .style import PRINT, SCREEN, part, save
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 Subject = Scenario | Idea | Study | Drawing
 
@@ -105,26 +109,29 @@ def refusals(chosen: Sequence[Subject], backend: BackendInfo, laws: Collection[s
 
 
 def make(picture: Picture, records: Mapping[Job, Record], files: Sequence[Path]) -> None:
-    """Make files of one picture."""
-    subject = picture.subject
+    """Make files of one picture; one that comes in several formats is drawn once."""
     shown = {job: records[job] for job in picture.shown}
+    drawn: dict[str, Figure] = {}
     for file in files:
-        if isinstance(subject, Drawing):
-            save(subject.draw(), file, PRINT)
-        elif isinstance(subject, Idea):
-            save(subject.draw(shown), file)
-        elif isinstance(subject, Scenario):
-            _make_of_figure(subject, shown, file)
+        if file.suffix == ".gif":
+            assert isinstance(picture.subject, Scenario)
+            animate(picture.subject, shown, part(file))
+            part(file).replace(file)
+            continue
+        if file.stem not in drawn:
+            drawn[file.stem] = _drawn(picture.subject, shown, plain=file.stem.endswith("-plain"))
+        printed = isinstance(picture.subject, Drawing) or file.stem.endswith("-plain")
+        save(drawn[file.stem], file, PRINT if printed else SCREEN)
 
 
-def _make_of_figure(item: Scenario, shown: Mapping[Job, Record], file: Path) -> None:
-    if file.suffix == ".gif":
-        animate(item, shown, part(file))
-        part(file).replace(file)
-    elif file.stem.endswith("-plain"):
-        save(draw_plain(*next(iter(shown.items()))), file, PRINT)
-    else:
-        save(draw(item, shown), file)
+def _drawn(subject: Subject, shown: Mapping[Job, Record], *, plain: bool) -> Figure:
+    """The picture of a subject that has one, of a simulated figure in one of its two forms."""
+    if isinstance(subject, Drawing):
+        return subject.draw()
+    if isinstance(subject, Scenario):
+        return draw_plain(*next(iter(shown.items()))) if plain else draw(subject, shown)
+    assert isinstance(subject, Idea)  # a study is a table
+    return subject.draw(shown)
 
 
 def _subject(name: str) -> Subject:
