@@ -38,8 +38,8 @@ class Solid(Live):
     def at(self, value: Any) -> Array:
         """Where it is in the world, shape (4, 4); set it to move it from one tick to the next."""
         what, place = f"{self.full_name()}: at", np.eye(4)
-        if np.shape(value) == (3,):
-            place[:3, 3] = finite(value, what)
+        if isinstance(value, np.ndarray | list | tuple) and (point := finite(value, what)).shape == (3,):
+            place[:3, 3] = point
         else:
             place[:3, 3], place[:3, :3] = transform(value, what)
         return place
