@@ -10,7 +10,7 @@ import pinocchio as pin
 import pytest
 
 from hqp import InvalidInput
-from tasks import Controller, Freeze, JointLimits, PositionTask, load_robot
+from tasks import Controller, Freeze, JointLimits, PositionTask, SelfCollisionLimit, load_robot
 
 PANDA = load_robot("panda", lock=["panda_finger_joint1"])
 TALOS = load_robot("talos")
@@ -203,3 +203,10 @@ def test_a_group_without_joints_is_told(srdf, caplog) -> None:
     with caplog.at_level("WARNING", logger="hqp"):
         PANDA.with_srdf(srdf('<group name="nothing"><link name="panda_link0"/></group>' + ARM))
     assert "groups without a joint that moves: nothing" in caplog.text
+
+
+@pytest.mark.parametrize("name", ["nowhere.srdf", "\ud800.srdf", "a\0b.srdf", "."])
+def test_a_file_that_cannot_be_read_is_refused(name: str) -> None:
+    for read in PANDA.with_srdf, lambda given: SelfCollisionLimit(without=given, margin=0.01, gain=10.0):
+        with pytest.raises(InvalidInput, match="read"):
+            read(name)

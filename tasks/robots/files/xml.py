@@ -31,8 +31,8 @@ def text_of(path: Path, what: str) -> str:
     """
     try:
         data = path.read_bytes()
-    except OSError as error:
-        raise InvalidInput(f"{what} cannot be read: {error.strerror or error}") from None
+    except (OSError, ValueError) as error:  # ValueError: a name that no file can have
+        raise InvalidInput(f"{what} cannot be read: {getattr(error, 'strerror', None) or error}") from None
     encoding = next((name for mark, name in MARKS.items() if data.startswith(mark)), "")
     if not encoding:
         declared = ENCODING.match(data[:200].decode("latin-1"))
