@@ -97,7 +97,7 @@ def carried(here, k, base, c, enough):
             g[j] += much * row[j]
     if residual(here, c) > enough:
         return False
-    balance(base, c, n, here)
+    balance(vector(here, at.G), base, c, here)
     pressing = True
     for q in range(base, c):
         pressing = pressing and multiplier[q] * side[pivot[q]] >= 0.0

@@ -56,13 +56,12 @@ def remove(place, c, here):
 
 
 @inner
-def balance(low, high, n, here):
+def balance(g, low, high, here):
     """Write the multipliers of rows low .. high - 1 of V: ``g + sum multiplier_i a_i`` is orthogonal to these rows.
 
     ``multiplier`` is by position in V.
     """
-    pivot = marks(here, at.PIVOT)
-    multiplier, g = vector(here, at.MULTIPLIER), vector(here, at.G)
+    n, pivot, multiplier = ints(here, 0, at.HEAD)[at.N], marks(here, at.PIVOT), vector(here, at.MULTIPLIER)
     V, L = matrix(here, at.V), matrix(here, at.L)
     for q in range(low, high):
         direction = V[q]
