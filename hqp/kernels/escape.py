@@ -117,8 +117,8 @@ def clear(here, d, c):
     n, scratch, V = ints(here, 0, at.HEAD)[at.N], vector(here, at.SCRATCH), matrix(here, at.V)
     for q in range(c):
         scratch[q] = 0.0
-    project(d, n, V, 0, c, scratch)
-    project(d, n, V, 0, c, scratch)
+    project(d, n, V, integer(0), c, scratch)
+    project(d, n, V, integer(0), c, scratch)
     return length(d, n)
 
 

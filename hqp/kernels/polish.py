@@ -21,6 +21,9 @@ from .rows import EQUALITY, INACTIVE, target, value_of
 from .signs import clear_of_basis
 from .working_set import FROZEN, balance
 
+#: A pivot row of which projection leaves a smaller share is not kept from one primal step to the next.
+FIRM = 1e-2
+
 
 @inner
 def list_members(here, first, end, frozen, begin, room):
@@ -50,16 +53,18 @@ def list_members(here, first, end, frozen, begin, room):
 
 
 @inner
-def recall(here, end, known):
-    """How many of the first `known` rows in ``ids`` are active, up to the first that is not: their part of V stays.
+def recall(here, end, frozen, known):
+    """How many of the first `known` rows in ``ids`` are still active and firm, up to the first that is not.
 
-    ``decided`` marks these, among the rows before `end`.
+    Their part of V stays; all others are pivoted anew, so that no row stands behind one of which less is left.
+    ``decided`` marks those that stay, among the rows before `end`.
     """
     side, ids, listed = marks(here, at.SIDE), marks(here, at.IDS), marks(here, at.DECIDED)
+    norm, L = vector(here, at.NORM), matrix(here, at.L)
     for i in range(end):
         listed[i] = 0
     kept = integer(0)
-    while kept < known and side[ids[kept]] != INACTIVE:
+    while kept < known and side[ids[kept]] != INACTIVE and L[ids[kept]][frozen + kept] > FIRM * norm[ids[kept]]:
         listed[ids[kept]] = 1
         kept += 1
     return kept
@@ -85,8 +90,8 @@ def polish(here, k, last, frozen, known):
     x, w, y, anchor = vector(here, at.X), vector(here, at.W), vector(here, at.Y), vector(here, at.ANCHOR)
     rhs, lengths, tau = vector(here, at.RHS), vector(here, at.LENGTHS), vector(here, at.OPTION)[at.TAU]
     V, L, R, H = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R), matrix(here, at.H)
-    known = recall(here, ptr[min(k + 1, last)], known)
-    more, c = list_members(here, 0, ptr[k], frozen, known, n - known), frozen + known
+    known = recall(here, ptr[min(k + 1, last)], frozen, known)
+    more, c = list_members(here, integer(0), ptr[k], frozen, known, n - known), frozen + known
     mine, places, sizes, rows = ids[known:], slots[known:], lengths[known:], R[known:]
     if known > 0:
         separate(mine, more, places, sizes, rows, norm, V, L, frozen, c, n, tau)

@@ -68,6 +68,15 @@ def first_event(here, k):
 
 
 @inner
+def polish_again(here, k, last, frozen, known):
+    """Solve level k as :func:`.polish.polish`, with what is known of the last time where ranks allow it."""
+    hard, rank, own, own_rank = polish(here, k, last, frozen, known)
+    if known > 0 and rank < hard:  # which rows are the dependent ones is for all of them to decide
+        hard, rank, own, own_rank = polish(here, k, last, frozen, integer(0))
+    return hard, rank, own, own_rank
+
+
+@inner
 def primal(here, k, last, frozen, rank):
     """Take primal steps from APPROACH until level k is optimal, or STEPS are spent.
 
@@ -92,7 +101,7 @@ def primal(here, k, last, frozen, rank):
     side, start, d = marks(here, at.SIDE), vector(here, at.APPROACH), vector(here, at.D)
     left, still, circles = integer(-1), integer(0), False
     for steps in range(STEPS + 1):
-        hard, rank, own, own_rank = polish(here, k, last, frozen, rank)
+        hard, rank, own, own_rank = polish_again(here, k, last, frozen, rank)
         faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
         if faults == 0 or steps == STEPS or late(here):
             break
@@ -108,7 +117,7 @@ def primal(here, k, last, frozen, rank):
         if row >= 0:
             side[row] = becomes
             if row == left:
-                hard, rank, own, own_rank = polish(here, k, last, frozen, rank)
+                hard, rank, own, own_rank = polish_again(here, k, last, frozen, rank)
                 faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
                 circles = head[at.DAMPED] != 0 or faults != 1 or worst != row
                 if not circles:

@@ -8,7 +8,7 @@ follow by one back substitution.
 from __future__ import annotations
 
 from . import layout as at
-from .compile import inner
+from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .orthogonal import CANCELLED, length, project
 from .rows import copy_row
@@ -34,7 +34,7 @@ def append(i, c, here, tau):
         coefficients[q] = 0.0
     size = norm[i]
     for _ in range(3):
-        project(row, n, V, 0, c, coefficients)
+        project(row, n, V, integer(0), c, coefficients)
         before, size = size, length(row, n)
         if not size > tau * norm[i]:
             return False
