@@ -104,7 +104,8 @@ def factor(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
     -------
     rank : int
     """
-    separate(ids, count, slots, sizes, R, norm, V, L, 0, c, f, tau)  # a variant of its own for this literal: 3 % of a sweep
+    # The literals 0 here and in :func:`pivots` make a variant of `project` for the sweep alone: 3 % of a solve.
+    separate(ids, count, slots, sizes, R, norm, V, L, 0, c, f, tau)
     return pivots(ids, count, slots, sizes, R, norm, V, L, c, f, tau)
 
 
