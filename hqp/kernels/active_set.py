@@ -120,7 +120,7 @@ def minimise(here, k, last, frozen, working):
             still = integer(0)
             working = escape(here, forces, frozen, working, ptr[k])
             if length(d, n) == 0.0:
-                balance(frozen, frozen + working, n, here)
+                balance(vector(here, at.G), frozen, frozen + working, here)
                 return integer(OPTIMAL), forces, working
 
         step, blocks = line_search(here, k, last)
@@ -196,9 +196,9 @@ def newton(here, k, last, c, count):
 @inner
 def most_wrong(here, forces, frozen, working):
     """The position in V of the working-set row whose multiplier has the most wrong sign; -1 if all signs are right."""
-    n, pivot, side = ints(here, 0, at.HEAD)[at.N], marks(here, at.PIVOT), marks(here, at.SIDE)
+    pivot, side = marks(here, at.PIVOT), marks(here, at.SIDE)
     norm, multiplier = vector(here, at.NORM), vector(here, at.MULTIPLIER)
-    balance(frozen, frozen + working, n, here)
+    balance(vector(here, at.G), frozen, frozen + working, here)
     worst, leaves = -DUAL * forces, integer(-1)
     for q in range(frozen, frozen + working):
         i = pivot[q]

@@ -105,14 +105,20 @@ def nonnegative(here, enough, frozen, working, hard_end):
 @inner
 def residual(here, c):
     """Write ``d`` = -g, projected onto the null space of V[:c]; returns its length."""
-    n, d, g = ints(here, 0, at.HEAD)[at.N], vector(here, at.D), vector(here, at.G)
-    scratch, V = vector(here, at.SCRATCH), matrix(here, at.V)
-    for j in range(n):
+    d, g = vector(here, at.D), vector(here, at.G)
+    for j in range(len(d)):
         d[j] = -g[j]
+    return clear(here, d, c)
+
+
+@inner
+def clear(here, d, c):
+    """Project d (n,) onto the null space of V[:c], twice; returns its length."""
+    n, scratch, V = ints(here, 0, at.HEAD)[at.N], vector(here, at.SCRATCH), matrix(here, at.V)
     for q in range(c):
         scratch[q] = 0.0
-    project(d, n, V, 0, c, scratch)
-    project(d, n, V, 0, c, scratch)
+    project(d, n, V, integer(0), c, scratch)
+    project(d, n, V, integer(0), c, scratch)
     return length(d, n)
 
 
@@ -122,16 +128,11 @@ def step_back(here, frozen, working):
 
     Repeated until all least-squares multipliers are positive. Returns how many rows the working set then has.
     """
-    n, pivot, kind, side = (
-        ints(here, 0, at.HEAD)[at.N],
-        marks(here, at.PIVOT),
-        marks(here, at.KIND),
-        marks(here, at.SIDE),
-    )
+    pivot, kind, side = marks(here, at.PIVOT), marks(here, at.KIND), marks(here, at.SIDE)
     share, multiplier = vector(here, at.SHARE), vector(here, at.MULTIPLIER)
     while working > 0:
         c = frozen + working
-        balance(frozen, c, n, here)
+        balance(vector(here, at.G), frozen, c, here)
         reach, leaves = 1.0, integer(-1)
         for q in range(frozen, c):
             wanted = multiplier[q] * side[pivot[q]]

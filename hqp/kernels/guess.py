@@ -43,7 +43,7 @@ def guess(here, last):
             soft[i] = 0.0 if k < first else softness * longest * longest
             if norm[i] > 0.0 and lo[i] == hi[i]:
                 side[i] = EQUALITY
-                if count < most and admit(i, 0, count, 0.0, here):
+                if count < most and admit(i, integer(0), count, 0.0, here):
                     count += 1
         softness *= 1.0 if k < first else step
-    return settle(here, ptr[last], 0, count, 0.0, ROUNDS, ROUGH) >= 0
+    return settle(here, ptr[last], integer(0), count, 0.0, integer(ROUNDS), ROUGH) >= 0

@@ -53,8 +53,8 @@ RULE = 3
 # For :mod:`.dual` and :mod:`.members`, in the order of the members: their rows, and the arrays of their factor.
 (MEMBERS, FACTOR, DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED) = range(56, 66)
 # For :mod:`.damped`: the damped levels; the rule of each; the sides at the end of each stage, (2 damped + 1, m); of
-# each damped level lambda, whether x_a was computed, x_a and x_k; and its aim.
-(WHICH, RULES, STAGES, PASSED, AIMS) = range(66, 71)
+# each damped level lambda, whether x_a was computed, x_a and x_k; and its aim. For :mod:`.lift`: (levels, m).
+(WHICH, RULES, STAGES, PASSED, AIMS, PRESSED) = range(66, 72)
 
 
 def shapes(n, levels, m, dense, widest, damped):
@@ -75,7 +75,7 @@ def shapes(n, levels, m, dense, widest, damped):
     reals |= dict.fromkeys((LENGTHS, RHS), (deep, 1))
     reals |= dict.fromkeys((ANCHOR, EXACT, APPROACH), (n, 1)) | {P: (m + n, n), LAMBDA: (m, 1), FACTOR: (many, many)}
     reals |= dict.fromkeys((DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED), (many, 1))
-    reals |= {RULES: (damped, RULE), PASSED: (damped, 2 + 2 * n), AIMS: (damped, n)}
+    reals |= {RULES: (damped, RULE), PASSED: (damped, 2 + 2 * n), AIMS: (damped, n), PRESSED: (levels, m)}
     return ints, reals
 
 
@@ -121,7 +121,7 @@ def lay_out(structure, damped=(), rows_of_damping=False):
     owned = {place: np.array(given, dtype=np.int64) for place, given in owned.items()}
 
     m, rows = len(columns), int(dense.sum())
-    directory = np.zeros(HEAD + 3 * (AIMS + 1), dtype=np.int64)
+    directory = np.zeros(HEAD + 3 * (PRESSED + 1), dtype=np.int64)
     directory[[N, LEVELS, ROWS, BOXED, DAMPED]] = n, len(levels), m, distinct[:1] == [True], len(damped)
     entries = directory[HEAD:].reshape(-1, 3)
     for place, array in owned.items():

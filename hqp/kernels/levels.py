@@ -56,7 +56,7 @@ def levels(here, last, warm):
                 count = assemble(here, k, last, frozen, delta)
                 count = settle(here, end, frozen, count, delta, rounds, FINE)
                 remember(here, k, last, count)
-            hard, rank, own, own_rank = polish(here, k, last, frozen)
+            hard, rank, own, own_rank = polish(here, k, last, frozen, integer(0))
             faults, _, pull = judge(here, k, last, frozen, hard, rank, own)
             if faults == 0:
                 break
@@ -65,9 +65,9 @@ def levels(here, last, warm):
                 continue
             if again == 1:
                 start_again(here, k)
-            faults, circles, hard, rank, own, own_rank, pull = primal(here, k, last, frozen)
+            faults, circles, hard, rank, own, own_rank, pull = primal(here, k, last, frozen, rank)
             if circles and sharpen(here):  # what was let go is needed: it matters what counts as dependent
-                faults, circles, hard, rank, own, own_rank, pull = primal(here, k, last, frozen)
+                faults, circles, hard, rank, own, own_rank, pull = primal(here, k, last, frozen, rank)
         if faults > 0 and k < last:
             break
         keep(here, k, last)

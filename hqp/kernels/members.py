@@ -12,7 +12,7 @@ Joining appends a row to L; leaving is a rank-one update of the block behind it 
 from __future__ import annotations
 
 from . import layout as at
-from .compile import inner
+from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .orthogonal import CANCELLED, length, project
 from .rows import EQUALITY, copy_row, value_of
@@ -36,7 +36,7 @@ def prepare(i, frozen, here):
         before = length(row, n)
         project(row, n, V, depth[i], frozen, scratch)
         if length(row, n) < CANCELLED * before:
-            project(row, n, V, 0, frozen, scratch)
+            project(row, n, V, integer(0), frozen, scratch)
         depth[i] = frozen
 
 

@@ -21,19 +21,22 @@ from .rows import EQUALITY, INACTIVE, target, value_of
 from .signs import clear_of_basis
 from .working_set import FROZEN, balance
 
+#: A pivot row of which projection leaves a smaller share is not kept from one primal step to the next.
+FIRM = 1e-2
+
 
 @inner
 def list_members(here, first, end, frozen, begin, room):
     """List the active rows of first .. end - 1 from place `begin` on, and their projections P in R; returns how many.
 
-    At most `room` are listed; the others become inactive.
+    At most `room` are listed; the others become inactive. Rows that :func:`recall` has listed are left out.
     """
     n = ints(here, 0, at.HEAD)[at.N]
-    side, kind, R = marks(here, at.SIDE), marks(here, at.KIND), matrix(here, at.R)
+    side, kind, listed, R = marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.DECIDED), matrix(here, at.R)
     norm, lengths, tau = vector(here, at.NORM), vector(here, at.LENGTHS), vector(here, at.OPTION)[at.TAU]
     count = integer(begin)
     for i in range(first, end):
-        if side[i] == INACTIVE or kind[i] == FROZEN or norm[i] == 0.0:
+        if side[i] == INACTIVE or kind[i] == FROZEN or norm[i] == 0.0 or listed[i] != 0:
             continue
         if count - begin == room:
             side[i] = INACTIVE
@@ -50,8 +53,28 @@ def list_members(here, first, end, frozen, begin, room):
 
 
 @inner
-def polish(here, k, last, frozen):
+def recall(here, end, frozen, known):
+    """How many of the first `known` rows in ``ids`` are still active and firm, up to the first that is not.
+
+    Their part of V stays; all others are pivoted anew, so that no row stands behind one of which less is left.
+    ``decided`` marks those that stay, among the rows before `end`.
+    """
+    side, ids, listed = marks(here, at.SIDE), marks(here, at.IDS), marks(here, at.DECIDED)
+    norm, L = vector(here, at.NORM), matrix(here, at.L)
+    for i in range(end):
+        listed[i] = 0
+    kept = integer(0)
+    while kept < known and side[ids[kept]] != INACTIVE and L[ids[kept]][frozen + kept] > FIRM * norm[ids[kept]]:
+        listed[ids[kept]] = 1
+        kept += 1
+    return kept
+
+
+@inner
+def polish(here, k, last, frozen, known):
     """Solve level k with its active rows as equalities: x, y and the slacks w. For the last level S is empty.
+
+    `known` pivot rows of C are in ``ids``, V and L from the last time, of which a few may have left since; 0 if not.
 
     Returns
     -------
@@ -67,8 +90,12 @@ def polish(here, k, last, frozen):
     x, w, y, anchor = vector(here, at.X), vector(here, at.W), vector(here, at.Y), vector(here, at.ANCHOR)
     rhs, lengths, tau = vector(here, at.RHS), vector(here, at.LENGTHS), vector(here, at.OPTION)[at.TAU]
     V, L, R, H = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R), matrix(here, at.H)
-    hard = list_members(here, 0, ptr[k], frozen, 0, n)
-    rank = pivots(ids, hard, slots, lengths, R, norm, V, L, frozen, n, tau)
+    known = recall(here, ptr[min(k + 1, last)], frozen, known)
+    more, c = list_members(here, integer(0), ptr[k], frozen, known, n - known), frozen + known
+    mine, places, sizes, rows = ids[known:], slots[known:], lengths[known:], R[known:]
+    if known > 0:
+        separate(mine, more, places, sizes, rows, norm, V, L, frozen, c, n, tau)
+    hard, rank = known + more, known + pivots(mine, more, places, sizes, rows, norm, V, L, c, n, tau)
     for r in range(rank):
         i = ids[r]
         row, total = L[i], -start_of(i, target(side[i], lo[i], hi[i]), here)
@@ -149,7 +176,7 @@ def judge(here, k, last, frozen, hard, rank, own):
                 row = B[row_of[i]]
                 for j in range(n):
                     g[j] += much * row[j]
-        balance(frozen, frozen + rank, n, here)
+        balance(vector(here, at.G), frozen, frozen + rank, here)
         least = wrong = -clear_of_basis(here, frozen, frozen + rank, pull) - (blur if k == last else 0.0)
         for q in range(frozen, frozen + rank):
             i = pivot[q]

@@ -68,8 +68,19 @@ def first_event(here, k):
 
 
 @inner
-def primal(here, k, last, frozen):
+def polish_again(here, k, last, frozen, known):
+    """Solve level k as :func:`.polish.polish`, with what is known of the last time where ranks allow it."""
+    hard, rank, own, own_rank = polish(here, k, last, frozen, known)
+    if known > 0 and rank < hard:  # which rows are the dependent ones is for all of them to decide
+        hard, rank, own, own_rank = polish(here, k, last, frozen, integer(0))
+    return hard, rank, own, own_rank
+
+
+@inner
+def primal(here, k, last, frozen, rank):
     """Take primal steps from APPROACH until level k is optimal, or STEPS are spent.
+
+    `rank` is that of :func:`.polish.polish`, which has just solved the level: its first pivot rows stay those of V.
 
     Each step goes towards the x of :func:`.polish.polish`, up to the first event; then one row changes its side. A
     member that leaves the working set because of the sign of its multiplier, and blocks the next step at once, stays:
@@ -90,7 +101,7 @@ def primal(here, k, last, frozen):
     side, start, d = marks(here, at.SIDE), vector(here, at.APPROACH), vector(here, at.D)
     left, still, circles = integer(-1), integer(0), False
     for steps in range(STEPS + 1):
-        hard, rank, own, own_rank = polish(here, k, last, frozen)
+        hard, rank, own, own_rank = polish_again(here, k, last, frozen, rank)
         faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
         if faults == 0 or steps == STEPS or late(here):
             break
@@ -106,7 +117,7 @@ def primal(here, k, last, frozen):
         if row >= 0:
             side[row] = becomes
             if row == left:
-                hard, rank, own, own_rank = polish(here, k, last, frozen)
+                hard, rank, own, own_rank = polish_again(here, k, last, frozen, rank)
                 faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
                 circles = head[at.DAMPED] != 0 or faults != 1 or worst != row
                 if not circles:

@@ -1,6 +1,5 @@
 r"""The compiled certificate: decides whether x is optimal from the numbers of the hierarchy alone.
 
-
 As in :mod:`hqp.certificate.balance`, level by level, the normals of the rows above must balance the forces of the level
 up to round-off: free normals (equalities and violated rows) with multipliers of either sign, normals of rows at a bound
 with multipliers of one sign. What it accepts, the certificate accepts too, as its least squares leave no larger
@@ -15,8 +14,10 @@ import math
 from . import layout as at
 from .compile import inner, integer
 from .escape import nonnegative
+from .lift import choose, lift, note_shares, press
 from .memory import ints, marks, matrix, vector
 from .orthogonal import factor, length
+from .round_off import blur, weakest
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, copy_row, value_of
 from .shift import carried, moving
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance
@@ -26,10 +27,6 @@ JUDGED, ROUND_OFF, BALANCED = 1e-9, 256 * 2.0**-52, 64 * 2.0**-52
 #: As there: the rank tolerance of free normals; the residual that is allowed, and its upper limit for badly conditioned
 #: rows.
 FREE_RANK, STATIONARITY, BLURRED = 1e-11, 1e-10, 1e-6
-#: Rows at a bound with a smaller remainder are not in the first working set: they need huge multipliers for little.
-CLEAR = 1e-6
-#: Round-off in the direction of a remainder, relative to the length of its row.
-TURNS = 8 * 2.0**-52
 #: Factors on the residual of forces and on tolerances, so that other rounding in the certificate cannot reverse an
 #: acceptance.
 MARGIN, NEARLY = 0.9, 0.99
@@ -50,6 +47,7 @@ def proves(here, last):
     for k in range(last + 1):
         scale = gradient(here, k, last, size, way)
         if scale == 0.0:
+            note_shares(here, k, frozen, integer(0))
             continue
         while taken < k:
             frozen = take_up(here, taken, frozen)
@@ -103,10 +101,10 @@ def find_sides(here):
     size, way = measure_rows(here)
     norm, lo, hi = vector(here, at.NORM), vector(here, at.LO), vector(here, at.HI)
     value, slack, side = vector(here, at.VALUE), vector(here, at.SLOPE), marks(here, at.HELD)
-    room = vector(here, at.LAMBDA)
+    room, depth = vector(here, at.LAMBDA), marks(here, at.DEPTH)
     flat = JUDGED * LENGTH * size + ROUND_OFF * way
     for i in range(ints(here, 0, at.HEAD)[at.ROWS]):
-        side[i], room[i] = INACTIVE, 0.0
+        side[i], room[i], depth[i] = INACTIVE, 0.0, -1
         if norm[i] == 0.0:
             continue
         near = JUDGED * (abs(value[i]) + abs(value[i] - slack[i])) + flat * norm[i]
@@ -199,10 +197,16 @@ def enter(here, count, c):
 @inner
 def balanced(here, k, last, frozen, scale):
     """Whether the rows above level k balance its gradient ``g``, up to round-off; `scale` is the sum of its forces."""
+    enough = MARGIN * STATIONARITY * scale
+    choose(here, k)
+    if lift(here, k, frozen, press(here, k, frozen), scale, enough):
+        return True
+    working = press(here, k, frozen)  # without the rows that lifting has left with no multiplier
     hold(here, k)
-    working = begin(here, k, frozen)
-    working, rest, _ = nonnegative(here, MARGIN * STATIONARITY * scale, frozen, working, marks(here, at.PTR)[k])
-    enough, unsure = MARGIN * STATIONARITY * scale, blur(here, frozen, frozen + working)
+    working = begin(here, k, frozen, working)
+    working, rest, _ = nonnegative(here, enough, frozen, working, marks(here, at.PTR)[k])
+    note_shares(here, k, frozen, working)
+    unsure = blur(here, vector(here, at.G), frozen, frozen + working)
     rest += unsure
     if unsure > enough:
         return False
@@ -233,34 +237,18 @@ def hold(here, k):
 
 
 @inner
-def begin(here, k, base):
-    """Start the working set with the rows that the solver has at their bound, if their multipliers are positive.
+def begin(here, k, base, working):
+    """Start the working set with those rows of :func:`.lift.press` whose multipliers are positive without the others.
 
     `base` is the number of rows of V that span the free normals. Returns how many rows the working set has.
     """
-    n, end = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR)[k]
-    side, kept, where = marks(here, at.SIDE), marks(here, at.FOLLOW), marks(here, at.HELD)
+    side, where = marks(here, at.SIDE), marks(here, at.HELD)
     kind, pivot = marks(here, at.KIND), marks(here, at.PIVOT)
     share, multiplier = vector(here, at.SHARE), vector(here, at.MULTIPLIER)
-    ids, slots, lengths, norm = (
-        marks(here, at.IDS),
-        marks(here, at.SLOTS),
-        vector(here, at.LENGTHS),
-        vector(here, at.NORM),
-    )
-    V, L, R = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
-    count, wrong = integer(0), integer(0)
-    for i in range(end):
-        if kind[i] == HARD and kept[i] == where[i] and count < len(R):
-            ids[count] = i
-            copy_row(i, R[count], here)
-            count += 1
-    working = factor(ids, count, slots, lengths, R, norm, V, L, base, n, CLEAR)
-    for q in range(working):
-        i = ids[q]
-        pivot[base + q], kind[i], side[i] = i, WORKING, where[i]
+    for q in range(base, base + working):
+        kind[pivot[q]], side[pivot[q]] = WORKING, where[pivot[q]]
     while working > 0:
-        balance(base, base + working, n, here)
+        balance(vector(here, at.G), base, base + working, here)
         wrong, count = integer(0), working
         working = integer(0)
         for q in range(base, base + count):
@@ -276,46 +264,3 @@ def begin(here, k, base):
         if wrong == 0:
             break
     return working
-
-
-@inner
-def blur(here, base, c):
-    """A bound on the force that round-off in V[:c] may leave unbalanced; a row with a small remainder adds much.
-
-    If V[:c] spans all n directions, nothing is left, unless a row of V may be mere round-off of a row that came in an
-    earlier block. `base` is the number of rows of V that span the free normals.
-    """
-    n, pivot, norm = ints(here, 0, at.HEAD)[at.N], marks(here, at.PIVOT), vector(here, at.NORM)
-    g, V, L, block = vector(here, at.G), matrix(here, at.V), matrix(here, at.L), marks(here, at.QUEUE)
-    total, least, before, all_there = 0.0, 1.0, 1.0, c == n
-    for q in range(c):
-        direction, along, share = V[q], 0.0, L[pivot[q]][q] / norm[pivot[q]]
-        for j in range(n):
-            along += direction[j] * g[j]
-        if q == base or (q < base and q == block[q]):
-            before = least
-        if share * before <= TURNS:
-            all_there, share = False, TURNS
-        least = min(least, share)
-        total += abs(along) / share
-    return 0.0 if all_there else TURNS * total
-
-
-@inner
-def weakest(here, base, working):
-    """An upper bound of the smallest singular value of the normals that balance the level, from their parts along V."""
-    pivot = marks(here, at.PIVOT)
-    norm, spread, along = vector(here, at.NORM), vector(here, at.BALANCE), vector(here, at.SCRATCH)
-    L, least = matrix(here, at.L), 1.0
-    for q in range(base + working):
-        along[q] = spread[q] if q < base else 0.0
-    for q in range(base, base + working):
-        row, square = L[pivot[q]], 0.0
-        for p in range(base, q + 1):
-            square += row[p] * row[p]
-        for p in range(base, q + 1):
-            along[p] += row[p] * row[p] / square
-        least = min(least, math.sqrt(square) / norm[pivot[q]])
-    for q in range(base + working):
-        least = min(least, math.sqrt(along[q]))
-    return least

@@ -41,7 +41,7 @@ def moving(here, k, c):
             ids[count] = i
             copy_row(i, R[count], here)
             count += 1
-    separate(ids, count, slots, lengths, R, norm, V, L, 0, c, n, 0.0)
+    separate(ids, count, slots, lengths, R, norm, V, L, integer(0), c, n, 0.0)
     rank = pivots(ids, count, slots, lengths, R, norm, V, L, c, n, 0.25 * OWN_RANK)
     moved = left = 0.0
     for q in range(c, c + rank):
@@ -97,7 +97,7 @@ def carried(here, k, base, c, enough):
             g[j] += much * row[j]
     if residual(here, c) > enough:
         return False
-    balance(base, c, n, here)
+    balance(vector(here, at.G), base, c, here)
     pressing = True
     for q in range(base, c):
         pressing = pressing and multiplier[q] * side[pivot[q]] >= 0.0
@@ -141,7 +141,7 @@ def shortest_shift(here, count, c):
         row, unit = R[r], room[ids[r]] / norm[ids[r]]
         for j in range(n):
             row[j] *= unit
-    separate(ids, count, slots, lengths, R, room, V, L, 0, c, n, ALONE)
+    separate(ids, count, slots, lengths, R, room, V, L, integer(0), c, n, ALONE)
     rank = pivots(ids, count, slots, lengths, R, room, V, L, c, n, ALONE)
     for r in range(count):
         shift[r] = 0.0

@@ -8,7 +8,7 @@ follow by one back substitution.
 from __future__ import annotations
 
 from . import layout as at
-from .compile import inner
+from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .orthogonal import CANCELLED, length, project
 from .rows import copy_row
@@ -34,7 +34,7 @@ def append(i, c, here, tau):
         coefficients[q] = 0.0
     size = norm[i]
     for _ in range(3):
-        project(row, n, V, 0, c, coefficients)
+        project(row, n, V, integer(0), c, coefficients)
         before, size = size, length(row, n)
         if not size > tau * norm[i]:
             return False
@@ -56,13 +56,12 @@ def remove(place, c, here):
 
 
 @inner
-def balance(low, high, n, here):
+def balance(g, low, high, here):
     """Write the multipliers of rows low .. high - 1 of V: ``g + sum multiplier_i a_i`` is orthogonal to these rows.
 
     ``multiplier`` is by position in V.
     """
-    pivot = marks(here, at.PIVOT)
-    multiplier, g = vector(here, at.MULTIPLIER), vector(here, at.G)
+    n, pivot, multiplier = ints(here, 0, at.HEAD)[at.N], marks(here, at.PIVOT), vector(here, at.MULTIPLIER)
     V, L = matrix(here, at.V), matrix(here, at.L)
     for q in range(low, high):
         direction = V[q]
