@@ -165,3 +165,34 @@ def test_rows_whose_curvature_is_not_known_are_no_singularity() -> None:
     default, strict = (Controller(arm(), stack, dt=DT, damping=damping)(BENT) for damping in ("curvature", None))
     assert default.relaxed == ()
     np.testing.assert_allclose(default.v, strict.v, atol=1e-9)
+
+
+def largest_jump(answer, begin, end, halvings=25):
+    """How far the answer jumps between two states, where it changes most: the interval is halved again and again."""
+    first, last = answer(begin), answer(end)
+    for _ in range(halvings):
+        middle = 0.5 * (begin + end)
+        found = answer(middle)
+        if np.abs(found - first).max() < np.abs(found - last).max():
+            begin, first = middle, found
+        else:
+            end, last = middle, found
+    return np.abs(first - last).max()
+
+
+def test_no_row_jumps_where_another_one_goes_from_soft_to_held() -> None:
+    """An arm that is nearly straight, and turned away from what it is asked for, on its way between two ticks.
+
+    Its speeds are about 1 rad/s. A row of the position goes from a stiffness of 1e4 to a held one: what that is worth.
+    """
+    robot = load_robot("panda", lock=["panda_finger_joint1"])
+    hand, turn = (
+        PositionTask([0.68337, -0.29166, 0.90232], gain=20.0),
+        OrientationTask(np.diag([1.0, -1.0, -1.0]), gain=20.0),
+    )
+    controller = Controller(robot, JointLimits() >> hand >> turn >> PostureTask(robot.home, gain=1.0), dt=0.005)
+    begin = [-0.43838, 0.52128, 0.08115, -0.59788, 0.03728, 2.74743, 0.40814]
+    begin += [-0.15605, -0.46858, 0.03985, -0.5368, 0.20279, -0.88887, -0.13256]
+    end = [-0.43915, 0.51897, 0.08134, -0.60052, 0.03829, 2.74297, 0.40749]
+    end += [-0.15366, -0.46277, 0.03684, -0.52649, 0.20233, -0.89103, -0.13045]
+    assert largest_jump(lambda x: controller(x[:7], x[7:]).v, np.array(begin), np.array(end)) < 0.05

@@ -74,10 +74,12 @@ def asked(kind: str, arm: Any, state: Any, order: str) -> tuple[Any, Any]:
     if kind == "position":
         low, high = arm.position_limit
         ahead = q + 0.5 * DT * v if order == "acceleration" else q
-        below, above = (furthest(room, arm.acceleration_limit) for room in (ahead - low, high - ahead))
+        rooms = ahead - low, high - ahead
+        below, above = (furthest(room, arm.acceleration_limit) for room in rooms)
+        into, down = (furthest(-room, arm.acceleration_limit) for room in rooms)
         back = np.minimum(0.5, arm.velocity_limit)
-        least = -np.maximum(below, -np.minimum(back, np.maximum(above, 0.0)))
-        most = np.maximum(above, -np.minimum(back, np.maximum(below, 0.0)))
+        least = -np.where(below >= 0.0, below, -np.minimum(np.minimum(back, into), np.maximum(above, 0.0)))
+        most = np.where(above >= 0.0, above, -np.minimum(np.minimum(back, down), np.maximum(below, 0.0)))
     elif kind == "velocity":
         least, most = -arm.velocity_limit, arm.velocity_limit
     else:

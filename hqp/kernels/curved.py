@@ -16,7 +16,7 @@ from .active_set import OPTIMAL
 from .bend import TRUSTED, bend, find_bounds
 from .call import called_on
 from .compile import entry, inner, integer, stamp
-from .curved_rows import gather, measure, norm_of, project, stack_above
+from .curved_rows import demand, gather, measure, norm_of, note_bounds, project, stack_above
 from .hand_over import freeze, hold
 from .lacking import leave_off_above, note_lacking
 from .memory import floats, given, ints, marks, matrix, vector
@@ -77,17 +77,17 @@ def note_last(here):
 
 
 @inner
-def solve_stage(here, k, d, count, size, lean, alike):
+def solve_stage(here, k, d, count, size, firmer, lean, alike):
     """Write the stage of level k and solve it; returns the outcome, and x goes to ``points[k]``.
 
-    `d` directions are left, and the level has `count` rows of norm `size`; `lean` and `alike` as of
-    :func:`.stage.weigh_lean`, the lean here without the factor 1 / sqrt(gain dt).
+    `d` directions are left, and the level has `count` rows of norm `size`; the soft rows above are `firmer` times
+    stiffer; `lean` and `alike` as of :func:`.stage.weigh_lean`, the lean here without the factor 1 / sqrt(gain dt).
     """
     head, point = ints(here, 0, plain.HEAD), matrix(here, at.POINTS)[k]
     if vector(here, at.LAST)[0] != vector(here, at.LAST)[0]:
         lean = 0.0
+    head[at.STAGE], vector(here, at.NORMS)[k] = k, firmer * size
     write_stage(here, k, d, count, size, lean / math.sqrt(vector(here, at.SHARES)[k]), alike)
-    head[at.STAGE], vector(here, at.NORMS)[k] = k, size
     directory = marks(here, at.DIRECTORIES)[k]
     outcome = called_on(head[at.SOLVE], directory, marks(here, at.NUMBERS)[k])
     x, told = vector(directory, plain.X), ints(directory, 0, plain.HEAD)
@@ -142,13 +142,14 @@ def solve_stages(here, gate):
             leave_off_above(here, x, d)
             note_lacking(here, k)
         count = gather(here, k)
-        least, size = project(here, count, d), 0.0
+        least, size, firmer = project(here, count, d), 0.0, 1.0
         spared = marks(here, at.CURVED)[k] == at.SPARED
         if not spared:
             least = least_apart(here, k, count, d, above, least)
         if opened:
             size = norm_of(here, count, free)
-            head[at.STIFF] = 1 if measure(here, k, d, count, size) else 0
+            firmer = math.sqrt(demand(here, k, count, size)) if size > 0.0 else 1.0
+            head[at.STIFF] = 1 if measure(here, k, d, count, firmer) else 0
         if spared:
             strength, ratio = spare(here, d)
         else:
@@ -166,7 +167,7 @@ def solve_stages(here, gate):
         lean = 0.0 if spared else math.sqrt(gate) * (LEAN if first else LEAN_BELOW)
         alike = max(ALIKE, at_bounds * (ALIKE_AT_BOUNDS if first else ALIKE_BELOW))
         first = first and of[k + 1] == of[k]
-        outcome = solve_stage(here, k, d, count, size, lean, alike)
+        outcome = solve_stage(here, k, d, count, size, firmer, lean, alike)
         if outcome != OPTIMAL:
             return outcome
         opened, strengths[k], x = True, math.sqrt(strength), matrix(here, at.POINTS)[k]
@@ -190,6 +191,7 @@ def solve_all(here, numbers):
         return strict
     note_errors(here)
     find_bounds(here)
+    note_bounds(here)
     note_last(here)
     if vector(here, at.LAST)[0] == vector(here, at.LAST)[0]:
         answer = vector(marks(here, at.DIRECTORIES)[levels], plain.X)

@@ -46,7 +46,9 @@ CALL = 8
 WORTH = 52
 # Of every row, whether it is not linear and its curvature is not known.
 UNKNOWN = 53
-PLACES = 54
+# Of every variable, the tightest bounds of all rows above the curved levels.
+(LEAST, MOST) = range(54, 56)
+PLACES = 56
 
 #: Value of CURVED: the level counts as curved, but is left strict.
 SPARED = 2
@@ -62,6 +64,7 @@ def shapes(n, levels, m, widest):
     ints, wide = {IDS: (widest, 1), STATE: (m, 1), WHOSE: (m, 1)}, max(n, widest)
     reals = {J: (widest, n), G: (widest, n), WANTED: (m, 1), PULL: (n, 1), ERRORS: (m, 1)}
     reals |= {ABOVE: (m, n), GRAM: (m, m), TRIANGLE: (m, m), MU: (max(m, n), 1), VALUES: (wide, 1), REACH: (n, 1)}
+    reals |= dict.fromkeys((LEAST, MOST), (n, 1))
     reals |= dict.fromkeys((BASIS, METRIC, KEPT), (n, n)) | dict.fromkeys((P, E, U, M, HALF, Q), (wide, wide))
     reals |= {
         ROW: (m, n),

@@ -117,8 +117,62 @@ def stack_above(here, count, above, free):
 
 
 @inner
-def measure(here, k, d, count, size):
-    """Write L, L L' = I + R' R for the soft rows R above along Z, and replace G by G L^-T; whether there are any."""
+def note_bounds(here):
+    """Write the tightest bounds of every variable, of all rows above the curved levels, to ``least`` and ``most``."""
+    head, col, least, most = (
+        ints(here, 0, plain.HEAD),
+        marks(here, plain.COL),
+        vector(here, at.LEAST),
+        vector(here, at.MOST),
+    )
+    lower, upper = vector(here, plain.LOWER), vector(here, plain.UPPER)
+    for j in range(head[plain.N]):
+        least[j], most[j] = -math.inf, math.inf
+    for i in range(marks(here, plain.PTR)[head[at.TOP]]):
+        j = col[i]
+        if j >= 0:
+            least[j], most[j] = max(least[j], lower[i]), min(most[j], upper[i])
+
+
+@inner
+def demand(here, k, count, size):
+    r"""How many times more level k asks for than its bounds leave room for, at least 1.
+
+    It asks for :math:`J^T r / |J|^2`, where r is what its rows lack at the x of the level above; the room is the
+    diagonal of the bounds. Variables that are not bounded on both sides do not count.
+    """
+    n, J, ids, x = (
+        ints(here, 0, plain.HEAD)[plain.N],
+        matrix(here, at.J),
+        marks(here, at.IDS),
+        matrix(here, at.POINTS)[k - 1],
+    )
+    lower, upper, weights = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, plain.WEIGHTS)
+    asked, least, most = vector(here, at.VALUES), vector(here, at.LEAST), vector(here, at.MOST)
+    for j in range(n):
+        asked[j] = 0.0
+    for r in range(count):
+        row, value, weight = J[r], 0.0, weights[ids[r]]
+        for j in range(n):
+            value += row[j] * x[j]
+        lacking = max(weight * lower[ids[r]] - value, 0.0) + min(weight * upper[ids[r]] - value, 0.0)
+        for j in range(n):
+            asked[j] += lacking * row[j] / (size * size)
+    far, room = 0.0, 0.0
+    for j in range(n):
+        width = most[j] - least[j]
+        if width > 0.0 and width < math.inf:
+            far += asked[j] * asked[j]
+            room += width * width
+    return max(1.0, math.sqrt(far / room)) if room > 0.0 else 1.0
+
+
+@inner
+def measure(here, k, d, count, firmer):
+    """Write L, L L' = I + R' R for the soft rows R above along Z, and replace G by G L^-T; whether there are any.
+
+    `firmer` is the factor of their stiffness.
+    """
     head, ptr, state = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.STATE)
     n, basis, L, M, G = (
         head[plain.N],
@@ -139,7 +193,7 @@ def measure(here, k, d, count, size):
             direction, along = basis[p], 0.0
             for j in range(n):
                 along += rows[i][j] * direction[j]
-            left[p] = stiffness[i] * along
+            left[p] = firmer * stiffness[i] * along
         for p in range(d):
             for q in range(d):
                 M[p][q] += left[p] * left[q]

@@ -3,11 +3,13 @@ r"""The rows that a curved level hands over to the levels below: *held* rows, wh
 If nothing of a level is damped, all its rows are held. Else they are replaced by combinations. With
 :math:`G = U S V^T`, the rows along Z, and D, the damping there, the eigenvectors of :math:`S^{-1} V^T D V S^{-1}`
 combine the rows; an eigenvalue is the ratio of the part of its combination that is missed to the part that is met. The
-stiffness of a soft row is inverse to this ratio: as the damping fades it grows without bound, without a jump to a held
-row.
+stiffness of a soft row is inverse to this ratio, and to the length of the row in the metric of the soft rows above: as
+the damping fades it grows without bound, and no row jumps where another one is held.
 """
 
 from __future__ import annotations
+
+import math
 
 from . import curved_layout as at
 from . import layout as plain
@@ -16,8 +18,8 @@ from .memory import ints, marks, matrix, vector
 from .orthogonal import length
 from .symmetric import eigen
 
-#: Stiffness, times gain dt, of a soft row that is half met; and the stiffness above which a row is held instead.
-STIFF, STIFFEST = 6.0, 1e4
+#: Stiffness of a soft row that is half met; and the stiffness above which a row is held instead.
+STIFF, STIFFEST = 60.0, 1e4
 #: A row, or a combination of rows, that is shorter than this share is dropped as round-off.
 NONE = 1e-9
 #: A row is violated if it is further from its bounds than this, relative to its value and that distance.
@@ -205,12 +207,24 @@ def compliance(here, count, d, size):
 
 
 @inner
+def combined_length(here, combination, count, d):
+    """The length of a combination of the `count` rows G, along d directions in the metric of the soft rows above."""
+    G, square = matrix(here, at.G), 0.0
+    for p in range(d):
+        total = 0.0
+        for r in range(count):
+            total += combination[r] * G[r][p]
+        square += total * total
+    return math.sqrt(square)
+
+
+@inner
 def soften(here, k, count, d, x, size):
     """:func:`freeze` for a level of equalities: its rows are combined by :func:`compliance`, each then held or soft."""
     n, ids, state = ints(here, 0, plain.HEAD)[plain.N], marks(here, at.IDS), marks(here, at.STATE)
     reached, rows, stiffness = vector(here, at.VALUE), matrix(here, at.ROW), vector(here, at.STIFFNESS)
     J, left, Q, soft = matrix(here, at.J), vector(here, at.MU), matrix(here, at.Q), vector(here, at.VALUES)
-    rank, first = compliance(here, count, d, size), marks(here, plain.PTR)[k]
+    rank, first, directions = compliance(here, count, d, size), marks(here, plain.PTR)[k], d
     for r in range(count):
         i = ids[r]
         state[i] = at.LOST
@@ -227,12 +241,11 @@ def soften(here, k, count, d, x, size):
         for j in range(n):
             value += row[j] * x[j]
         reached[i] = value
-        reach, _ = along(here, row, d, left)
-        if d == 0 or not reach > NONE * size:
+        apart, _ = along(here, row, d, left)
+        if d == 0 or not apart > NONE * size:
             continue
-        stiff = STIFF / vector(here, at.SHARES)[ints(here, 0, plain.HEAD)[at.TOP]]
-        if soft[r] * STIFFEST > stiff:
-            state[i], stiffness[i] = at.SOFT, stiff / (soft[r] * reach)
+        if soft[r] * STIFFEST > STIFF:
+            state[i], stiffness[i] = at.SOFT, STIFF / (soft[r] * combined_length(here, Q[r], count, directions))
         else:
             state[i] = at.HELD
             set_aside(here, left, d)

@@ -194,7 +194,7 @@ def write_stage(here, k, d, count, size, lean, alike):
     for level in range(k):
         for i in range(ptr[level], ptr[level + 1] if curved[level] != 0 else ptr[level]):
             own, soft = floats(address, row * n, n), state[i] == at.SOFT
-            scale = stiffness[i] * size if soft else 0.0
+            scale = stiffness[i] * vector(here, at.NORMS)[k] if soft else 0.0
             for j in range(n):
                 own[j] = scale * rows[i][j] if soft else 0.0
             weights[place] = 1.0

@@ -22,19 +22,31 @@ NEAR, SOONER = 0.1, 3
 
 
 @inner
+def moves_along(value, low, high):
+    """How close a value moves along its bounds low .. high: 0 away from them, or NaN; 1 at one of them."""
+    room = high - low
+    if not room > 0.0 or room == math.inf:
+        return 0.0
+    near = min(value - low, high - value) / room
+    if not near < NEAR:
+        return 0.0
+    moving = min(1.0, 2.0 * abs(value) / max(abs(low), abs(high)))  # a value at rest at its bound does not count
+    return moving * min(1.0, 1.0 - near / NEAR) ** SOONER
+
+
+@inner
 def crowded(here, x):
-    """How close x moves along bounds of the levels above the curved ones: 0 away from them (or x NaN), 1 at a bound."""
-    head = ints(here, 0, plain.HEAD)
-    lower, upper, gate = vector(here, plain.LOWER), vector(here, plain.UPPER), 0.0
+    """How close x moves along bounds of the levels above the curved ones, by :func:`moves_along`.
+
+    Bounds of a variable count as one pair, however many rows they are told in.
+    """
+    lower, upper, col = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, plain.COL)
+    least, most, gate, head = vector(here, at.LEAST), vector(here, at.MOST), 0.0, ints(here, 0, plain.HEAD)
+    for j in range(head[plain.N]):
+        gate = max(gate, moves_along(x[j], least[j], most[j]))
     for i in range(marks(here, plain.PTR)[head[at.TOP]]):
-        room = upper[i] - lower[i]
-        if not room > 0.0 or room == math.inf:
-            continue
-        value = value_at(here, i, x)
-        near = min(value - lower[i], upper[i] - value) / room
-        if near < NEAR:  # a row at rest at its bound does not count
-            moving = min(1.0, 2.0 * abs(value) / max(abs(lower[i]), abs(upper[i])))
-            gate = max(gate, moving * min(1.0, 1.0 - near / NEAR) ** SOONER)
+        if col[i] < 0:
+            gate = max(gate, moves_along(value_at(here, i, x), lower[i], upper[i]))
     return gate
 
 

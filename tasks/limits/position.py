@@ -17,11 +17,11 @@ choose :math:`p - s`, or 0: the state stays viable, which is the idea of A. Del 
 bounds in discrete-time acceleration/torque control of robot arms", IEEE Robotics and Automation Letters 3(1), 2018.
 Here the stop takes whole ticks, so that it ends *on* the limit and without a reversal.
 
-D < 0 means that the joint is, or will be, outside. Then m = 0, and :math:`p \le \max(D/dt, -r)` drives it back,
+D < 0 means that the joint is, or will be, outside. Then :math:`p \le -r` drives it back,
 
-.. math:: r = \min(\text{return speed},\ v_{max},\ p_{max}(D') \text{ of the opposite side}),
+.. math:: r = \min(\text{return speed},\ v_{max},\ p_{max}(-D),\ p_{max}(D') \text{ of the opposite side}),
 
-to rest on the limit: from near it in one tick at velocity order, in two at acceleration order. As
+to rest on the limit, and with :math:`p_{max}(-D)` braking in time for that: no harder than elsewhere. As
 :math:`D + D' = q_{max} - q_{min} \ge 0`, at most one side is negative, and the two never exclude each other.
 
 A step of inverse kinematics may go from one end of the range to the other: :math:`q_{min} - q \le dq \le q_{max} - q`.

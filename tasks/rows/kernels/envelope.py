@@ -63,10 +63,13 @@ def kept_range(order, q, v, low, high, return_speed, speed, acceleration, dt):
     if order == of.ACCELERATION:
         q = q + 0.5 * dt * v
     below, above = largest_velocity(q - low, acceleration, dt), largest_velocity(high - q, acceleration, dt)
-    # A position limit drives a joint that is outside no faster than `back`; inside its range the bounds contain 0.
+    # A joint that is outside is driven back no faster than `back`, and so that it can stop at the end of its range.
     back = min(return_speed, speed)
-    least = -max(below, -min(back, max(above, 0.0)))
-    most = max(above, -min(back, max(below, 0.0)))
+    if below < 0.0:
+        below = -min(back, largest_velocity(low - q, acceleration, dt), max(above, 0.0))
+    elif above < 0.0:
+        above = -min(back, largest_velocity(q - high, acceleration, dt), max(below, 0.0))
+    least, most = -below, above
     if order == of.ACCELERATION:
         return (least - v) / dt, (most - v) / dt
     return least, most

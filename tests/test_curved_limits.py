@@ -1,0 +1,95 @@
+"""Damping by curvature among limits: how they are told, how fast a tick is, and what they permit, costs no nearness."""
+
+from __future__ import annotations
+
+from functools import reduce
+from operator import add, rshift
+
+import numpy as np
+import pytest
+
+from tasks import (
+    Controller,
+    JointAccelerationLimit,
+    JointLimits,
+    JointPositionLimit,
+    JointVelocityLimit,
+    OrientationTask,
+    PlanarArm,
+    PositionTask,
+    PostureTask,
+)
+from tasks.control.calm import GENTLE
+
+#: Gain [1/s], tick [s], and acceleration limit [rad/s^2]: the orientation asks for up to a hundred times as much.
+PACES = [(20.0, 0.01, 15.0), (40.0, 0.005, 40.0), (40.0, 0.014, 40.0)]
+
+
+def excess(seed: int, gain: float, dt: float, acceleration: float, damping: str | None) -> float:
+    """Root mean square of what the tip is off its target, led out of reach and back, beyond what it has to be [m].
+
+    Slowly enough that no limit is met all the time, for then chance decides, strict or not.
+    """
+    rng = np.random.default_rng(seed)
+    lengths = rng.uniform(0.3, 0.5, int(rng.integers(3, 6)))
+    robot = PlanarArm(lengths, velocity_limit=3.0, acceleration_limit=acceleration)
+    reach, q, v = robot.lengths.sum(), rng.uniform(0.4, 0.7, robot.nv), np.zeros(robot.nv)
+    start, angle, rate = robot.at(q, v).pose[:2], rng.uniform(-1.0, 1.0), rng.uniform(0.6, 1.0)
+    out = 0.5 * (rng.uniform(1.05, 1.3) * reach * np.array([np.cos(angle), np.sin(angle)]) - start)
+    tip, turn = PositionTask(start, gain=gain), OrientationTask(0.5, gain=gain)
+    stack = JointLimits() >> tip >> turn >> PostureTask(q, gain=1.0)
+    controller, off = Controller(robot, stack, dt=dt, damping=damping), []
+    for k in range(int(2.0 * np.pi / rate / dt)):
+        tip.target = target = start + out * (1.0 - np.cos(rate * dt * k))
+        beyond = max(0.0, float(np.linalg.norm(target)) - reach)
+        off.append(float(np.linalg.norm(target - robot.at(q, v).pose[:2])) - beyond)
+        v = controller(q, v).v
+        q = q + dt * v
+    return float(np.sqrt(np.mean(np.square(off))))
+
+
+@pytest.mark.parametrize(("gain", "dt", "acceleration"), PACES)
+@pytest.mark.parametrize("seed", range(4))
+def test_a_tip_led_out_of_reach_is_as_near_as_strict(seed: int, gain: float, dt: float, acceleration: float) -> None:
+    default, strict = (excess(seed, gain, dt, acceleration, damping) for damping in ("curvature", None))
+    assert default <= 1.05 * strict + 1e-3
+
+
+def rows_of_limits():
+    """One row a joint, three, and three levels."""
+    separate = [JointAccelerationLimit, JointPositionLimit, JointVelocityLimit]
+    yield JointLimits()
+    yield reduce(add, [kind() for kind in separate])
+    yield reduce(rshift, [kind() for kind in separate])
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_limits_told_in_one_row_or_in_more_change_nothing(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    robot = PlanarArm([0.5, 0.4, 0.3, 0.2], position_limit=(-1.5, 1.5), velocity_limit=2.0, acceleration_limit=20.0)
+    q, v, answers = rng.uniform(-0.3, 0.3, 4), rng.uniform(-2.0, 2.0, 4), []
+    v[0] = 1.95  # just below its limit
+    for limits in rows_of_limits():
+        tip, turn = PositionTask([1.8, 0.6], gain=10.0), OrientationTask(2.0, gain=10.0)
+        step = Controller(robot, limits >> tip >> turn >> PostureTask([0.4] * 4, gain=1.0), dt=0.01)(q, v)
+        assert step.relaxed
+        answers.append(step.v)
+    for other in answers[1:]:
+        np.testing.assert_allclose(other, answers[0], atol=1e-7)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_joint_that_comes_back_into_its_range_brakes_before_its_end(side: float) -> None:
+    robot = PlanarArm([0.5, 0.5, 0.5], position_limit=(-1.0, 1.0), velocity_limit=3.0)
+    q, v, places, speeds, dt = np.array([0.3, side * 1.05, 0.2]), np.zeros(3), [], [], 0.002
+    stack = JointLimits() >> PostureTask(q, gain=1.0) >> PositionTask([0.9, 0.3], gain=10.0)
+    controller = Controller(robot, stack, dt=dt)
+    for _ in range(80):
+        v = controller(q, v).v
+        q = q + dt * v
+        places.append(side * q[1])
+        speeds.append(side * v[1])
+    hardest = np.diff(speeds[1:]).max() / dt
+    assert places[-1] <= 1.0 + 1e-9
+    assert min(speeds) == pytest.approx(-0.5)
+    assert hardest <= GENTLE * (1.0 + 1e-6)
