@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from tasks import (
     AxisTask,
@@ -66,6 +67,40 @@ def test_weights_of_a_level_as_a_whole_change_nothing(words: str, target: list[f
         assert len(other.relaxed) == len(once.relaxed)
         damped += len(once.relaxed)
     assert damped
+
+
+@pytest.mark.parametrize("target", [FAR, NEAR], ids=["far", "near"])
+@pytest.mark.parametrize("turn", [0.4, 1.3, -2.2])
+def test_a_plane_that_is_turned_turns_the_motion(turn: float, target: list[float]) -> None:
+    turned = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) @ target
+    first = np.array([turn, 0.0, 0.0, 0.0])
+    for q, v in states():
+        rest = PostureTask(np.array([0.4, 1.0, 0.7, 0.5]) + first, gain=1.0)
+        other = Controller(arm(), JointLimits() >> tip(turned) >> rest, dt=DT)(q + first, v)
+        np.testing.assert_allclose(other.v, answer(tip(target), q, v).v, atol=1e-5)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_first_joint_that_is_turned_turns_the_motion(seed: int) -> None:
+    """Its axis is that of z: the world is turned with it, and the joint is far from its ends."""
+    robot, rng, turn = load_robot("panda", lock=["panda_finger_joint1"]), np.random.default_rng(seed), 0.7
+    about_z = Rotation.from_rotvec([0.0, 0.0, turn])
+    q, v, first = robot.home + rng.uniform(-0.2, 0.2, 7), 0.1 * rng.standard_normal(7), turn * np.eye(7)[0]
+    here = robot.at(q).frame("panda_hand")
+    position = here.position + rng.choice([0.05, 0.6]) * rng.standard_normal(3)
+    rotation = Rotation.from_rotvec(rng.standard_normal(3)) * Rotation.from_matrix(here.rotation)
+
+    def after(change: Rotation, more: np.ndarray) -> np.ndarray:
+        stack = (
+            JointLimits()
+            >> PositionTask(change.apply(position), frame="panda_hand", gain=20.0)
+            >> OrientationTask((change * rotation).as_matrix(), frame="panda_hand", gain=20.0)
+            >> PostureTask(robot.home + more, gain=1.0)
+        )
+        return Controller(robot, stack, dt=DT)(q + more, v).v
+
+    once = after(Rotation.identity(), np.zeros(7))
+    np.testing.assert_allclose(after(about_z, first), once, atol=1e-4)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -138,3 +138,29 @@ def test_verdicts_know_no_units(seed: int, rows: int, length: int, error: float)
         rows_ = 1.0  # plain bounds have no units of their own
     verdict = [level.ok for level in certify(h, x, x_ref).levels]
     assert [level.ok for level in certify(scaled(h, rows_, length_), x * length_, x_ref * length_).levels] == verdict
+
+
+def of_mixed_scales(rng: np.random.Generator) -> Hierarchy:
+    """Levels that each have their own unit, and often rows that have theirs."""
+    n = int(rng.choice([1, 2, 3, 5, 8, 12]))
+    levels = []
+    for _ in range(int(rng.integers(1, n + 3))):
+        m = int(rng.integers(1, n + 3))
+        A, b = rng.standard_normal((m, n)), rng.choice([0.0, 1.0, 1e3]) * rng.standard_normal(m)
+        if m > 1 and rng.random() < 0.3:
+            A[-1] = A[0]
+        kinds, lower, upper = rng.integers(5, size=m), b.copy(), b.copy()
+        lower[kinds == 1], upper[kinds == 2] = -np.inf, np.inf
+        upper[kinds == 3] += 1.0
+        unit = np.full(m, 10.0 ** rng.uniform(-8, 8) if rng.random() < 0.4 else 1.0)
+        if rng.random() < 0.4:
+            unit *= 10.0 ** rng.uniform(-4, 4, m)
+        levels.append(Level(unit[:, None] * A, unit * lower, unit * upper))
+    return Hierarchy(levels)
+
+
+@pytest.mark.parametrize("seeds", [range(100), pytest.param(range(100, 4000), marks=pytest.mark.sweep)], ids=str)
+def test_what_is_claimed_among_mixed_scales_is_certified(seeds: range) -> None:
+    for seed in seeds:
+        solution = solve(of_mixed_scales(np.random.default_rng(seed)))
+        assert not solution.ok or solution.certify().ok, seed

@@ -18,8 +18,9 @@ from .signs import CLEAR
 SHARPEST = 2e-12
 #: Dependent rows of which a larger share is left are not in doubt: the user has set such a rank tolerance on purpose.
 MOST = 1e-9
-#: A row that is shorter by this factor than another of its level may disappear in the round-off of that one.
-EVEN = 1e-8
+#: A row that is shorter by this factor than another of its level may disappear in the round-off of that one: forces and
+#: factors go by squares of lengths.
+EVEN = 1e-6
 
 
 @inner

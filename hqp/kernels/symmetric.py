@@ -146,31 +146,33 @@ def cholesky(M, L, n):
 
 @inner
 def smallest(M, L, n):
-    """A lower bound of the eigenvalues of M[:n, :n]; 0 if it is not positive definite, infinite if n is 0.
+    r"""A lower bound of the eigenvalues of M[:n, :n]; 0 if it is not positive definite, infinite if n is 0.
 
-    It is the larger of one over the trace of the inverse and the bound of Gershgorin's circles. L is overwritten.
+    With the mean m and the deviation s of the eigenvalues of the inverse, :math:`1 / (m + s \sqrt{n - 1})` (Wolkowicz
+    and Styan, 1980): the smallest one if there are two, if all are equal, or as one of them goes to zero. Both come
+    from traces, so that no axes matter. L is overwritten.
     """
     if n == 0:
         return math.inf
-    least = math.inf
-    for i in range(n):
-        row, total = M[i], 2.0 * M[i][i]
-        for j in range(n):
-            total -= abs(row[j])
-        least = min(least, total)
     if not cholesky(M, L, n):
         return 0.0
-    total = 0.0
-    for j in range(n):  # column j of the inverse of L, kept in the upper triangle of L
+    for j in range(n):  # column j of the inverse of L, kept in row j of the upper triangle of L
         column = L[j]
-        for i in range(j, n):
-            row, value = L[i], 1.0 if i == j else 0.0
-            if i > j:
-                value -= row[j] / column[j]
-                for p in range(j + 1, i):
-                    value -= row[p] * column[p]
-            value /= row[i]
-            if i > j:
-                column[i] = value
-            total += value * value
-    return max(least, 1.0 / total)
+        for i in range(j + 1, n):
+            row, value = L[i], -L[i][j] / column[j]
+            for p in range(j + 1, i):
+                value -= row[p] * column[p]
+            column[i] = value / row[i]
+    trace, squares = 0.0, 0.0
+    for i in range(n):
+        for j in range(i + 1):  # the inverse of M
+            value = 0.0
+            for p in range(i, n):
+                value += (L[i][p] if p > i else 1.0 / L[i][i]) * (L[j][p] if p > j else 1.0 / L[j][j])
+            if i == j:
+                trace += value
+                squares += value * value
+            else:
+                squares += 2.0 * value * value
+    mean = trace / n
+    return 1.0 / (mean + math.sqrt(max(squares / n - mean * mean, 0.0) * (n - 1)))
