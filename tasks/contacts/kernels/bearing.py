@@ -14,8 +14,8 @@ from hqp.kernels.memory import floats, ints
 from ...base.kernels.algebra import fill, root, solve_lower, solve_upper
 from . import layout as own
 
-#: Table: number n of joint velocities, of rows of the base; how many forces; the bias b (n,), G (forces, n); w (forces,)
-#: of contacts that are on; number of contacts, their list; number of places for f, their list; a work space.
+#: Table: number n of joint velocities, of rows of the base, of forces; the bias b (n,), G (forces, n); w (forces,) of
+#: contacts that are on; number of contacts, their list; number of places for f, their list; a work space.
 N, ROWS, FORCES, BIAS, WRENCHES, EASE, CONTACTS, TABLE, PLACES, OUT, WORK = range(11)
 #: Entries of a contact: its slot; its first force, and how many it has.
 SLOT, FIRST, SIZE = range(3)
