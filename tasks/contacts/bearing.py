@@ -1,17 +1,17 @@
 r"""The forces that bear a robot at rest: what levels that are damped pull contact forces towards.
 
 Damped towards no force, a level would hold its robot up less. At every tick forces are pulled towards the least ones
-that meet the rows of the base at :math:`a = 0`, :math:`G_u^T f = b_u`. These hang on the state, and on which contacts
-are on, alone: nothing is remembered, so the same state has the same answer. Friction and the sign of normal forces are
-not regarded: they are least squares, of which the solver takes what is inside the cones.
+whose normal parts push, and that meet the rows of the base at :math:`a = 0`, :math:`G_u^T f = b_u`. These hang on the
+state, and on which contacts are on, alone: nothing is remembered, so the same state has the same answer. Friction is
+not regarded, nor what bounds forces beside. Where no forces bear the robot they are least squares.
 
-Each force at a point counts the same. A wrench counts as the forces at the corners of its rectangle that give it, so
-that both kinds of a contact bear the same. A contact that is being made or released takes the share of its ramp.
+Each force at a point counts the same. Wrenches are made of forces at the corners of their rectangle, so that both kinds
+of a contact bear the same. A contact that is being made or released takes the share of its ramp.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -33,22 +33,24 @@ def bearing_calls(shared: Workspace) -> tuple[Call, ...]:
     from ..base.loops import Call, Table
     from .kernels.bearing import write_bearing_forces
 
-    count = unknowns.n - n
-    ease, told = np.zeros(count), []
+    forces = unknowns.n - n
+    arms, told = list[Array](), list[Any]()
     for contact in contacts:
-        own = unknowns.of(contact)
-        ease[own.start - n : own.stop - n] = ease_of(contact)
-        told += [contact.slot(shared).numbers, own.start - n, own.stop - own.start]
+        first, own = unknowns.of(contact).start - n, corners_of(contact)
+        arms.append(own)
+        for i in range(len(own)):
+            told += [contact.slot(shared).numbers, first + (0 if contact.wrench else 3 * i), contact.wrench]
+            told.append(not contact.unilateral)
+    points = sum(map(len, arms))
     places = Table(*(aim[n:] for aim in shared.aims))
-    work = np.zeros(count + rows * (1 + 2 * rows))
-    arrays = shared.blocks.bias(), shared.wrenches, ease, len(contacts), Table(*told), len(shared.aims), places, work
-    return (Call(write_bearing_forces, n, rows, count, *arrays),)
+    work = np.zeros(2 * rows * (1 + rows) + 3 * rows * points + forces)
+    arrays = shared.blocks.bias(), shared.wrenches, points, Table(*told), np.concatenate(arms)
+    return (Call(write_bearing_forces, n, rows, forces, *arrays, len(shared.aims), places, work),)
 
 
-def ease_of(contact: ContactModel) -> Array:
-    """How much each of its forces bears: 1 at a point; of a wrench, 4 for forces and [m^2] for moments."""
+def corners_of(contact: ContactModel) -> Array:
+    """Where its forces act from where they are taken, along t1 and t2, shape (points, 2) [m]: 0 but for a wrench."""
     if not contact.wrench:
-        return np.ones(contact.unknowns)
+        return np.zeros((len(contact.shape.points), 2))
     assert contact.lengths is not None
-    x, y = contact.lengths
-    return np.array([4.0, 4.0, 4.0, y * y, x * x, x * x + y * y])
+    return 0.5 * contact.lengths * np.array([[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]])
