@@ -92,7 +92,7 @@ SCENES = "points", "wrenches", "tilted", "support"
 
 
 def check_least(f: np.ndarray, G: np.ndarray, b: np.ndarray, shares: np.ndarray) -> None:
-    """f at points are the least that bear b and push: f = shares G y, but for normal forces, 0 where G y is negative."""
+    """f at points are the least that bear b and push: f = shares G y, but 0 for normal forces where G y is negative."""
     normal = np.arange(len(f)) % 3 == 2
     np.testing.assert_allclose(G.T @ f, b, rtol=0.0, atol=1e-6)
     assert (f[normal] >= 0.0).all()
@@ -218,8 +218,7 @@ def test_near_the_edge_of_the_support_a_damped_level_is_met(way: tuple[float, fl
         step = controller(q, v, DT * k)
         q, v = advanced(scene.robot, q, v, step.a)
     off = scene.robot.at(q, v).center_of_mass.position - goal
-    print(off, np.abs(v).max())
-    assert np.linalg.norm(off) < 1e-2
+    assert np.linalg.norm(off) < (1e-4 if damping < 0.1 else 1e-2)
 
 
 def test_without_a_floating_base_forces_are_pulled_to_none() -> None:
