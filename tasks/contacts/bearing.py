@@ -3,7 +3,8 @@ r"""The forces that bear a robot at rest: what levels that are damped pull conta
 Damped towards no force, a level would hold its robot up less. At every tick forces are pulled towards the least ones
 whose normal parts push, and that meet the rows of the base at :math:`a = 0`, :math:`G_u^T f = b_u`. These hang on the
 state, and on which contacts are on, alone: nothing is remembered, so the same state has the same answer. Friction is
-not regarded, nor are other bounds of forces. Where no forces bear the robot they are least squares.
+not regarded, nor are other bounds of forces; but a point that pushes has tangential forces up to its normal force, and
+none bears more than all: where no such forces bear the robot they are cut off there, and bear it less.
 
 Each force at a point counts the same. Wrenches are made of forces at the corners of their rectangle, so that both kinds
 of a contact bear the same. A contact that is being made or released takes the share of its ramp.

@@ -10,6 +10,8 @@ where the maximum is for normal forces alone. Newton's method finds y: each step
 
 from __future__ import annotations
 
+import math
+
 from hqp.kernels.compile import entry, inner, stamp
 from hqp.kernels.memory import floats, ints
 
@@ -93,6 +95,18 @@ def newton_step(told, step, maps, y, left, A, R):
     return True
 
 
+@inner
+def cut_off(f, most):
+    """Cut forces f (3,) at a point that pushes off: the normal one at `most`, the others at the normal one.
+
+    Where forces inside no cone bear the robot, feet at nearly the same height would do it by any tangential forces.
+    """
+    f[2] = min(f[2], most)
+    along = math.sqrt(f[0] * f[0] + f[1] * f[1])
+    if along > f[2]:
+        f[0], f[1] = f[0] * f[2] / along, f[1] * f[2] / along
+
+
 @stamp
 @entry
 def write_bearing_forces(here):
@@ -105,6 +119,8 @@ def write_bearing_forces(here):
         floats(told[WORK], 2 * rows * (1 + rows), 3 * rows * count),
     )
     f, all_of = R, floats(told[WORK], 2 * rows * (1 + rows) + 3 * rows * count, forces)
+    b = floats(told[BIAS], 0, rows)
+    most = math.sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2])  # all that is to be borne
     fill(y, rows, 0.0)
     fill(all_of, forces, 0.0)
     for i in range(count):
@@ -115,6 +131,8 @@ def write_bearing_forces(here):
     for i in range(count):
         point, arm = ints(told[TABLE], FIELDS * i, FIELDS), floats(told[ARMS], 2 * i, 2)
         forces_of_point(told, i, maps[3 * rows * i : 3 * rows * (i + 1)], y, f)
+        if point[PULLS] == 0:
+            cut_off(f, most)
         own_forces = all_of[point[FIRST] :]
         for k in range(3):
             own_forces[k] += f[k]
