@@ -176,6 +176,19 @@ def test_a_contact_bears_by_the_share_of_its_ramp() -> None:
     np.testing.assert_allclose(borne(1.2), both, rtol=0.0, atol=1e-6)
 
 
+def test_where_nothing_bears_the_robot_forces_stay_bounded() -> None:
+    scene, controller = controller_in("points")
+    for seed in range(10):
+        q, v = moved(scene, seed, 4.0)
+        controller.settle()
+        controller(q, 5.0 * v)
+        f, _, b = bearing(controller)
+        points = f.reshape(-1, 3)
+        assert (points[:, 2] >= 0.0).all()
+        assert (points[:, 2] <= np.linalg.norm(b[:3]) * (1.0 + 1e-9)).all()
+        assert (np.linalg.norm(points[:, :2], axis=1) <= points[:, 2] + 1e-9).all()
+
+
 def test_on_two_points_forces_are_least_squares() -> None:
     scene = quadruped()
     level = Damped(CenterOfMassTask(scene.com, gain=5.0), 0.1)
