@@ -116,6 +116,7 @@ class Dynamics(Part):
     def plan(self, site: Site) -> Plan:
         from ..base.loops import Call
         from ..rows.plan import Plan
+        from .bearing import bearing_calls
         from .kernels.dynamics import add_wrench, write_dynamics
 
         shared = site.shared
@@ -129,7 +130,8 @@ class Dynamics(Part):
             acting.append(Call(add_wrench, shared.n, shared.blocks.frame(frame), wrench, b))
         assert site.A is not None
         told: tuple[Any, ...] = (shared.n, shared.unknowns.n, 0, site.rows, M, b, shared.wrenches, site.A)
-        return Plan((Call(write_dynamics, *told, site.lower, site.upper),), tuple(moves))
+        rows = Call(write_dynamics, *told, site.lower, site.upper)
+        return Plan((rows, *bearing_calls(shared)), tuple(moves))
 
     def __repr__(self) -> str:
         return f"Dynamics({', '.join(map(repr, self.wrenches))})"

@@ -70,7 +70,7 @@ class Slot:
 
     def __init__(self, points: int) -> None:
         self.numbers = np.zeros(at.SLOT_SIZE)
-        self.numbers[[at.ON, at.LOADED, at.BEARS]] = 1.0
+        self.numbers[[at.ON, at.LOADED, at.BEARS, at.SHARE]] = 1.0
         self.caps = np.full(points, np.inf)
         self.axes = np.concatenate([np.eye(3).ravel()] * 2)
         self.surface = np.zeros(at.SURFACE_SIZE)
@@ -100,7 +100,7 @@ class Slot:
     def make(self, most: float, duration: float, law: Timing = cubic) -> None:
         """Hold the position from now on; the cap on the sum of normal forces rises to `most` [N] in `duration` [s]."""
         self.numbers[[at.ON, at.LOADED, at.BEARS]] = 1.0
-        self.numbers[at.OPEN] = 0.0
+        self.numbers[[at.OPEN, at.SHARE]] = 0.0
         self.settle()
         self._ramp = Ramp(np.full(len(self.caps), most / len(self.caps)), duration, law, releases=False)
 
@@ -110,7 +110,7 @@ class Slot:
 
     def let_go(self) -> None:
         """Switch the contact off."""
-        self.numbers[[at.ON, at.LOADED, at.BEARS, at.OPEN]] = self.caps[:] = 0.0
+        self.numbers[[at.ON, at.LOADED, at.BEARS, at.OPEN, at.SHARE]] = self.caps[:] = 0.0
         self._ramp = None
 
     def take(self, other: Slot) -> None:
@@ -124,12 +124,14 @@ class Slot:
             return
         share = ramp.share(t)
         if not ramp.releases:
-            self.caps[:] = ramp.forces * ramp.law(share)[0] if share < 1.0 else np.inf
+            self.numbers[at.SHARE] = ramp.law(share)[0] if share < 1.0 else 1.0
+            self.caps[:] = ramp.forces * self.numbers[at.SHARE] if share < 1.0 else np.inf
             self._ramp = ramp if share < 1.0 else None
         elif share < 1.0:
-            self.caps[:] = ramp.forces * (1.0 - ramp.law(share)[0])
+            self.numbers[at.SHARE] = 1.0 - ramp.law(share)[0]
+            self.caps[:] = ramp.forces * self.numbers[at.SHARE]
         elif share < 2.0:
-            self.caps[:] = self.numbers[at.LOADED] = 0.0
+            self.caps[:] = self.numbers[[at.LOADED, at.SHARE]] = 0.0
             self.numbers[at.OPEN] = WIDE * ramp.law(share - 1.0)[0]
         else:
             self.let_go()

@@ -182,7 +182,6 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
             "changes": [] if self._transition is None else self._transition.history(),
             "kept": of.kept(self.stack, self._rows),
             "pressed": self._pressed if self._forces is None else of.pressed(self._forces),
-            "aims": self._rows.every_aim,
         }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -195,7 +194,6 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
             self._transition.since = since
         of.take(state["kept"], self._rows)
         self._pressed = state["pressed"]
-        self._rows.every_aim[:] = state["aims"]
 
     @property
     def stack(self) -> Stack:

@@ -87,12 +87,9 @@ class PreparedStack:
         rows = self.rows
         if fault is None and isfinite(t):
             rows.fill(state, t)
-            if not isinstance(self.solver, Solver):
-                return self.solver.solve(rows.hierarchy, last)
-            solution = self.solver.solve(rows.hierarchy, aims=rows.aims)
-            if self.forces is not None and rows.aims is not None and solution.ok:
-                rows.aim_at_forces(solution.x)
-            return solution
+            if isinstance(self.solver, Solver):
+                return self.solver.solve(rows.hierarchy, aims=rows.aims)
+            return self.solver.solve(rows.hierarchy, last)
         rows.hierarchy.lower.fill(np.nan)  # NaN in every bound makes the solution INVALID
         return replace(self.solver.solve(rows.hierarchy), message=fault or f"t = {t} s must be finite")
 

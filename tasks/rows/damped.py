@@ -7,7 +7,8 @@ A damped level minimises, within what the levels above it leave,
 is then frozen at what it reached, and the levels below have all of the null space of its rows: see
 :mod:`hqp.damping.staged`. At velocity order x are the joint velocities, and the level changes them by at most its
 missing part over :math:`2 \lambda`, for any posture: see :mod:`hqp.damping`. At acceleration order joints are damped
-towards :math:`-2 \zeta K v`, and contact forces, where they are unknowns, towards those of the tick before.
+towards :math:`-2 \zeta K v`, and contact forces, where they are unknowns, towards those that bear the robot at rest
+(:mod:`tasks.contacts.bearing`).
 
 The rows of :class:`~tasks.joints.damping.Damping` beside a task ask for the same, and leave no null space: for a last
 level they do the same in one solve.

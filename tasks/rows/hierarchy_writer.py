@@ -74,8 +74,8 @@ class HierarchyWriter:
         numbers of a law have changed since: whoever goes by gains looks at those.
     aims : dict of int to array, shape (n,), or None
         What each damped level is damped towards at this tick, ``-2 zeta K v`` by the fastest of its tasks, and the
-        forces of the tick before; None at other orders than that of accelerations, where it is zero, and where no level
-        is damped.
+        forces that bear the robot at rest; None at other orders than that of accelerations, where it is zero, and where
+        no level is damped.
     every_aim : array, shape (levels, n)
         The same of all levels, zero where there is none.
     """
@@ -120,10 +120,6 @@ class HierarchyWriter:
         self._ends = ends
         self.shared.envelope.ease_ends(ends)
         self._chain()
-
-    def aim_at_forces(self, x: Array) -> None:
-        """Damp levels towards the forces in x from the next tick on: damped towards 0 they would not bear the robot."""
-        self.every_aim[:, self.unknowns.nv :] = x[self.unknowns.nv :]
 
     def _take_note(self, damped: Iterable[int]) -> None:
         """Which levels are damped: at acceleration order they have aims."""
@@ -229,6 +225,7 @@ class HierarchyWriter:
         robot, order, dt = self._robot, self._order, self._dt
         self.shared = shared = Workspace(robot, order, dt, self.unknowns, self._memory)
         shared.curvature = self._live
+        shared.aims = tuple((self.aims or {}).values())
         embedding, self._weights = Embedding(self.unknowns), Weights(robot)
         self._views: list[tuple[RowWriter, Site]] = []
         self._sites: dict[int, tuple[Site, ...]] = {}  # of all parts, declared ones too, by their ids

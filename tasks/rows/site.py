@@ -98,6 +98,8 @@ class Workspace:
         The layout of x.
     wrenches : array, shape (unknowns.n - n, n)
         G: the joint torques that the unknown forces f give are G^T f.
+    aims : tuple of array, shape (unknowns.n,)
+        What each damped level is damped towards at this tick: who knows what forces are needed writes those.
     given : dict of list of Call
         What writes G, and whatever else is shared and comes after the blocks; by whom it was asked for.
     """
@@ -114,6 +116,7 @@ class Workspace:
         self.n = robot.nv
         self.unknowns = Unknowns(robot.nv) if unknowns is None else unknowns
         self.wrenches = np.zeros((self.unknowns.n - self.n, self.n))
+        self.aims: tuple[Array, ...] = ()
         self.given: dict[int, list[Call]] = {}
         self._memory: Memory = {} if memory is None else memory
         self.q, self.v = np.zeros(robot.nq), np.zeros(robot.nv)
