@@ -5,7 +5,8 @@ Of all forces f at points whose normal parts push, and that meet the rows of the
 
 .. math:: f = W \max(G_u\, y, 0), \qquad G_u^T f = b_u,
 
-where the maximum is for normal forces alone. Newton's method finds y: each step takes for free those that pull.
+where the maximum is for normal forces alone. Newton's method finds y: each step leaves out those that
+would pull at the last y. Then forces are cut off, see :func:`cut_off`.
 """
 
 from __future__ import annotations
