@@ -165,6 +165,23 @@ def test_a_time_limit_is_kept_in_every_loop(solve: Callable[[Hierarchy, Settings
     assert solve(h, Settings(time_limit=60.0)).ok
 
 
+@pytest.mark.parametrize("solve", [lambda h, s: Solver(BACKEND, s).solve(h), lambda h, s: hqp.solve(h, settings=s)])
+@pytest.mark.parametrize("damping", [None, 0.1])
+def test_what_memory_holds_by_chance_is_no_answer(
+    solve: Callable[[Hierarchy, Settings], Solution], damping: float | None
+) -> None:
+    """A time or iteration limit may end a solve before anything was written."""
+    rng = np.random.default_rng(3)
+    for k in range(40):
+        h = saturated(np.random.default_rng(k), n=16 + 2 * (k % 8))
+        stopped = Settings(time_limit=10.0 ** rng.uniform(-9, -3)) if k % 4 else Settings(iterations=1 + k // 4)
+        rubbish = [np.full(int(size), np.nan) for size in 2.0 ** rng.uniform(3, 19, 60)]
+        del rubbish  # free memory that is not zero
+        solution = solve(h, stopped) if damping is None else Solver(BACKEND, stopped, damping={2: damping}).solve(h)
+        assert np.isfinite(solution.x).all()
+        assert np.abs(solution.x).max() < 1e6
+
+
 def test_a_time_limit_counts_from_the_call(monkeypatch: pytest.MonkeyPatch) -> None:
     """What has to be made ready first is part of it."""
     h = saturated(np.random.default_rng(2))

@@ -201,6 +201,8 @@ def work_out(here, last, start, warm):
     """
     head = ints(here, 0, at.HEAD)
     status, level = integer(OPTIMAL), integer(last + 1)
+    if start != SIDES:  # no sweep writes x: it is what another solve has left there, or nothing
+        copy(here, at.X0, at.X)
     faults, exact_above, sharpened = attempt(here, last, start, warm)
     if faults == 0 and accepted(here, last):
         return status, level
