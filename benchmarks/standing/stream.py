@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from hqp.arrays import Array
 from tasks import Contact, Controller
+from tasks.contacts.kernels.layout import SHARE
 from tasks.rows.site import Workspace
 
 from .scenes import DT, FALLEN, PERIOD, RAMP, Lift, StandingScene, declare
@@ -98,13 +99,13 @@ def workspace(controller: Controller[None, Array, Array]) -> Workspace:
 
 
 def numbers_of(contact: Contact, shared: Workspace) -> Array:
-    """How a contact is at present, in one array."""
+    """How a contact is at present, in one array; without the share of its ramp, which only damped levels ask for."""
     slot = contact.slot(shared)
-    return np.concatenate([slot.numbers, slot.caps])
+    return np.concatenate([slot.numbers[:SHARE], slot.caps])
 
 
 def restore(contacts: Mapping[str, Contact], shared: Workspace, numbers: Mapping[str, Array]) -> None:
     """Let contacts be as they were, whatever has been since."""
     for frame, contact in contacts.items():
         slot, own = contact.slot(shared), numbers[frame]
-        slot.numbers[:], slot.caps[:] = own[: len(slot.numbers)], own[len(slot.numbers) :]
+        slot.numbers[:SHARE], slot.caps[:] = own[:SHARE], own[SHARE:]
