@@ -6,6 +6,8 @@ import _thread
 import sys
 import threading
 from types import SimpleNamespace
+from urllib.parse import urlparse
+from urllib.request import urlopen
 
 import numpy as np
 import pinocchio as pin
@@ -574,6 +576,23 @@ def test_a_wider_host_is_warned_of(caplog):
         server = stage.open_stage("0.0.0.0", 8700)
     server.stop()
     assert "no password" in caplog.text
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "", "127.0.0.1", "localhost", "::", "::1"])
+def test_the_address_it_names_can_be_opened(host):
+    """0.0.0.0 is where it listens, and none that a browser may open; an address with colons stands in brackets."""
+    pytest.importorskip("viser")
+    try:
+        server = stage.open_stage(host, 8720)
+    except InvalidInput:  # a machine without this kind of address
+        assert ":" in host
+        return
+    url = stage.page_of(server)
+    assert urlparse(url).hostname in ("127.0.0.1", "localhost", "::1")
+    assert urlparse(url).port == server.get_port()
+    with urlopen(url, timeout=60) as answer:
+        assert answer.status == 200
+    server.stop()
 
 
 def test_a_planar_arm_is_drawn_as_lines(tmp_path):

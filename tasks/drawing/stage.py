@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import ipaddress
 import socket
 from contextlib import redirect_stdout
 from functools import cache
@@ -80,6 +81,18 @@ def open_stage(host: str = LOOPBACK, port: int = PORT, label: str = "hqp") -> vi
     server.scene.set_up_direction("+z")
     server.scene.configure_default_lights(cast_shadow=False)
     return server
+
+
+def page_of(server: viser.ViserServer) -> str:
+    """The address at which a browser on this machine opens the page: one that listens to all is found at its own."""
+    host = server.get_host() or "0.0.0.0"
+    try:
+        ip = ipaddress.ip_address(host)
+    except ValueError:  # a name
+        return f"http://{host}:{server.get_port()}"
+    if ip.version == 4:
+        return f"http://{LOOPBACK if ip.is_unspecified else ip}:{server.get_port()}"
+    return f"http://[{'::1' if ip.is_unspecified else ip}]:{server.get_port()}"
 
 
 def _check_address(host: str) -> None:
