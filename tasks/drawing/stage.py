@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import ipaddress
 import socket
+from collections.abc import Sequence
 from contextlib import redirect_stdout
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -123,9 +124,11 @@ def _stage() -> Any:
     return Stage
 
 
-def look(server: viser.ViserServer, bounds: Array) -> None:
-    """Lay a floor, and start every page with a view of the box between two corners [m], shape (2, 3)."""
-    middle, size = bounds.mean(axis=0), float(np.linalg.norm(bounds[1] - bounds[0]))
+def look(server: viser.ViserServer, bounds: Array, points: Sequence[Array] = ()) -> None:
+    """Lay a floor below the box between two corners [m], shape (2, 3); a page starts with it and the points in view."""
+    seen = np.vstack([bounds, *points])
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    middle, size = 0.5 * (low + high), float(np.linalg.norm(high - low))
     floor = 0.0 if bounds[0, 2] > -0.05 * size else float(bounds[0, 2])
     width = max(2.0, 2.0 * round(2.0 * size) / 2.0)
     server.scene.add_grid(
