@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from numbers import Integral, Real
 from typing import TypeVar
 
@@ -76,4 +76,5 @@ def of_type(value: object, kind: type[T], what: str) -> T:
     """`value`, which must be a `kind`."""
     if isinstance(value, kind):
         return value
-    raise InvalidInput(f"{what} = {brief(value)} is a {type(value).__name__}; it must be a {kind.__name__}")
+    wanted = "dict" if kind is Mapping else kind.__name__
+    raise InvalidInput(f"{what} = {brief(value)} is a {type(value).__name__}; it must be a {wanted}")

@@ -12,11 +12,17 @@ from hqp.guard import Guard
 from tasks import (
     CenterOfMassTask,
     Controller,
+    Damping,
+    Freeze,
+    JointCentringTask,
     JointLimits,
     JointTorqueLimit,
     JointVelocityLimit,
+    JointVelocityTask,
     KineticEnergyTask,
+    MinimumMotionTask,
     MinimumTorqueTask,
+    Part,
     PlanarArm,
     PositionTask,
     PostureTask,
@@ -165,6 +171,35 @@ def test_a_floating_base_is_left_alone():
     assert ask.base(robot) == 3
     with pytest.raises(InvalidInput, match="has a planar base"):
         ask.check_fixed_base(robot, "torque")
+
+
+class Own(Part):
+    """Bounds on x itself that are nobody's but a user's."""
+
+    plain, name = True, "own"
+
+    def write(self, tick, A, lower, upper):
+        lower[:] = upper[:] = 0.0
+
+
+@pytest.mark.parametrize("order", ["velocity", "acceleration"])
+@pytest.mark.parametrize(
+    "part",
+    [
+        Damping(0.1), MinimumMotionTask(gain=1.0), JointVelocityTask([0.0] * 3), Freeze([0, 1, 2]), Own(),
+        PostureTask([0.1] * 3, gain=1.0), JointCentringTask(gain=1.0), JointVelocityLimit(1.0),
+    ],
+    ids=lambda part: type(part).__name__ if isinstance(part, Part) else part,
+)  # fmt: skip
+def test_rows_on_joints_are_told_in_the_units_of_the_joints(part, order):
+    """A row that bounds x itself is a joint: an explanation says which, and by how many m/s or rad/s it is short."""
+    named = with_(joint_names=["a", "b", "lift"], joint_units=["rad", "rad", "m"])
+    named.position_limit = -np.ones(3), np.ones(3)
+    robot = ask.as_robot(named)
+    per = {"velocity": "/s", "acceleration": "/s^2"}[order]
+    assert [(label.row.split()[0], label.unit) for label in part.labels(robot, order)] == [
+        ("a", f"rad{per}"), ("b", f"rad{per}"), ("lift", f"m{per}"),
+    ]  # fmt: skip
 
 
 def test_joints_go_by_their_names():

@@ -292,7 +292,11 @@ def test_refusals_name_the_task(spatial):
         def mass_matrix(self, q):
             return np.zeros((2, 2))
 
-    massless = Massless([0.5, 0.5])
+    class Light(PlanarArm):
+        def mass_matrix(self, q):
+            return np.diag([2.0, 0.0])
+
+    massless, light = Massless([0.5, 0.5]), Light([0.5, 0.5])
     for wrong, message in (
         (lambda: JointCentringTask(gain=0.0), "JointCentringTask 'jointcentring': gain = 0.0 1/s must be positive"),
         (
@@ -332,7 +336,8 @@ def test_refusals_name_the_task(spatial):
             lambda: Controller(massless, DynamicManipulabilityTask(task, gain=1.0), damping=None),
             "positive definite mass matrix",
         ),
-        (lambda: Controller(massless, KineticEnergyTask(), damping=None), "takes a positive definite mass matrix"),
+        (lambda: Controller(massless, KineticEnergyTask(), damping=None), "without any mass: joint 0, joint 1$"),
+        (lambda: Controller(light, KineticEnergyTask(), damping=None), "without any mass: joint 1$"),
         (lambda: Controller(arm, MinimumTorqueTask(), damping=None), "'minimum torque': order = 'velocity'"),
         (lambda: Controller(Bare(), MinimumTorqueTask(), order="acceleration", damping=None), "that has mass_matrix"),
         (

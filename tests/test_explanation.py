@@ -20,8 +20,9 @@ import hqp.hierarchy.label
 import hqp.solution.solution
 from hqp import Explanation, Hierarchy, InvalidInput, Label, Level, Side, Solution, Solver, solve
 from hqp.certificate import LevelExplanation
+from hqp.certificate.causes import by_share
 from hqp.problems import FAMILIES, hierarchies
-from hqp.solution.softening import strongest
+from hqp.solution.softening import direction_in_words, strongest
 
 
 def speed_or_position(side: Side, value: float) -> str:
@@ -452,4 +453,25 @@ def test_a_damped_level_says_so_and_does_not_contradict_itself() -> None:
         assert str(solve(h, damping={0: least}).explain().levels[0]) == "reach met (rank 2 of 2)"
     own = Hierarchy([Level.equality([[1.0], [1.0]], [0.0, 1.0], name="sum")])
     assert "contradict" in str(solve(own).explain())
-    assert "nothing moves it in this direction (0.71 row 1, -0.71 row 0)" in str(solve(own, damping={0: 0.5}).explain())
+    assert "nothing moves it in this direction (0.71 row 0, -0.71 row 1)" in str(solve(own, damping={0: 0.5}).explain())
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-16, -1e-12])
+def test_equal_causes_are_told_in_the_order_of_their_rows(off: float) -> None:
+    """Two joints hold a reach back alike: by the limits above it, damped or not, the first one is named first."""
+    limits = Level.bounds([-1.0] * 2, [1.0] * 2, labels=LABELS[:2])
+    reach = Level.equality([[1.0, 1.0 + off]], [4.0], name="reach")
+    below = Level.equality([[1.0, -0.5]], [0.0])
+    for damping in None, {2: 0.1}:
+        told = solve(Hierarchy([limits, reach, below]), damping=damping).explain().levels[1]
+        assert [cause.row for cause in told.causes] == ["joint0", "joint1"]
+    equal = [replace(cause, share=0.5 + sign * off) for cause, sign in zip(told.causes, (-1.0, 1.0), strict=True)]
+    assert [cause.row for cause in by_share(equal)] == ["joint0", "joint1"]
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-16, -1e-16, 1e-12, -1e-12])
+def test_the_words_of_a_direction_are_no_matter_of_round_off(off: float) -> None:
+    labels = [Label("arm", row) for row in "xyz"]
+    for sign in 1.0, -1.0:
+        direction = sign * np.array([-(0.5**0.5), 0.5**0.5 + off, 1e-3])
+        assert direction_in_words(direction, labels) == "0.71 x, -0.71 y"

@@ -238,7 +238,7 @@ NAN = [0.0, np.nan, 0.0]
         (lambda: PostureTask([0], joints="elbow", gain=1), "joints = 'elbow' is a str; it must be a list of joints"),
         (lambda: PostureTask([0], joints=[1, 2], gain=1), r"target has shape \(1,\); it must be \(2,\)"),
         (lambda: JointCouplingTask({"elbow": 0}, gain=1), "factors = {'elbow': 0.0}; one must not be zero"),
-        (lambda: JointCouplingTask("elbow", gain=1), "factors = 'elbow' is a str; it must be a Mapping"),
+        (lambda: JointCouplingTask("elbow", gain=1), "factors = 'elbow' is a str; it must be a dict"),
         (lambda: AtLeast(JointVelocityLimit(1.0)), "AtLeast takes a Task, not a JointVelocityLimit"),
         (lambda: AtMost(position() >> position()), "AtMost takes a Task, not a Stack"),
         (lambda: Within("hand", 1.0), "Within takes a Task, not a str"),

@@ -6,6 +6,8 @@ import _thread
 import sys
 import threading
 from types import SimpleNamespace
+from urllib.parse import urlparse
+from urllib.request import urlopen
 
 import numpy as np
 import pinocchio as pin
@@ -574,6 +576,44 @@ def test_a_wider_host_is_warned_of(caplog):
         server = stage.open_stage("0.0.0.0", 8700)
     server.stop()
     assert "no password" in caplog.text
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "", "127.0.0.1", "localhost", "::", "::1"])
+def test_the_address_it_names_can_be_opened(host):
+    """0.0.0.0 is where it listens, and none that a browser may open; an address with colons stands in brackets."""
+    pytest.importorskip("viser")
+    try:
+        server = stage.open_stage(host, 8720)
+    except InvalidInput:  # a machine without this kind of address
+        assert ":" in host
+        return
+    url = stage.page_of(server)
+    assert urlparse(url).hostname in ("127.0.0.1", "localhost", "::1")
+    assert urlparse(url).port == server.get_port()
+    with urlopen(url, timeout=60) as answer:
+        assert answer.status == 200
+    server.stop()
+
+
+SHAPELESS = """<robot name="mast"><link name="foot"/>
+<link name="pole"><visual><geometry><box size=".1 .1 .3"/></geometry></visual></link><link name="hand"/>
+<joint name="turn" type="continuous"><parent link="foot"/><child link="pole"/><axis xyz="0 0 1"/></joint>
+<joint name="slide" type="prismatic"><parent link="pole"/><child link="hand"/><origin xyz="0 0 2"/><axis xyz="1 0 0"/>
+<limit lower="-1" upper="1" velocity="1" effort="1"/></joint></robot>"""
+
+
+@pytest.mark.parametrize("relative_to", [None, "pole"])
+def test_a_page_starts_with_every_target_in_view(relative_to, tmp_path):
+    """Also where what carries the frame has no shape, and a target is far from all that has one."""
+    pytest.importorskip("viser")
+    (tmp_path / "mast.urdf").write_text(SHAPELESS)
+    robot = load_robot(tmp_path / "mast.urdf")
+    hand = PositionTask([0.5, 0.0, 2.0], frame="hand", relative_to=relative_to, gain=1.0)
+    own = Window(Session(Controller(robot, JointLimits() >> hand, dt=0.01)), port=8620, folder=tmp_path)
+    camera = own.server.initial_camera
+    there, ahead = np.array([0.5, 0.0, 2.0]) - camera.position, np.asarray(camera.look_at) - camera.position
+    own.close()
+    assert there @ ahead > np.cos(0.5 * camera.fov) * np.linalg.norm(there) * np.linalg.norm(ahead)
 
 
 def test_a_planar_arm_is_drawn_as_lines(tmp_path):

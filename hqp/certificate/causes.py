@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -98,6 +99,11 @@ def causes_of(
         for k, part, row, side, _ in [name]
         for own in [tuple(groups[name])]
     ]
+    return by_share(causes)
+
+
+def by_share(causes: Iterable[Cause]) -> tuple[Cause, ...]:
+    """The strongest first; those of equal share, up to round-off, in the order given."""
     return tuple(sorted(causes, key=lambda cause: -round(cause.share, 6)))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..arrays import Array, length
 from ..certificate import Cause, Explanation, LevelExplanation, RowStates, row_states
-from ..certificate.causes import LEAST_SHARE
+from ..certificate.causes import LEAST_SHARE, by_share
 from ..certificate.parts import parts_of
 from ..hierarchy import Hierarchy, Side
 from .answer import Answer
@@ -55,12 +55,12 @@ def _own(
     fixing = (rows.sides[own] == Side.EQUALITY) | rows.violated[own]
     at_bound = (rows.sides[own] != Side.INACTIVE) & ~fixing
     soft = [] if not missing.any() else _soft(h, stage.hierarchy, stage.x, k)
-    causes = sorted(_joined([*told.causes, *soft]), key=lambda cause: -cause.strength)
+    causes = _joined([*told.causes, *soft]) if missing.any() else []
     total = sum(cause.strength for cause in causes)
     return replace(
         told,
         parts=parts_of(labels, missing, level.weights),
-        causes=tuple(replace(cause, share=cause.strength / total) for cause in causes if missing.any()),
+        causes=by_share(replace(cause, share=cause.strength / total) for cause in causes),
         contradicts=no_way or (told.contradicts and not gave and not soft),
         unmoved=direction_in_words(stuck / length(stuck), labels) if no_way else "",
         rank=solution.levels[k].rank,

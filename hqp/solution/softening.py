@@ -25,7 +25,8 @@ MET = 0.99
 SHORT = 0.5
 #: What is at most this long beside the longest row cannot be moved, and is no matter of damping.
 NONE = 1e-9
-#: Directions whose shares differ by less are softened alike: each direction between them is one too.
+#: Directions whose shares differ by less are softened alike: each direction between them is one too. Rows whose shares
+#: in a direction differ by less are told in their own order.
 ALIKE = 1e-6
 #: Rows with less of a share in a direction are not named.
 NAMED = 0.2
@@ -116,8 +117,11 @@ def in_words(soft: Softened, labels: list[Label], singular: str) -> str:
 
 
 def direction_in_words(direction: Array, labels: list[Label]) -> str:
-    """A direction of unit length among the rows of a level, as in ``0.9 x, -0.44 z``; one row alone has no number."""
-    order = np.argsort(-np.abs(direction), kind="stable")
+    """A direction of unit length among the rows of a level, as in ``0.9 x, -0.44 z``; one row alone has no number.
+
+    Rows with equal shares are in their own order, which round-off does not change.
+    """
+    order = np.argsort(-np.round(np.abs(direction) / ALIKE), kind="stable")
     main = [i for i in map(int, order) if abs(direction[i]) >= NAMED] or [int(order[0])]
     sign = 1.0 if direction[main[0]] > 0.0 else -1.0
     names = [labels[i].row or labels[i].part for i in main[:3]]

@@ -7,7 +7,10 @@ import numpy as np
 from hqp import InvalidInput
 
 from ..base.checks import Array
-from ..robots.robot import Robot, base, integrate, mass_matrix, neutral
+from ..robots.robot import Robot, base, integrate, joint_names, mass_matrix, neutral
+
+#: A motion with so little of the largest kinetic energy has none; a joint with so much of it takes part.
+EMPTY, PART = 1e-12, 0.1
 
 
 def check_fixed(robot: Robot, what: str) -> None:
@@ -27,9 +30,20 @@ def check_definite(robot: Robot, what: str) -> None:
     Raises
     ------
     InvalidInput
+        It names the joints that take part in motions without kinetic energy.
     """
-    if not np.isfinite(root(robot, integrate(robot, neutral(robot), np.full(robot.nv, 0.1)))).all():
-        raise InvalidInput(f"{what}: takes a positive definite mass matrix; links of {robot!r} have no mass")
+    q = integrate(robot, neutral(robot), np.full(robot.nv, 0.1))
+    if np.isfinite(root(robot, q)).all():
+        return
+    inertia = mass_matrix(robot)
+    assert inertia is not None  # checked before
+    M = np.asarray(inertia(q))
+    energies, motions = np.linalg.eigh(M)
+    none = energies <= max(EMPTY * energies[-1], energies[0])
+    shares = np.linalg.norm(motions[:, none], axis=1)
+    joints = ", ".join(name for name, share in zip(joint_names(robot), shares, strict=True) if share > PART)
+    told = f"takes a positive definite mass matrix, and {robot!r} can move without any mass: {joints}"
+    raise InvalidInput(f"{what}: {told}")
 
 
 def root(robot: Robot, q: Array) -> Array:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
+import ipaddress
 import socket
+from collections.abc import Sequence
 from contextlib import redirect_stdout
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -82,6 +84,18 @@ def open_stage(host: str = LOOPBACK, port: int = PORT, label: str = "hqp") -> vi
     return server
 
 
+def page_of(server: viser.ViserServer) -> str:
+    """The address at which a browser on this machine opens the page: one that listens to all is found at its own."""
+    host = server.get_host() or "0.0.0.0"
+    try:
+        ip = ipaddress.ip_address(host)
+    except ValueError:  # a name
+        return f"http://{host}:{server.get_port()}"
+    if ip.version == 4:
+        return f"http://{LOOPBACK if ip.is_unspecified else ip}:{server.get_port()}"
+    return f"http://[{'::1' if ip.is_unspecified else ip}]:{server.get_port()}"
+
+
 def _check_address(host: str) -> None:
     """Refuse an address that is none of this machine; viser would try every port of it."""
     try:
@@ -110,9 +124,11 @@ def _stage() -> Any:
     return Stage
 
 
-def look(server: viser.ViserServer, bounds: Array) -> None:
-    """Lay a floor, and start every page with a view of the box between two corners [m], shape (2, 3)."""
-    middle, size = bounds.mean(axis=0), float(np.linalg.norm(bounds[1] - bounds[0]))
+def look(server: viser.ViserServer, bounds: Array, points: Sequence[Array] = ()) -> None:
+    """Lay a floor below the box between two corners [m], shape (2, 3); a page starts with it and the points in view."""
+    seen = np.vstack([bounds, *points])
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    middle, size = 0.5 * (low + high), float(np.linalg.norm(high - low))
     floor = 0.0 if bounds[0, 2] > -0.05 * size else float(bounds[0, 2])
     width = max(2.0, 2.0 * round(2.0 * size) / 2.0)
     server.scene.add_grid(

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hqp import InvalidInput, Label
+from hqp import InvalidInput
 from hqp.checks import of_type
 
 from ..base.checks import Array, per_row, positive
 from ..base.live import number, structure
-from ..robots.robot import Robot, RobotState, base, joint_names, joint_units
+from ..robots.robot import Robot, RobotState, base, joint_names
 from ..rows.alone import robot_of
-from ..rows.part import PER, Order, Part
+from ..rows.part import Order, Part
 from ..targets.trajectories import Trajectory, as_trajectory
 from .posture import columns, named_joints
 
@@ -42,10 +42,6 @@ class JointSpeeds(Part):
 
     def variables(self, robot: Robot) -> NDArray[np.intp]:
         return columns(self.joints, joint_names(robot), base(robot))
-
-    def labels(self, robot: Robot, order: Order) -> list[Label]:
-        names, units = joint_names(robot), joint_units(robot)
-        return [Label(self.name, names[i], units[i] + PER[order]) for i in self.variables(robot)]
 
     def speeds(self, site: Site, target: Array, gain: Array | None) -> Plan:
         """One loop: the wanted speeds and their rates, shape (2, rows); K of every row, None for 1/dt."""

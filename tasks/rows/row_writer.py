@@ -12,10 +12,10 @@ from hqp.checks import whole_number
 
 from ..base.checks import Array, not_negative, per_row
 from ..base.live import Live, number, structure
-from ..robots.robot import Robot, joint_names
+from ..robots.robot import Robot, joint_names, joint_units
 from .plan import Plan
 from .site import Site
-from .tick import Order, Tick
+from .tick import PER, Order, Tick
 
 if TYPE_CHECKING:
     from .unknowns import Unknowns
@@ -79,12 +79,11 @@ class RowWriter(Live):
         return self.variables(robot)
 
     def labels(self, robot: Robot, order: Order) -> list[Label]:
-        """What explanations call the rows."""
-        names = joint_names(robot)
-        rows = (
-            [names[i] for i in self.variables(robot)] if self.plain else [f"row {i}" for i in range(self.size(robot))]
-        )
-        return [Label(self.name, row) for row in rows]
+        """What explanations call the rows: plain ones are joints, in the units of x."""
+        if not self.plain:
+            return [Label(self.name, f"row {i}") for i in range(self.size(robot))]
+        names, units = joint_names(robot), joint_units(robot)
+        return [Label(self.name, names[i], units[i] + PER[order]) for i in self.variables(robot)]
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         """Refuse, once and before the first tick, what cannot work with this robot.

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..base.telling import LOG
 from ..control.controller import Controller
-from ..drawing.stage import LOOPBACK, PORT, open_stage
+from ..drawing.stage import LOOPBACK, PORT, open_stage, page_of
 from .panel import Panel
 from .scene import Overlay, Scene
 from .session import Session
@@ -50,7 +50,7 @@ class Window:
         except BaseException:
             self.server.stop()
             raise
-        self.url = f"http://{self.server.get_host()}:{self.server.get_port()}"
+        self.url = page_of(self.server)
         self._pictures, self._closed = 0, threading.Event()
         self._thread = threading.Thread(target=self._draw, name="picture", daemon=True)
 

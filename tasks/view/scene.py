@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from ..base.checks import Array
 from ..drawing.figure import Figure, Pose, figure
 from ..drawing.stage import look
 from .forces import ContactForces, has_forces
@@ -49,7 +50,7 @@ class Scene:
         standing = has_forces(session.controller.stack, self.figure)
         self._overlays = (*overlays, ContactForces()) if standing else tuple(overlays)
         self.figure.move(session.q)
-        look(server, self.figure.bounds)
+        look(server, self.figure.bounds, [self._place(target) for target in session.targets])
         size = float(np.linalg.norm(self.figure.bounds[1] - self.figure.bounds[0]))
         self._parents = {
             name: server.scene.add_frame(f"/relative/{i}", show_axes=False)
@@ -63,6 +64,13 @@ class Scene:
         self.moved: Callable[[Target], None] = lambda target: None
         for overlay in self._overlays:
             overlay.put(server, session, self.figure)
+
+    def _place(self, target: Target) -> Array:
+        """Where a target is in the world [m], shape (3,)."""
+        if target.relative_to is None:
+            return target.p
+        position, wxyz = self.figure.pose(target.relative_to)
+        return np.asarray(position + _matrix(wxyz) @ target.p)
 
     def _gizmo(self, target: Target, number: int, size: float) -> Any:
         parent = self._parents.get(target.relative_to or "")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import warnings
 from types import ModuleType
 
 #: What a statement that only draws, or waits for the clock, says.
@@ -26,12 +27,13 @@ def _counts(node: ast.stmt) -> bool:
 
 def public_of_pink() -> list[str]:
     """Every public class, function and method of Pink that a program may use."""
-    import pink
-    import pink.barriers
-    import pink.limits
-    import pink.tasks
-    import pink.utils
-    import pink.visualization
+    with warnings.catch_warnings(action="ignore"):  # what they import in turn may call itself deprecated
+        import pink
+        import pink.barriers
+        import pink.limits
+        import pink.tasks
+        import pink.utils
+        import pink.visualization
 
     found = {*pink.__all__, *pink.tasks.__all__, *pink.barriers.__all__, *pink.limits.__all__}
     return sorted(found | _own(pink.utils) | _own(pink.visualization) | _methods(pink.Configuration))
@@ -39,7 +41,8 @@ def public_of_pink() -> list[str]:
 
 def public_of_mink() -> list[str]:
     """The same of mink; tables of MuJoCo's names are none."""
-    import mink
+    with warnings.catch_warnings(action="ignore"):
+        import mink
 
     found = {
         name
