@@ -20,6 +20,7 @@ from ..checks import of_type, whole_number
 from ..errors import InvalidInput
 from ..guard import Guard
 from ..hierarchy import LARGEST, Hierarchy
+from ..set_once import SetOnce
 from ..settings import Settings
 from ..solution import Counts, Solution, Status
 from .batch import Batch, BatchSolution
@@ -35,7 +36,7 @@ PIECES = 4
 MOST_THREADS = 1024
 
 
-class BatchSolver:
+class BatchSolver(SetOnce):
     """Solves batches with the native solver, each hierarchy warm from its own last time.
 
     Parameters
@@ -57,6 +58,8 @@ class BatchSolver:
     array([[1.5, 1.5],
            [1.5, 1.5]])
     """
+
+    _stays = frozenset(("settings", "threads"))
 
     def __init__(self, settings: Settings | None = None, threads: int | None = None) -> None:
         from ..backends.native import warm_up

@@ -19,6 +19,7 @@ from ..damping import DampingRule, Staged, by_index, index_of, retold, rules_of,
 from ..errors import InvalidInput, brief
 from ..guard import Guard
 from ..hierarchy import LARGEST, Hierarchy
+from ..set_once import SetOnce
 from ..settings import DEFAULT, Settings
 from ..solution import Counts, Solution, Stages, Status
 
@@ -38,7 +39,7 @@ def solve_once(backend: str, settings: Settings, hierarchy: Hierarchy, x_ref: Ar
     return Solver(backend, settings).solve(hierarchy, x_ref)
 
 
-class Solver:
+class Solver(SetOnce):
     """Solves hierarchies of one structure again and again, each warm from the last.
 
     Parameters
@@ -75,6 +76,8 @@ class Solver:
     [1.5 1.5]
     [2. 2.]
     """
+
+    _stays = frozenset(("backend", "settings", "damping"))
 
     def __init__(
         self,
