@@ -114,7 +114,8 @@ class MujocoPlant(Live):
         model: Any = self._robot.model
         specification = specification_of(model, mujoco, self.contacts)
         if self.contacts:
-            self.ground.lay(specification, mujoco, self.step)
+            self.ground.check_step(self.step)
+            self.ground.lay(specification, mujoco)
         try:
             self.model = specification.compile()
         except ValueError as error:
@@ -128,6 +129,10 @@ class MujocoPlant(Live):
         self._points = [np.array([self.model.geom(name).id for name in each], dtype=np.intp) for each in names]
         self._laid = not self.contacts or self.ground.height is not None
         self._pushes: list[Push] = []
+
+    def _renew(self) -> None:
+        if self.contacts:
+            self.ground.check_step(self.step)
 
     def __getstate__(self) -> dict[str, Any]:
         """All but the module of MuJoCo: a copy goes on from the same state, by itself."""
