@@ -484,6 +484,6 @@ def test_what_a_plant_was_made_with_stays_and_its_step_may_be_set(make) -> None:
 
 def test_a_step_too_long_for_the_ground_is_refused_at_any_time() -> None:
     plant = MujocoPlant(load_robot("go2"), contacts=[Contact("FL_foot", name="FL")])
-    with pytest.raises(InvalidInput, match="time_constant = 0.005 s must be at least twice the step"):
+    with pytest.raises(InvalidInput, match=r"time_constant = 0\.005 s must be at least twice the step"):
         plant.step = 0.004
     assert plant.step == 5e-4

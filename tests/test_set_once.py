@@ -132,7 +132,8 @@ def test_numbers_written_in_place_are_solved(backend: str) -> None:
     h = hierarchy()
     with pytest.raises(InvalidInput, match=r"written in place, as in hierarchy\.levels\[1\]\.lower\[:\] = "):
         h.upper = np.full(3, 0.25)
-    h.upper[:2] = 0.25
+    h.upper[:2] = 0.125
+    h.upper *= [2.0, 2.0, 1.0]
     assert np.allclose(Solver(backend).solve(h).x, 0.25, atol=1e-6)
 
 
