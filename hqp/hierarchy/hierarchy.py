@@ -28,9 +28,8 @@ from warnings import warn
 import numpy as np
 
 from ..arrays import Array, Indices, lengths
-from ..checks import of_type
+from ..checks import SetOnce, of_type
 from ..errors import InvalidInput
-from ..set_once import SetOnce
 from .form import called, checked_levels, form_of
 from .label import Label
 from .level import Level

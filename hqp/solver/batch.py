@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..checks import listed, of_type, whole_number
+from ..checks import SetOnce, listed, of_type, whole_number
 from ..errors import InvalidInput
 from ..hierarchy import Hierarchy
-from ..set_once import SetOnce
 from ..settings import Settings
 from ..solution import Counts, Solution, Status
 

@@ -16,11 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, real_array
-from ..checks import of_type, whole_number
+from ..checks import SetOnce, of_type, whole_number
 from ..errors import InvalidInput
 from ..guard import Guard
 from ..hierarchy import LARGEST, Hierarchy
-from ..set_once import SetOnce
 from ..settings import Settings
 from ..solution import Counts, Solution, Status
 from .batch import Batch, BatchSolution

@@ -14,12 +14,11 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, real_array
 from ..backends.base import Answer
 from ..backends.registry import make_backend
-from ..checks import of_type
+from ..checks import SetOnce, of_type
 from ..damping import DampingRule, Staged, by_index, index_of, retold, rules_of, told
 from ..errors import InvalidInput, brief
 from ..guard import Guard
 from ..hierarchy import LARGEST, Hierarchy
-from ..set_once import SetOnce
 from ..settings import DEFAULT, Settings
 from ..solution import Counts, Solution, Stages, Status
 
