@@ -22,14 +22,18 @@ from tasks import (
     Ground,
     JointLimits,
     JointTorqueLimit,
+    Line,
     MujocoPlant,
+    PinocchioRobot,
     PoseTask,
     PositionTask,
     PostureTask,
     Record,
     RigidContactPlant,
     Stack,
+    Surface,
     Switch,
+    from_rpy,
     load_robot,
     simulate,
 )
@@ -359,3 +363,127 @@ def test_a_switch_is_judged_by_the_stack_that_is_solved_by_then() -> None:
 def test_a_switch_names_a_contact_of_the_stack() -> None:
     with pytest.raises(InvalidInput, match="'nose' is no contact of the stack"):
         simulate(standing("quadruped"), scene("quadruped").q, duration=0.1, changes=[Switch(0.0, "nose", on=True)])
+
+
+# The robot that is handed over is the robot.
+
+LINK = """<link name="{}"><inertial><mass value="{}"/>
+<inertia ixx="{i}" iyy="{i}" izz="{i}" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
+JOINT = """<joint name="{}" type="revolute"><parent link="{}"/><child link="{}"/><origin xyz="{}"/><axis xyz="{}"/>
+<limit lower="-2" upper="2" effort="50" velocity="5"/></joint>"""
+FREE_JOINT = """<mujoco><default><joint armature="0.5" damping="2"/></default><worldbody><body pos="0 0 1">
+<joint name="root" type="free"/><geom size=".1" mass="2"/><body name="leg" pos=".1 0 0"><joint name="hip" axis="0 1 0"/>
+<geom type="capsule" fromto="0 0 0 .3 0 -.3" size=".02" mass="1"/></body></body></worldbody></mujoco>"""
+
+
+def legged(folder: Path, cross: str = '<link name="cross"/>', hip: str = "hip") -> PinocchioRobot:
+    """A floating base with a leg of three joints, two of which turn about a link without mass."""
+    links = LINK.format("trunk", 3.0, i=0.02) + LINK.format("thigh", 1.0, i=0.02) + LINK.format("shank", 1.0, i=0.02)
+    joints = (
+        JOINT.format(hip, "trunk", "thigh", "0 0 -0.3", "1 0 0")
+        + JOINT.format("swing", "thigh", "cross", "0 0.1 -0.3", "0 1 0")
+        + JOINT.format("bend", "cross", "shank", "0 0 -0.05", "1 0 0")
+    )
+    (folder / "leg.urdf").write_text(f'<robot name="leg">{links}{cross}{joints}</robot>')
+    return load_robot(folder / "leg.urdf", base="floating")
+
+
+def mass_matrix(plant: MujocoPlant) -> np.ndarray:
+    """That of MuJoCo where the base is not turned: its velocities then are those of the robot."""
+    import mujoco
+
+    mujoco.mj_fwdPosition(plant.model, plant.data)
+    M = np.zeros((plant.model.nv, plant.model.nv))
+    for row, unit in zip(M, np.eye(len(M)), strict=True):
+        mujoco.mj_mulM(plant.model, plant.data, row, unit)
+    return M
+
+
+@pytest.mark.parametrize("hip", ["hip", "world"])
+@pytest.mark.parametrize("kind", ["urdf", "mjcf"])
+def test_the_inertia_of_the_plant_is_that_of_the_robot(tmp_path: Path, kind: str, hip: str) -> None:
+    if kind == "urdf":
+        robot = legged(tmp_path, hip=hip)
+    else:
+        (tmp_path / "robot.xml").write_text(FREE_JOINT.replace("hip", hip))
+        robot = load_robot(tmp_path / "robot.xml")
+    plant, q = MujocoPlant(robot), robot.home.copy()
+    q[7:] = np.linspace(0.3, 0.6, len(q) - 7)
+    plant.set_state(q, np.zeros(robot.nv))
+    np.testing.assert_allclose(mass_matrix(plant), robot.mass_matrix(q), atol=1e-12)
+    np.testing.assert_array_equal(plant.model.dof_damping, robot.model.damping)
+    before = plant.state()[1]
+    plant.push("thigh" if kind == "urdf" else "leg", [10.0, 0.0, 0.0], 0.01)
+    assert np.abs(plant.advance(q, before, np.zeros(len(q) - 7), 0.01)[1]).max() > 0.01
+
+
+def test_an_inertia_without_a_mass_is_not_lost(tmp_path: Path) -> None:
+    robot = legged(tmp_path, LINK.format("cross", 0.0, i=0.02))
+    with pytest.raises(InvalidInput, match="mass and inertia"):
+        MujocoPlant(robot)
+
+
+def test_what_a_base_has_in_one_direction_alone_is_refused(tmp_path: Path) -> None:
+    model = legged(tmp_path).model.copy()
+    model.damping = np.array([1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+    with pytest.raises(InvalidInput, match=r"of the base \[1\.0, 2\.0, .* must be the same"):
+        MujocoPlant(PinocchioRobot(model))
+
+
+def test_a_contact_on_a_link_that_mujoco_does_not_have_is_refused(tmp_path: Path) -> None:
+    robot = legged(tmp_path)
+    with pytest.raises(InvalidInput, match="Contact 'foot': frame 'cross' is on a link without mass"):
+        MujocoPlant(robot, contacts=[Contact("cross", name="foot")])
+    plant, q = MujocoPlant(robot, contacts=[Contact("shank", name="foot")]), robot.home
+    plant.set_state(q, np.zeros(robot.nv))
+    np.testing.assert_allclose(plant.points["foot"][0], robot.at(q).frame("shank").position, atol=1e-12)
+
+
+TILTED, MOVING = Surface(rotation=from_rpy(0.2, 0.0, 0.0)), Surface(Line([0.0] * 3, [0.1, 0.0, 0.0], 1.0))
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({"surface": TILTED}, "level, and it must be"),
+        ({"surface": MOVING}, "its surface moves"),
+        ({"normal": (1.0, 0.0, 0.0)}, "level, and it must be"),
+        ({"surface": TILTED, "normal": TILTED.rotation(0.0)[0].T @ [0.0, 0.0, 1.0]}, None),
+        ({"surface": Surface([0.0, 0.0, 0.3], from_rpy(0.0, 0.0, 1.0))}, None),
+    ],
+)
+def test_the_ground_is_the_surface_of_the_contacts(options: dict, told: str | None) -> None:
+    robot, contact = load_robot("go2"), Contact("FL_foot", name="FL", **options)
+    if told is None:
+        assert MujocoPlant(robot, contacts=[contact]).contacts == (contact,)
+        return
+    with pytest.raises(InvalidInput, match=f"MujocoPlant: Contact 'FL': .*{told}"):
+        MujocoPlant(robot, contacts=[contact])
+
+
+def test_a_surface_that_moves_is_no_contact_that_holds_in_the_world() -> None:
+    with pytest.raises(InvalidInput, match="RigidContactPlant: Contact 'FL': its surface moves"):
+        RigidContactPlant(load_robot("go2"), [Contact("FL_foot", name="FL", surface=MOVING)])
+
+
+def test_joints_that_follow_are_refused_in_words() -> None:
+    with pytest.raises(InvalidInput, match="follow others; load it with mimic='lock'"):
+        RigidContactPlant(load_robot("panda", mimic="follow"), [])
+
+
+@pytest.mark.parametrize("make", [MujocoPlant, lambda robot: RigidContactPlant(robot, [])])
+def test_what_a_plant_was_made_with_stays_and_its_step_may_be_set(make) -> None:
+    plant = make(load_robot("go2"))
+    with pytest.raises(InvalidInput, match="contacts is part of its structure"):
+        plant.contacts = ()
+    with pytest.raises(InvalidInput, match=r"step = 0\.0 s must be positive"):
+        plant.step = 0.0
+    plant.step = 1e-3
+    assert plant.step == 1e-3
+
+
+def test_a_step_too_long_for_the_ground_is_refused_at_any_time() -> None:
+    plant = MujocoPlant(load_robot("go2"), contacts=[Contact("FL_foot", name="FL")])
+    with pytest.raises(InvalidInput, match=r"time_constant = 0\.005 s must be at least twice the step"):
+        plant.step = 0.004
+    assert plant.step == 5e-4

@@ -12,6 +12,7 @@ import tasks
 from tasks import (
     CapturePointTask,
     CenterOfPressureTask,
+    Change,
     Contact,
     Controller,
     Dynamics,
@@ -25,6 +26,8 @@ from tasks import (
     Stack,
     SupportLimit,
     TorqueTask,
+    load_robot,
+    simulate,
 )
 
 #: A quarter of a turn about z.
@@ -137,3 +140,47 @@ def test_structure_stays() -> None:
             setattr(own[part], name, None)
     with pytest.raises(ValueError, match="did you mean 'friction'"):
         own["contact"].fricton = 0.3
+
+
+def test_contacts_that_come_back_with_a_stack_hold_where_it_finds_them() -> None:
+    """As in a new controller; those that the stack before has, too, go on as they are."""
+    robot = load_robot("panda", lock=["panda_finger_joint1"])
+    hand, aside = Contact("panda_hand_tcp", name="hand"), robot.home + 0.1
+    held, free = Stack(hand) >> PostureTask(robot.home, gain=1.0), Stack(PostureTask(robot.home + 0.3, gain=1.0))
+    controller = Controller(robot, held, dt=0.01)
+    controller(robot.home)
+    controller.change(Stack(hand) >> PostureTask(aside, gain=1.0), duration=0.0)
+    assert np.abs(controller(aside).v).max() > 1.0  # it goes back to where the hand has been all the time
+    controller.change(free, duration=0.0)
+    controller(aside)
+    controller.change(held, duration=0.0)
+    np.testing.assert_allclose(controller(aside).v, Controller(robot, held, dt=0.01)(aside).v, atol=1e-9)
+
+
+def test_contacts_of_a_stack_that_is_left_slowly_hold_when_it_comes_back() -> None:
+    robot = load_robot("panda", lock=["panda_finger_joint1"])
+    hand, aside = Contact("panda_hand_tcp", name="hand"), robot.home + 0.1
+    held, free = Stack(hand) >> PostureTask(robot.home, gain=1.0), Stack(PostureTask(robot.home, gain=1.0))
+    controller = Controller(robot, held, dt=0.01)
+    controller(robot.home)
+    before = controller(aside).v
+    controller.change(free, duration=1.0)
+    controller(aside, t=0.0)
+    controller.change(held, duration=1.0)
+    controller(aside, t=0.1)
+    np.testing.assert_allclose(controller(aside, t=1.2).v, before, atol=1e-9)
+
+
+def test_a_second_run_holds_contacts_of_later_stacks_where_it_comes_to_them() -> None:
+    robot = load_robot("panda", lock=["panda_finger_joint1"])
+    held = Stack(Contact("panda_hand_tcp", name="hand")) >> PostureTask(robot.home, gain=1.0)
+    free = Stack(PostureTask(robot.home + 0.3, gain=1.0))
+
+    def run(controller: Controller, start: np.ndarray) -> np.ndarray:
+        return simulate(controller, start, duration=0.2, changes=[Change(0.1, held, 0.0)]).q
+
+    controller = Controller(robot, free, dt=0.01)
+    run(controller, robot.home)
+    controller.change(free, duration=0.0)
+    fresh = Controller(robot, free, dt=0.01)
+    np.testing.assert_allclose(run(controller, robot.home + 0.2), run(fresh, robot.home + 0.2), atol=1e-9)

@@ -32,20 +32,24 @@ from hqp import (
 )
 from tasks import (
     Capsule,
+    Contact,
     Controller,
     Damped,
     DistanceLimit,
     JointAccelerationLimit,
     JointLimits,
     LinkCapsule,
+    MujocoPlant,
     OrientationTask,
     PlanarArm,
     PoseTask,
     PositionTask,
     PostureTask,
     Record,
+    RigidContactPlant,
     SelfCollisionLimit,
     Setpoint,
+    Stack,
     load_robot,
     simulate,
 )
@@ -171,6 +175,24 @@ def test_a_copied_solution_keeps_its_numbers(how):
         assert str(twin.explain()) == str(solution.explain())
 
 
+@pytest.mark.parametrize("how", COPIES)
+@pytest.mark.parametrize("damping", ["curvature", None])
+@pytest.mark.parametrize("target", [[0.5, 0.4], [1.5, 0.4]], ids=["in reach", "out of reach"])
+def test_a_copied_step_tells_what_it_told(how, damping, target):
+    arm, _ = planar()
+    stack = JointLimits() >> PositionTask(target, gain=3.0) >> OrientationTask(1.0, gain=3.0)
+    controller = Controller(arm, stack, dt=0.01, damping=damping)
+    step = controller([0.4, 0.9, 0.6])
+    twin = COPIES[how](step)
+    told = [str(of.certify()) + str(of.explain()) + str(of.relaxed) for of in (step.solution, twin.solution)]
+    assert told[0] == told[1]
+    np.testing.assert_array_equal(twin.v, step.v)
+    np.testing.assert_array_equal(twin.state.q, step.state.q)
+    controller([0.1, 0.2, 0.3])
+    late = COPIES[how](step).solution  # told only now
+    assert str(late.explain()) == str(twin.solution.explain())
+
+
 # Controllers.
 
 
@@ -286,6 +308,51 @@ def test_a_controller_that_is_copied_in_a_change_goes_on_with_it(how):
         assert theirs.share == pytest.approx(mine.share)
         np.testing.assert_allclose(theirs.v, mine.v, atol=1e-7)
     assert theirs.share == 1.0
+
+
+@pytest.mark.parametrize("how", COPIES)
+def test_a_copy_keeps_what_contacts_of_other_stacks_keep(how):
+    """Those of a stack that it is leaving hold where they did; those of one that it has left are off as they were."""
+    robot, _ = panda()
+    elbow, rest = Contact("panda_link4", name="elbow"), PostureTask(robot.home, gain=1.0)
+    held, free = Stack(elbow) >> rest, Stack(PostureTask(robot.home + 0.1, gain=1.0))
+    aside = robot.home + 0.05
+
+    leaving = Controller(robot, held, dt=0.01)
+    leaving(robot.home, t=0.0)
+    leaving.change(free, duration=1.0)
+    leaving(aside, t=0.1)
+    twin = COPIES[how](leaving)
+    np.testing.assert_allclose(twin(aside, t=0.3).v, leaving(aside, t=0.3).v, atol=1e-9)
+
+    left = Controller(robot, held, dt=0.01)
+    left(robot.home)
+    left.release("elbow")
+    left.change(free, duration=0.0)
+    twin, other = COPIES[how]((left, held))
+    for controller, stack in (left, held), (twin, other):
+        controller.change(stack, duration=0.0)
+        assert not controller.bears("elbow")
+    np.testing.assert_allclose(twin(aside).v, left(aside).v, atol=1e-9)
+
+
+@pytest.mark.parametrize("how", COPIES)
+@pytest.mark.parametrize("kind", ["mujoco", "rigid"])
+def test_a_copied_plant_goes_on_by_itself(kind, how):
+    pytest.importorskip("mujoco", reason="physics need MuJoCo: pip install 'hqp[mujoco]'")
+    robot = load_robot("go2")
+    feet = [Contact(f"{leg}_foot", name=leg, friction=0.6) for leg in ("FL", "FR", "RL", "RR")]
+    plant = MujocoPlant(robot, contacts=feet) if kind == "mujoco" else RigidContactPlant(robot, feet)
+    tau = np.full(12, 0.3)
+    moved = plant.advance(robot.home, np.zeros(robot.nv), tau, 0.01)
+    if kind == "mujoco":
+        plant.push("base", [10.0, 0.0, 0.0], 0.015)
+    twin, third = COPIES[how](plant), COPIES[how](plant)
+    third.advance(*moved, -tau, 0.01)
+    for found, expected in zip(twin.advance(*moved, tau, 0.01), plant.advance(*moved, tau, 0.01), strict=True):
+        np.testing.assert_array_equal(found, expected)
+    for name, force in plant.forces.items():
+        np.testing.assert_array_equal(twin.forces[name], force)
 
 
 def test_copies_of_a_pair_share_what_the_pair_shares():

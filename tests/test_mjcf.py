@@ -576,3 +576,55 @@ def test_keyframes_whose_base_cannot_be_there_are_told(folder, base, elsewhere):
     <key name="turned" qpos="0 0 .5 1 0 0 1 0"/><key name="tilted" qpos="0 0 .5 1 0 1 0 0"/></keyframe></mujoco>"""
     left_out = load_robot(written(folder, text), base=base).left_out
     assert left_out == ((f"places of the base in the keyframes {elsewhere} (base= holds it)",) if elsewhere else ())
+
+
+@pytest.mark.parametrize("joint", ['axis="0 1 0"', 'type="slide" axis="0 1 0"'])
+@pytest.mark.parametrize("on", ["joint", "jointinparent"])
+def test_rotors_of_motors_are_part_of_the_robot(folder, joint, on):
+    """Their inertia is in the torques, and their damping in that of the model, as in MuJoCo."""
+    text = f"""<mujoco><worldbody><body><joint name="a" {joint} armature=".1" damping=".2"/><geom size=".1"/>
+    </body></worldbody><actuator><motor {on}="a" gear="10" armature=".01" damping=".02"/></actuator></mujoco>"""
+    robot = load_robot(written(folder, text))
+    m = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(m)
+    data.qacc[:], data.qvel[:] = 3.0, 2.0
+    mujoco.mj_inverse(m, data)
+    drag = robot.model.damping * 2.0
+    close(robot.inverse_dynamics([0.0], [2.0], [3.0]) + drag, data.qfrc_inverse, 1e-9 * abs(data.qfrc_inverse[0]))
+    assert robot.left_out == ()
+
+
+UNMODELLED = """<mujoco><option {option}/><worldbody><body><joint name="a" {joint}/><geom size=".1"/>
+<body pos=".3 0 0"><joint name="b" type="ball"/><geom size=".1"/></body></body></worldbody>{more}</mujoco>"""
+TENDON = '<tendon><fixed name="t" {}><joint joint="a" coef="1"/></fixed></tendon>'
+
+
+@pytest.mark.parametrize(
+    ("said", "parts"),
+    [
+        ("the forces of the medium", {"option": 'density="1.2" wind="3 0 0"'}),
+        ("the forces of the medium", {"option": 'viscosity="0.1"'}),
+        ("springs of the joints a", {"joint": 'stiffness="0 1"'}),
+        ("damping that is not linear of the joints a", {"joint": 'damping="0 1"'}),
+        ("springs, dampers, friction and armature of the tendons t", {"more": TENDON.format('frictionloss="1"')}),
+        ("springs, dampers, friction and armature of the tendons t", {"more": TENDON.format('damping="0 1"')}),
+        (
+            "armature and damping of the actuators m",
+            {"more": '<actuator><motor name="m" joint="b" gear="1 2 0" armature=".1"/></actuator>'},
+        ),
+        (
+            "armature and damping of the actuators m",
+            {"more": TENDON.format("") + '<actuator><motor name="m" tendon="t" damping=".1"/></actuator>'},
+        ),
+        (
+            "armature and damping of the actuators m",
+            {"more": '<actuator><motor name="m" joint="a" damping="0 1"/></actuator>'},
+        ),
+        (None, {"option": 'wind="3 0 0"'}),
+        (None, {"more": TENDON.format("")}),
+    ],
+)
+def test_what_mujoco_has_and_the_robot_has_not_is_said(folder, said, parts):
+    text = UNMODELLED.format(**{"option": "", "joint": "", "more": ""} | parts)
+    told = () if said is None else (f"{said} (torques do not count them)",)
+    assert load_robot(written(folder, text)).left_out == told

@@ -1,6 +1,7 @@
 """The problem: priority levels of rows with bounds, weights and labels, in a hierarchy."""
 
-from .hierarchy import LARGEST, Hierarchy, check_told
+from .form import check_told
+from .hierarchy import LARGEST, Hierarchy
 from .label import Label, in_words, side_in_words
 from .level import Level
 from .nearest import nearest

@@ -28,23 +28,18 @@ from warnings import warn
 import numpy as np
 
 from ..arrays import Array, Indices, lengths
-from ..checks import of_type, whole_number
-from ..errors import InvalidInput, brief
+from ..checks import SetOnce, of_type
+from ..errors import InvalidInput
+from .form import called, checked_levels, form_of
 from .label import Label
 from .level import Level
-
-#: Most unknowns that indices alone may imply: a larger index is more likely a typing error.
-MOST_GUESSED = 10_000
-
-#: Most unknowns of any hierarchy: a solver needs a dense matrix of that size.
-MOST_UNKNOWNS = 1_000_000
 
 #: Numbers beyond this one are refused, and rows shorter than its inverse are zero rows: squares of what lies
 #: between neither overflow nor underflow, weighted or not.
 LARGEST = 1e30
 
 
-class Hierarchy:
+class Hierarchy(SetOnce):
     """Levels in order of priority, and all their numbers in one place.
 
     Parameters
@@ -90,30 +85,27 @@ class Hierarchy:
     array([0.5, 0.5])
     """
 
+    _stays = frozenset(
+        ("n", "m", "levels", "A", "lower", "upper", "weights", "columns", "pointers", "numbers", "structure", "address")
+    )
+    _instead = "its numbers may be written in place, as in hierarchy.levels[1].lower[:] = ..."
+
     n: int
     m: int
     columns: Indices
     pointers: tuple[int, ...]
     numbers: Array
     structure: tuple[Any, ...]
+    _names: tuple[str, ...]
+    _labels: tuple[Sequence[Label] | None, ...]
+    _has_rows: tuple[bool, ...]
+    _dense: Indices
+    _form: dict[str, Any]
 
     def __init__(self, levels: Iterable[Level], *, n: int | None = None) -> None:
-        given = _levels(levels)
-        self.n = _unknowns(given, n)
-        sizes = [len(level) for level in given]
-        self.pointers = (0, *np.cumsum(sizes, dtype=int).tolist())
-        self.m = self.pointers[-1]
-        self.columns = np.concatenate(
-            [level.indices if level.indices is not None else np.full(len(level), -1) for level in given]
-            or [np.zeros(0, dtype=np.intp)]
-        ).astype(np.intp)
-        self._names = tuple(level.name for level in given)
-        self._labels = tuple(level.labels for level in given)
-        self._has_rows = tuple(level.A is not None for level in given)
-        self._dense = np.flatnonzero(self.columns < 0)
-        self.structure = (self.n, self.pointers, self._has_rows, self.columns.tobytes())
-        self._form = dict(self.__dict__)
-        self.numbers = np.empty(len(self._dense) * self.n + 3 * self.m)
+        given = checked_levels(levels)
+        form = form_of(given, n)
+        self.__setstate__((form, np.empty(len(form["_dense"]) * form["n"] + 3 * form["m"])))
         for mine, level in zip(self.levels, given, strict=True):
             mine.lower[:], mine.upper[:], mine.weights[:] = level.lower, level.upper, level.weights
             if mine.A is not None and level.A is not None:
@@ -199,9 +191,8 @@ class Hierarchy:
 
     def __setstate__(self, state: tuple[dict[str, Any], Array]) -> None:
         form, numbers = state
-        self.__dict__.update(form)
-        self._form = form
-        self.numbers = numbers if numbers.flags.writeable else numbers.copy()  # joblib maps large arrays read-only
+        own = numbers if numbers.flags.writeable else numbers.copy()  # joblib maps large arrays read-only
+        self.__dict__.update(form, _form=form, numbers=own)
 
     def matrix(self, k: int) -> Array:
         """Dense rows of level k, shape (m_k, n): a view for rows, a fresh 0/1 matrix for plain bounds."""
@@ -237,7 +228,7 @@ class Hierarchy:
 
     def level_name(self, k: int) -> str:
         """Number and name of level k, as messages call it: ``level 2 ('hand')``."""
-        return _called(k, self._names[k])
+        return called(k, self._names[k])
 
     def label(self, k: int) -> str:
         """Former name of :meth:`level_name`."""
@@ -294,63 +285,6 @@ class Hierarchy:
     def __repr__(self) -> str:
         lines = [f"Hierarchy of {len(self.levels)} levels, {self.m} rows, {self.n} unknowns"]
         return "\n  ".join(lines + [f"{k}: {level!r}" for k, level in enumerate(self.levels)])
-
-
-def _levels(levels: Iterable[Level]) -> list[Level]:
-    if isinstance(levels, Level):
-        raise InvalidInput("a hierarchy takes a sequence of levels, highest first; put the one level into a list")
-    try:
-        given = list(levels)
-    except TypeError:
-        raise InvalidInput(f"a hierarchy takes a sequence of levels, highest first, not {brief(levels)}") from None
-    for k, level in enumerate(given):
-        if not isinstance(level, Level):
-            raise InvalidInput(f"level {k} is a {type(level).__name__}; it must be a hqp.Level")
-    return given
-
-
-def _called(k: int, name: str) -> str:
-    return f"level {k} ({name!r})" if name else f"level {k}"
-
-
-def _unknowns(levels: Sequence[Level], n: int | None) -> int:
-    """Number of unknowns on which all levels agree."""
-    if n is None:
-        rows = [level.A.shape[1] for level in levels if level.A is not None]
-        highest = [int(level.indices.max()) + 1 for level in levels if level.indices is not None and len(level)]
-        if not rows and not highest:
-            raise InvalidInput("the levels do not tell how many unknowns there are; give n")
-        if not rows and max(highest) > max(MOST_GUESSED, sum(map(len, levels))):
-            raise InvalidInput(f"index {max(highest) - 1} makes {max(highest)} unknowns; if so many are meant, give n")
-        n = rows[0] if rows else max(highest)
-    n = whole_number(n, "n", most=MOST_UNKNOWNS)
-    for k, level in enumerate(levels):
-        what = _called(k, level.name)
-        if level.A is not None and level.A.shape[1] != n:
-            raise InvalidInput(f"{what}: A has shape {level.A.shape}, but the hierarchy has {n} unknowns")
-        if level.indices is not None and np.any(level.indices >= n):
-            row = int(np.argmax(level.indices >= n))
-            raise InvalidInput(f"{what}, row {row}: index {level.indices[row]}, but the hierarchy has {n} unknowns")
-    return n
-
-
-def check_told(n: int, numbers: int) -> None:
-    """Refuse more unknowns than the numbers of a file account for: an error, or an attack on memory.
-
-    Parameters
-    ----------
-    n : int
-    numbers : int
-        As many as there are of one kind: of A, of bounds, or of x.
-
-    Raises
-    ------
-    InvalidInput
-    """
-    if n > max(MOST_GUESSED, numbers):
-        raise InvalidInput(
-            f"n = {n} unknowns, of which only {numbers} numbers tell; without more, there may be {MOST_GUESSED}"
-        )
 
 
 def _allowed(value: float) -> str:

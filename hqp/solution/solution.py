@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, TypeVar
 
@@ -21,6 +21,9 @@ from .stages import Stages, proof, relaxations
 from .status import NO_COUNTS, Counts, Status
 
 Made = TypeVar("Made")
+
+#: What fields are computed from when they are first read, and the numbers of what was computed.
+PENDING = ("_noted", "_points", "_aims", "_made")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -70,6 +73,11 @@ class Solution:
         template, numbers, x_ref, (backend, settings, _) = noted
         self.__dict__.update(hierarchy=template.with_numbers(numbers), x_ref=x_ref, backend=backend, settings=settings)
         return self.__dict__[name]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All fields, computed now: what they are computed from is memory of a solver, which no copy takes along."""
+        made = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: value for name, value in vars(self).items() if name not in PENDING} | made
 
     @property
     def ok(self) -> bool:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..checks import listed, of_type, whole_number
+from ..checks import SetOnce, listed, of_type, whole_number
 from ..errors import InvalidInput
 from ..hierarchy import Hierarchy
 from ..settings import Settings
@@ -38,7 +38,7 @@ class LevelNumbers(NamedTuple):
     weights: Array
 
 
-class Batch:
+class Batch(SetOnce):
     """B hierarchies of one structure, all numbers in one array.
 
     Parameters
@@ -71,6 +71,9 @@ class Batch:
            [1. , 1. ],
            [1.5, 1.5]])
     """
+
+    _stays = frozenset(("numbers", "levels"))
+    _instead = "its numbers may be written in place, as in batch.levels[1].lower[:] = ..."
 
     def __init__(self, template: Hierarchy, count: int) -> None:
         self._template = of_type(template, Hierarchy, "the template of a batch")

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, real_array
-from ..checks import of_type, whole_number
+from ..checks import SetOnce, of_type, whole_number
 from ..errors import InvalidInput
 from ..guard import Guard
 from ..hierarchy import LARGEST, Hierarchy
@@ -35,7 +35,7 @@ PIECES = 4
 MOST_THREADS = 1024
 
 
-class BatchSolver:
+class BatchSolver(SetOnce):
     """Solves batches with the native solver, each hierarchy warm from its own last time.
 
     Parameters
@@ -57,6 +57,8 @@ class BatchSolver:
     array([[1.5, 1.5],
            [1.5, 1.5]])
     """
+
+    _stays = frozenset(("settings", "threads"))
 
     def __init__(self, settings: Settings | None = None, threads: int | None = None) -> None:
         from ..backends.native import warm_up

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Array, real_array
 from ..backends.base import Answer
 from ..backends.registry import make_backend
-from ..checks import of_type
+from ..checks import SetOnce, of_type
 from ..damping import DampingRule, Staged, by_index, index_of, retold, rules_of, told
 from ..errors import InvalidInput, brief
 from ..guard import Guard
@@ -38,7 +38,7 @@ def solve_once(backend: str, settings: Settings, hierarchy: Hierarchy, x_ref: Ar
     return Solver(backend, settings).solve(hierarchy, x_ref)
 
 
-class Solver:
+class Solver(SetOnce):
     """Solves hierarchies of one structure again and again, each warm from the last.
 
     Parameters
@@ -75,6 +75,8 @@ class Solver:
     [1.5 1.5]
     [2. 2.]
     """
+
+    _stays = frozenset(("backend", "settings", "damping"))
 
     def __init__(
         self,

@@ -6,13 +6,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import Array
+from ..base.live import Live, structure
 from ..rows.site import Move
 from ..targets.trajectories import Trajectory, as_trajectory
 from ..targets.turns import RotationTrajectory, as_rotation, stands_still
 from .kernels import layout as at
 
 
-class Surface:
+class Surface(Live):
     """A body in the world on which a contact stands, such as a cart or a tilting platform.
 
     Parameters
@@ -29,6 +30,10 @@ class Surface:
     >>> Contact("left_ankle_roll_link", plane=(0.2, 0.1), friction=0.6, surface=ramp, name="left foot")
     Contact('left_ankle_roll_link', friction=0.6, name='left foot')
     """
+
+    position: Trajectory = structure()
+    rotation: RotationTrajectory = structure()
+    _instead = "a surface that moves takes a trajectory, such as a Setpoint"
 
     def __init__(
         self,

@@ -216,11 +216,12 @@ def loaded(stack: Stack, rows: HierarchyWriter) -> tuple[str, ...]:
     return tuple(part.name for part in stack if isinstance(part, Contact) and part.slot(rows.shared).loaded)
 
 
-def kept(stack: Stack, rows: HierarchyWriter) -> list[tuple[Contact | Loop, Slot | Array]]:
-    """What contacts and loops keep from tick to tick: which are on, where they hold, and ramps under way."""
-    shared = rows.shared
-    loops = ((part, part.held(shared)) for part in stack if isinstance(part, Loop))
-    return [*((part, part.slot(shared)) for part in stack if isinstance(part, Contact)), *loops]
+def kept(rows: HierarchyWriter) -> list[tuple[Contact | Loop, Slot | Array]]:
+    """What contacts and loops keep from tick to tick: which are on, where they hold, and ramps under way.
+
+    Those of all stacks that the controller has had: it may be leaving one of them, and may go back to it.
+    """
+    return [(part, own) for part, own in rows.shared.memory.values() if isinstance(part, Contact | Loop)]
 
 
 def take(all_of: list[tuple[Contact | Loop, Slot | Array]], rows: HierarchyWriter) -> None:
@@ -232,9 +233,12 @@ def take(all_of: list[tuple[Contact | Loop, Slot | Array]], rows: HierarchyWrite
             part.held(rows.shared)[:] = own
 
 
-def settle(stack: Stack, rows: HierarchyWriter) -> None:
-    """Hold all contacts and loops where the next tick finds them."""
-    for part in stack:
+def settle(rows: HierarchyWriter, held: Iterable[Part] = ()) -> None:
+    """Hold all contacts and loops but these where the next tick finds them, of all stacks of the controller."""
+    staying = {id(part) for part in held}
+    for part, _ in rows.shared.memory.values():
+        if id(part) in staying:
+            continue
         if isinstance(part, Contact):
             part.slot(rows.shared).settle()
         elif isinstance(part, Loop):

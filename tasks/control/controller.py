@@ -180,7 +180,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
             "stack": self.stack,
             "options": asked | self._prepared.how.options,
             "changes": [] if self._transition is None else self._transition.history(),
-            "kept": of.kept(self.stack, self._rows),
+            "kept": of.kept(self._rows),
             "pressed": self._pressed if self._forces is None else of.pressed(self._forces),
         }
 
@@ -326,7 +326,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
 
         For a robot that has been put somewhere else; :func:`tasks.simulate` does so at the start of every run.
         """
-        of.settle(self.stack, self._rows)
+        of.settle(self._rows)
 
     @property
     def loaded(self) -> tuple[str, ...]:
@@ -346,7 +346,8 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
     def change(self, stack: Stack | Part, *, duration: float, law: Timing = cubic) -> None:
         """Change to another stack without a jump, from the next tick on; see :mod:`tasks.control.transition`.
 
-        The limits at the top of the new stack hold from the first tick on, even if the old stack has none. If a change
+        The limits at the top of the new stack hold from the first tick on, even if the old stack has none. Its contacts
+        and loops hold where that tick finds them, unless they are in the old stack, too. If a change
         is still under way, the new one starts from its present command. A stack that the controller had before is
         found with its rows and its warm solver.
 
@@ -369,7 +370,9 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         new, old = self._prepared[wanted], self._now
         at_once = finite_scalar(duration, "duration of a change") == 0.0
         of.check_change(old.stack, old.rows, wanted, new.rows, self.order, at_once)
+        leaving = [] if self._transition is None else [stack for stack, *_ in self._transition.history()]
         self._transition = None if at_once else Transition(old, self._transition, duration, law)
+        of.settle(new.rows, (part for stack in (old.stack, *leaving) for part in stack))
         self._now = new
         self._limits = None if at_once else Limits.of(new.rows.levels, self.hierarchy, self.backend)
 

@@ -13,6 +13,7 @@ from math import ceil, floor, inf
 from typing import NamedTuple
 
 from ..base.checks import positive_scalar, scalar
+from ..base.live import Live, structure
 from ..base.telling import LOG
 
 #: The longest single sleep [s]; clocks do not accept arbitrarily long ones.
@@ -39,7 +40,7 @@ class Beat(NamedTuple):
     dt: float
 
 
-class RateLoop:
+class RateLoop(Live):
     """A loop at a constant rate, which counts late ticks; made by :func:`loop`.
 
     Attributes
@@ -57,6 +58,9 @@ class RateLoop:
     left_out : int
         Number of ticks that never began because an earlier one took too long.
     """
+
+    rate: float = structure()
+    duration: float = structure()
 
     def __init__(
         self,

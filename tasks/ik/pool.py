@@ -154,5 +154,6 @@ def _copied(value: Any, copies: dict[int, Live]) -> Any:
         return value
     if id(value) not in copies:
         copies[id(value)] = own = object.__new__(type(value))
-        vars(own).update({name: _copied(held, copies) for name, held in vars(value).items()})
+        same = type(value)._numbers  # arrays and constant targets, which nobody changes in place
+        vars(own).update({name: it if name in same else _copied(it, copies) for name, it in vars(value).items()})
     return copies[id(value)]

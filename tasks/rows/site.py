@@ -92,10 +92,10 @@ class Workspace:
         For loops to work in.
     curvature : bool
         Whether plans have to give the curvature of their rows.
-    n : int
-        Velocities of the joints.
-    unknowns : Unknowns
-        The layout of x.
+    n, unknowns : int, Unknowns
+        Velocities of the joints; the layout of x.
+    memory : Memory
+        What the parts of all stacks of the same controller keep.
     wrenches : array, shape (unknowns.n - n, n)
         G: the joint torques that the unknown forces f give are G^T f.
     aims : tuple of array, shape (unknowns.n,)
@@ -118,7 +118,7 @@ class Workspace:
         self.wrenches = np.zeros((self.unknowns.n - self.n, self.n))
         self.aims: tuple[Array, ...] = ()
         self.given: dict[int, list[Call]] = {}
-        self._memory: Memory = {} if memory is None else memory
+        self.memory: Memory = {} if memory is None else memory
         self.q, self.v = np.zeros(robot.nq), np.zeros(robot.nv)
         self.braking = np.array([np.inf, np.nan if dt is None else dt])
         joints = np.arange(robot.nv)
@@ -144,9 +144,9 @@ class Workspace:
 
     def kept(self, part: object, make: Callable[[], Any]) -> Any:
         """What a part keeps from tick to tick, made at the first use."""
-        if id(part) not in self._memory:
-            self._memory[id(part)] = part, make()
-        return self._memory[id(part)][1]
+        if id(part) not in self.memory:
+            self.memory[id(part)] = part, make()
+        return self.memory[id(part)][1]
 
     def update(self, state: RobotState) -> None:
         """Compute all shared quantities at this state."""

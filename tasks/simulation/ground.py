@@ -69,19 +69,22 @@ class Ground:
         for name, value in checked.items():
             object.__setattr__(self, name, value)
 
-    def lay(self, specification: Any, mujoco: Any, step: float) -> None:
-        """Add the ground to a MuJoCo specification, and set the options of the contact solver.
+    def check_step(self, step: float) -> None:
+        """Refuse steps of the physics [s] that its spring is too stiff for.
 
         Raises
         ------
         InvalidInput
-            If the time constant is shorter than twice `step`, that of the physics [s].
+            If the time constant is shorter than twice the step.
         """
         if self.time_constant < 2.0 * step:
             raise InvalidInput(
                 f"Ground: time_constant = {self.time_constant:g} s must be at least twice the step of the physics,"
                 f" {2.0 * step:g} s"
             )
+
+    def lay(self, specification: Any, mujoco: Any) -> None:
+        """Add the ground to a MuJoCo specification, and set the options of the contact solver."""
         option = specification.option
         option.cone = mujoco.mjtCone.mjCONE_PYRAMIDAL if self.pyramids else mujoco.mjtCone.mjCONE_ELLIPTIC
         option.impratio, option.noslip_iterations = self.ratio, self.noslip

@@ -14,6 +14,7 @@ from ..base.checks import Array, finite, positive_scalar
 from ..contacts.contact import Contact
 from ..control.step import Step
 from ..robots.robot import Robot, base, check_joints
+from ..targets.turns import stands_still
 
 
 def follow(
@@ -71,6 +72,18 @@ def check_moved(robot: Robot, moved: Any, what: str) -> tuple[Array, Array]:
             f"{what}: advance gave shapes {q.shape} and {v.shape}; {robot!r} has ({robot.nq},) and ({robot.nv},)"
         )
     return q, v
+
+
+def check_still(contact: Contact, what: str) -> None:
+    """Refuse a contact with a surface that moves: what it touches in the plant `what` stands.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    surface = contact.surface
+    if surface is not None and not (stands_still(surface.position) and stands_still(surface.rotation)):
+        raise InvalidInput(f"{what}: {contact.full_name()}: its surface moves, {surface!r}; it must stand still")
 
 
 def check_names(contacts: Sequence[Contact]) -> None:

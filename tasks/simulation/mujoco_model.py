@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hqp import InvalidInput
+
 from ..base.checks import Array
 from .ground import RADIUS
 
@@ -36,6 +38,11 @@ def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
     """The same robot as a MuJoCo model: one body per joint, or one for successive joints without mass between them.
 
     MuJoCo allows no body without mass: the joint of such a link is added to the next body that has mass.
+
+    Raises
+    ------
+    InvalidInput
+        If a contact is on such a link, or the base has an armature or a damping that differs by direction.
     """
     import pinocchio as pin
 
@@ -53,12 +60,13 @@ def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
             first = before[0][0]
             place = model.jointPlacements[first] * before[0][1].inverse()
         own = [*before, (index, pin.SE3.Identity())]
-        if inertia.mass == 0.0 and len(children[index]) == 1:
+        if not inertia.toDynamicParameters().any() and len(children[index]) == 1:
             waiting[index] = own
             bodies.append(bodies[parent])
             continue
-        name = model.names[index]
-        body = bodies[parent].add_body(name=name, pos=place.translation, quat=quaternion(place.rotation))
+        body = bodies[parent].add_body(
+            name=body_name(model, index), pos=place.translation, quat=quaternion(place.rotation)
+        )
         J = inertia.inertia
         body.explicitinertial = True
         body.mass, body.ipos = inertia.mass, inertia.lever
@@ -68,6 +76,11 @@ def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
         bodies.append(body)
     for contact in contacts:
         frame = model.frames[model.getFrameId(contact.frame)]
+        if frame.parentJoint and bodies[frame.parentJoint] is bodies[model.parents[frame.parentJoint]]:
+            raise InvalidInput(
+                f"MujocoPlant: {contact.full_name()}: frame {contact.frame!r} is on a link without mass that"
+                " moves, which MuJoCo does not have; it must be on one with mass"
+            )
         for k, point in enumerate(contact.shape.points):
             bodies[frame.parentJoint].add_geom(
                 name=point_name(contact, k),
@@ -81,6 +94,14 @@ def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
     return specification
 
 
+def body_name(model: Any, index: int) -> str:
+    """The name of the body that joint `index` moves, that of the joint; ``"world"`` is taken by the world."""
+    name = str(model.names[index])
+    while name == "world" or (name != model.names[index] and name in model.names):
+        name += "_"
+    return name
+
+
 def point_name(contact: Contact, k: int) -> str:
     """The name of a contact point in MuJoCo."""
     return f"{contact.name} point {k}"
@@ -90,7 +111,9 @@ def _add_joint(body: Any, model: Any, index: int, at: Any, mujoco: Any) -> None:
     """Add joint `index` of the model to a MuJoCo body, at the placement `at` on it."""
     joint = model.joints[index]
     if free(joint):
-        body.add_joint(name=model.names[index], type=mujoco.mjtJoint.mjJNT_FREE)
+        armature, damping = (_same(numbers[joint.idx_v :][:6]) for numbers in (model.armature, model.damping))
+        kind = mujoco.mjtJoint.mjJNT_FREE
+        body.add_joint(name=model.names[index], type=kind, armature=armature, damping=[damping, 0.0, 0.0])
         return
     motion = joint.createData()
     joint.calc(motion, np.zeros(model.nq))
@@ -104,6 +127,13 @@ def _add_joint(body: Any, model: Any, index: int, at: Any, mujoco: Any) -> None:
         armature=model.armature[joint.idx_v],
         damping=[model.damping[joint.idx_v], 0.0, 0.0],
     )
+
+
+def _same(numbers: Array) -> float:
+    """The armature or damping of a floating base, for which MuJoCo has one number."""
+    if np.ptp(numbers):
+        raise InvalidInput(f"MujocoPlant: armature or damping of the base {numbers.tolist()}; all must be the same")
+    return float(numbers[0])
 
 
 def quaternion(rotation: Array) -> Array:

@@ -7,7 +7,9 @@ motion is
 
 .. math:: M(q)\,\dot v + b(q, v) + D\,v = \tau.
 
-The model of the controller is the same without the damping D: feedback has to compensate it, as on a real robot.
+The model of the controller is the same without the damping D: feedback has to compensate it, as on a real robot. An
+armature A of a floating base, which only an MJCF can have, MuJoCo adds along the axes of the world, and Pinocchio along
+those of the base: there they differ by :math:`A\,\omega \times v`, too.
 
 For a floating base, Pinocchio has the position, the quaternion (x, y, z, w), and both velocities along the axes of the
 base. MuJoCo has the quaternion (w, x, y, z), and the linear velocity along the axes of the world.
@@ -28,16 +30,19 @@ from hqp.checks import listed, of_type
 from hqp.errors import brief
 
 from ..base.checks import Array, finite, finite_scalar, positive_scalar
+from ..base.live import Live, number, structure
 from ..contacts.contact import Contact
 from ..robots.robot import Robot, base, check_frame, check_joints, on_pinocchio
 from .ground import Ground
-from .motion import check_names, told
-from .mujoco_model import free, joints, known, point_name, specification_of
+from .motion import check_names, check_still, told
+from .mujoco_model import body_name, free, joints, known, point_name, specification_of
 
 if TYPE_CHECKING:
     import mujoco
 
 
+#: How far a surface may be turned from level, as 1 less the cosine.
+LEVEL = 1e-6
 #: A push that covers no more than this share of a step does so by round-off of the clock.
 NEGLIGIBLE = 1e-6
 
@@ -52,7 +57,7 @@ class Push(NamedTuple):
     end: float
 
 
-class MujocoPlant:
+class MujocoPlant(Live):
     """A robot in MuJoCo, moved by joint torques: ``simulate(controller, q0, duration=1.0, plant=MujocoPlant(robot))``.
 
     Parameters
@@ -75,14 +80,21 @@ class MujocoPlant:
     Raises
     ------
     InvalidInput
-        If the robot is not of that kind, a contact does not belong to it, or MuJoCo refuses the robot, as for
-        impossible inertias.
+        If the robot is not of that kind, a contact does not belong to it, or its surface moves or is not level, or
+        MuJoCo refuses the robot, as for impossible inertias.
     MissingPackage
         If MuJoCo is not installed.
     """
 
     model: mujoco.MjModel
     data: mujoco.MjData
+    contacts: tuple[Contact, ...] = structure()
+    ground: Ground = structure()
+
+    @number
+    def step(self, value: float) -> float:
+        """The longest step of the physics [s]."""
+        return positive_scalar(value, "step", unit="s")
 
     def __init__(
         self, robot: Robot, *, contacts: Iterable[Contact] = (), ground: Ground | None = None, step: float = 5e-4
@@ -92,7 +104,7 @@ class MujocoPlant:
         except ImportError:
             raise MissingPackage("physics need MuJoCo: pip install 'hqp[mujoco]'") from None
         self._mujoco: Any = mujoco
-        self.step = positive_scalar(step, "step", unit="s")
+        self.step = step
         self.ground = Ground() if ground is None else of_type(ground, Ground, "ground")
         self.contacts = tuple(
             of_type(contact, Contact, "a contact") for contact in listed(contacts, "contacts", "Contact")
@@ -102,7 +114,8 @@ class MujocoPlant:
         model: Any = self._robot.model
         specification = specification_of(model, mujoco, self.contacts)
         if self.contacts:
-            self.ground.lay(specification, mujoco, self.step)
+            self.ground.check_step(self.step)
+            self.ground.lay(specification, mujoco)
         try:
             self.model = specification.compile()
         except ValueError as error:
@@ -116,6 +129,19 @@ class MujocoPlant:
         self._points = [np.array([self.model.geom(name).id for name in each], dtype=np.intp) for each in names]
         self._laid = not self.contacts or self.ground.height is not None
         self._pushes: list[Push] = []
+
+    def _renew(self) -> None:
+        if self.contacts:
+            self.ground.check_step(self.step)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but the module of MuJoCo: a copy goes on from the same state, by itself."""
+        return {name: value for name, value in vars(self).items() if name != "_mujoco"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        import mujoco
+
+        vars(self).update(state, _mujoco=mujoco)
 
     @property
     def time(self) -> float:
@@ -203,8 +229,8 @@ class MujocoPlant:
                 f"push: it would end at {begin + seconds:g} s, and the clock of the plant stands at {self.time:g} s"
             )
         found = self._robot.model.frames[self._robot.model.getFrameId(frame)]
-        joint = self._robot.model.names[found.parentJoint]
-        body = self._mujoco.mj_name2id(self.model, self._mujoco.mjtObj.mjOBJ_BODY, joint)
+        name = body_name(self._robot.model, found.parentJoint)
+        body = self._mujoco.mj_name2id(self.model, self._mujoco.mjtObj.mjOBJ_BODY, name)
         if body < 0:
             raise InvalidInput(f"push: frame {frame!r} is on nothing that has mass, and moves")
         self._pushes.append(Push(body, found.placement.translation.copy(), pull, begin, begin + seconds))
@@ -295,6 +321,13 @@ def _checked(robot: Robot, contacts: tuple[Contact, ...]) -> Any:
         raise InvalidInput(f"MujocoPlant: the base of {robot!r} must be its first joint, and float about the origin")
     for contact in contacts:
         check_frame(robot, contact.frame, f"{contact.full_name()}: frame")
+        check_still(contact, "MujocoPlant")
+        up = contact.normal if contact.surface is None else contact.surface.rotation(0.0)[0] @ contact.normal
+        if not up[2] >= 1.0 - LEVEL:
+            raise InvalidInput(
+                f"MujocoPlant: {contact.full_name()}: the normal of its surface is {np.round(up, 4).tolist()} in the"
+                " world; the ground is level, and it must be [0, 0, 1]"
+            )
     return robot
 
 

@@ -21,9 +21,10 @@ from hqp.checks import listed, of_type
 from hqp.errors import brief
 
 from ..base.checks import Array, function, positive_scalar, suggestion
+from ..base.live import Live, number, structure
 from ..contacts.contact import Contact
 from ..robots.robot import Robot, base, check_frame, on_pinocchio
-from .motion import check_names, told
+from .motion import check_names, check_still, told
 
 #: Proximal parameter [1/kg], which makes forces unique if contacts are redundant.
 PROXIMAL = 1e-10
@@ -31,7 +32,7 @@ PROXIMAL = 1e-10
 KINDS = {3: "CONTACT_3D", 6: "CONTACT_6D"}
 
 
-class RigidContactPlant:
+class RigidContactPlant(Live):
     """A robot whose contacts hold, moved by joint torques: ``simulate(..., plant=RigidContactPlant(robot, feet))``.
 
     Parameters
@@ -50,8 +51,17 @@ class RigidContactPlant:
     Raises
     ------
     InvalidInput
-        If the robot is not of that kind, a contact does not belong to it, or a contact is a line.
+        If the robot is not of that kind, has joints that follow others, or a contact does not belong to it, is a line,
+        or has a surface that moves.
     """
+
+    contacts: tuple[Contact, ...] = structure()
+    gain: float = structure()
+
+    @number
+    def step(self, value: float) -> float:
+        """The longest step of integration [s]."""
+        return positive_scalar(value, "step", unit="s")
 
     def __init__(
         self,
@@ -66,17 +76,19 @@ class RigidContactPlant:
 
         if not on_pinocchio(robot):
             raise InvalidInput(f"robot = {brief(robot)}; its plant needs the model of a PinocchioRobot")
+        if len(robot.model.mimicking_joints):
+            raise InvalidInput(f"RigidContactPlant: joints of {robot!r} follow others; load it with mimic='lock'")
         self._pin: Any = pin
         self._robot: Any = robot
         self.contacts = tuple(of_type(each, Contact, "a contact") for each in listed(contacts, "contacts", "Contact"))
         for contact in self.contacts:
             check_frame(robot, contact.frame, f"{contact.full_name()}: frame")
+            check_still(contact, "RigidContactPlant")
             if contact.shape.motions not in KINDS:
                 raise InvalidInput(f"{contact.full_name()}: is a line; a RigidContactPlant takes points and planes")
         check_names(self.contacts)
-        names = tuple(contact.name for contact in self.contacts)
-        self._holding = (lambda: names) if holding is None else function(holding, "holding")
-        self.step = positive_scalar(step, "step", unit="s")
+        self._holding = None if holding is None else function(holding, "holding")
+        self.step = step
         self.gain = positive_scalar(gain, "gain", unit="1/s")
         self._data = self._robot.model.createData()
         self._free = np.zeros(base(robot))
@@ -85,6 +97,19 @@ class RigidContactPlant:
         self._datas: Any = pin.StdVec_RigidConstraintData()
         self._proximal = pin.ProximalSettings(1e-12, PROXIMAL, 20)
         pin.initConstraintDynamics(self._robot.model, self._data, self._models, self._datas)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What defines it, and the contacts that hold; the work memory of Pinocchio is made anew."""
+        return {
+            "robot": self._robot,
+            "contacts": self.contacts,
+            "options": {"holding": self._holding, "step": self.step, "gain": self.gain},
+            "held": self._held,
+        }
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        RigidContactPlant.__init__(self, state["robot"], state["contacts"], **state["options"])
+        self._constrain(state["held"])
 
     def advance(self, q: Array, v: Array, tau: Array, dt: float) -> tuple[Array, Array]:
         """Positions [rad] and velocities [rad/s] dt [s] after (q, v), while the torques tau [N m] hold."""
@@ -117,18 +142,26 @@ class RigidContactPlant:
         wanted = {contact.name: contact for contact in self.contacts if contact.name in holding}
         if list(wanted) == list(self._held):
             return
-        pin, model = self._pin, self._robot.model
-        pin.framesForwardKinematics(model, self._data, q)
-        self._held = {name: self._held.get(name) or self._constraint(contact) for name, contact in wanted.items()}
+        self._pin.framesForwardKinematics(self._robot.model, self._data, q)
+        self._constrain({name: self._held.get(name) or self._place(contact) for name, contact in wanted.items()})
+
+    def _constrain(self, held: dict[str, Any]) -> None:
+        """Hold the contacts of these names at these places."""
+        pin, model, self._held = self._pin, self._robot.model, held
         self._models, self._datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
-        for constraint in self._held.values():
+        contacts = {contact.name: contact for contact in self.contacts}
+        for name, there in held.items():
+            constraint = self._constraint(contacts[name], there)
             self._models.append(constraint)
             self._datas.append(constraint.createData())
         pin.initConstraintDynamics(model, self._data, self._models, self._datas)
 
     def _wanted(self) -> Collection[str]:
         """The checked names of the contacts that must hold now."""
-        holding, names = self._holding(), [contact.name for contact in self.contacts]
+        names = [contact.name for contact in self.contacts]
+        if self._holding is None:
+            return names
+        holding = self._holding()
         if isinstance(holding, str) or not isinstance(holding, Collection):
             raise InvalidInput(f"holding gave {brief(holding)}; it must give a list of names of contacts")
         for name in holding:
@@ -138,13 +171,21 @@ class RigidContactPlant:
                 )
         return holding
 
-    def _constraint(self, contact: Contact) -> Any:
-        pin, model = self._pin, self._robot.model
-        frame = model.frames[model.getFrameId(contact.frame)]
-        here = frame.placement * pin.SE3(np.eye(3), contact.shape.centre)
+    def _mounted(self, contact: Contact) -> tuple[int, Any]:
+        """The joint that moves a contact, and the pose of its centre on it."""
+        frame = self._robot.model.frames[self._robot.model.getFrameId(contact.frame)]
+        return int(frame.parentJoint), frame.placement * self._pin.SE3(np.eye(3), contact.shape.centre)
+
+    def _place(self, contact: Contact) -> Any:
+        """The pose of the centre of a contact in the world, at the last kinematics."""
+        joint, here = self._mounted(contact)
+        return self._data.oMi[joint] * here
+
+    def _constraint(self, contact: Contact, there: Any) -> Any:
+        pin, (joint, here) = self._pin, self._mounted(contact)
         kind = getattr(pin.ContactType, KINDS[contact.shape.motions])
-        there = self._data.oMi[frame.parentJoint] * here
-        constraint = pin.RigidConstraintModel(kind, model, frame.parentJoint, here, 0, there, pin.ReferenceFrame.LOCAL)
+        model = self._robot.model
+        constraint = pin.RigidConstraintModel(kind, model, joint, here, 0, there, pin.ReferenceFrame.LOCAL)
         constraint.m_baumgarte_parameters.Kp = self.gain**2
         constraint.m_baumgarte_parameters.Kd = 2.0 * self.gain
         return constraint

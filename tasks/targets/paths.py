@@ -26,14 +26,15 @@ from hqp.checks import real_number, truth
 from hqp.errors import brief
 
 from ..base.checks import Array, finite, finite_scalar, positive_scalar
+from ..base.live import structure
 from .timing import Timing, as_timing, cubic
-from .trajectories import Trajectory, as_trajectory
+from .trajectories import Target, Trajectory, as_trajectory
 
 #: How far apart the pieces of a chain may be where they meet, against the largest coordinate on its way.
 GAP = 1e-9
 
 
-class Path:
+class Path(Target):
     """Base of a single curve. One of your own needs `curve`.
 
     Parameters
@@ -48,6 +49,9 @@ class Path:
     InvalidInput
         If the duration is not positive, or the timing is none.
     """
+
+    duration: float = structure()
+    timing: Timing = structure()
 
     def __init__(self, duration: float, timing: Timing = cubic) -> None:
         what = type(self).__name__.lower()
@@ -91,6 +95,9 @@ class Line(Path):
     >>> position, velocity, acceleration
     (array([0.5, 0. ]), array([0.75, 0.  ]), array([0., 0.]))
     """
+
+    start: Array = structure()
+    end: Array = structure()
 
     def __init__(self, start: ArrayLike, end: ArrayLike, duration: float, timing: Timing = cubic) -> None:
         self.start, self.end = np.atleast_1d(finite(start, "line: start")), np.atleast_1d(finite(end, "line: end"))
@@ -138,6 +145,11 @@ class Circle(Path):
     (array([0.611, 0.166]), array([-0.588,  0.393]))
     """
 
+    center: Array = structure()
+    radius: float = structure()
+    start: float = structure()
+    turn: float = structure()
+
     def __init__(
         self,
         center: ArrayLike,
@@ -173,7 +185,7 @@ class Piece(Trajectory, Protocol):
     duration: float
 
 
-class Chain:
+class Chain(Target):
     """Trajectories one after the other: a path of many conditions, split into intervals (section 3.8).
 
     The end of a piece must be the start of the next. Velocities may differ, as at the corners of lines at constant
@@ -197,8 +209,8 @@ class Chain:
     (2.0, array([1. , 0.5]))
     """
 
-    pieces: tuple[Piece, ...]
-    duration: float
+    pieces: tuple[Piece, ...] = structure()
+    duration: float = structure()
 
     def __init__(self, pieces: Sequence[Piece]) -> None:
         if not isinstance(pieces, (list, tuple)) or not pieces:
@@ -264,6 +276,9 @@ class Polygon(Chain):
     >>> path(1.0)[0], path(3.0)[0]
     (array([1., 0.]), array([0., 0.]))
     """
+
+    corners: Array = structure()
+    closed: bool = structure()
 
     def __init__(self, corners: ArrayLike, duration: float, timing: Timing = cubic, *, closed: bool = True) -> None:
         self.corners = finite(corners, "polygon: corners")

@@ -25,6 +25,8 @@ both ends are not zero: they are met to round-off at degrees where the powers of
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -32,13 +34,15 @@ from hqp import InvalidInput
 from hqp.checks import of_type, real_number
 
 from ..base.checks import Array, finite, finite_scalar, positive_scalar
+from ..base.live import structure
+from .trajectories import Target
 
 #: How far from a condition at a time between the ends the motion may be, against the largest of all conditions, each
 #: as the part of a Taylor series over the duration that it stands for.
 MISS = 1e-9
 
 
-class Polynomial:
+class Polynomial(Target):
     """The polynomial of least degree through conditions at t = 0, at `duration`, and at times between.
 
     From t = 0 to `duration`, both included, it is the polynomial. Outside it holds its first or last position at
@@ -72,6 +76,12 @@ class Polynomial:
         If conditions are not finite or do not fit together, the duration is not positive, a time of `via` is not
         between the ends or too near to another, or there are too many conditions for floats to meet.
     """
+
+    start: Array = structure()
+    end: Array = structure()
+    duration: float = structure()
+    via: Mapping[float, Array] = structure()
+    coefficients: Array = structure()
 
     def __init__(
         self, start: ArrayLike, end: ArrayLike, duration: float, *, via: dict[float, ArrayLike] | None = None

@@ -16,6 +16,7 @@ from hqp import InvalidInput
 from hqp.arrays import real_array
 
 from ..base.checks import Array, finite, numbers
+from ..base.live import Live, structure
 
 
 @runtime_checkable
@@ -25,7 +26,13 @@ class Trajectory(Protocol):
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]: ...
 
 
-class Fixed:
+class Target(Live):
+    """Base of all targets here: functions of time whose numbers stay, as much is computed from them beforehand."""
+
+    _instead = "make a new one, and set the target of the task to it"
+
+
+class Fixed(Target):
     """A constant target.
 
     Parameters
@@ -40,6 +47,8 @@ class Fixed:
     (array([0.3, 0.4]), array([0., 0.]), array([0., 0.]))
     """
 
+    target: Array = structure()
+
     def __init__(self, target: ArrayLike) -> None:
         self.target = np.atleast_1d(finite(target, "target"))
         if self.target.ndim != 1:
@@ -50,7 +59,7 @@ class Fixed:
     def of(cls, target: Array) -> Fixed:
         """A constant target of numbers that have been checked, shape (rows,)."""
         fixed = cls.__new__(cls)
-        fixed.target, fixed._sample = target, (target, *np.zeros((2, len(target))))
+        vars(fixed).update(target=target, _sample=(target, *np.zeros((2, len(target)))), _sealed=True)
         return fixed
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
@@ -60,7 +69,7 @@ class Fixed:
         return str(self.target.tolist())
 
 
-class Setpoint:
+class Setpoint(Target):
     """A target set by the caller, as in teleoperation: ``setpoint.move(position)`` before a tick.
 
     Parameters

@@ -11,9 +11,10 @@ from hqp import InvalidInput
 from hqp.checks import real_number
 
 from ..base.checks import Array, finite, numbers, positive_scalar
+from ..base.live import structure
 from ..base.rotations import about, exp, is_transform, log, matrix_of, rotation_matrix, transform
 from .timing import Timing, as_timing, quintic
-from .trajectories import Fixed, Setpoint, Spread, Trajectory, alike
+from .trajectories import Fixed, Setpoint, Spread, Target, Trajectory, alike
 
 
 @runtime_checkable
@@ -26,7 +27,7 @@ class RotationTrajectory(Protocol):
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]: ...
 
 
-class FixedRotation:
+class FixedRotation(Target):
     """A constant rotation.
 
     Parameters
@@ -40,6 +41,8 @@ class FixedRotation:
     rotation by [0.0, 0.0, 0.5]
     """
 
+    R: Array = structure()
+
     def __init__(self, R: ArrayLike) -> None:
         self.R = rotation_matrix(R, "rotation")
         self._sample = (self.R, np.zeros(3), np.zeros(3))
@@ -51,7 +54,7 @@ class FixedRotation:
         return f"rotation by {log(self.R).round(4).tolist()}"
 
 
-class RotationSetpoint:
+class RotationSetpoint(Target):
     """A desired rotation set by the caller: ``setpoint.move(R)`` before a tick.
 
     Parameters
@@ -98,7 +101,7 @@ class RotationSetpoint:
         return f"RotationSetpoint by {log(self._R).round(4).tolist()}"
 
 
-class PoseSetpoint:
+class PoseSetpoint(Target):
     """A desired pose set by the caller: ``setpoint.move(T)`` before a tick, and ``PoseTask(setpoint, gain=5.0)``.
 
     Parameters
@@ -125,6 +128,9 @@ class PoseSetpoint:
     >>> hand.position(0.0)[0]
     array([0., 0., 0.])
     """
+
+    position: Setpoint = structure()
+    rotation: RotationSetpoint = structure()
 
     def __init__(self, T: Any) -> None:
         p, R = transform(T, "setpoint")
@@ -189,7 +195,7 @@ class AboutZ:
         return repr(self.angle)
 
 
-class Turn:
+class Turn(Target):
     """The shortest rotation from one orientation to another, about a fixed axis, by a timing law.
 
     Parameters
@@ -208,6 +214,11 @@ class Turn:
     >>> omega
     array([0.    , 0.    , 0.9375])
     """
+
+    start: Array = structure()
+    end: Array = structure()
+    duration: float = structure()
+    law: Timing = structure()
 
     def __init__(self, start: ArrayLike, end: ArrayLike, duration: float, law: Timing = quintic) -> None:
         self.start, self.end = rotation_matrix(start, "start"), rotation_matrix(end, "end")

@@ -9,8 +9,8 @@ So all features of the format, such as defaults, frames and units, have the mean
 
 where M turns about the axis, slides along it, or turns as a ball does, and :math:`q_0` is the ``ref`` of the joint. The
 shift by :math:`q_0` goes into the placement of the joint: q is what MuJoCo calls qpos, but for quaternions, which are
-x, y, z, w here. Before a robot is given, the places of its bodies and sites are compared with MuJoCo's at random
-configurations.
+x, y, z, w here. Before a robot is given, the places of its bodies and sites, and its mass matrix, are compared with
+MuJoCo's at random configurations.
 """
 
 from __future__ import annotations
@@ -30,11 +30,12 @@ from ...base.quiet import caught, reason
 from ..choices import Base
 from ..joint_axes import kind
 from .closures import closed_chains
-from .couplings import couplings, moves
+from .couplings import couplings
 from .description import BASE_JOINT, BASES, Description
-from .motors import motor_limits
-from .mujoco_numbers import BALL, FREE, HINGE, SLIDE, pose, randomise, single_joint, xyzw, yaw_of
+from .motors import other_rotors, rotors
+from .mujoco_numbers import BALL, FREE, HINGE, SLIDE, dofs, pose, randomise, single_joint, xyzw, yaw_of
 from .scene import Scene, body_name, body_names, scene
+from .unmodelled import unmodelled
 
 #: Tolerance for positions against MuJoCo's, relative to the size of the robot, and number of comparisons.
 EXACT, TRIES = 1e-9, 3
@@ -77,6 +78,7 @@ class _Reader:
         self.model.name = self.names[chosen.roots[0]]
         self.joints: dict[int, int] = {}  # MuJoCo's number -> that of the model
         self.placed: dict[int, tuple[int, pin.SE3]] = {0: (0, pin.SE3.Identity())}  # body -> joint, and where on it
+        self.rotors = rotors(mj)
         self.start: list[Array] = []  # the neutral configuration, joint by joint
         self.base = base
         self.flown: int | None = None  # the free joint that a planar one replaces in the robot
@@ -98,7 +100,12 @@ class _Reader:
                 raise InvalidInput(f"{self.what}: keyframe {name!r} has numbers that are not finite")
             self.model.referenceConfigurations[name] = self.configuration(self.mj.key_qpos[i], neutral)
         self._verify(neutral)
-        left_out = *self.scene.left_out, *open_ends, *self._unmodelled(), *self._displaced(neutral)
+        left_out = (
+            *self.scene.left_out,
+            *open_ends,
+            *unmodelled(self.mj, self.scene, self.joint_names()),
+            *self._displaced(neutral),
+        )
         return Description(self.model, neutral, ties, (), left_out, tuple(closures), self.mj)
 
     def joint_names(self) -> dict[int, str]:
@@ -194,9 +201,10 @@ class _Reader:
     def _take(self, j: int, index: int) -> None:
         """Note which joint of the model is MuJoCo's number j, with its friction, damping and armature."""
         mj, first, dof = self.mj, self.model.joints[index].idx_v, int(self.mj.jnt_dofadr[j])
+        armature, damping = self.rotors
         for i in range(self.model.joints[index].nv):
-            self.model.armature[first + i] = mj.dof_armature[dof + i]
-            self.model.damping[first + i] = mj.dof_damping[dof + i]
+            self.model.armature[first + i] = mj.dof_armature[dof + i] + armature[dof + i]
+            self.model.damping[first + i] = mj.dof_damping[dof + i] + damping[dof + i]
             self.model.friction[first + i] = mj.dof_frictionloss[dof + i]
         self.joints[j] = index
 
@@ -247,27 +255,6 @@ class _Reader:
                 own = placement * pose(self.mj.site_pos[i], self.mj.site_quat[i])
                 self._add_frame(name, carrier, own, pin.FrameType.OP_FRAME)
 
-    def _unmodelled(self) -> list[str]:
-        """Forces that MuJoCo models and the torques of the robot do not include."""
-        springs = [name for j, name in self.joint_names().items() if self.mj.jnt_stiffness[j]]
-        lifted = [self.names[body] for body in self.scene.bodies if self.mj.body_gravcomp[body]]
-        tendons = [
-            self.mj.tendon(t).name or f"number {t}"
-            for t in range(self.mj.ntendon)
-            if moves(self.mj, t, self.scene, self.joints)
-            and (self.mj.tendon_stiffness[t] or self.mj.tendon_armature[t] or self.mj.tendon_damping[t])
-        ]
-        told = [
-            ("springs of the joints", springs),
-            ("gravity compensation of the bodies", lifted),
-            ("springs, dampers and armature of the tendons", tendons),
-        ]
-        lines = [f"{thing} {', '.join(names)} (torques do not count them)" for thing, names in told if names]
-        motors = motor_limits(self.mj, self.joint_names())
-        if motors:
-            lines.append(f"limits of the motors of the joints {', '.join(motors)} (torque_limit= gives them)")
-        return lines
-
     # Configurations.
 
     def _displaced(self, neutral: Array) -> list[str]:
@@ -303,7 +290,7 @@ class _Reader:
         return q
 
     def _verify(self, neutral: Array) -> None:
-        """Compare the places of all bodies and sites with those of MuJoCo at random configurations."""
+        """Compare places of bodies and sites, and the inertia, with those of MuJoCo at random configurations."""
         mj, data, rng = self.mj, self.world, np.random.default_rng(0)
         mass = float(sum(mj.body_mass[body] for body in self.scene.bodies))
         own = sum(inertia.mass for inertia in self.model.inertias)
@@ -315,7 +302,9 @@ class _Reader:
                 randomise(mj, j, data.qpos, rng)
             mujoco.mj_normalizeQuat(mj, data.qpos)
             mujoco.mj_kinematics(mj, data)
-            pin.forwardKinematics(self.model, numbers, self.configuration(data.qpos, neutral))
+            q = self.configuration(data.qpos, neutral)
+            self._verify_inertia(numbers, q)
+            pin.forwardKinematics(self.model, numbers, q)
             for body in self.scene.bodies:
                 carrier, placement = self.placed[body]
                 here = numbers.oMi[carrier] * placement
@@ -332,6 +321,21 @@ class _Reader:
                     here = numbers.oMf[self.model.getFrameId(name, pin.FrameType.OP_FRAME)]
                     self._same(here.translation, data.site_xpos[i], f"the place of site {name!r}")
                     self._same(here.rotation, data.site_xmat[i].reshape(3, 3), f"the axes of site {name!r}")
+
+    def _verify_inertia(self, numbers: pin.Data, q: Array) -> None:
+        """Compare the mass matrix of the joints with MuJoCo's, at the configuration that MuJoCo is in."""
+        mj, joints = self.mj, {j: index for j, index in self.joints.items() if self.mj.jnt_type[j] != FREE}
+        if not joints or np.any(mj.tendon_armature) or other_rotors(mj):  # these couple joints, and are told
+            return
+        places = [dof for j in joints for dof in dofs(mj, j)]
+        columns = [self.model.joints[index].idx_v + i for j, index in joints.items() for i in range(len(dofs(mj, j)))]
+        mujoco.mj_fwdPosition(mj, self.world)
+        M, unit = np.zeros((len(places), mj.nv)), np.eye(mj.nv)
+        for row, place in zip(M, places, strict=True):
+            mujoco.mj_mulM(mj, self.world, row, unit[place])
+        own = pin.crba(self.model, numbers, q)
+        own = np.triu(own) + np.triu(own, 1).T
+        self._same(own[np.ix_(columns, columns)], M[:, places], "its mass matrix")
 
     def _same(self, own: Any, expected: Any, element: str) -> None:
         off = float(np.abs(np.asarray(own) - expected).max())

@@ -1,14 +1,49 @@
-"""The actuators of an MJCF whose limits bound the torque of a joint of the robot, and which are not read."""
+"""The motors of an MJCF: what they add to joints of the robot, and limits of theirs that are not read.
+
+The rotor of an actuator on a joint, with armature A, damping d and gear g, adds :math:`g^2 A` to the inertia of the
+joint and :math:`g^2 d` to its damping.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import mujoco
+import numpy as np
+
+from ...base.checks import Array
+from .mujoco_numbers import HINGE, SLIDE
 
 #: Transmissions that act on one joint.
 ON_JOINTS = int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT)
 
 
-def motor_limits(mj: mujoco.MjModel, joints: dict[int, str]) -> list[str]:
+def rotors(mj: mujoco.MjModel) -> tuple[Array, Array]:
+    """What the actuators add to the armature and to the damping of MuJoCo's velocities, each (nv,)."""
+    armature, damping = np.zeros((2, mj.nv))
+    for i in filter(lambda i: _has_rotor(mj, i), range(mj.nu)):
+        dof, square = int(mj.jnt_dofadr[mj.actuator_trnid[i, 0]]), float(mj.actuator_gear[i, 0]) ** 2
+        armature[dof] += square * float(mj.actuator_armature[i])
+        damping[dof] += square * float(mj.actuator_damping[i])
+    return armature, damping
+
+
+def other_rotors(mj: mujoco.MjModel) -> list[str]:
+    """The actuators with an armature or a damping that is none of one joint, or not linear."""
+    return [
+        mj.actuator(i).name or f"number {i}"
+        for i in range(mj.nu)
+        if np.any(mj.actuator_dampingpoly[i])
+        or ((mj.actuator_armature[i] or mj.actuator_damping[i]) and not _has_rotor(mj, i))
+    ]
+
+
+def _has_rotor(mj: mujoco.MjModel, i: int) -> bool:
+    """Whether an actuator turns with one joint, a hinge or a slide."""
+    return mj.actuator_trntype[i] in ON_JOINTS and mj.jnt_type[mj.actuator_trnid[i, 0]] in (HINGE, SLIDE)
+
+
+def motor_limits(mj: mujoco.MjModel, joints: Mapping[int, str]) -> list[str]:
     """The joints (number, name) with an actuator of limited force that have no limit of their own.
 
     The force of an actuator is limited by its range of forces, and that of a motor, whose force is its control times a

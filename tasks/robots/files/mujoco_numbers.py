@@ -15,6 +15,12 @@ FREE, BALL, SLIDE, HINGE = range(4)
 ALIGNED = {(1.0, 0.0, 0.0): "X", (0.0, 1.0, 0.0): "Y", (0.0, 0.0, 1.0): "Z"}
 
 
+def dofs(mj: mujoco.MjModel, j: int) -> list[int]:
+    """The places of the velocities of a joint among all of MuJoCo."""
+    first = int(mj.jnt_dofadr[j])
+    return list(range(first, first + {FREE: 6, BALL: 3}.get(int(mj.jnt_type[j]), 1)))
+
+
 def pose(position: Array, quaternion: Array) -> pin.SE3:
     """A pose of MuJoCo, with its quaternion w, x, y, z."""
     rotation = pin.Quaternion(xyzw(quaternion)).toRotationMatrix()

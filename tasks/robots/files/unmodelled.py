@@ -1,0 +1,54 @@
+"""What MuJoCo models, and the inertias and torques of the robot do not include: told when it is loaded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+
+from .couplings import moves
+from .motors import motor_limits, other_rotors
+from .mujoco_numbers import dofs
+from .scene import Scene, body_names
+
+
+def unmodelled(mj: mujoco.MjModel, scene: Scene, joints: Mapping[int, str]) -> list[str]:
+    """Forces and inertias of MuJoCo that the robot does not have, with what has them.
+
+    Parameters
+    ----------
+    mj : mujoco.MjModel
+    scene : Scene
+    joints : dict of int to str
+        The joints of the robot.
+    """
+    bodies = body_names(mj)
+    tendons = [t for t in range(mj.ntendon) if moves(mj, t, scene, joints)]
+    own = {j: dofs(mj, j) for j in joints}
+    told = [
+        ("springs of the joints", [name for j, name in joints.items() if _has_spring(mj, j)]),
+        ("gravity compensation of the bodies", [bodies[body] for body in scene.bodies if mj.body_gravcomp[body]]),
+        (
+            "springs, dampers, friction and armature of the tendons",
+            [mj.tendon(t).name or f"number {t}" for t in tendons if _resists(mj, t)],
+        ),
+        ("damping that is not linear of the joints", [joints[j] for j in joints if np.any(mj.dof_dampingpoly[own[j]])]),
+        ("armature and damping of the actuators", other_rotors(mj)),
+        ("the forces of", ["the medium"] if mj.opt.density or mj.opt.viscosity else []),
+    ]
+    lines = [f"{thing} {', '.join(names)} (torques do not count them)" for thing, names in told if names]
+    motors = motor_limits(mj, joints)
+    if motors:
+        lines.append(f"limits of the motors of the joints {', '.join(motors)} (torque_limit= gives them)")
+    return lines
+
+
+def _has_spring(mj: mujoco.MjModel, j: int) -> bool:
+    return bool(mj.jnt_stiffness[j] or np.any(mj.jnt_stiffnesspoly[j]))
+
+
+def _resists(mj: mujoco.MjModel, t: int) -> bool:
+    """Whether a tendon has forces or an inertia of its own."""
+    numbers = mj.tendon_stiffness[t], mj.tendon_armature[t], mj.tendon_damping[t], mj.tendon_frictionloss[t]
+    return any(np.any(number) for number in (*numbers, mj.tendon_stiffnesspoly[t], mj.tendon_dampingpoly[t]))
