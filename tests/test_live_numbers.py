@@ -20,6 +20,7 @@ from tasks import (
     JointVelocityLimit,
     OrientationTask,
     Part,
+    PlanarArm,
     PositionTask,
     PostureTask,
     Setpoint,
@@ -226,3 +227,33 @@ def test_damping_by_curvature_goes_by_the_gains_of_now(order: Any) -> None:
     expected = commands(fresh)
     assert not np.allclose(before, expected, atol=1e-3)
     np.testing.assert_allclose(commands(controller), expected, rtol=1e-8, atol=1e-8)
+
+
+@pytest.mark.parametrize("order", ORDERS)
+def test_limits_that_change_one_by_one_are_those_of_a_fresh_controller(order: Any) -> None:
+    """A limit that changes writes its own numbers alone, also after one that was refused; the others hold on."""
+    arm = PlanarArm([0.4, 0.4, 0.4, 0.3])
+    q, v = np.array([0.3, 0.7, 0.9, 0.4]), np.array([0.5, -0.4, 0.3, 0.1])
+
+    def made(low: float, high: float, speed: float, brakes: float) -> tuple[Controller[Any, Any, Any], list[Any]]:
+        limits = [JointPositionLimit(low, high), JointVelocityLimit(speed), JointAccelerationLimit(brakes)]
+        stack = JointLimits(*limits) >> PositionTask([0.4, 0.9], gain=5.0)
+        return Controller(arm, stack, order=order, dt=DT), limits
+
+    now = {"low": -2.0, "high": 1.0, "speed": 1.0, "brakes": 20.0}
+    live, (position, velocity, acceleration) = made(**now)
+    owners = {"low": (position, "lower"), "high": (position, "upper"), "speed": (velocity, "limit")}
+    owners["brakes"] = acceleration, "limit"
+    for name, value in ("speed", 0.5), ("brakes", 5.0), ("high", 0.91), ("speed", 1.5), ("low", -1.0), ("brakes", 30.0):
+        part, attribute = owners[name]
+        with pytest.raises(InvalidInput):
+            setattr(part, attribute, np.ones(7))
+        setattr(part, attribute, value)
+        now[name] = value
+        fresh, _ = made(**now)
+        live(q, v), fresh(q, v)
+        for got, wanted in zip(live.bounds(next(iter(live.stack))), fresh.bounds(next(iter(fresh.stack))), strict=True):
+            np.testing.assert_array_equal(got, wanted)
+        ours, theirs = (each.hierarchy for each in (live, fresh))
+        np.testing.assert_array_equal(ours.lower, theirs.lower)
+        np.testing.assert_array_equal(ours.upper, theirs.upper)

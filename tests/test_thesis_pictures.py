@@ -9,12 +9,15 @@ from itertools import combinations
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.collections import LineCollection
+from matplotlib.font_manager import FontProperties
 from matplotlib.text import Text
+from matplotlib.textpath import TextPath
 from PIL import Image
 
 from hqp import InvalidInput
 from tasks import cli
-from tasks.thesis import figures, ideas, plain, report, runs, scenarios, sheet, store, style
+from tasks.thesis import figures, ideas, letters, plain, report, runs, scenarios, sheet, store, style
 from tasks.thesis.arms import ellipses
 from tasks.thesis.drawings import DRAWINGS
 from tasks.thesis.measuring import measure
@@ -262,3 +265,62 @@ def test_ideas_have_their_legends_outside():
         panels, legends = boxes(idea.draw(by_law))
         assert legends
         assert not any(crosses(legend, panel) for legend in legends for panel in panels)
+
+
+def ruled(panel, upright):
+    """Where the lines of a panel's grid are that stand for an axis without numbers."""
+    chains = [chain for chain in panel.collections if isinstance(chain, LineCollection)]
+    lines = [line for chain in chains for line in chain.get_segments() if chain.get_alpha() == style.GRID]
+    return [line[0][0 if upright else 1] for line in lines if (line[0][0] == line[1][0]) == upright]
+
+
+def test_a_panel_without_numbers_has_the_grid_of_the_one_whose_numbers_it_shares(shown):
+    drawing = figures.draw(*shown["4.9"])
+    first = {panel.get_position().y0: panel for panel in drawing.axes if panel.get_ylabel()}
+    without = [panel for panel in drawing.axes if not panel.yaxis.get_visible()]
+    assert len(without) > 12
+    for panel in without:
+        numbered = first[panel.get_position().y0]
+        assert numbered.yaxis.get_visible()
+        assert panel.get_ylim() == numbered.get_ylim()
+        np.testing.assert_array_equal(ruled(panel, upright=False), numbered.get_yticks())
+
+
+def test_the_time_of_a_column_stands_below_it_and_rules_all_of_it(shown):
+    drawing = figures.draw(*shown["4.9"])
+    columns = {}
+    for panel in drawing.axes:
+        if panel not in arms(drawing):
+            columns.setdefault(panel.get_position().x0, []).append(panel)
+    assert len(columns) == 4
+    for *above, last in columns.values():
+        assert last.get_xlabel() == "time [min]"
+        np.testing.assert_allclose(last.get_xticks(), [0.0, 0.25, 0.5, 0.75, 1.0])
+        for panel in above:
+            assert not panel.xaxis.get_visible()
+            np.testing.assert_allclose(ruled(panel, upright=True), last.get_xticks())
+
+
+@pytest.mark.parametrize("weight", ["normal", "bold"])
+@pytest.mark.parametrize("text", ["AVATAR, To We Yo", "fi ffl office", "φ within 1°, −0.5 m²", "θ̇ ≥ √2, 手"])
+def test_a_text_in_a_pdf_is_set_as_on_a_screen(text, weight):
+    """Kerning, ligatures, Greek, signs, marks, and what the letters do not have: the same outlines in place."""
+    looks = [
+        TextPath((0, 0), text, size=1000, prop=FontProperties(family=names, weight=weight))
+        for names in ([letters.FONT], letters.families([letters.FONT]))
+    ]
+    np.testing.assert_array_equal(looks[0].vertices, looks[1].vertices)
+
+
+def test_letters_stand_before_their_font_and_nowhere_else():
+    assert letters.families(["Other", letters.FONT, "Last"]) == ["Other", letters.LETTERS, letters.FONT, "Last"]
+    assert letters.families(["Other"]) == ["Other"]
+
+
+def test_a_pdf_embeds_its_letters_under_their_own_name_and_a_png_needs_no_others(tmp_path):
+    figure = style.paper(1.0)
+    figure.text(0.5, 0.5, "links, φ = 90°")
+    style.save(figure, tmp_path / "picture.pdf")
+    assert b"+DejaVuSans" in (tmp_path / "picture.pdf").read_bytes()
+    style.save(figure, tmp_path / "picture.png")
+    assert letters.LETTERS not in mpl.rcParams["font.sans-serif"]

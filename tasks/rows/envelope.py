@@ -22,7 +22,7 @@ there is none the velocity within reach.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from functools import reduce
 from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple, Protocol
@@ -37,6 +37,10 @@ from ..robots.robot import Quantity, Robot, limit_of
 
 if TYPE_CHECKING:
     from ..base.loops import Call, Entry
+
+
+#: What limits are of.
+QUANTITIES: tuple[Quantity, ...] = ("position", "velocity", "acceleration")
 
 
 class Bounded(Protocol):
@@ -175,17 +179,21 @@ class Envelope:
             self.calls = (self._loop(shared),)
             self.calls[0].run()
 
-    def _settle(self, shared: Shared) -> None:
-        """Find the tightest limits, and refuse positions without any to brake with."""
+    def _settle(self, shared: Shared, kinds: Collection[Quantity] = QUANTITIES) -> None:
+        """Find the tightest limits of these kinds, and refuse positions without any to brake with."""
         if not self._claims:
             return
-        ranges = [claim for claim in self._claims if claim.kind == "position"]
         self.has_velocity, self.has_acceleration = (self._has(kind) for kind in ("velocity", "acceleration"))
-        self.velocity[:] = self._tightest("velocity", shared.robot)
-        self.acceleration[:] = self._tightest("acceleration", shared.robot)
-        self._note_ends()
+        if "velocity" in kinds:
+            self.velocity[:] = self._tightest("velocity", shared.robot)
+        if "acceleration" in kinds:
+            self.acceleration[:] = self._tightest("acceleration", shared.robot)
+            self._note_ends()
+        ranges = [claim for claim in self._claims if claim.kind == "position"]
+        if not ranges or shared.order != "acceleration":
+            return
         limited = np.any([np.isfinite(claim.low) | np.isfinite(claim.high) for claim in ranges], axis=0)
-        if ranges and shared.order == "acceleration" and np.isinf(self.acceleration[limited]).any():
+        if np.isinf(self.acceleration[limited]).any():
             raise InvalidInput(
                 f"{ranges[0].part}: at acceleration order it needs to know how hard the joints can"
                 " brake; add a JointAccelerationLimit(20.0), in rad/s^2, to the stack, or give the robot a limit"
@@ -220,10 +228,13 @@ class Envelope:
         own = [k for k, old in enumerate(before) if any(old.lower is site.lower for site in sites)]
         if [each.form for each in new] != [before[k].form for k in own]:
             return False
+        changed: set[Quantity] = set()
         for k, each in zip(own, new, strict=True):
-            before[k] = each
-            self._numbers[k][:] = each.numbers
-        self._settle(shared)
+            numbers = each.numbers
+            if not (numbers == self._numbers[k]).all():
+                before[k], self._numbers[k][:] = each, numbers
+                changed.add(each.kind)
+        self._settle(shared, changed)
         shared.v[:] = 0.0
         self.calls[0].run()
         return True

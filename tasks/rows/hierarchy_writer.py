@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from math import isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -195,7 +196,7 @@ class HierarchyWriter:
     def _reclaim(self, part: Live, changed: list[str], own: list[int]) -> bool:
         """Have the envelope take the limits of these parts as they are now; False if more than numbers has changed."""
         shared, views = self.shared, [self._views[k] for k in own]
-        braked = np.isfinite(shared.braking[0])
+        braked = isfinite(shared.braking[0])
 
         def ask() -> None:
             for view, site in views:
@@ -205,7 +206,7 @@ class HierarchyWriter:
             return False
         if not shared.envelope.renew(shared, [site for _, site in views], ask):
             return False
-        if np.isfinite(shared.braking[0]) != braked:  # by which plans differ
+        if isfinite(shared.braking[0]) != braked:  # by which plans differ
             return False
         self._check_beside(range(len(self._views)))
         if not changed or "weight" in changed:

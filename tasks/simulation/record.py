@@ -188,10 +188,10 @@ class Record:
             for field in DICTS:
                 arrays[field] = {name: members[f"{field} {i}"] for i, name in enumerate(head["names"].get(field, []))}
             _check_numbers(arrays)
-            kinds = [Status(value) for value in head["status"]]
+            kind = [Status(value) for value in head["status"]].__getitem__
             return cls(
                 **arrays,
-                status=tuple(kinds[i] for i in members["status"]),
+                status=tuple(map(kind, members["status"].tolist())),
                 certified=whole_number(head["certified"], "certified"),
                 stopped=None if head["stopped"] is None else Stop(**head["stopped"]),
                 shortfalls=_shortfalls(head.get("shortfalls")),

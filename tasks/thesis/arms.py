@@ -12,7 +12,7 @@ from ..robots.manipulability import velocity_ellipse
 from ..simulation.record import Record
 from .measuring import HELD as WITHIN
 from .scenarios import Scenario
-from .style import ACTUAL, ARM, DESIRED, ELLIPSE, HELD, LAST, tones
+from .style import ACTUAL, ARM, DESIRED, ELLIPSE, GRID, HELD, LAST, tones
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,7 +43,7 @@ def draw_arm(axis: Axes, scenario: Scenario, record: Record, *, scale: float = 1
         label="actual path",
         zorder=PATHS + 0.1,
     )
-    points = np.array([scenario.arm.points(q) for q in snapshots(scenario, record)])
+    points = scenario.arm.points(snapshots(scenario, record))
     times = len(points)
     inner, last = tones(ARM, POSES)[:times], tones(LAST, POSES)[:times]
     round_ends: dict[str, Any] = {"capstyle": "round", "joinstyle": "round"}
@@ -61,7 +61,7 @@ def draw_arm(axis: Axes, scenario: Scenario, record: Record, *, scale: float = 1
     axis.plot(0, 0, "s", color=ARM, ms=8 * scale, zorder=BASE)
     axis.set_aspect("equal")
     axis.set_axisbelow(True)
-    axis.grid(alpha=0.15)
+    axis.grid(alpha=GRID)
 
 
 def draw_ellipses(axis: Axes, scenario: Scenario, record: Record) -> None:
@@ -76,11 +76,11 @@ def ellipses(scenario: Scenario, record: Record) -> Array:
     """Where joint velocities of norm one can take the tip (section 1.3.5): outlines [m], shape (<= 6, 49, 2)."""
     turn = np.linspace(0.0, 2.0 * np.pi, 49)
     circle = np.array([np.cos(turn), np.sin(turn)])
-    outlines = []
+    arm, outlines = scenario.arm, []
     for q in snapshots(scenario, record, ELLIPSES):
-        ellipse = velocity_ellipse(scenario.arm.jacobian(q)[:2])
+        ellipse = velocity_ellipse(arm.jacobian(q)[:2])
         outline = ellipse.directions @ (ellipse.half_axes[:, None] * circle)
-        outlines.append(scenario.arm.points(q)[-1] + ELLIPSE_SCALE * outline.T)
+        outlines.append(arm.points(q)[-1] + ELLIPSE_SCALE * outline.T)
     return np.array(outlines)
 
 
@@ -91,7 +91,7 @@ def view(scenario: Scenario, records: Iterable[Record], *, outlines: bool = Fals
     """
     needed = [desired_path(scenario), np.zeros((1, 2))]
     for record in records:
-        needed += [scenario.arm.points(q) for q in snapshots(scenario, record)]
+        needed.append(scenario.arm.points(snapshots(scenario, record)).reshape(-1, 2))
         if outlines:
             needed += list(ellipses(scenario, record))
         if not record.stopped:

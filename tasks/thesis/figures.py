@@ -16,7 +16,7 @@ from .panels import draw_joints, draw_limits, draw_phi, draw_time, name_joints, 
 from .run_result import RunResult
 from .runs import Job
 from .scenarios import MINUTE, Scenario
-from .sheet import COLUMN, Head, Row, same_range, sheet
+from .sheet import COLUMN, Head, Row, rule, same_range, sheet
 from .style import ACTUAL, MUTED
 
 if TYPE_CHECKING:
@@ -66,6 +66,7 @@ def draw(scenario: Scenario, runs: Mapping[Job, Record]) -> Figure:
         panels["arm"][k].set_xlabel("x [m]")
         _draw_column({name: row[k] for name, row in panels.items() if name != "arm"}, job, record)
     _scales(panels, scenario, runs)
+    rule(figure)
     return figure
 
 
@@ -85,7 +86,7 @@ def _draw_column(column: dict[str, Axes], job: Job, record: Record) -> None:
     column["manipulability"].plot(record.t / MINUTE, record.manipulability, color=ACTUAL)
     if limited:
         draw_limits(column["limits"], scenario, record)
-        column["limits"].tick_params(labelleft=True)
+        column["limits"].yaxis.set_visible(True)
         name_limits(column["limits"])
     last = list(column)[-1]
     for name, panel in column.items():

@@ -21,8 +21,8 @@ from .measuring import digits, measure
 from .panels import draw_joints, draw_phi, draw_time, name_joints, speed_range
 from .runs import Job, tip_error
 from .scenarios import MINUTE, scenario
-from .sheet import COLUMN, Head, Row, same_range, sheet
-from .style import ACTUAL, ARM, DESIRED, JOINTS, LAST, MUTED
+from .sheet import COLUMN, Head, Row, rule, same_range, sheet
+from .style import ACTUAL, ARM, DESIRED, GRID, JOINTS, LAST, MUTED
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -141,7 +141,7 @@ def draw_workspace(runs: Mapping[Job, Record]) -> Figure:
     axis.set_ylim(-outer - 0.1, outer + 0.1)
     axis.set_xlabel("x [m]")
     axis.set_ylabel("y [m]")
-    axis.grid(alpha=0.15)
+    axis.grid(alpha=GRID)
     figure.legend(loc="outside lower center", ncols=2, fontsize=9.5, frameon=False)
     figure.suptitle("What position alone can reach, links 0.5 0.5 0.5 m", fontsize=14, fontweight="bold")
     return figure
@@ -185,6 +185,7 @@ def _columns(title: str, runs: Mapping[Job, Record], names: Mapping[Job, str]) -
     same_range(panels["acceleration"], -1.15 * top, 1.15 * top)
     limited = any(job.law.inequalities for job in runs)
     name_joints(panels["acceleration"][0], top if limited else 0.0)
+    rule(figure)
     return figure
 
 

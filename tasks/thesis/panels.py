@@ -12,11 +12,12 @@ from ..simulation.record import Record
 from .measuring import HELD as WITHIN
 from .runs import phi_error
 from .scenarios import MINUTE, Scenario
-from .style import ACTUAL, AT_LIMIT, DESIRED, HELD, JOINTS, MUTED
+from .style import ACTUAL, AT_LIMIT, DESIRED, GRID, HELD, JOINTS, MUTED
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
 
 #: Columns of a stripe: each some dots wide on a screen, so that a limit met for a moment shows, beside the frame too.
 STRIPES = 100
@@ -32,9 +33,7 @@ def draw_phi(axis: Axes, scenario: Scenario, record: Record) -> None:
     axis.plot(t, np.degrees(phi_error(scenario, record)), color=ACTUAL)
     axis.set_yscale("symlog", linthresh=WITHIN, linscale=0.6)
     axis.set_ylim(-200, 200)
-    ticks = [-100, -10, -1, 0, 1, 10, 100]
-    axis.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
-    axis.minorticks_off()
+    _number(axis.yaxis, [-100, -10, -1, 0, 1, 10, 100])
 
 
 def draw_joints(axis: Axes, t: Array, values: Array, limit: float = 0.0) -> None:
@@ -72,17 +71,26 @@ def draw_limits(axis: Axes, scenario: Scenario, record: Record) -> None:
 
 
 def draw_time(axis: Axes, scenario: Scenario, record: Record, *, last: bool = True) -> None:
-    """The time axis of the whole motion, shaded from where a run ended early."""
+    """The time axis of the whole motion, numbered in the last panel; shaded from where a run ended early."""
     end = scenario.duration / MINUTE
     axis.set_xlim(0, end)
-    axis.set_xticks(np.linspace(0.0, end, 5), [f"{t:g}" for t in np.linspace(0.0, end, 5)])
-    axis.grid(alpha=0.15)
-    axis.tick_params(labelbottom=last)
+    _number(axis.xaxis, np.linspace(0.0, end, 5).tolist())
+    axis.grid(alpha=GRID)
+    axis.xaxis.set_visible(last)
     if last:
         axis.set_xlabel("time [min]")
     if record.stopped:
         axis.axvspan(record.stopped.t / MINUTE, end, color=DESIRED, alpha=0.08, lw=0)
         axis.axvline(record.stopped.t / MINUTE, color=DESIRED, lw=1.0, ls=":")
+
+
+def _number(axis: Axis, at: Sequence[float]) -> None:
+    """Number an axis here, and nowhere between."""
+    from matplotlib.ticker import FixedLocator, NullLocator, StrMethodFormatter
+
+    axis.set_major_locator(FixedLocator(at))
+    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_locator(NullLocator())
 
 
 def name_above(axis: Axes, handles: Sequence[Artist], labels: Sequence[str]) -> None:

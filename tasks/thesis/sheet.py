@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .style import DESIRED, MUTED
+from .style import DESIRED, GRID, MUTED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -87,13 +87,32 @@ def sheet(
         for k in range(len(heads)):
             place = (LEFT + k * (COLUMN + BETWEEN)) / width, (top - row.height) / height
             panel = figure.add_axes((*place, COLUMN / width, row.height / height))
-            panel.tick_params(labelleft=k == 0)
+            panel.yaxis.set_visible(k == 0)
             panels[name][k] = panel
         _label(panels[name][0], row.label)
         top -= row.height
     for panel, head in zip(next(iter(panels.values())), heads, strict=True):
         _head(panel, head, lines)
     return figure, panels
+
+
+def rule(figure: Figure) -> None:
+    """The grid of panels that share the numbers of another one: their own axes are not visible.
+
+    Lines in one piece: an axis would make five artists of every tick, which take longer than all that is drawn.
+    """
+    from matplotlib import rcParams
+    from matplotlib.collections import LineCollection
+
+    look = {"colors": rcParams["grid.color"], "linewidths": rcParams["grid.linewidth"], "alpha": GRID, "zorder": 1.5}
+    for panel in figure.axes:
+        for axis, across in (panel.xaxis, panel.get_xaxis_transform()), (panel.yaxis, panel.get_yaxis_transform()):
+            if not axis.get_visible():
+                upright = axis is panel.xaxis
+                ends = [
+                    [(at, 0.0), (at, 1.0)] if upright else [(0.0, at), (1.0, at)] for at in axis.get_majorticklocs()
+                ]
+                panel.add_collection(LineCollection(ends, transform=across, **look), autolim=False)
 
 
 def same_range(panels: Iterable[Axes], low: float | None = None, high: float | None = None) -> None:

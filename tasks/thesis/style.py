@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import Array
+from .letters import families
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -20,6 +21,8 @@ MUTED = "#6b7280"
 JOINTS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00")
 #: Of a joint at a velocity limit, at an acceleration limit, at both.
 AT_LIMIT = ("#ffffff", "#d55e00", "#56b4e9", "#2b2f36")
+#: How strong the lines of a grid are.
+GRID = 0.15
 #: What the earliest pose is drawn in; the last one is in the colour itself.
 EARLIEST = {ARM: "#dcdfe3", LAST: "#fce3ad"}
 
@@ -42,10 +45,11 @@ def tones(color: str, count: int) -> Array:
 
 def save(figure: Figure, file: Path, dpi: int = SCREEN) -> None:
     """Save a figure, whole or not at all; the suffix of the file tells the format."""
-    from matplotlib import rc_context
+    from matplotlib import rc_context, rcParams
 
     undated = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}.get(file.suffix)
-    with rc_context(LETTERS):
+    embedded = {"font.sans-serif": families(rcParams["font.sans-serif"])} if file.suffix == ".pdf" else {}
+    with rc_context(LETTERS | embedded):
         figure.savefig(part(file), dpi=dpi, metadata=undated)
     part(file).replace(file)
 
