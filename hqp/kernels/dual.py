@@ -20,6 +20,7 @@ from . import layout as at
 from .compile import inner, integer
 from .members import enter, leave, prepare, sign_of, start_of, wants
 from .memory import clock, ints, marks, matrix, vector
+from .metric import displace
 from .rows import INACTIVE, LOWER, UPPER, target
 from .working_set import FROZEN, IGNORED
 
@@ -165,13 +166,14 @@ def arrive(here, count):
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
     members, force = marks(here, at.MEMBERS), vector(here, at.FORCE)
-    x, anchor, P = vector(here, at.X), vector(here, at.ANCHOR), matrix(here, at.P)
+    x, anchor, P, moved = vector(here, at.X), vector(here, at.ANCHOR), matrix(here, at.P), vector(here, at.MOVED)
     for j in range(n):
-        x[j] = anchor[j]
+        x[j], moved[j] = anchor[j], 0.0
     for c in range(count):
         row, much = P[members[c]], force[c]
         for j in range(n):
-            x[j] -= much * row[j]
+            moved[j] -= much * row[j]
+    displace(here, x)
     size = 0.0
     for j in range(n):
         size = max(size, abs(x[j]))
@@ -185,13 +187,12 @@ def refine(here, count):
     n = head[at.N]
     members, force, wanted = marks(here, at.MEMBERS), vector(here, at.FORCE), vector(here, at.WANTED)
     D, right, soft = vector(here, at.DIAGONAL), vector(here, at.RIGHT), vector(here, at.SOFT)
-    x, anchor = vector(here, at.X), vector(here, at.ANCHOR)
-    P, F = matrix(here, at.P), matrix(here, at.FACTOR)
+    moved, P, F = vector(here, at.MOVED), matrix(here, at.P), matrix(here, at.FACTOR)
     for c in range(count):
         row, mine = F[c], P[members[c]]
         total = right[c] - soft[c] * force[c]
         for j in range(n):
-            total += mine[j] * (x[j] - anchor[j])
+            total += mine[j] * moved[j]
         for r in range(c):
             total -= row[r] * wanted[r]
         wanted[c] = total

@@ -25,6 +25,7 @@ from .extent import extent, far
 from .freeze import freeze
 from .members import enter, list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
+from .metric import change_metric
 from .orthogonal import pivots, triangle
 from .polish import holds, judge, polish
 from .primal import primal
@@ -49,7 +50,12 @@ def levels(here, last, warm):
     """
     ptr, rounds = marks(here, at.PTR), 4 * len(marks(here, at.MEMBERS)) + 4
     k, frozen = begin(here, last)
+    head, whole = ints(here, 0, at.HEAD), last
     while k <= last and not late(here):
+        if k == last - 1 and head[at.CLOSES] != 0:
+            changed = change_metric(here, k, frozen)
+            if changed >= 0:  # level k is the last one now
+                frozen, last = changed, k
         delta, end = take_up(here, k, last, warm), ptr[min(k + 1, last)]
         for turn in range(2):
             if turn > 0 or k == last:  # the last level has no rows of its own, and is hardly ever met: dual at once
@@ -68,7 +74,7 @@ def levels(here, last, warm):
             faults, circles, hard, rank, own, own_rank, pull = primal(here, k, last, frozen, rank)
             if circles and sharpen(here):  # what was let go is needed: it matters what counts as dependent
                 faults, circles, hard, rank, own, own_rank, pull = primal(here, k, last, frozen, rank)
-        if faults > 0 and k < last:
+        if faults > 0 and (k < last or late(here)):
             break
         keep(here, k, last)
         note_doubt(here, hard, own_rank, own, pull)
@@ -78,6 +84,10 @@ def levels(here, last, warm):
         elif faults == 0 and not far(here) and holds(here, last):
             k += 1
         k += 1
+    if last < whole and k > last:
+        keep(here, whole, whole)
+        k += 1
+    head[at.METRIC] = 0
     return k
 
 

@@ -14,8 +14,9 @@ from __future__ import annotations
 from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
+from .metric import convert
 from .orthogonal import CANCELLED, length, project
-from .rows import EQUALITY, copy_row, value_of
+from .rows import EQUALITY, value_of
 
 
 @inner
@@ -31,7 +32,7 @@ def prepare(i, frozen, here):
     row = P[i]
     if depth[i] < 0:
         depth[i] = 0
-        copy_row(i, row, here)
+        convert(i, row, here)
     if depth[i] < frozen:
         before = length(row, n)
         project(row, n, V, depth[i], frozen, scratch)
@@ -80,7 +81,7 @@ def enter(count, here):
     square = 0.0
     for j in range(n):
         square += mine[j] * mine[j]
-    if i < m and col[i] >= 0:
+    if i < m and col[i] >= 0 and head[at.METRIC] == 0:
         for r in range(count):
             row[r] = norm[i] * P[members[r]][col[i]]
     else:

@@ -16,6 +16,7 @@ from .compile import inner, integer
 from .extent import extent
 from .members import list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
+from .metric import displace, pull_in_metric
 from .orthogonal import NONE, level_least_squares, pivots, separate
 from .rows import EQUALITY, INACTIVE, target, value_of
 from .signs import clear_of_basis
@@ -90,6 +91,7 @@ def polish(here, k, last, frozen, known):
     x, w, y, anchor = vector(here, at.X), vector(here, at.W), vector(here, at.Y), vector(here, at.ANCHOR)
     rhs, lengths, tau = vector(here, at.RHS), vector(here, at.LENGTHS), vector(here, at.OPTION)[at.TAU]
     V, L, R, H = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R), matrix(here, at.H)
+    moved = vector(here, at.MOVED)
     known = recall(here, ptr[min(k + 1, last)], frozen, known)
     more, c = list_members(here, integer(0), ptr[k], frozen, known, n - known), frozen + known
     mine, places, sizes, rows = ids[known:], slots[known:], lengths[known:], R[known:]
@@ -119,11 +121,12 @@ def polish(here, k, last, frozen, known):
     for r in range(own_rank):
         pivot[c + r] = mine[r]
     for j in range(n):
-        x[j] = anchor[j]
+        x[j], moved[j] = anchor[j], 0.0
     for q in range(frozen, c + own_rank):
         direction, step = V[q], y[q]
         for j in range(n):
-            x[j] += step * direction[j]
+            moved[j] += step * direction[j]
+    displace(here, x)
     return hard, rank, own, own_rank
 
 
@@ -149,7 +152,10 @@ def judge(here, k, last, frozen, hard, rank, own):
     x, w, g, multiplier = vector(here, at.X), vector(here, at.W), vector(here, at.G), vector(here, at.MULTIPLIER)
     x0 = vector(here, at.X0)
     size, met, pull = extent(x, here), True, 0.0
-    if k == last:  # min ||x - x_0||, which is met at x_0 alone
+    if head[at.METRIC] != 0:
+        pull, met = pull_in_metric(here, size)
+        blur = 0.0
+    elif k == last:  # min ||x - x_0||, which is met at x_0 alone
         for j in range(n):
             g[j] = x[j] - x0[j]
             pull += abs(g[j])

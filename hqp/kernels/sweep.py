@@ -9,6 +9,7 @@ Then :mod:`.verdict` checks the result.
 from __future__ import annotations
 
 from . import layout as at
+from .closing import close
 from .compile import inner, integer
 from .extent import far
 from .memory import ints, marks, matrix, vector
@@ -31,12 +32,18 @@ def sweep(here, last, tau):
         Whether a row that counts as dependent proves not to be: its value at x is off by more than its tolerance,
         because its remainder was neglected.
     """
-    ints(here, 0, at.HEAD)[at.DOUBT] = 0
-    solve_equalities(here, last, tau)
-    faults, undecided, blurred = judge_rows(here, last, STRICT, 0.0)
-    if undecided > 0:
-        faults += judge_multipliers(here, last, undecided, STRICT, 0.0)
-    return faults, blurred
+    head = ints(here, 0, at.HEAD)
+    closing = head[at.CLOSES] != 0
+    while True:
+        head[at.DOUBT] = 0
+        closing = solve_equalities(here, last, tau, closing)
+        faults, undecided, blurred = judge_rows(here, last, STRICT, 0.0)
+        if undecided > 0:
+            wrong, undecided = judge_multipliers(here, last, undecided, STRICT, 0.0, closing)
+            faults += wrong
+        if not closing or undecided == 0 or faults > 0:
+            return faults, blurred
+        closing = False  # what is left for the implicit last level to decide needs a basis of all
 
 
 @inner
@@ -169,11 +176,22 @@ def arrive(here, last, c, f):
 
 
 @inner
-def solve_equalities(here, last, tau):
-    """Solve levels 0 .. last for the guess ``side``: writes x, the slacks w, and the basis V with its pivot rows."""
+def solve_equalities(here, last, tau, closing):
+    """Solve levels 0 .. last for the guess ``side``: writes x, the slacks w, and the basis V with its pivot rows.
+
+    Returns whether the level above the last was solved without a basis of its own, as may be if `closing`.
+    """
     f = fix_variables(here)
-    first = integer(1 if ints(here, 0, at.HEAD)[at.BOXED] != 0 else 0)
-    arrive(here, last, solve_levels(here, first, last, integer(0), f, tau), f)
+    first, cut = integer(1 if ints(here, 0, at.HEAD)[at.BOXED] != 0 else 0), marks(here, at.CUT)
+    end = last - 1 if closing else last
+    c = solve_levels(here, first, end, integer(0), f, tau)
+    if closing:
+        cut[end] = cut[last] = c
+        if close(here, c, f):
+            return True
+        c = solve_levels(here, end, last, c, f, tau)
+    arrive(here, last, c, f)
+    return False
 
 
 @inner
