@@ -22,7 +22,7 @@ from __future__ import annotations
 from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
-from .orthogonal import only_entry
+from .orthogonal import only_entry, padded
 from .symmetric import cholesky
 
 #: The largest ratio of two weights of the level.
@@ -110,15 +110,17 @@ def decompose(here, c, u, f):
 
     Row j of R has column j of V_U, divided by the first factor.
     """
-    scale, others = vector(here, at.D), marks(here, at.QUEUE)
+    scale, others, wide = vector(here, at.D), marks(here, at.QUEUE), padded(f)
     V, R, H, F = matrix(here, at.V), matrix(here, at.R), matrix(here, at.H), matrix(here, at.FACTOR)
     for q in range(c):
         row, scaled, own = V[q], R[q], H[q]
         for t in range(f):
             scaled[t] = row[t] * scale[t]
+        for t in range(f, wide):
+            scaled[t] = 0.0
         for p in range(q + 1):
             other, total = R[p], 0.0
-            for t in range(f):
+            for t in range(wide):
                 total += scaled[t] * other[t]
             own[p] = total
     if not cholesky(H, H, c):

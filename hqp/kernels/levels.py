@@ -26,7 +26,7 @@ from .freeze import freeze
 from .members import enter, list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
 from .metric import change_metric
-from .orthogonal import pivots, triangle
+from .orthogonal import padded, pivots, triangle
 from .polish import holds, judge, polish
 from .primal import primal
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, value_of
@@ -123,7 +123,7 @@ def begin(here, last):
         j, kind[i], saved[i] = col[i], HARD, INACTIVE
         exact[j] = min(max(x0[j], lower[i]), upper[i])
         if lower[i] == upper[i] and norm[i] > 0.0:
-            for q in range(n):
+            for q in range(padded(n)):
                 V[frozen][q] = 0.0
             for q in range(frozen):
                 L[i][q] = 0.0
@@ -185,13 +185,13 @@ def condense(here, k, frozen, delta):
         if side[i] == EQUALITY:
             list_part(i, count, count, here)
             count += 1
-    rank = pivots(ids, count, slots, lengths, R, norm, V, L, frozen, n, tau)
+    rank = pivots(ids, count, slots, lengths, R, norm, V, L, frozen, padded(n), tau)
     for r in range(count):
         rhs[r] = start_of(ids[r], lo[ids[r]], here)
     triangle(ids, count, rank, L, frozen, rhs, y, H)
     for c in range(rank):
         row, direction = P[m + c], V[frozen + c]
-        for j in range(n):
+        for j in range(padded(n)):
             row[j] = y[frozen + c] * direction[j]
         for q in range(c):
             direction, much = V[frozen + q], H[q][c]

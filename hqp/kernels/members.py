@@ -15,7 +15,7 @@ from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .metric import convert
-from .orthogonal import CANCELLED, length, project
+from .orthogonal import CANCELLED, length, padded, project
 from .rows import EQUALITY, value_of
 
 
@@ -33,11 +33,14 @@ def prepare(i, frozen, here):
     if depth[i] < 0:
         depth[i] = 0
         convert(i, row, here)
+        for j in range(n, padded(n)):
+            row[j] = 0.0
     if depth[i] < frozen:
-        before = length(row, n)
-        project(row, n, V, depth[i], frozen, scratch)
-        if length(row, n) < CANCELLED * before:
-            project(row, n, V, integer(0), frozen, scratch)
+        wide = padded(n)
+        before = length(row, wide)
+        project(row, wide, V, depth[i], frozen, scratch)
+        if length(row, wide) < CANCELLED * before:
+            project(row, wide, V, integer(0), frozen, scratch)
         depth[i] = frozen
 
 
@@ -47,13 +50,13 @@ def list_part(i, place, slot, here):
 
     `slot` is its place relative to the first row of the call of `pivots`.
     """
-    n = ints(here, 0, at.HEAD)[at.N]
+    wide = padded(ints(here, 0, at.HEAD)[at.N])
     P, R = matrix(here, at.P), matrix(here, at.R)
     mine, row = P[i], R[place]
-    for j in range(n):
+    for j in range(wide):
         row[j] = mine[j]
     marks(here, at.IDS)[place], marks(here, at.SLOTS)[place] = i, slot
-    vector(here, at.LENGTHS)[place] = length(row, n)
+    vector(here, at.LENGTHS)[place] = length(row, wide)
 
 
 @inner
@@ -72,14 +75,14 @@ def enter(count, here):
         The new entry of D, and ``||P||^2`` of the row. If the pivot is tiny beside `square`, the row is dependent.
     """
     head = ints(here, 0, at.HEAD)
-    n, m = head[at.N], head[at.ROWS]
+    m, wide = head[at.ROWS], padded(head[at.N])
     members, col, norm = marks(here, at.MEMBERS), marks(here, at.COL), vector(here, at.NORM)
     D, z, right, soft = vector(here, at.DIAGONAL), vector(here, at.Z), vector(here, at.RIGHT), vector(here, at.SOFT)
     P, F = matrix(here, at.P), matrix(here, at.FACTOR)
     i = members[count]
     mine, row = P[i], F[count]
     square = 0.0
-    for j in range(n):
+    for j in range(wide):
         square += mine[j] * mine[j]
     if i < m and col[i] >= 0 and head[at.METRIC] == 0:
         for r in range(count):
@@ -88,7 +91,7 @@ def enter(count, here):
         for r in range(count):
             other = P[members[r]]
             total = 0.0
-            for j in range(n):
+            for j in range(wide):
                 total += mine[j] * other[j]
             row[r] = total
     pivot, rest = square + soft[count], right[count]

@@ -17,7 +17,7 @@ from .extent import extent
 from .members import list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
 from .metric import displace, pull_in_metric
-from .orthogonal import NONE, level_least_squares, pivots, separate
+from .orthogonal import NONE, level_least_squares, padded, pivots, separate
 from .rows import EQUALITY, INACTIVE, target, value_of
 from .signs import clear_of_basis
 from .working_set import FROZEN, balance
@@ -47,7 +47,7 @@ def list_members(here, first, end, frozen, begin, room):
         if not lengths[count] > min(NONE, tau) * norm[i]:
             lengths[count] = 0.0
             row = R[count]
-            for j in range(n):
+            for j in range(padded(n)):
                 row[j] = 0.0
         count += 1
     return count - begin
@@ -91,13 +91,13 @@ def polish(here, k, last, frozen, known):
     x, w, y, anchor = vector(here, at.X), vector(here, at.W), vector(here, at.Y), vector(here, at.ANCHOR)
     rhs, lengths, tau = vector(here, at.RHS), vector(here, at.LENGTHS), vector(here, at.OPTION)[at.TAU]
     V, L, R, H = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R), matrix(here, at.H)
-    moved = vector(here, at.MOVED)
+    moved, wide = vector(here, at.MOVED), padded(n)
     known = recall(here, ptr[min(k + 1, last)], frozen, known)
     more, c = list_members(here, integer(0), ptr[k], frozen, known, n - known), frozen + known
     mine, places, sizes, rows = ids[known:], slots[known:], lengths[known:], R[known:]
     if known > 0:
-        separate(mine, more, places, sizes, rows, norm, V, L, frozen, c, n, tau)
-    hard, rank = known + more, known + pivots(mine, more, places, sizes, rows, norm, V, L, c, n, tau)
+        separate(mine, more, places, sizes, rows, norm, V, L, frozen, c, wide, tau)
+    hard, rank = known + more, known + pivots(mine, more, places, sizes, rows, norm, V, L, c, wide, tau)
     for r in range(rank):
         i = ids[r]
         row, total = L[i], -start_of(i, target(side[i], lo[i], hi[i]), here)
@@ -109,8 +109,8 @@ def polish(here, k, last, frozen, known):
     c = frozen + rank
     own = list_members(here, ptr[k], ptr[min(k + 1, last)], frozen, hard, head[at.ROWS])
     mine, places, sizes, rows, right = ids[hard:], slots[hard:], lengths[hard:], R[hard:], rhs[hard:]
-    separate(mine, own, places, sizes, rows, norm, V, L, frozen, c, n, tau)
-    own_rank = pivots(mine, own, places, sizes, rows, norm, V, L, c, n, tau)
+    separate(mine, own, places, sizes, rows, norm, V, L, frozen, c, wide, tau)
+    own_rank = pivots(mine, own, places, sizes, rows, norm, V, L, c, wide, tau)
     for r in range(own):
         i = mine[r]
         row, total = L[i], -start_of(i, target(side[i], lo[i], hi[i]), here)
