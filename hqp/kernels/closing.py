@@ -1,4 +1,4 @@
-r"""The sweep's last level where its rows ask for single variables, as a posture does: solved without a basis of its own.
+r"""The sweep's last level where its rows ask for single variables, as a posture does: it needs no basis of its own.
 
 Such rows are :math:`d_j (x_j - b_j)`, one for each of the *asked* variables, with weights of their own. With the levels
 above spanned by V, and :math:`s_j = 1 / d_j`, the level is a weighted least-norm problem, whose equations have as many
@@ -29,13 +29,13 @@ from .symmetric import cholesky
 UNEVEN = 1e3
 #: The largest residual before the refinement, relative to the sizes of its terms.
 ROUGH = 1e-8
-#: So many times less work than a basis of the level must be saved: it is needed where signs of multipliers are left.
-SAVES = 2
+#: A basis of the level must be so many times more work: it is needed all the same where signs of multipliers are left.
+SAVES = 1.5
 
 
 @inner
 def closes(here, last):
-    """Whether level `last` - 1 consists of equalities on single variables alone, each asked once: then writes ``asks`` and ``scale``.
+    """Whether level `last` - 1 is equalities on single variables alone, each asked once: writes ``asks`` and ``scale``.
 
     The weights must be of comparable size, see UNEVEN.
     """
@@ -73,7 +73,7 @@ def closes(here, last):
 def pays(c, f, asked):
     """Whether V[:c] in f variables is so short that equations in its rows are less work than a basis of the level."""
     rank, own = f - c, c * (c * (f + c / 3) + 8 * f)
-    return rank > 0 and 2 * f * asked * c + 4 * f * rank * (asked - rank / 2) > SAVES * own
+    return rank == 0 or 2 * f * asked * c + 4 * f * rank * (asked - rank / 2) > SAVES * own
 
 
 @inner
@@ -93,6 +93,10 @@ def close(here, c, f):
             longest = max(longest, norm[i])
     if f - asked > c or not pays(c, f, asked):
         return False
+    if c == f:
+        spread(here, f)
+        finish(here, f)
+        return True
     u = integer(0)
     for t in range(f):
         if asks[free[t]] < 0:
@@ -102,6 +106,27 @@ def close(here, c, f):
         return False
     finish(here, f)
     return True
+
+
+@inner
+def spread(here, f):
+    """The same where the levels above leave nothing: V is square."""
+    scale, start, free, asks = vector(here, at.D), vector(here, at.SCRATCH), marks(here, at.FREE), marks(here, at.ASKS)
+    y, z, multiplier, V = vector(here, at.Y), vector(here, at.G), vector(here, at.MULTIPLIER), matrix(here, at.V)
+    along = vector(here, at.BALANCE)
+    for t in range(f):
+        z[t] = 0.0
+    for q in range(f):
+        row, step = V[q], y[q]
+        for t in range(f):
+            z[t] += step * row[t]
+    for t in range(f):
+        along[t] = (z[t] - start[t]) / (scale[t] * scale[t]) if asks[free[t]] >= 0 else 0.0
+    for q in range(f):
+        row, total = V[q], 0.0
+        for t in range(f):
+            total += row[t] * along[t]
+        multiplier[q] = total
 
 
 @inner
@@ -221,7 +246,8 @@ def correct(here, c, u):
 @inner
 def finish(here, f):
     """Write x and the slacks w of the level."""
-    free, asks, pinned, dependent = marks(here, at.FREE), marks(here, at.ASKS), marks(here, at.PINNED), marks(here, at.KIND)
+    free, asks = marks(here, at.FREE), marks(here, at.ASKS)
+    pinned, dependent = marks(here, at.PINNED), marks(here, at.KIND)
     lo, norm, x, w = vector(here, at.LO), vector(here, at.NORM), vector(here, at.X), vector(here, at.W)
     scale, along, z = vector(here, at.D), vector(here, at.BALANCE), vector(here, at.G)
     for j in range(ints(here, 0, at.HEAD)[at.N]):

@@ -21,7 +21,8 @@ from .compile import inner, integer
 from .members import enter, leave, prepare, sign_of, start_of, wants
 from .memory import clock, ints, marks, matrix, vector
 from .metric import displace
-from .rows import INACTIVE, LOWER, UPPER, target
+from .orthogonal import padded
+from .rows import INACTIVE, LOWER, UPPER, target, value_within
 from .working_set import FROZEN, IGNORED
 
 #: Value of DEADLINE: there is none.
@@ -164,14 +165,16 @@ def move(here, count):
 def arrive(here, count):
     """Write ``x`` = x_E - P^T lambda; returns its largest coordinate, plus the blur of :func:`.extent.extent`."""
     head = ints(here, 0, at.HEAD)
-    n = head[at.N]
+    n, wide = head[at.N], padded(head[at.N])
     members, force = marks(here, at.MEMBERS), vector(here, at.FORCE)
     x, anchor, P, moved = vector(here, at.X), vector(here, at.ANCHOR), matrix(here, at.P), vector(here, at.MOVED)
     for j in range(n):
-        x[j], moved[j] = anchor[j], 0.0
+        x[j] = anchor[j]
+    for j in range(wide):
+        moved[j] = 0.0
     for c in range(count):
         row, much = P[members[c]], force[c]
-        for j in range(n):
+        for j in range(wide):
             moved[j] -= much * row[j]
     displace(here, x)
     size = 0.0
@@ -184,14 +187,14 @@ def arrive(here, count):
 def refine(here, count):
     """One step of iterative refinement of the multipliers: the residual is solved for with the same factor."""
     head = ints(here, 0, at.HEAD)
-    n = head[at.N]
+    wide = padded(head[at.N])
     members, force, wanted = marks(here, at.MEMBERS), vector(here, at.FORCE), vector(here, at.WANTED)
     D, right, soft = vector(here, at.DIAGONAL), vector(here, at.RIGHT), vector(here, at.SOFT)
     moved, P, F = vector(here, at.MOVED), matrix(here, at.P), matrix(here, at.FACTOR)
     for c in range(count):
         row, mine = F[c], P[members[c]]
         total = right[c] - soft[c] * force[c]
-        for j in range(n):
+        for j in range(wide):
             total += mine[j] * moved[j]
         for r in range(c):
             total -= row[r] * wanted[r]
@@ -213,22 +216,14 @@ def excesses(here, end, tolerance, size):
     It is signed, positive above the upper bound, in ``slope``; 0 within `tolerance`, which is relative to the bound and
     to `size`, the length of x.
     """
-    head = ints(here, 0, at.HEAD)
-    n = head[at.N]
-    col, row_of, side, kind = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.SIDE), marks(here, at.KIND)
+    side, kind, excess = marks(here, at.SIDE), marks(here, at.KIND), vector(here, at.SLOPE)
     lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
-    excess, B = vector(here, at.SLOPE), matrix(here, at.B)
     worst = 0.0
     for i in range(end):
         excess[i] = 0.0
         if side[i] != INACTIVE or norm[i] == 0.0 or kind[i] == FROZEN or kind[i] == IGNORED:
             continue
-        if col[i] >= 0:
-            value = norm[i] * x[col[i]]
-        else:
-            given, value = B[row_of[i]], 0.0
-            for j in range(n):
-                value += given[j] * x[j]
+        value = value_within(i, x, here)
         over, under = value - hi[i], lo[i] - value
         if over > tolerance * (abs(hi[i]) + norm[i] * size):
             excess[i] = over / norm[i]

@@ -1,9 +1,9 @@
 r"""The last level of :mod:`.levels` where its rows ask for single variables: the implicit last level in another metric.
 
 Rows :math:`d_j (x_j - b_j)`, one for each asked variable, say :math:`\min \|S^{-1} (x - b)\|` with
-:math:`s_j \propto 1 / d_j`: what the implicit last level, :math:`\min \|x - x_0\|`, says with S = I. So its rows need be
-no members: with all other rows in the coordinates :math:`S^{-1} x`, what serves that level serves this one. x_E is then
-the optimum without inequalities.
+:math:`s_j \propto 1 / d_j`: what the implicit last level, :math:`\min \|x - x_0\|`, says with S = I. So its rows need
+be no members: with all other rows in the coordinates :math:`S^{-1} x`, what serves that level serves this one. x_E is
+then the optimum without inequalities.
 
 A variable that is not asked is eliminated first: the rows E of the frozen ones' span, with :math:`E_U = I`, tell how it
 follows the others, :math:`\Delta x_U = -E \Delta x`. There must be such rows; then nothing is left to the level below.
@@ -16,7 +16,7 @@ import math
 from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
-from .orthogonal import CANCELLED, length, project
+from .orthogonal import CANCELLED, length, padded, project
 from .rows import EQUALITY, copy_row
 
 #: The least part of its length that reflections must leave of a column of V for a variable that is not asked.
@@ -38,7 +38,7 @@ def change_metric(here, k, frozen):
     asks, side, depth = marks(here, at.ASKS), marks(here, at.SIDE), marks(here, at.DEPTH)
     lo, norm, anchor = vector(here, at.LO), vector(here, at.NORM), vector(here, at.ANCHOR)
     scale, gap, scratch = vector(here, at.SCALE), vector(here, at.MOVED), vector(here, at.SCRATCH)
-    V = matrix(here, at.V)
+    V, wide = matrix(here, at.V), padded(n)
     u = eliminate(here, frozen)
     if u < 0:
         return integer(-1)
@@ -48,8 +48,8 @@ def change_metric(here, k, frozen):
             row[j] = scale[j] * source[j] if asks[j] >= 0 else 0.0
         before, left = 1.0, 0.0
         for _ in range(3):
-            project(row, n, V, integer(0), q - u, scratch)
-            left = length(row, n)
+            project(row, wide, V, integer(0), q - u, scratch)
+            left = length(row, wide)
             if left > CANCELLED * before:
                 break
             before = left
@@ -58,7 +58,9 @@ def change_metric(here, k, frozen):
     for j in range(n):
         i = asks[j]
         gap[j] = (lo[i] / norm[i] - anchor[j]) / scale[j] if i >= 0 else 0.0
-    project(gap, n, V, integer(0), frozen - u, scratch)
+    for j in range(n, wide):
+        gap[j] = 0.0
+    project(gap, wide, V, integer(0), frozen - u, scratch)
     head[at.METRIC] = u + 1
     displace(here, anchor)
     for i in range(m):
@@ -75,7 +77,7 @@ def eliminate(here, frozen):
     Reflections of the rows V[:frozen] make the columns of these variables a triangle.
     """
     n, asks, others = ints(here, 0, at.HEAD)[at.N], marks(here, at.ASKS), marks(here, at.QUEUE)
-    V, E, work = matrix(here, at.V), matrix(here, at.H), vector(here, at.SCRATCH)
+    V, E, work, wide = matrix(here, at.V), matrix(here, at.H), vector(here, at.SCRATCH), padded(n)
     u = integer(0)
     for t in range(n):
         if asks[t] >= 0:
@@ -92,16 +94,16 @@ def eliminate(here, frozen):
             size = -size
         first = V[u][t] - size
         V[u][t] = first  # column t is the vector of the reflection now
-        for j in range(n):
+        for j in range(wide):
             work[j] = 0.0
         for q in range(u, frozen):
             row, part = V[q], V[q][t]
-            for j in range(n):
+            for j in range(wide):
                 work[j] += part * row[j]
         by = -1.0 / (size * first)
         for q in range(u, frozen):
             row, part = V[q], by * V[q][t]
-            for j in range(n):
+            for j in range(wide):
                 row[j] -= part * work[j]
             row[t] = 0.0
         V[u][t] = size
@@ -122,7 +124,7 @@ def eliminate(here, frozen):
 
 @inner
 def convert(i, out, here):
-    """Write row i to out (n,), in the coordinates of the metric, if there is one, without variables that are not asked."""
+    """Write row i to out (n,): in the coordinates of the metric, if there is one, which leaves out the others."""
     head = ints(here, 0, at.HEAD)
     n, u = head[at.N], head[at.METRIC] - 1
     others, scale, E = marks(here, at.QUEUE), vector(here, at.SCALE), matrix(here, at.H)

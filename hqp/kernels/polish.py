@@ -18,7 +18,7 @@ from .members import list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
 from .metric import displace, pull_in_metric
 from .orthogonal import NONE, level_least_squares, padded, pivots, separate
-from .rows import EQUALITY, INACTIVE, target, value_of
+from .rows import EQUALITY, INACTIVE, target, value_within
 from .signs import clear_of_basis
 from .working_set import FROZEN, balance
 
@@ -121,10 +121,12 @@ def polish(here, k, last, frozen, known):
     for r in range(own_rank):
         pivot[c + r] = mine[r]
     for j in range(n):
-        x[j], moved[j] = anchor[j], 0.0
+        x[j] = anchor[j]
+    for j in range(wide):
+        moved[j] = 0.0
     for q in range(frozen, c + own_rank):
         direction, step = V[q], y[q]
-        for j in range(n):
+        for j in range(wide):
             moved[j] += step * direction[j]
     displace(here, x)
     return hard, rank, own, own_rank
@@ -199,13 +201,13 @@ def judge(here, k, last, frozen, hard, rank, own):
                     worst, least = i, says
     for i in range(ptr[k + 1] if k < last else 0):  # at the last level :func:`holds` looks at all rows
         if side[i] == INACTIVE and kind[i] != FROZEN and norm[i] > 0.0:
-            value = value_of(i, x, here)
+            value = value_within(i, x, here)
             near = tol * norm[i] * size
             faults += value > hi[i] + near + tol * abs(hi[i]) or value < lo[i] - near - tol * abs(lo[i])
     for r in range(rank, hard):  # rows of C that depend on the pivot rows must be at their bound, too
         i = ids[r]
         goal = target(side[i], lo[i], hi[i])
-        faults += abs(value_of(i, x, here) - goal) > tol * (abs(goal) + norm[i] * size)
+        faults += abs(value_within(i, x, here) - goal) > tol * (abs(goal) + norm[i] * size)
     return faults, worst, pull
 
 
@@ -219,7 +221,7 @@ def holds(here, last):
     for i in range(ptr[last]):
         if norm[i] == 0.0:
             continue
-        value, near = value_of(i, x, here), tol * norm[i] * size
+        value, near = value_within(i, x, here), tol * norm[i] * size
         low, high = lo[i], hi[i]
         if side[i] != INACTIVE:
             low = high = target(side[i], lo[i], hi[i])

@@ -122,7 +122,7 @@ def judge_rows(here, last, damped, damping):
 
 @inner
 def judge_multipliers(here, last, undecided, damped, damping, closed):
-    """Count the undecided rows whose first multiplier with a clear sign has the wrong one, and those that stay undecided.
+    """Count undecided rows whose first multiplier with a clear sign has the wrong one, and those that stay undecided.
 
     `damped` is as of :func:`judge_rows`; if it is a level, the implicit last level is not judged, as rows of damping
     determine x. `closed` tells that the level above it was solved by :mod:`.closing`, which leaves ``multiplier``, its
