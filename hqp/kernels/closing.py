@@ -34,33 +34,36 @@ SAVES = 1.5
 
 
 @inner
+def variable_of(i, here):
+    """The variable that row i asks for; -1 if it has other entries, or a negative one."""
+    col, row_of = marks(here, at.COL), marks(here, at.ROW_OF)
+    if col[i] >= 0:
+        return col[i]
+    row = matrix(here, at.B)[row_of[i]]
+    j = only_entry(row, ints(here, 0, at.HEAD)[at.N])
+    return j if j >= 0 and row[j] > 0.0 else integer(-1)
+
+
+@inner
 def closes(here, last):
     """Whether level `last` - 1 is equalities on single variables alone, each asked once: writes ``asks`` and ``scale``.
 
     The weights must be of comparable size, see UNEVEN.
     """
-    head = ints(here, 0, at.HEAD)
-    n, k = head[at.N], last - 1
-    if k < 1 or head[at.BASIS] != 0:
+    head, ptr = ints(here, 0, at.HEAD), marks(here, at.PTR)
+    if last < 2 or head[at.BASIS] != 0:
         return False
-    ptr, col, row_of, asks = marks(here, at.PTR), marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.ASKS)
-    lower, upper, norm, B = vector(here, at.LOWER), vector(here, at.UPPER), vector(here, at.NORM), matrix(here, at.B)
-    scale, first, end = vector(here, at.SCALE), ptr[k], ptr[k + 1]
-    if end == first:
+    n, first, end = head[at.N], ptr[last - 1], ptr[last]
+    if first == end or variable_of(first, here) < 0:
         return False
+    asks, scale = marks(here, at.ASKS), vector(here, at.SCALE)
+    lower, upper, norm = vector(here, at.LOWER), vector(here, at.UPPER), vector(here, at.NORM)
     for j in range(n):
         asks[j] = -1
     least = most = norm[first]
     for i in range(first, end):
-        if lower[i] != upper[i] or norm[i] == 0.0:
-            return False
-        j = col[i]
-        if j < 0:
-            row = B[row_of[i]]
-            j = only_entry(row, n)
-            if j < 0 or row[j] < 0.0:
-                return False
-        if asks[j] >= 0:
+        j = variable_of(i, here)
+        if j < 0 or asks[j] >= 0 or lower[i] != upper[i] or norm[i] == 0.0:
             return False
         asks[j] = i
         least, most = min(least, norm[i]), max(most, norm[i])

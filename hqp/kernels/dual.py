@@ -18,7 +18,17 @@ import math
 
 from . import layout as at
 from .compile import inner, integer
-from .members import enter, leave, prepare, sign_of, start_of, wants
+from .members import (
+    enter,
+    leave,
+    prepare,
+    products,
+    sign_of,
+    start_of,
+    substitute,
+    substitute_back,
+    wants,
+)
 from .memory import clock, ints, marks, matrix, vector
 from .metric import displace
 from .orthogonal import padded
@@ -81,10 +91,7 @@ def gives_way(i, count, here):
     s, row = side[i], F[count]
     for c in range(count):
         p[c] = -row[c]
-    for c in range(count - 1, -1, -1):
-        above, own = F[c], p[c]
-        for r in range(c):
-            p[r] -= above[r] * own
+    substitute_back(F, p, count)
     reach, blocks, most = math.inf, integer(-1), 0.0
     for c in range(count):
         sign, part = sign_of(c, here), abs(p[c]) * norm[members[c]] if members[c] < len(norm) else 0.0
@@ -172,11 +179,23 @@ def arrive(here, count):
         x[j] = anchor[j]
     for j in range(wide):
         moved[j] = 0.0
-    for c in range(count):
-        row, much = P[members[c]], force[c]
+    c = integer(0)
+    while c + 3 < count:
+        p0, p1, p2, p3 = P[members[c]], P[members[c + 1]], P[members[c + 2]], P[members[c + 3]]
+        f0, f1, f2, f3 = force[c], force[c + 1], force[c + 2], force[c + 3]
         for j in range(wide):
-            moved[j] -= much * row[j]
-    displace(here, x)
+            moved[j] -= f0 * p0[j] + f1 * p1[j] + f2 * p2[j] + f3 * p3[j]
+        c += 4
+    while c < count:
+        p0, f0 = P[members[c]], force[c]
+        for j in range(wide):
+            moved[j] -= f0 * p0[j]
+        c += 1
+    if head[at.METRIC] != 0:
+        displace(here, x)
+    else:
+        for j in range(n):
+            x[j] += moved[j]
     size = 0.0
     for j in range(n):
         size = max(size, abs(x[j]))
@@ -191,20 +210,13 @@ def refine(here, count):
     members, force, wanted = marks(here, at.MEMBERS), vector(here, at.FORCE), vector(here, at.WANTED)
     D, right, soft = vector(here, at.DIAGONAL), vector(here, at.RIGHT), vector(here, at.SOFT)
     moved, P, F = vector(here, at.MOVED), matrix(here, at.P), matrix(here, at.FACTOR)
+    products(moved, members, count, P, wide, wanted)
     for c in range(count):
-        row, mine = F[c], P[members[c]]
-        total = right[c] - soft[c] * force[c]
-        for j in range(wide):
-            total += mine[j] * moved[j]
-        for r in range(c):
-            total -= row[r] * wanted[r]
-        wanted[c] = total
+        wanted[c] += right[c] - soft[c] * force[c]
+    substitute(F, wanted, integer(0), count)
     for c in range(count):
         wanted[c] /= D[c]
-    for c in range(count - 1, -1, -1):
-        row, own = F[c], wanted[c]
-        for r in range(c):
-            wanted[r] -= row[r] * own
+    substitute_back(F, wanted, count)
     for c in range(count):
         force[c] += wanted[c]
 

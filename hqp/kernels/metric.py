@@ -124,13 +124,11 @@ def eliminate(here, frozen):
 
 @inner
 def convert(i, out, here):
-    """Write row i to out (n,): in the coordinates of the metric, if there is one, which leaves out the others."""
+    """Write row i to out (n,), in the coordinates of the metric, which leaves out the variables that are not asked."""
     head = ints(here, 0, at.HEAD)
     n, u = head[at.N], head[at.METRIC] - 1
     others, scale, E = marks(here, at.QUEUE), vector(here, at.SCALE), matrix(here, at.H)
     copy_row(i, out, here)
-    if u < 0:
-        return
     for a in range(u):
         row, much = E[a], out[others[a]]
         if much != 0.0:
@@ -143,15 +141,11 @@ def convert(i, out, here):
 
 @inner
 def displace(here, x):
-    """Add to x the displacement ``moved``, which is in the coordinates of the metric, if there is one."""
+    """Add to x the displacement ``moved``, which is in the coordinates of the metric."""
     head = ints(here, 0, at.HEAD)
     n, u = head[at.N], head[at.METRIC] - 1
     moved, scale, step = vector(here, at.MOVED), vector(here, at.SCALE), vector(here, at.SCRATCH)
     others, E = marks(here, at.QUEUE), matrix(here, at.H)
-    if u < 0:
-        for j in range(n):
-            x[j] += moved[j]
-        return
     for j in range(n):
         step[j] = scale[j] * moved[j]
         x[j] += step[j]

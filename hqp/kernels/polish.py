@@ -128,7 +128,11 @@ def polish(here, k, last, frozen, known):
         direction, step = V[q], y[q]
         for j in range(wide):
             moved[j] += step * direction[j]
-    displace(here, x)
+    if head[at.METRIC] != 0:
+        displace(here, x)
+    else:
+        for j in range(n):
+            x[j] += moved[j]
     return hard, rank, own, own_rank
 
 
