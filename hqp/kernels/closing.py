@@ -173,7 +173,7 @@ def decompose(here, c, u, f):
 def balance(here, c, u, f):
     """Solve the equations for the ``multiplier`` along V, z, ``g``, and V' lambda, ``balance``; False if too rough.
 
-    The residuals are refined once.
+    The residuals are refined once; then z is moved to the nearest point at which those of the levels above are zero.
     """
     scale, start, others = vector(here, at.D), vector(here, at.SCRATCH), marks(here, at.QUEUE)
     y, z, multiplier, left = vector(here, at.Y), vector(here, at.G), vector(here, at.MULTIPLIER), vector(here, at.RHS)
@@ -194,8 +194,6 @@ def balance(here, c, u, f):
             z[t] = start[t] + scale[t] * scale[t] * along[t]
         for j in range(u):
             z[others[j]] = unknown[j]
-        if turn == 2:
-            break
         for t in range(f):
             size = max(size, abs(z[t]), abs(start[t]))
         away = 0.0
@@ -206,7 +204,12 @@ def balance(here, c, u, f):
             left[q], away, size = total, max(away, abs(total)), max(size, abs(y[q]))
         if turn == 1 and away > ROUGH * size:
             return False
-        correct(here, c, u)
+        if turn < 2:
+            correct(here, c, u)
+    for q in range(c):  # large weights have magnified round-off, which only the levels above would feel
+        row, much = V[q], left[q]
+        for t in range(f):
+            z[t] += much * row[t]
     return True
 
 

@@ -25,7 +25,7 @@ from .extent import extent, far
 from .freeze import freeze
 from .members import enter, list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
-from .metric import change_metric
+from .metric import change_metric, put_back
 from .orthogonal import padded, pivots, triangle
 from .polish import holds, judge, polish
 from .primal import primal
@@ -76,6 +76,8 @@ def levels(here, last, warm):
                 faults, circles, hard, rank, own, own_rank, pull = primal(here, k, last, frozen, rank)
         if faults > 0 and (k < last or late(here)):
             break
+        if head[at.METRIC] != 0:
+            put_back(here, frozen)
         keep(here, k, last)
         note_doubt(here, hard, own_rank, own, pull)
         if k < last:

@@ -27,6 +27,8 @@ FOLLOWS = 1e-3
 def change_metric(here, k, frozen):
     """Enter the metric of level k: V becomes an orthonormal basis in it, and x_E the optimum without inequalities.
 
+    The rows of V until then are kept behind those of P, for :func:`put_back`.
+
     Returns
     -------
     frozen : int
@@ -38,7 +40,11 @@ def change_metric(here, k, frozen):
     asks, side, depth = marks(here, at.ASKS), marks(here, at.SIDE), marks(here, at.DEPTH)
     lo, norm, anchor = vector(here, at.LO), vector(here, at.NORM), vector(here, at.ANCHOR)
     scale, gap, scratch = vector(here, at.SCALE), vector(here, at.MOVED), vector(here, at.SCRATCH)
-    V, wide = matrix(here, at.V), padded(n)
+    V, P, wide = matrix(here, at.V), matrix(here, at.P), padded(n)
+    for q in range(frozen):
+        row, kept = V[q], P[m + q]
+        for j in range(n):
+            kept[j] = row[j]
     u = eliminate(here, frozen)
     if u < 0:
         return integer(-1)
@@ -60,7 +66,8 @@ def change_metric(here, k, frozen):
         gap[j] = (lo[i] / norm[i] - anchor[j]) / scale[j] if i >= 0 else 0.0
     for j in range(n, wide):
         gap[j] = 0.0
-    project(gap, wide, V, integer(0), frozen - u, scratch)
+    for _ in range(2):  # what the first leaves is round-off of the whole gap, not of the part that is left
+        project(gap, wide, V, integer(0), frozen - u, scratch)
     head[at.METRIC] = u + 1
     displace(here, anchor)
     for i in range(m):
@@ -68,6 +75,23 @@ def change_metric(here, k, frozen):
     for i in range(ptr[k], ptr[k + 1]):
         side[i] = EQUALITY
     return frozen - u
+
+
+@inner
+def put_back(here, frozen):
+    """Move x to the nearest point at which the frozen rows have their values, those of ``exact``.
+
+    Where weights differ, the metric magnifies round-off. `frozen` is as of :func:`change_metric`.
+    """
+    head = ints(here, 0, at.HEAD)
+    n, m, c = head[at.N], head[at.ROWS], frozen + head[at.METRIC] - 1
+    x, exact, P = vector(here, at.X), vector(here, at.EXACT), matrix(here, at.P)
+    for q in range(c):
+        row, off = P[m + q], 0.0
+        for j in range(n):
+            off += row[j] * (exact[j] - x[j])
+        for j in range(n):
+            x[j] += off * row[j]
 
 
 @inner
