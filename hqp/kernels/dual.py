@@ -228,14 +228,23 @@ def excesses(here, end, tolerance, size):
     It is signed, positive above the upper bound, in ``slope``; 0 within `tolerance`, which is relative to the bound and
     to `size`, the length of x.
     """
-    side, kind, excess = marks(here, at.SIDE), marks(here, at.KIND), vector(here, at.SLOPE)
+    n, first, past = ints(here, 0, at.HEAD)[at.N], marks(here, at.BEGIN), marks(here, at.END)
+    col, row_of, side, kind = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.SIDE), marks(here, at.KIND)
     lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
+    excess, B = vector(here, at.SLOPE), matrix(here, at.B)
     worst = 0.0
     for i in range(end):
         excess[i] = 0.0
         if side[i] != INACTIVE or norm[i] == 0.0 or kind[i] == FROZEN or kind[i] == IGNORED:
             continue
-        value = value_within(i, x, here)
+        if col[i] >= 0:
+            value = norm[i] * x[col[i]]
+        elif past[i] - first[i] < n // 2:
+            value = value_within(i, x, here)
+        else:
+            given, value = B[row_of[i]], 0.0
+            for j in range(n):
+                value += given[j] * x[j]
         over, under = value - hi[i], lo[i] - value
         if over > tolerance * (abs(hi[i]) + norm[i] * size):
             excess[i] = over / norm[i]

@@ -51,6 +51,8 @@ def value_within(i, x, here):
     if col[i] >= 0:
         return vector(here, at.NORM)[i] * x[col[i]]
     first, past = marks(here, at.BEGIN)[i], marks(here, at.END)[i]
+    if past - first > len(x) // 2:
+        return value_of(i, x, here)
     row, part, total = matrix(here, at.B)[row_of[i]][first:past], x[first:past], 0.0
     for j in range(past - first):
         total += row[j] * part[j]
