@@ -8,9 +8,14 @@ import numpy as np
 import pytest
 
 from hqp import Hierarchy, Level, Settings, certify
-from hqp.backends.native import Memory
+from hqp.backends.native import Memory, warm_up
 from hqp.kernels import layout as at
 from hqp.kernels.active_set import OPTIMAL
+
+
+@pytest.fixture(autouse=True, scope="module")
+def compiled() -> None:
+    warm_up()
 
 
 def standing(rng: np.random.Generator, n: int, free: int, dense: bool, far: float = 3.0) -> Hierarchy:
