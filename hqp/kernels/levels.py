@@ -29,7 +29,7 @@ from .metric import change_metric, put_back
 from .orthogonal import padded, pivots, triangle
 from .polish import holds, judge, polish
 from .primal import primal
-from .rows import EQUALITY, INACTIVE, LOWER, UPPER, note_spans, value_within
+from .rows import EQUALITY, INACTIVE, LOWER, UPPER, note_spans, value_of
 from .working_set import FROZEN, FUTURE, HARD, IGNORED
 
 #: Softness of the level that is being solved, relative to the square of its longest row.
@@ -263,7 +263,7 @@ def feasible(here, k):
     size = extent(point, here)
     for i in range(ptr[k]):
         if kind[i] != FROZEN and norm[i] > 0.0:
-            value, near = value_within(i, point, here), FEASIBLE * norm[i] * size
+            value, near = value_of(i, point, here), FEASIBLE * norm[i] * size
             if value > hi[i] + near + FEASIBLE * abs(hi[i]) or value < lo[i] - near - FEASIBLE * abs(lo[i]):
                 return False
     return True
@@ -286,7 +286,7 @@ def start_again(here, k):
         if i < ptr[k]:
             side[i] = saved[(k - 1) * m + i] if kind[i] == HARD else INACTIVE
             continue
-        value, near = value_within(i, point, here), tol * norm[i] * size
+        value, near = value_of(i, point, here), tol * norm[i] * size
         side[i] = INACTIVE
         if value > hi[i] + near + tol * abs(hi[i]):
             side[i] = UPPER

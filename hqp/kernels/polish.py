@@ -18,7 +18,7 @@ from .members import list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
 from .metric import displace, pull_in_metric
 from .orthogonal import NONE, level_least_squares, padded, pivots, separate
-from .rows import EQUALITY, INACTIVE, target, value_within
+from .rows import EQUALITY, INACTIVE, target, value_of
 from .signs import clear_of_basis
 from .working_set import FROZEN, balance
 
@@ -205,13 +205,13 @@ def judge(here, k, last, frozen, hard, rank, own):
                     worst, least = i, says
     for i in range(ptr[k + 1] if k < last else 0):  # at the last level :func:`holds` looks at all rows
         if side[i] == INACTIVE and kind[i] != FROZEN and norm[i] > 0.0:
-            value = value_within(i, x, here)
+            value = value_of(i, x, here)
             near = tol * norm[i] * size
             faults += value > hi[i] + near + tol * abs(hi[i]) or value < lo[i] - near - tol * abs(lo[i])
     for r in range(rank, hard):  # rows of C that depend on the pivot rows must be at their bound, too
         i = ids[r]
         goal = target(side[i], lo[i], hi[i])
-        faults += abs(value_within(i, x, here) - goal) > tol * (abs(goal) + norm[i] * size)
+        faults += abs(value_of(i, x, here) - goal) > tol * (abs(goal) + norm[i] * size)
     return faults, worst, pull
 
 
@@ -225,7 +225,7 @@ def holds(here, last):
     for i in range(ptr[last]):
         if norm[i] == 0.0:
             continue
-        value, near = value_within(i, x, here), tol * norm[i] * size
+        value, near = value_of(i, x, here), tol * norm[i] * size
         low, high = lo[i], hi[i]
         if side[i] != INACTIVE:
             low = high = target(side[i], lo[i], hi[i])

@@ -11,7 +11,7 @@ from .extent import extent
 from .memory import ints, marks, vector
 from .orthogonal import length
 from .polish import judge, polish
-from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target, value_within
+from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target, value_of
 from .working_set import FROZEN
 
 #: The most steps of one level.
@@ -47,10 +47,10 @@ def first_event(here, k):
     for i in range(ptr[k + 1]):
         if norm[i] == 0.0 or kind[i] == FROZEN or side[i] == EQUALITY:
             continue
-        rate = value_within(i, d, here)
+        rate = value_of(i, d, here)
         if abs(rate) <= MOVES * norm[i] * steep:
             continue
-        value = value_within(i, start, here)
+        value = value_of(i, start, here)
         if side[i] == INACTIVE:
             bound = hi[i] if rate > 0.0 else lo[i]
             ratio = max(0.0, (bound - value) / rate)

@@ -46,13 +46,9 @@ def note_spans(here):
 
 @inner
 def value_within(i, x, here):
-    """The value a_i x of row i as :func:`value_of`, from the entries that :func:`note_spans` has found."""
-    col, row_of = marks(here, at.COL), marks(here, at.ROW_OF)
-    if col[i] >= 0:
-        return vector(here, at.NORM)[i] * x[col[i]]
+    """The value a_i x of dense row i, from the entries that :func:`note_spans` has found."""
+    row_of = marks(here, at.ROW_OF)
     first, past = marks(here, at.BEGIN)[i], marks(here, at.END)[i]
-    if past - first > len(x) // 2:
-        return value_of(i, x, here)
     row, part, total = matrix(here, at.B)[row_of[i]][first:past], x[first:past], 0.0
     for j in range(past - first):
         total += row[j] * part[j]
