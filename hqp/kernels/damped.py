@@ -142,7 +142,7 @@ def sweep_stage(here, last, level, damping, through, c, count, rank, tau):
             through, c = level + 1, c + rank
     faults, undecided, blurred = judge_rows(here, last, level, damping)
     if undecided > 0:
-        faults += judge_multipliers(here, last, undecided, level, damping)
+        faults += judge_multipliers(here, last, undecided, level, damping, False)[0]
     if tau < vector(here, at.OPTION)[at.TAU]:
         through, c = integer(0), integer(0)
     return faults, blurred, through, c

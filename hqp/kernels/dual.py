@@ -18,9 +18,21 @@ import math
 
 from . import layout as at
 from .compile import inner, integer
-from .members import enter, leave, prepare, sign_of, start_of, wants
+from .members import (
+    enter,
+    leave,
+    prepare,
+    products,
+    sign_of,
+    start_of,
+    substitute,
+    substitute_back,
+    wants,
+)
 from .memory import clock, ints, marks, matrix, vector
-from .rows import INACTIVE, LOWER, UPPER, target
+from .metric import displace
+from .orthogonal import padded
+from .rows import INACTIVE, LOWER, UPPER, target, value_within
 from .working_set import FROZEN, IGNORED
 
 #: Value of DEADLINE: there is none.
@@ -79,10 +91,7 @@ def gives_way(i, count, here):
     s, row = side[i], F[count]
     for c in range(count):
         p[c] = -row[c]
-    for c in range(count - 1, -1, -1):
-        above, own = F[c], p[c]
-        for r in range(c):
-            p[r] -= above[r] * own
+    substitute_back(F, p, count)
     reach, blocks, most = math.inf, integer(-1), 0.0
     for c in range(count):
         sign, part = sign_of(c, here), abs(p[c]) * norm[members[c]] if members[c] < len(norm) else 0.0
@@ -163,15 +172,30 @@ def move(here, count):
 def arrive(here, count):
     """Write ``x`` = x_E - P^T lambda; returns its largest coordinate, plus the blur of :func:`.extent.extent`."""
     head = ints(here, 0, at.HEAD)
-    n = head[at.N]
+    n, wide = head[at.N], padded(head[at.N])
     members, force = marks(here, at.MEMBERS), vector(here, at.FORCE)
-    x, anchor, P = vector(here, at.X), vector(here, at.ANCHOR), matrix(here, at.P)
+    x, anchor, P, moved = vector(here, at.X), vector(here, at.ANCHOR), matrix(here, at.P), vector(here, at.MOVED)
     for j in range(n):
         x[j] = anchor[j]
-    for c in range(count):
-        row, much = P[members[c]], force[c]
+    for j in range(wide):
+        moved[j] = 0.0
+    c = integer(0)
+    while c + 3 < count:
+        p0, p1, p2, p3 = P[members[c]], P[members[c + 1]], P[members[c + 2]], P[members[c + 3]]
+        f0, f1, f2, f3 = force[c], force[c + 1], force[c + 2], force[c + 3]
+        for j in range(wide):
+            moved[j] -= f0 * p0[j] + f1 * p1[j] + f2 * p2[j] + f3 * p3[j]
+        c += 4
+    while c < count:
+        p0, f0 = P[members[c]], force[c]
+        for j in range(wide):
+            moved[j] -= f0 * p0[j]
+        c += 1
+    if head[at.METRIC] != 0:
+        displace(here, x)
+    else:
         for j in range(n):
-            x[j] -= much * row[j]
+            x[j] += moved[j]
     size = 0.0
     for j in range(n):
         size = max(size, abs(x[j]))
@@ -182,25 +206,17 @@ def arrive(here, count):
 def refine(here, count):
     """One step of iterative refinement of the multipliers: the residual is solved for with the same factor."""
     head = ints(here, 0, at.HEAD)
-    n = head[at.N]
+    wide = padded(head[at.N])
     members, force, wanted = marks(here, at.MEMBERS), vector(here, at.FORCE), vector(here, at.WANTED)
     D, right, soft = vector(here, at.DIAGONAL), vector(here, at.RIGHT), vector(here, at.SOFT)
-    x, anchor = vector(here, at.X), vector(here, at.ANCHOR)
-    P, F = matrix(here, at.P), matrix(here, at.FACTOR)
+    moved, P, F = vector(here, at.MOVED), matrix(here, at.P), matrix(here, at.FACTOR)
+    products(moved, members, count, P, wide, wanted)
     for c in range(count):
-        row, mine = F[c], P[members[c]]
-        total = right[c] - soft[c] * force[c]
-        for j in range(n):
-            total += mine[j] * (x[j] - anchor[j])
-        for r in range(c):
-            total -= row[r] * wanted[r]
-        wanted[c] = total
+        wanted[c] += right[c] - soft[c] * force[c]
+    substitute(F, wanted, integer(0), count)
     for c in range(count):
         wanted[c] /= D[c]
-    for c in range(count - 1, -1, -1):
-        row, own = F[c], wanted[c]
-        for r in range(c):
-            wanted[r] -= row[r] * own
+    substitute_back(F, wanted, count)
     for c in range(count):
         force[c] += wanted[c]
 
@@ -212,8 +228,7 @@ def excesses(here, end, tolerance, size):
     It is signed, positive above the upper bound, in ``slope``; 0 within `tolerance`, which is relative to the bound and
     to `size`, the length of x.
     """
-    head = ints(here, 0, at.HEAD)
-    n = head[at.N]
+    n, first, past = ints(here, 0, at.HEAD)[at.N], marks(here, at.BEGIN), marks(here, at.END)
     col, row_of, side, kind = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.SIDE), marks(here, at.KIND)
     lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
     excess, B = vector(here, at.SLOPE), matrix(here, at.B)
@@ -224,6 +239,8 @@ def excesses(here, end, tolerance, size):
             continue
         if col[i] >= 0:
             value = norm[i] * x[col[i]]
+        elif past[i] - first[i] < n // 2:
+            value = value_within(i, x, here)
         else:
             given, value = B[row_of[i]], 0.0
             for j in range(n):

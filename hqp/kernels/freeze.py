@@ -7,7 +7,7 @@ from .compile import inner, integer
 from .extent import extent
 from .members import list_part
 from .memory import ints, marks, matrix, vector
-from .orthogonal import pivots
+from .orthogonal import padded, pivots
 from .rows import EQUALITY, INACTIVE, target
 from .signs import HELD_FIRMLY, clear_of_basis
 from .working_set import FROZEN, HARD
@@ -83,7 +83,7 @@ def refactor(here, frozen, hard, own):
         if kind[i] == FROZEN:
             list_part(i, count, count, here)
             count += 1
-    gained = pivots(ids, count, slots, lengths, R, norm, V, L, frozen, n, tau)
+    gained = pivots(ids, count, slots, lengths, R, norm, V, L, frozen, padded(n), tau)
     for r in range(gained):
         direction, step = V[frozen + r], 0.0
         for j in range(n):

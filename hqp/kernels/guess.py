@@ -10,7 +10,7 @@ from . import layout as at
 from .compile import inner, integer
 from .dual import ROUGH, admit, settle
 from .memory import ints, marks, vector
-from .rows import EQUALITY, INACTIVE
+from .rows import EQUALITY, INACTIVE, note_spans
 from .working_set import HARD
 
 #: Softness of the highest and of the lowest level, relative to the square of the longest row of the level.
@@ -30,6 +30,7 @@ def guess(here, last):
     most = len(marks(here, at.MEMBERS))
     if n > UNKNOWNS:
         return False
+    note_spans(here)
     for j in range(n):
         anchor[j] = x0[j]
     count, softness = integer(0), HARDEST

@@ -23,12 +23,19 @@ COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES = 9, 10, 11, 12, 13, 14
 #: When the call began, by the clock of :mod:`.memory` (0: when the kernel begins); when the solve must end; whether
 #: SAVED holds the sides at the end of each level; how many levels are damped; the address of a second directory, in
 #: which rows of damping are ordinary rows; whether damped levels have aims of their own (0: x_ref); and whether the
-#: rank of a level is in doubt (:mod:`.doubt`). HEAD is the number of these numbers.
-BEGAN, DEADLINE, HISTORY, DAMPED, TWIN, AIMED, DOUBT, HEAD = 16, 17, 18, 19, 20, 21, 22, 23
+#: rank of a level is in doubt (:mod:`.doubt`); whether the last level asks for single variables (:mod:`.closing`);
+#: and whether the caller needs a basis of all levels from the sweep.
+BEGAN, DEADLINE, HISTORY, DAMPED, TWIN, AIMED, DOUBT, CLOSES, BASIS = 16, 17, 18, 19, 20, 21, 22, 23, 24
+#: 1 + the number of variables that are not asked, while :mod:`.levels` works in the metric of the last level; else 0.
+#: HEAD is the number of these numbers.
+METRIC, HEAD = 25, 26
 
 #: Places in OPTION: relative tolerances on rank and on rows; most iterations; most seconds; and BLUR, what the
 #: round-off of x_0 adds to the length of x to which tolerances are relative (:mod:`.extent`).
 TAU, TOL, BUDGET, LIMIT, BLUR = 0, 1, 2, 3, 4
+#: Rows that are orthogonalised have zeros up to a multiple of so many entries: what a vectorised loop leaves over is
+#: done one by one, and takes as long as all the rest.
+PAD = 8
 #: Numbers of a damping rule: its kind and two parameters.
 RULE = 3
 
@@ -55,6 +62,11 @@ RULE = 3
 # For :mod:`.damped`: the damped levels; the rule of each; the sides at the end of each stage, (2 damped + 1, m); of
 # each damped level lambda, whether x_a was computed, x_a and x_k; and its aim. For :mod:`.lift`: (levels, m).
 (WHICH, RULES, STAGES, PASSED, AIMS, PRESSED) = range(66, 72)
+# For :mod:`.closing` and :mod:`.metric`: the row that asks for each variable, or -1; the metric, 1 for variables that
+# are not asked; and a displacement in it.
+(ASKS, SCALE, MOVED) = range(72, 75)
+# For :mod:`.levels`: where the entries of each row begin and end that are not 0.
+(BEGIN, END) = range(75, 77)
 
 
 def shapes(n, levels, m, dense, widest, damped):
@@ -62,18 +74,19 @@ def shapes(n, levels, m, dense, widest, damped):
 
     `m` is the number of all rows, `dense` that of A, `widest` that of the largest level, `damped` how many are damped.
     """
-    deep, many, spare = widest + n, min(m, 2 * n + 8), n if damped else 0
-    ints = dict.fromkeys((SIDE, FOLLOW, DECIDED, KIND, HELD), (m, 1))
-    ints |= dict.fromkeys((PINNED, FREE, PIVOT, QUEUE), (n, 1))
+    deep, many, spare, wide = widest + n, min(m, 2 * n + 8), n if damped else 0, -(-n // PAD) * PAD
+    ints = dict.fromkeys((SIDE, FOLLOW, DECIDED, KIND, HELD, BEGIN, END), (m, 1))
+    ints |= dict.fromkeys((PINNED, FREE, PIVOT, QUEUE, ASKS), (n, 1))
     ints |= dict.fromkeys((IDS, SLOTS), (deep, 1)) | {CUT: (levels + 1, 1), MEMBERS: (many, 1)}
     ints |= {SAVED: ((levels + 1) * m, 1), DEPTH: (m, 1)}
     ints |= {STAGES: ((2 * damped + 1) * m if damped else 0, 1)}
     reals = dict.fromkeys((LO, HI, NORM, VALUE, SLOPE, LOW, HIGH, ALLOWED), (m, 1)) | {W: (m + spare, 1)}
-    reals |= dict.fromkeys((X_REF, X0, X, Y, G, BALANCE, D, MULTIPLIER, SHARE, SCRATCH, SAFE), (n, 1))
-    reals |= {B: (dense, n), V: (n, n), L: (m + spare, n), R: (deep, n), H: (n, deep)}
+    reals |= dict.fromkeys((X_REF, X0, X, Y, G, BALANCE, D, MULTIPLIER, SHARE, SAFE), (n, 1))
+    reals |= {B: (dense, n), V: (n, wide), L: (m + spare, n), R: (deep, wide), H: (n, deep)}
     reals |= {FORCES: (levels, 1), OPTION: (5, 1)}
     reals |= dict.fromkeys((LENGTHS, RHS), (deep, 1))
-    reals |= dict.fromkeys((ANCHOR, EXACT, APPROACH), (n, 1)) | {P: (m + n, n), LAMBDA: (m, 1), FACTOR: (many, many)}
+    reals |= dict.fromkeys((ANCHOR, EXACT, APPROACH, SCALE), (n, 1)) | dict.fromkeys((SCRATCH, MOVED), (wide, 1))
+    reals |= {P: (m + n, wide), LAMBDA: (m, 1), FACTOR: (many, many)}
     reals |= dict.fromkeys((DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED), (many, 1))
     reals |= {RULES: (damped, RULE), PASSED: (damped, 2 + 2 * n), AIMS: (damped, n), PRESSED: (levels, m)}
     return ints, reals
@@ -121,7 +134,7 @@ def lay_out(structure, damped=(), rows_of_damping=False):
     owned = {place: np.array(given, dtype=np.int64) for place, given in owned.items()}
 
     m, rows = len(columns), int(dense.sum())
-    directory = np.zeros(HEAD + 3 * (PRESSED + 1), dtype=np.int64)
+    directory = np.zeros(HEAD + 3 * (END + 1), dtype=np.int64)
     directory[[N, LEVELS, ROWS, BOXED, DAMPED]] = n, len(levels), m, distinct[:1] == [True], len(damped)
     entries = directory[HEAD:].reshape(-1, 3)
     for place, array in owned.items():

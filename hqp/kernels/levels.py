@@ -25,10 +25,11 @@ from .extent import extent, far
 from .freeze import freeze
 from .members import enter, list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
-from .orthogonal import pivots, triangle
+from .metric import change_metric, put_back
+from .orthogonal import padded, pivots, triangle
 from .polish import holds, judge, polish
 from .primal import primal
-from .rows import EQUALITY, INACTIVE, LOWER, UPPER, value_of
+from .rows import EQUALITY, INACTIVE, LOWER, UPPER, note_spans, value_of
 from .working_set import FROZEN, FUTURE, HARD, IGNORED
 
 #: Softness of the level that is being solved, relative to the square of its longest row.
@@ -49,7 +50,12 @@ def levels(here, last, warm):
     """
     ptr, rounds = marks(here, at.PTR), 4 * len(marks(here, at.MEMBERS)) + 4
     k, frozen = begin(here, last)
+    head, whole = ints(here, 0, at.HEAD), last
     while k <= last and not late(here):
+        if k == last - 1 and head[at.CLOSES] != 0:
+            changed = change_metric(here, k, frozen)
+            if changed >= 0:  # level k is the last one now
+                frozen, last = changed, k
         delta, end = take_up(here, k, last, warm), ptr[min(k + 1, last)]
         for turn in range(2):
             if turn > 0 or k == last:  # the last level has no rows of its own, and is hardly ever met: dual at once
@@ -68,8 +74,10 @@ def levels(here, last, warm):
             faults, circles, hard, rank, own, own_rank, pull = primal(here, k, last, frozen, rank)
             if circles and sharpen(here):  # what was let go is needed: it matters what counts as dependent
                 faults, circles, hard, rank, own, own_rank, pull = primal(here, k, last, frozen, rank)
-        if faults > 0 and k < last:
+        if faults > 0 and (k < last or late(here)):
             break
+        if head[at.METRIC] != 0:
+            put_back(here, frozen)
         keep(here, k, last)
         note_doubt(here, hard, own_rank, own, pull)
         if k < last:
@@ -78,6 +86,10 @@ def levels(here, last, warm):
         elif faults == 0 and not far(here) and holds(here, last):
             k += 1
         k += 1
+    if last < whole and k > last:
+        keep(here, whole, whole)
+        k += 1
+    head[at.METRIC] = 0
     return k
 
 
@@ -104,6 +116,7 @@ def begin(here, last):
     for i in range(ptr[last]):
         kind[i], side[i], depth[i] = FUTURE, INACTIVE, -1
         softness[i] = carried[i] = w[i] = 0.0
+    note_spans(here)
     for j in range(n):
         anchor[j] = exact[j] = x0[j]
     if not boxed:
@@ -113,7 +126,7 @@ def begin(here, last):
         j, kind[i], saved[i] = col[i], HARD, INACTIVE
         exact[j] = min(max(x0[j], lower[i]), upper[i])
         if lower[i] == upper[i] and norm[i] > 0.0:
-            for q in range(n):
+            for q in range(padded(n)):
                 V[frozen][q] = 0.0
             for q in range(frozen):
                 L[i][q] = 0.0
@@ -175,13 +188,13 @@ def condense(here, k, frozen, delta):
         if side[i] == EQUALITY:
             list_part(i, count, count, here)
             count += 1
-    rank = pivots(ids, count, slots, lengths, R, norm, V, L, frozen, n, tau)
+    rank = pivots(ids, count, slots, lengths, R, norm, V, L, frozen, padded(n), tau)
     for r in range(count):
         rhs[r] = start_of(ids[r], lo[ids[r]], here)
     triangle(ids, count, rank, L, frozen, rhs, y, H)
     for c in range(rank):
         row, direction = P[m + c], V[frozen + c]
-        for j in range(n):
+        for j in range(padded(n)):
             row[j] = y[frozen + c] * direction[j]
         for q in range(c):
             direction, much = V[frozen + q], H[q][c]

@@ -14,7 +14,8 @@ from __future__ import annotations
 from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
-from .orthogonal import CANCELLED, length, project
+from .metric import convert
+from .orthogonal import CANCELLED, length, padded, project
 from .rows import EQUALITY, copy_row, value_of
 
 
@@ -31,12 +32,18 @@ def prepare(i, frozen, here):
     row = P[i]
     if depth[i] < 0:
         depth[i] = 0
-        copy_row(i, row, here)
+        if head[at.METRIC] != 0:
+            convert(i, row, here)
+        else:
+            copy_row(i, row, here)
+        for j in range(n, padded(n)):
+            row[j] = 0.0
     if depth[i] < frozen:
-        before = length(row, n)
-        project(row, n, V, depth[i], frozen, scratch)
-        if length(row, n) < CANCELLED * before:
-            project(row, n, V, integer(0), frozen, scratch)
+        wide = padded(n)
+        before = length(row, wide)
+        project(row, wide, V, depth[i], frozen, scratch)
+        if length(row, wide) < CANCELLED * before:
+            project(row, wide, V, integer(0), frozen, scratch)
         depth[i] = frozen
 
 
@@ -46,19 +53,89 @@ def list_part(i, place, slot, here):
 
     `slot` is its place relative to the first row of the call of `pivots`.
     """
-    n = ints(here, 0, at.HEAD)[at.N]
+    wide = padded(ints(here, 0, at.HEAD)[at.N])
     P, R = matrix(here, at.P), matrix(here, at.R)
     mine, row = P[i], R[place]
-    for j in range(n):
+    for j in range(wide):
         row[j] = mine[j]
     marks(here, at.IDS)[place], marks(here, at.SLOTS)[place] = i, slot
-    vector(here, at.LENGTHS)[place] = length(row, n)
+    vector(here, at.LENGTHS)[place] = length(row, wide)
 
 
 @inner
 def start_of(i, goal, here):
     """The right-hand side r_i = b_i x_E - g of row i, where g is `goal`."""
     return value_of(i, vector(here, at.ANCHOR), here) - goal
+
+
+@inner
+def products(mine, members, count, P, wide, out):
+    """Write the products of a row with those of all members to out[:count]: one pass over it serves four."""
+    r = integer(0)
+    while r + 3 < count:
+        p0, p1, p2, p3 = P[members[r]], P[members[r + 1]], P[members[r + 2]], P[members[r + 3]]
+        d0 = d1 = d2 = d3 = 0.0
+        for j in range(wide):
+            d0 += mine[j] * p0[j]
+            d1 += mine[j] * p1[j]
+            d2 += mine[j] * p2[j]
+            d3 += mine[j] * p3[j]
+        out[r], out[r + 1], out[r + 2], out[r + 3] = d0, d1, d2, d3
+        r += 4
+    while r < count:
+        p0, d0 = P[members[r]], 0.0
+        for j in range(wide):
+            d0 += mine[j] * p0[j]
+        out[r] = d0
+        r += 1
+
+
+@inner
+def substitute(F, row, first, count):
+    """Solve L l = row[:count] in place, L being the unit lower triangle F, four rows at a time; l[:first] is known."""
+    r = first
+    while r + 3 < count:
+        f0, f1, f2, f3 = F[r], F[r + 1], F[r + 2], F[r + 3]
+        t0, t1, t2, t3 = row[r], row[r + 1], row[r + 2], row[r + 3]
+        for q in range(r):
+            known = row[q]
+            t0 -= f0[q] * known
+            t1 -= f1[q] * known
+            t2 -= f2[q] * known
+            t3 -= f3[q] * known
+        t1 -= f1[r] * t0
+        t2 -= f2[r] * t0 + f2[r + 1] * t1
+        t3 -= f3[r] * t0 + f3[r + 1] * t1 + f3[r + 2] * t2
+        row[r], row[r + 1], row[r + 2], row[r + 3] = t0, t1, t2, t3
+        r += 4
+    while r < count:
+        f0, t0 = F[r], row[r]
+        for q in range(r):
+            t0 -= f0[q] * row[q]
+        row[r] = t0
+        r += 1
+
+
+@inner
+def substitute_back(F, p, count):
+    """Solve L^T l = p[:count] in place, L being the unit lower triangle F: four rows at a time."""
+    c = count
+    while c > 3:
+        c -= 4
+        f1, f2, f3 = F[c + 1], F[c + 2], F[c + 3]
+        p3 = p[c + 3]
+        p2 = p[c + 2] - f3[c + 2] * p3
+        p1 = p[c + 1] - f3[c + 1] * p3 - f2[c + 1] * p2
+        p0 = p[c] - f3[c] * p3 - f2[c] * p2 - f1[c] * p1
+        p[c], p[c + 1], p[c + 2] = p0, p1, p2
+        f0 = F[c]
+        for r in range(c):
+            p[r] -= f0[r] * p0 + f1[r] * p1 + f2[r] * p2 + f3[r] * p3
+    while c > 0:
+        c -= 1
+        f0, p0 = F[c], p[c]
+        for r in range(c):
+            p[r] -= f0[r] * p0
 
 
 @inner
@@ -71,32 +148,22 @@ def enter(count, here):
         The new entry of D, and ``||P||^2`` of the row. If the pivot is tiny beside `square`, the row is dependent.
     """
     head = ints(here, 0, at.HEAD)
-    n, m = head[at.N], head[at.ROWS]
+    m, wide = head[at.ROWS], padded(head[at.N])
     members, col, norm = marks(here, at.MEMBERS), marks(here, at.COL), vector(here, at.NORM)
     D, z, right, soft = vector(here, at.DIAGONAL), vector(here, at.Z), vector(here, at.RIGHT), vector(here, at.SOFT)
     P, F = matrix(here, at.P), matrix(here, at.FACTOR)
     i = members[count]
     mine, row = P[i], F[count]
     square = 0.0
-    for j in range(n):
+    for j in range(wide):
         square += mine[j] * mine[j]
-    if i < m and col[i] >= 0:
+    if i < m and col[i] >= 0 and head[at.METRIC] == 0:
         for r in range(count):
             row[r] = norm[i] * P[members[r]][col[i]]
     else:
-        for r in range(count):
-            other = P[members[r]]
-            total = 0.0
-            for j in range(n):
-                total += mine[j] * other[j]
-            row[r] = total
+        products(mine, members, count, P, wide, row)
     pivot, rest = square + soft[count], right[count]
-    for r in range(count):
-        above = F[r]
-        total = row[r]
-        for q in range(r):
-            total -= above[q] * row[q]
-        row[r] = total
+    substitute(F, row, integer(0), count)
     for r in range(count):
         scaled = row[r] / D[r]
         pivot -= scaled * row[r]
@@ -130,10 +197,8 @@ def leave(place, count, here):
         D[c - 1] = grown
         members[c - 1], right[c - 1], soft[c - 1], force[c - 1] = members[c], right[c], soft[c], force[c]
     for c in range(place, count - 1):
-        row, total = F[c], right[c]
-        for r in range(c):
-            total -= row[r] * z[r]
-        z[c] = total
+        z[c] = right[c]
+    substitute(F, z, place, count - 1)
 
 
 @inner
@@ -145,10 +210,7 @@ def wants(count, here):
     for c in range(count):
         wanted[c] = z[c] / D[c]
         objective += z[c] * wanted[c]
-    for c in range(count - 1, -1, -1):
-        row, own = F[c], wanted[c]
-        for r in range(c):
-            wanted[r] -= row[r] * own
+    substitute_back(F, wanted, count)
     return objective
 
 

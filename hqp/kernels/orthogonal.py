@@ -15,12 +15,19 @@ from __future__ import annotations
 import math
 
 from .compile import inner, integer
+from .layout import PAD
 
 #: A remainder below this share of the length of its row is projected again.
 CANCELLED = 0.1
 #: A remainder below this share of the length of its row is round-off and set to 0, as a large slack would magnify it. A
 #: longer one takes part in the least squares of its level, even if it is too short for a direction of its own.
 NONE = 1e-14
+
+
+@inner
+def padded(f):
+    """f, rounded up to a multiple of PAD: as many entries do loops over rows take that end in zeros."""
+    return (f + PAD - 1) & -PAD
 
 
 @inner
@@ -104,7 +111,6 @@ def factor(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
     -------
     rank : int
     """
-    # The literals 0 here and in :func:`pivots` make a variant of `project` for the sweep alone: 3 % of a solve.
     separate(ids, count, slots, sizes, R, norm, V, L, 0, c, f, tau)
     return pivots(ids, count, slots, sizes, R, norm, V, L, c, f, tau)
 
@@ -133,11 +139,12 @@ def separate(ids, count, slots, sizes, R, norm, V, L, first, c, f, tau):
 def pivots(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
     """Turn the remainders R into rows of V, the longest first, until only dependent ones are left; returns the rank.
 
-    Arguments as of :func:`factor`, after :func:`separate`.
+    Arguments as of :func:`factor`, after :func:`separate`; f may be :func:`padded`, V has as many
+    rows as there are variables.
     """
     rank = integer(0)
     renewed = -1  # the row that was just projected again
-    while rank < count and c + rank < f:
+    while rank < count and c + rank < min(len(V), f):
         best, most = -1, 0.0
         for r in range(rank, count):
             if sizes[r] > most and sizes[r] > tau * norm[ids[r]]:

@@ -16,7 +16,8 @@ from .compile import inner, integer
 from .extent import extent
 from .members import list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
-from .orthogonal import NONE, level_least_squares, pivots, separate
+from .metric import displace, pull_in_metric
+from .orthogonal import NONE, level_least_squares, padded, pivots, separate
 from .rows import EQUALITY, INACTIVE, target, value_of
 from .signs import clear_of_basis
 from .working_set import FROZEN, balance
@@ -46,7 +47,7 @@ def list_members(here, first, end, frozen, begin, room):
         if not lengths[count] > min(NONE, tau) * norm[i]:
             lengths[count] = 0.0
             row = R[count]
-            for j in range(n):
+            for j in range(padded(n)):
                 row[j] = 0.0
         count += 1
     return count - begin
@@ -90,12 +91,13 @@ def polish(here, k, last, frozen, known):
     x, w, y, anchor = vector(here, at.X), vector(here, at.W), vector(here, at.Y), vector(here, at.ANCHOR)
     rhs, lengths, tau = vector(here, at.RHS), vector(here, at.LENGTHS), vector(here, at.OPTION)[at.TAU]
     V, L, R, H = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R), matrix(here, at.H)
+    moved, wide = vector(here, at.MOVED), padded(n)
     known = recall(here, ptr[min(k + 1, last)], frozen, known)
     more, c = list_members(here, integer(0), ptr[k], frozen, known, n - known), frozen + known
     mine, places, sizes, rows = ids[known:], slots[known:], lengths[known:], R[known:]
     if known > 0:
-        separate(mine, more, places, sizes, rows, norm, V, L, frozen, c, n, tau)
-    hard, rank = known + more, known + pivots(mine, more, places, sizes, rows, norm, V, L, c, n, tau)
+        separate(mine, more, places, sizes, rows, norm, V, L, frozen, c, wide, tau)
+    hard, rank = known + more, known + pivots(mine, more, places, sizes, rows, norm, V, L, c, wide, tau)
     for r in range(rank):
         i = ids[r]
         row, total = L[i], -start_of(i, target(side[i], lo[i], hi[i]), here)
@@ -107,8 +109,8 @@ def polish(here, k, last, frozen, known):
     c = frozen + rank
     own = list_members(here, ptr[k], ptr[min(k + 1, last)], frozen, hard, head[at.ROWS])
     mine, places, sizes, rows, right = ids[hard:], slots[hard:], lengths[hard:], R[hard:], rhs[hard:]
-    separate(mine, own, places, sizes, rows, norm, V, L, frozen, c, n, tau)
-    own_rank = pivots(mine, own, places, sizes, rows, norm, V, L, c, n, tau)
+    separate(mine, own, places, sizes, rows, norm, V, L, frozen, c, wide, tau)
+    own_rank = pivots(mine, own, places, sizes, rows, norm, V, L, c, wide, tau)
     for r in range(own):
         i = mine[r]
         row, total = L[i], -start_of(i, target(side[i], lo[i], hi[i]), here)
@@ -120,10 +122,17 @@ def polish(here, k, last, frozen, known):
         pivot[c + r] = mine[r]
     for j in range(n):
         x[j] = anchor[j]
+    for j in range(wide):
+        moved[j] = 0.0
     for q in range(frozen, c + own_rank):
         direction, step = V[q], y[q]
+        for j in range(wide):
+            moved[j] += step * direction[j]
+    if head[at.METRIC] != 0:
+        displace(here, x)
+    else:
         for j in range(n):
-            x[j] += step * direction[j]
+            x[j] += moved[j]
     return hard, rank, own, own_rank
 
 
@@ -149,7 +158,10 @@ def judge(here, k, last, frozen, hard, rank, own):
     x, w, g, multiplier = vector(here, at.X), vector(here, at.W), vector(here, at.G), vector(here, at.MULTIPLIER)
     x0 = vector(here, at.X0)
     size, met, pull = extent(x, here), True, 0.0
-    if k == last:  # min ||x - x_0||, which is met at x_0 alone
+    if head[at.METRIC] != 0:
+        pull, met = pull_in_metric(here, size)
+        blur = 0.0
+    elif k == last:  # min ||x - x_0||, which is met at x_0 alone
         for j in range(n):
             g[j] = x[j] - x0[j]
             pull += abs(g[j])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from . import layout as at
-from .compile import inner
+from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 
 #: The sides on which a row can be active, as :class:`hqp.Side`.
@@ -24,6 +24,34 @@ def value_of(i, x, here):
     total = 0.0
     for j in range(n):
         total += row[j] * x[j]
+    return total
+
+
+@inner
+def note_spans(here):
+    """Write where the entries of each row begin and end that are not 0, for :func:`value_within`."""
+    head = ints(here, 0, at.HEAD)
+    n, col, row_of, B = head[at.N], marks(here, at.COL), marks(here, at.ROW_OF), matrix(here, at.B)
+    begin, end = marks(here, at.BEGIN), marks(here, at.END)
+    for i in range(head[at.ROWS]):
+        first, past = integer(0), n
+        if col[i] < 0:
+            row = B[row_of[i]]
+            while first < past and row[first] == 0.0:
+                first += 1
+            while first < past and row[past - 1] == 0.0:
+                past -= 1
+        begin[i], end[i] = first, past
+
+
+@inner
+def value_within(i, x, here):
+    """The value a_i x of dense row i, from the entries that :func:`note_spans` has found."""
+    row_of = marks(here, at.ROW_OF)
+    first, past = marks(here, at.BEGIN)[i], marks(here, at.END)[i]
+    row, part, total = matrix(here, at.B)[row_of[i]][first:past], x[first:past], 0.0
+    for j in range(past - first):
+        total += row[j] * part[j]
     return total
 
 

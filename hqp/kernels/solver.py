@@ -13,6 +13,7 @@ import math
 from . import layout as at
 from .active_set import OPTIMAL
 from .attempts import COLD, SIDES, seed, work_out
+from .closing import closes
 from .compile import entry, inner, integer, stamp, step
 from .dual import NEVER
 from .guess import guess
@@ -133,6 +134,7 @@ def solve_one(here):
         return SUSPECT
     last = levels_that_count(here)
     note_blur(here)
+    head[at.CLOSES] = vector(here, at.OPTION)[at.BLUR] == 0.0 and closes(here, last)
     if not warm:
         head[at.HISTORY] = 0
     elif head[at.HISTORY] == 0:

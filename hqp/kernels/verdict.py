@@ -13,7 +13,7 @@ decides (lexicographic multipliers).
 from __future__ import annotations
 
 from . import layout as at
-from .compile import inner
+from .compile import inner, integer
 from .extent import extent
 from .memory import ints, marks, matrix, vector
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target
@@ -121,11 +121,12 @@ def judge_rows(here, last, damped, damping):
 
 
 @inner
-def judge_multipliers(here, last, undecided, damped, damping):
-    """Count the undecided rows whose first multiplier with a clear sign has the wrong one.
+def judge_multipliers(here, last, undecided, damped, damping, closed):
+    """Count undecided rows whose first multiplier with a clear sign has the wrong one, and those that stay undecided.
 
     `damped` is as of :func:`judge_rows`; if it is a level, the implicit last level is not judged, as rows of damping
-    determine x.
+    determine x. `closed` tells that the level above it was solved by :mod:`.closing`, which leaves ``multiplier``, its
+    forces along V: they are not judged below it.
     """
     head = ints(here, 0, at.HEAD)
     n, boxed = head[at.N], head[at.BOXED] != 0
@@ -135,8 +136,8 @@ def judge_multipliers(here, last, undecided, damped, damping):
     norm, x0, x, w = vector(here, at.NORM), vector(here, at.X0), vector(here, at.X), vector(here, at.W)
     y, g, G, forces_of = vector(here, at.Y), vector(here, at.G), vector(here, at.BALANCE), vector(here, at.FORCES)
     B, L = matrix(here, at.B), matrix(here, at.L)
-    option, faults = vector(here, at.OPTION), 0
-    for k in range(last + 1 if damped == STRICT else last):
+    option, along, faults = vector(here, at.OPTION), vector(here, at.MULTIPLIER), 0
+    for k in range(last + 1 if damped == STRICT and not closed else last):
         if undecided == 0:
             break
         forces = 0.0
@@ -145,13 +146,14 @@ def judge_multipliers(here, last, undecided, damped, damping):
             if forces == 0.0:
                 continue
             c = cut[k]
+            closing = closed and k == last - 1
             for q in range(c):
-                g[q] = 0.0
+                g[q] = along[q] if closing else 0.0
             for j in range(n):
                 G[j] = 0.0
             for i in range(ptr[k], ptr[k + 1]):
                 if w[i] != 0.0:
-                    push(i, w[i], c, col, row_of, B, norm, L, g, G, n)
+                    push(i, w[i], integer(0) if closing else c, col, row_of, B, norm, L, g, G, n)
             if k == damped:
                 for q in range(c):
                     g[q] += damping * damping * y[q]
@@ -183,7 +185,7 @@ def judge_multipliers(here, last, undecided, damped, damping):
                 if decided[i] != DECIDED:
                     wrong, decides = read_sign(here, i, -G[col[i]] * side[i], clear, forces)
                     faults, undecided = faults + wrong, undecided - decides
-    return faults
+    return faults, undecided
 
 
 @inner
