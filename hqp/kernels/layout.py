@@ -22,13 +22,22 @@ WARM, TRUSTED, LEVEL, SWEEPS, ITERATIONS, OUTCOME = 4, 5, 6, 7, 8, 15
 COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES = 9, 10, 11, 12, 13, 14
 #: When the call began, by the clock of :mod:`.memory` (0: when the kernel begins); when the solve must end; whether
 #: SAVED holds the sides at the end of each level; how many levels are damped; the address of a second directory, in
-#: which rows of damping are ordinary rows; whether damped levels have aims of their own (0: x_ref); and whether the
-#: rank of a level is in doubt (:mod:`.doubt`). HEAD is the number of these numbers.
-BEGAN, DEADLINE, HISTORY, DAMPED, TWIN, AIMED, DOUBT, HEAD = 16, 17, 18, 19, 20, 21, 22, 23
+#: which rows of damping are ordinary rows; whether damped levels have aims of their own (0: x_ref); whether the rank of
+#: a level is in doubt (:mod:`.doubt`). For the certificate (:mod:`.proof`): whether it judges all levels, and what it
+#: has found: the first level that fails, PASSES or UNJUDGED. HEAD is the number of these numbers.
+BEGAN, DEADLINE, HISTORY, DAMPED, TWIN, AIMED, DOUBT, ALL, FAILS, HEAD = 16, 17, 18, 19, 20, 21, 22, 23, 24, 25
+#: In place of a level that fails: none does; and x was not judged.
+PASSES, UNJUDGED = -1, -2
 
-#: Places in OPTION: relative tolerances on rank and on rows; most iterations; most seconds; and BLUR, what the
-#: round-off of x_0 adds to the length of x to which tolerances are relative (:mod:`.extent`).
-TAU, TOL, BUDGET, LIMIT, BLUR = 0, 1, 2, 3, 4
+#: Places in OPTION: relative tolerances on rank and on rows; most iterations; most seconds; the tolerance on rows of
+#: the certificate; and BLUR, what the round-off of x_0 adds to the length of x to which tolerances are relative
+#: (:mod:`.extent`). OPTIONS is the number of these numbers.
+TAU, TOL, BUDGET, LIMIT, JUDGED, BLUR, OPTIONS = 0, 1, 2, 3, 4, 5, 6
+#: What the certificate tells of a level, places in a row of VERDICT: whether it is optimal; the length of its weighted
+#: slacks; the sum of its forces; the share of them that nothing balances; the sum of the multipliers of signed rows
+#: above, times how far these may be from their bounds; and the largest distance of x from one of its rows. TELLS is the
+#: number of these numbers.
+ACCEPTED, RESIDUAL, SCALE, UNBALANCED, GIVES, REACH, TELLS = 0, 1, 2, 3, 4, 5, 6
 #: Numbers of a damping rule: its kind and two parameters.
 RULE = 3
 
@@ -53,8 +62,9 @@ RULE = 3
 # For :mod:`.dual` and :mod:`.members`, in the order of the members: their rows, and the arrays of their factor.
 (MEMBERS, FACTOR, DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED) = range(56, 66)
 # For :mod:`.damped`: the damped levels; the rule of each; the sides at the end of each stage, (2 damped + 1, m); of
-# each damped level lambda, whether x_a was computed, x_a and x_k; and its aim. For :mod:`.lift`: (levels, m).
-(WHICH, RULES, STAGES, PASSED, AIMS, PRESSED) = range(66, 72)
+# each damped level lambda, whether x_a was computed, x_a and x_k; and its aim. For :mod:`.proof`, if it judges all
+# levels: what it tells of each, and the multipliers of the rows above, (levels + 1, m).
+(WHICH, RULES, STAGES, PASSED, AIMS, VERDICT, HELD_BY) = range(66, 73)
 
 
 def shapes(n, levels, m, dense, widest, damped):
@@ -71,11 +81,12 @@ def shapes(n, levels, m, dense, widest, damped):
     reals = dict.fromkeys((LO, HI, NORM, VALUE, SLOPE, LOW, HIGH, ALLOWED), (m, 1)) | {W: (m + spare, 1)}
     reals |= dict.fromkeys((X_REF, X0, X, Y, G, BALANCE, D, MULTIPLIER, SHARE, SCRATCH, SAFE), (n, 1))
     reals |= {B: (dense, n), V: (n, n), L: (m + spare, n), R: (deep, n), H: (n, deep)}
-    reals |= {FORCES: (levels, 1), OPTION: (5, 1)}
+    reals |= {FORCES: (levels, 1), OPTION: (OPTIONS, 1)}
     reals |= dict.fromkeys((LENGTHS, RHS), (deep, 1))
     reals |= dict.fromkeys((ANCHOR, EXACT, APPROACH), (n, 1)) | {P: (m + n, n), LAMBDA: (m, 1), FACTOR: (many, many)}
     reals |= dict.fromkeys((DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED), (many, 1))
-    reals |= {RULES: (damped, RULE), PASSED: (damped, 2 + 2 * n), AIMS: (damped, n), PRESSED: (levels, m)}
+    reals |= {RULES: (damped, RULE), PASSED: (damped, 2 + 2 * n), AIMS: (damped, n)}
+    reals |= {VERDICT: (levels + 1, TELLS), HELD_BY: (levels + 1, m)}
     return ints, reals
 
 
@@ -121,7 +132,7 @@ def lay_out(structure, damped=(), rows_of_damping=False):
     owned = {place: np.array(given, dtype=np.int64) for place, given in owned.items()}
 
     m, rows = len(columns), int(dense.sum())
-    directory = np.zeros(HEAD + 3 * (PRESSED + 1), dtype=np.int64)
+    directory = np.zeros(HEAD + 3 * (HELD_BY + 1), dtype=np.int64)
     directory[[N, LEVELS, ROWS, BOXED, DAMPED]] = n, len(levels), m, distinct[:1] == [True], len(damped)
     entries = directory[HEAD:].reshape(-1, 3)
     for place, array in owned.items():
