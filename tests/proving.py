@@ -1,85 +1,112 @@
-"""Run by the interpreter: what the compiled certificate accepts, `certify` accepts, at optima and beside them.
+"""Points that a certificate is to judge, and what it says of them.
 
-``NUMBA_DISABLE_JIT=1 python tests/proving.py`` prints how many points were judged, and how many each of both accepted:
-of what breaks solvers, and of tasks that almost agree, far out, where the tolerances of their rows decide.
+``python tests/proving.py POINTS OUT`` judges the pickled points, and pickles what :func:`told` says of each. With
+NUMBA_DISABLE_JIT=1 the interpreter runs the loops of the certificate.
 """
 
 from __future__ import annotations
 
+import pickle
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import by_numpy
 import numpy as np
 
 import hqp
 from hqp import Hierarchy, Level
-from hqp.backends.native import Memory
-from hqp.kernels.memory import given
-from hqp.kernels.proof import proves
-from hqp.kernels.solver import levels_that_count, load, note_blur
 from hqp.problems import FAMILIES, hierarchies
 
+HARD = Path(__file__).parent / "data" / "hard"
 #: How far beside an optimum, in units of its length.
 BESIDE = (0.0, 1e-13, 1e-11, 1e-9, 1e-7, 1e-4, 1e-1)
+#: A verdict is decided if tolerances smaller and larger by this share give the same.
+DECIDED = 0.1
 
 
-def accepts(hierarchy: Hierarchy, x: np.ndarray, x_ref: np.ndarray) -> bool:
-    """The verdict of the compiled certificate, given nothing but the numbers of the hierarchy and x."""
-    memory = Memory(hierarchy.structure, hqp.Settings())
-    memory.x_ref[:] = x_ref
-    with np.errstate(all="ignore"):
-        given(memory.address, hierarchy.address)
-        if not load(memory.address, False, True):
-            return False
-        last = levels_that_count(memory.address)
-        note_blur(memory.address)
-        memory.x[:] = x
-        return bool(proves(memory.address, last))
+class Point(NamedTuple):
+    """A point, and what it is."""
+
+    name: str
+    hierarchy: Hierarchy
+    x: np.ndarray
+    x_ref: np.ndarray
 
 
-Counts = tuple[int, int, int]
+def beside(rng: np.random.Generator, name: str, h: Hierarchy, x_ref: np.ndarray) -> Iterator[Point]:
+    """The optimum, and points beside it."""
+    best = hqp.solve(h, x_ref=x_ref).x
+    for share in BESIDE:
+        away = share * max(1.0, float(np.linalg.norm(best))) * rng.standard_normal(h.n)
+        yield Point(f"{name}, {share:g} beside", h, best + away, x_ref)
 
 
-def verdicts(hierarchy: Hierarchy, x: np.ndarray, x_ref: np.ndarray, name: str) -> Counts:
-    """One point; whether `certify` accepts it; and the compiled certificate, too."""
-    proof, mine = hqp.certify(hierarchy, x, x_ref), accepts(hierarchy, x, x_ref)
-    assert proof.ok or not mine, f"{name}: accepted, and refused: {proof}"
-    return 1, proof.ok, mine
-
-
-def judge(rng: np.random.Generator) -> Counts:
-    """Points that were judged; accepted by `certify`; and by the compiled certificate, too."""
-    told = []
+def of_families(count: int, most: int) -> Iterator[Point]:
+    """So many of each family of up to `most` unknowns: of what breaks solvers."""
+    rng = np.random.default_rng(5)
     for name in FAMILIES:
-        for hierarchy in hierarchies(name, 5, seed=7):
-            if hierarchy.n > 8 or hierarchy.find_fault():
-                continue
-            for x_ref in np.zeros(hierarchy.n), rng.standard_normal(hierarchy.n):
-                best = hqp.solve(hierarchy, x_ref=x_ref).x
-                for share in BESIDE:
-                    x = best + share * max(1.0, float(np.linalg.norm(best))) * rng.standard_normal(hierarchy.n)
-                    told.append(verdicts(hierarchy, x, x_ref, f"{name}, {share:g} beside"))
-    return total(told)
+        for h in hierarchies(name, count, seed=7):
+            if h.n <= most and not h.find_fault():
+                for x_ref in np.zeros(h.n), rng.standard_normal(h.n):
+                    yield from beside(rng, name, h, x_ref)
 
 
-def judge_shifts(rng: np.random.Generator) -> Counts:
-    """The same where what the rows of a level still pull with is little more than round-off of their values."""
-    told = []
-    for _ in range(40):
+def far_out(count: int) -> Iterator[Point]:
+    """Tasks that almost agree, far out, where the tolerances of their rows decide."""
+    rng = np.random.default_rng(3)
+    for _ in range(count):
         n, far = int(rng.integers(2, 6)), 10.0 ** rng.integers(3, 7)
         A, x = rng.standard_normal((n + 3, n)), far * rng.standard_normal(n)
         near = A @ x + far * 10.0 ** rng.uniform(-9.0, -7.0) * rng.standard_normal(n + 3)
         below = np.where(rng.random(n + 2) < 0.4, far, 0.0)  # some are inequalities
         tasks = Level(A[1:], near[1:] - below, near[1:], weights=rng.uniform(0.5, 2.0, n + 2))
-        hierarchy = Hierarchy([Level.equality(A[:1], A[:1] @ x), tasks])
-        best = hqp.solve(hierarchy).x
+        h = Hierarchy([Level.equality(A[:1], A[:1] @ x), tasks])
+        best = hqp.solve(h).x
         for share in (0.0, 1e-11, 1e-10, 1e-9, 3e-9, 1e-8, 1e-7):
-            beside = best + share * float(np.linalg.norm(best)) * rng.standard_normal(n)
-            told.append(verdicts(hierarchy, beside, np.zeros(n), f"far out, {share:g} beside"))
-    return total(told)
+            away = share * float(np.linalg.norm(best)) * rng.standard_normal(n)
+            yield Point(f"far out, {share:g} beside", h, best + away, np.zeros(n))
 
 
-def total(told: list[Counts]) -> Counts:
-    points, proved, accepted = map(sum, zip(*told, strict=True))
-    return points, proved, accepted
+def recorded() -> Iterator[Point]:
+    """Hierarchies that were hard once, whole-body ticks most of them; and each with one number changed: x is wrong."""
+    rng = np.random.default_rng(11)
+    for file in sorted(HARD.glob("*.npz")):
+        h, x_ref = hqp.load(file)
+        x_ref = np.zeros(h.n) if x_ref is None else x_ref
+        yield from beside(rng, file.stem, h, x_ref)
+        best = hqp.solve(h, x_ref=x_ref).x
+        for share in (1e-7, 1e-3, 1.0):
+            wrong, row = h.with_numbers(h.numbers.copy()), int(rng.integers(h.m))
+            shift = share * (1.0 + abs(float(h.product(best)[row])))
+            wrong.lower[row], wrong.upper[row] = wrong.lower[row] + shift, wrong.upper[row] + shift
+            yield Point(f"{file.stem}, a bound {share:g} off", wrong, best, x_ref)
+
+
+def expected(point: Point) -> bool | None:
+    """The verdict of NumPy; None if it is not decided: with other tolerances it is another."""
+    said = {
+        all(level.ok for level in by_numpy.judge(point.hierarchy, point.x, point.x_ref, tolerance * 1e-9))
+        for tolerance in (1.0 - DECIDED, 1.0, 1.0 + DECIDED)
+    }
+    return said.pop() if len(said) == 1 else None
+
+
+Told = tuple[int | None, list[tuple[float, float, float]], list[np.ndarray]]
+
+
+def told(point: Point) -> Told:
+    """The level that fails; residual, stationarity and gap of all levels; their multipliers."""
+    proof = hqp.certify(*point[1:])
+    numbers = [(level.residual_norm, level.stationarity, level.gap) for level in proof.levels]
+    return None if proof.failed is None else proof.failed.level, numbers, [level.multipliers for level in proof.levels]
+
+
+def main(points: str, out: str) -> None:
+    made: list[Any] = pickle.loads(Path(points).read_bytes())
+    Path(out).write_bytes(pickle.dumps([told(Point(*point)) for point in made]))
 
 
 if __name__ == "__main__":
-    print(*judge(np.random.default_rng(5)), *judge_shifts(np.random.default_rng(3)))
+    main(*sys.argv[1:])

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from hqp.kernels import curved, damped, solver
+from hqp.kernels import curved, damped, judge, solver
 from tasks.cli import run
 from tasks.rows.kernels import law
 
@@ -21,6 +21,7 @@ def test_what_is_compiled_is_found_and_its_place_is_told(capsys: pytest.CaptureF
     told = capsys.readouterr()
     kernels = {
         "native": solver.solve,
+        "certificate": judge.judge,
         "damped": damped.solve_damped,
         "curved": curved.solve_curved,
         "rows": law.write_law,
@@ -54,11 +55,12 @@ def test_an_empty_folder_is_filled_once(tmp_path: Path) -> None:
         )
         for _ in range(2)
     ]
+    names = "native", "certificate", "damped", "curved", "rows"
     for one, said in zip(done, ("compiled", "already compiled, ready"), strict=True):
-        for name, line in zip(("native", "damped", "curved", "rows"), one.stdout.splitlines(), strict=True):
+        for name, line in zip(names, one.stdout.splitlines(), strict=True):
             assert re.fullmatch(rf"{name}: {said} in \d+\.\d s; kept in {re.escape(str(tmp_path))}.*", line)
     for what, line in zip(
-        ("the native solver", "damped levels", "curved levels", "the rows of tasks"),
+        ("the native solver", "the certificate", "damped levels", "curved levels", "the rows of tasks"),
         done[0].stderr.splitlines(),
         strict=True,
     ):

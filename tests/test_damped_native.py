@@ -203,7 +203,7 @@ def test_nothing_is_read_before_it_is_written(monkeypatch):
         array.fill(np.nan if array.dtype.kind == "f" else 7)
         return array
 
-    monkeypatch.setattr("hqp.backends.native.np.empty", soiled)
+    monkeypatch.setattr("hqp.kernels.workspace.np.empty", soiled)
     for seed in range(40):
         rng = np.random.default_rng(seed)
         h = random_hierarchy(rng)

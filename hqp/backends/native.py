@@ -7,14 +7,11 @@ a structure, and remembers in it which rows were active. What it does is told in
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Callable
-from functools import lru_cache, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
-from numba import int64
-from numba.core import event
 from numpy.typing import NDArray
 
 from ..arrays import Array
@@ -26,11 +23,15 @@ from ..kernels import damping_rules as kinds
 from ..kernels import layout as at
 from ..kernels import solver as kernel
 from ..kernels.active_set import OPTIMAL, STALLED, SUBOPTIMAL
-from ..kernels.compile import INTERPRETED
 from ..kernels.doubt import MOST, SHARPEST
+from ..kernels.ready import door, make_ready
+from ..kernels.workspace import Workspace
 from ..settings import Settings
 from ..solution import Counts, Status
 from .base import Answer
+
+#: Tolerance on rows of the certificate, as the default of :func:`hqp.certify`.
+JUDGED = 1e-9
 
 STATUSES = {
     OPTIMAL: Status.OPTIMAL,
@@ -38,9 +39,6 @@ STATUSES = {
     STALLED: Status.STALLED,  # these two until the certificate says better
     kernel.UNEVEN: Status.STALLED,
 }
-#: Of the kernel: two addresses, an outcome.
-SIGNATURE = int64(int64, int64)
-
 Damped = Callable[[Hierarchy, Array | None, Array | None], tuple[Array, Counts, Array] | None]
 Quick = Callable[[Hierarchy, Array | None], tuple[Array, Counts] | None]
 #: What almost every tick of a control loop takes, by its iterations: one sweep. Made anew they were a third of a tick.
@@ -141,7 +139,7 @@ class Native:
         assert self._memory is not None
         head = self._memory.head.tolist()
         counts = Counts(sweeps=head[at.SWEEPS], iterations=head[at.ITERATIONS])
-        return judged(hierarchy, self._memory.x.copy(), x_ref, outcome, head[at.LEVEL], counts)
+        return judged(hierarchy, self._memory.x.copy(), x_ref, outcome, head[at.LEVEL], counts, head[at.FAILS])
 
     def _sharper(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
         """Once more from a cold start, taking all rows for independent that may be so: where ranks are in doubt."""
@@ -166,11 +164,19 @@ class Native:
             self._memory.forget()
 
 
-def judged(hierarchy: Hierarchy, x: Array, x_ref: Array, outcome: int, level: int, counts: Counts) -> Answer:
-    """What is claimed of x. What the kernel has not proved, nor its own certificate accepted, is for `certify`."""
+def judged(
+    hierarchy: Hierarchy,
+    x: Array,
+    x_ref: Array,
+    outcome: int,
+    level: int,
+    counts: Counts,
+    fails: int = at.UNJUDGED,
+) -> Answer:
+    """What is claimed of x. What the kernel has not proved, nor judged, `fails`, is for the certificate."""
     status = STATUSES[outcome]
     if status is Status.STALLED:
-        failed = first_failed(hierarchy, x, x_ref)
+        failed = first_failed(hierarchy, x, x_ref) if fails == at.UNJUDGED else fails if fails != at.PASSES else None
         status, level = (Status.OPTIMAL, level) if failed is None else (status, failed)
     if status is Status.OPTIMAL:
         return Answer(x, counts=counts)
@@ -180,58 +186,33 @@ def judged(hierarchy: Hierarchy, x: Array, x_ref: Array, outcome: int, level: in
     return Answer(x, status, message, level, counts)
 
 
-class Memory:
-    """What the kernel works in: one structure, and the active rows of the last hierarchy.
-
-    Attributes
-    ----------
-    head : int64 array
-        What the kernel is told, and what it reports; see :mod:`hqp.kernels.layout`.
-    x, x_ref : array, shape (n,)
-        Views: the next run overwrites them.
-    option : array
-        Tolerances and limits, in the places of :mod:`hqp.kernels.layout`.
-    """
+class Memory(Workspace):
+    """What the kernel works in: one structure, and the active rows of the last hierarchy."""
 
     def __init__(
         self, structure: tuple[Any, ...], settings: Settings, damped: tuple[int, ...] = (), rows: bool = False
     ) -> None:
-        directory, self._owned, (ints, floats) = _layout(structure, damped, rows)
-        self._directory = directory.copy()
+        super().__init__(structure, damped, rows)
         self._twin: Memory | None = None
-        self._blocks = np.empty(ints, dtype=np.int64), np.empty(floats)  # nothing is read before it is written
-        entries = self._directory[at.HEAD :].reshape(-1, 3)
-        first, count, _ = entries[at.STAGES]
-        self._stages = self._blocks[0][first : first + count]
-        begins = {place: int(entries[place, 0]) for place in (at.X, at.X_REF, at.OPTION, at.RULES, at.PASSED, at.AIMS)}
-        for block, places in zip(self._blocks, at.PLACES, strict=True):
-            entries[places, 0] = block.ctypes.data + 8 * entries[places, 0]
-        self.head = self._directory[: at.HEAD]
-        n, memory = int(self.head[at.N]), self._blocks[1]
-        self.x, self.x_ref = memory[begins[at.X] :][:n], memory[begins[at.X_REF] :][:n]
+        self._stages = self.ints(at.STAGES)
         self.x_ref[:] = 0.0
-        self.option = memory[begins[at.OPTION] :][:4]
-        self.option[:] = (
+        self.option[: at.BLUR] = (
             settings.rank_tolerance,
             settings.tolerance,
             settings.iterations,
             settings.time_limit,
+            JUDGED,
         )
-        count = len(damped)
-        self.rules = memory[begins[at.RULES] :][: count * at.RULE].reshape(count, at.RULE)
-        self.passed = memory[begins[at.PASSED] :][: count * (2 + 2 * n)].reshape(count, 2 + 2 * n)
-        self.aims = memory[begins[at.AIMS] :][: count * n].reshape(count, n)
+        self.rules, self.passed, self.aims = (self.floats(place) for place in (at.RULES, at.PASSED, at.AIMS))
         if rows:  # of damping, which the caller has no bounds for
             self._bounds = np.empty((2, int(self.head[at.ROWS])))
-            entries[[at.LOWER, at.UPPER], 0] = [array.ctypes.data for array in self._bounds]
+            self._entries[[at.LOWER, at.UPPER], 0] = [array.ctypes.data for array in self._bounds]
         elif damped:
             self._twin = Memory(structure, settings, damped, rows=True)
-            self.head[at.TWIN] = self._twin.share(entries)
+            self.head[at.TWIN] = self._twin.share(self._entries)
         self.forget()
         # The compiled function itself: there is one, and nothing to dispatch.
-        entry = kernel_damped.solve_damped if damped else kernel.solve
-        self.address = int(self._directory.ctypes.data)
-        self.run = partial(door(entry), self.address)
+        self.run = partial(door(kernel_damped.solve_damped if damped else kernel.solve), self.address)
 
     def forget(self) -> None:
         """Be as new for the calls to come: no guess, no sides at the ends of levels, nor of stages."""
@@ -242,8 +223,8 @@ class Memory:
 
     def share(self, entries: NDArray[np.int64]) -> int:
         """Have the weighted rows where they are in another directory; the address of this one."""
-        self._directory[at.HEAD :].reshape(-1, 3)[at.B] = entries[at.B]
-        return int(self._directory.ctypes.data)
+        self._entries[at.B] = entries[at.B]
+        return self.address
 
     def run_many(
         self,
@@ -265,9 +246,6 @@ class Memory:
         self.head[at.COUNT] = self.head[at.WARM] = 0
 
 
-_layout = lru_cache(maxsize=64)(at.lay_out)
-
-
 def in_numbers(rule: DampingRule) -> tuple[float, ...] | None:
     """Kind and parameters of a rule that the kernel knows; a rule of one's own it does not."""
     match rule:
@@ -282,28 +260,6 @@ def in_numbers(rule: DampingRule) -> tuple[float, ...] | None:
     return None
 
 
-#: What this process has told of.
-_ANNOUNCED: set[str] = set()
-
-
-class _Announcement(event.Listener):
-    """Says in one line that a kernel is being compiled: this takes its time, once."""
-
-    def __init__(self, what: str) -> None:
-        self._what = what
-
-    def on_start(self, event: event.Event) -> None:
-        if not self.said and self._what not in _ANNOUNCED:
-            _ANNOUNCED.add(self._what)
-            print(f"hqp: compiling {self._what}, once for this version and machine ...", file=sys.stderr, flush=True)
-        self.said = True
-
-    def on_end(self, event: event.Event) -> None:
-        """Nothing to say."""
-
-    said = False
-
-
 def warm_up() -> bool:
     """Have the solver ready: from disk, or compiled now. True if it had to be compiled."""
     return make_ready(kernel.solve, "the native solver")
@@ -312,30 +268,6 @@ def warm_up() -> bool:
 def warm_up_damped() -> bool:
     """The same for damped levels, which those that have none need not wait for."""
     return make_ready(kernel_damped.solve_damped, "damped levels")
-
-
-def make_ready(function: Any, what: str, signature: Any = SIGNATURE) -> bool:
-    """The same for any kernel, by default of two addresses, see :func:`hqp.kernels.compile.entry`."""
-    if INTERPRETED or function.signatures:
-        return False
-    listener = _Announcement(what)
-    try:
-        with event.install_listener("numba:compile", listener):
-            function.compile(signature)
-    except OSError:  # a full disk: compiled, but not kept
-        if not function.signatures:
-            raise
-    return listener.said
-
-
-def door(function: Any, signature: Any = SIGNATURE) -> Callable[..., Any]:
-    """A kernel that is ready, to be called by its addresses; where the interpreter runs loops, the loop itself.
-
-    No kernel warns: what is beyond all numbers is for a status to report.
-    """
-    found: Callable[..., Any]
-    found = np.errstate(all="ignore")(function) if INTERPRETED else function.get_overload(signature)
-    return found
 
 
 def make(name: str, settings: Settings) -> Native:

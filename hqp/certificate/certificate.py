@@ -15,11 +15,13 @@ has multipliers :math:`\lambda_{kj}` (j < k) with
 Each level is a convex QP with affine constraints, hence *iff*. The multipliers of different levels are independent,
 so that each level is one sign-constrained least squares: free normals are projected out, then a non-negative least
 squares over the signed ones follows. Its residual must be round-off, or must vanish when the slacks of the level shift
-within the tolerances of their rows. Nothing here depends on a backend.
+within the tolerances of their rows. A compiled kernel decides this, :mod:`hqp.kernels.proof`, from x and the numbers of
+the hierarchy alone, whatever backend x comes from.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,9 +31,9 @@ from ..arrays import Array, finite_vector, length
 from ..checks import of_type, positive_number, truth
 from ..errors import InvalidInput
 from ..hierarchy import Hierarchy
-from .balance import EITHER_WAY, Above, Balance, Forces
-from .rows import ROUND_OFF, row_states
 
+#: Place of the largest distance of x from a row of a level, in what the kernel tells of it.
+REACH = 5
 #: Largest entry of x that is judged: beyond it, squares of residuals overflow.
 FURTHEST = 1e60
 
@@ -203,10 +205,18 @@ def certify(
       !!  level 2 (min ||x - x_ref||)              1.34536        0.0372        0.15
     """
     unique = truth(unique, "unique")
-    with np.errstate(all="ignore"):  # where numbers over- or underflow, the comparisons below refuse x
-        judge = _Judge(hierarchy, x, x_ref, tolerance)
-        levels = tuple(judge.certificate(k) for k in range(len(hierarchy.levels) + unique))
-    return Certificate(judge.x, levels, unique, judge.radius)
+    point, reference = _checked(hierarchy, x, x_ref)
+    tolerance = positive_number(tolerance, "tolerance", below=1.0)
+    from .judging import judged  # a package that compiles loops: whoever only solves need not wait for it
+
+    _, told, multipliers = judged(hierarchy, point, reference, tolerance)
+    radius = length(point) + length(reference) + max(level[REACH] for level in told)
+    names = [*(level.name for level in hierarchy.levels), "min ||x - x_ref||"]
+    levels = tuple(
+        _level(k, names[k], told[k], radius, multipliers[k, : hierarchy.pointers[k]])
+        for k in range(len(hierarchy.levels) + unique)
+    )
+    return Certificate(point, levels, unique, radius)
 
 
 def first_failed(hierarchy: Hierarchy, x: ArrayLike, x_ref: ArrayLike) -> int | None:
@@ -222,76 +232,30 @@ def first_failed(hierarchy: Hierarchy, x: ArrayLike, x_ref: ArrayLike) -> int | 
     InvalidInput
         As :func:`certify` does.
     """
-    with np.errstate(all="ignore"):
-        judge = _Judge(hierarchy, x, x_ref, 1e-9)
-        return next((k for k in range(len(hierarchy.levels) + 1) if not judge.balance(k).exact), None)
+    from .judging import judged
+
+    return judged(hierarchy, *_checked(hierarchy, x, x_ref), 1e-9, every=False)[0]
 
 
-class _Judge:
-    """Judges the levels of a hierarchy at x, in turn from the highest down.
+def _checked(hierarchy: Hierarchy, x: ArrayLike, x_ref: ArrayLike | None) -> tuple[Array, Array]:
+    """x and x_ref as vectors, if they and the hierarchy can be judged."""
+    of_type(hierarchy, Hierarchy, "the hierarchy")
+    point = finite_vector(x, hierarchy.n, "x")
+    reference = np.zeros(hierarchy.n) if x_ref is None else finite_vector(x_ref, hierarchy.n, "x_ref")
+    if np.abs(point).max(initial=0.0) > FURTHEST:
+        raise InvalidInput(f"x reaches {np.abs(point).max():g}; nothing beyond {FURTHEST:g} can be judged")
+    fault = hierarchy.find_fault()
+    if fault:
+        raise InvalidInput(fault)
+    return point, reference
 
-    Parameters
-    ----------
-    hierarchy, x, x_ref, tolerance
-        See :func:`certify`.
 
-    Attributes
-    ----------
-    x : array, shape (n,)
-    radius : float
-        ``||x|| + ||x_ref||`` plus the largest distance of x from a row, see :attr:`Certificate.radius`.
-    """
-
-    def __init__(self, hierarchy: Hierarchy, x: ArrayLike, x_ref: ArrayLike | None, tolerance: float) -> None:
-        of_type(hierarchy, Hierarchy, "the hierarchy")
-        self.x = point = finite_vector(x, hierarchy.n, "x")
-        reference = np.zeros(hierarchy.n) if x_ref is None else finite_vector(x_ref, hierarchy.n, "x_ref")
-        if np.abs(point).max(initial=0.0) > FURTHEST:
-            raise InvalidInput(f"x reaches {np.abs(point).max():g}; nothing beyond {FURTHEST:g} can be judged")
-        tolerance = positive_number(tolerance, "tolerance", below=1.0)
-        fault = hierarchy.find_fault()
-        if fault:
-            raise InvalidInput(fault)
-        self._hierarchy, self._rows = hierarchy, row_states(hierarchy, point, reference, tolerance)
-        rows, self._away = self._rows, point - reference
-        self._allowed = tolerance * (np.abs(point) + np.abs(reference)) + ROUND_OFF * rows.way
-        norms, force = rows.norms, rows.norms * hierarchy.weights**2
-        reach = np.divide(np.abs(rows.slack), norms, out=np.zeros(hierarchy.m), where=norms > 0)
-        self.radius = length(point) + length(reference) + float(reach.max(initial=0.0))
-        self._distance = np.abs(rows.slack) + rows.tolerance
-        self._forces = Forces(
-            units=hierarchy.dense() / np.where(norms > 0, norms, 1.0)[:, None],
-            push=np.where(rows.violated, force * rows.slack, 0.0),
-            blur=force * rows.tolerance,
-            sides=np.where(rows.violated, EITHER_WAY, rows.sides),
-        )
-        self._above = Above(self._forces.units, rows)
-
-    def balance(self, k: int) -> Balance:
-        """How level k is balanced by those above; the one behind all others is ``min ||x - x_ref||``."""
-        h = self._hierarchy
-        if k < len(h.levels):
-            first, end = h.pointers[k : k + 2]
-            return self._above.balance(Forces._make(part[first:end] for part in self._forces), first)
-        push = np.where(np.abs(self._away) > self._allowed, self._away, 0.0)
-        return self._above.balance(Forces(np.eye(h.n), push, self._allowed, np.full(h.n, EITHER_WAY)), h.m)
-
-    def certificate(self, k: int) -> LevelCertificate:
-        """Level k in full."""
-        h, name, residual = self._hierarchy, "min ||x - x_ref||", length(self._away)
-        if k < len(h.levels):
-            own, level = slice(*h.pointers[k : k + 2]), h.levels[k]
-            name, residual = level.name, length(level.weights * self._rows.slack[own])
-        balance = self.balance(k)
-        exact, scale, stationarity, _ = balance
-        multipliers = self._above.multipliers(balance, h.pointers[k] if k < len(h.levels) else h.m)
-        gap = shortfall = 0.0
-        if scale > 0.0:
-            signed = self._above.signed
-            gap = scale * stationarity * self.radius + float(np.abs(multipliers[signed]) @ self._distance[signed])
-            gap = min(gap, residual**2 / 2)
-            shortfall = residual - float(np.sqrt(max(residual**2 - 2 * gap, 0.0)))
-        return LevelCertificate(k, name, exact, residual, stationarity, gap, shortfall, multipliers)
+def _level(k: int, name: str, told: list[float], radius: float, multipliers: Array) -> LevelCertificate:
+    """Level k in full, of what the kernel has told; numbers that over- or underflow are refused there."""
+    accepted, residual, scale, stationarity, gives, _ = told
+    gap = min(scale * stationarity * radius + gives, residual * residual / 2) if scale > 0.0 else 0.0
+    shortfall = residual - math.sqrt(max(residual * residual - 2 * gap, 0.0)) if scale > 0.0 else 0.0
+    return LevelCertificate(k, name, bool(accepted), residual, stationarity, gap, shortfall, multipliers)
 
 
 def _title(level: LevelCertificate) -> str:

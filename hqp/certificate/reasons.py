@@ -15,12 +15,14 @@ import numpy as np
 
 from ..arrays import Array, length
 from ..hierarchy import Hierarchy, Label, Side
-from .balance import STATIONARITY
 from .causes import causes_of
 from .certificate import Certificate
 from .explanation import LevelExplanation
 from .parts import parts_of
 from .rows import RowStates
+
+#: Forces that sum to no more than this share of their sum are balanced, as in the certificate.
+STATIONARITY = 1e-10
 
 
 def explain(

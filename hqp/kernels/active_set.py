@@ -31,7 +31,7 @@ from .escape import escape, residual
 from .extent import extent
 from .line_search import line_search
 from .memory import ints, marks, matrix, vector
-from .orthogonal import factor, length, level_least_squares
+from .orthogonal import factor, length, level_least_squares, padded
 from .pull import DUAL, hold, pull, release
 from .rows import INACTIVE, LOWER, UPPER, copy_row, value_of
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance, remove
@@ -45,13 +45,15 @@ GAINS, ROUND_OFF = 1e-11, 1e-15
 NOTHING = 1e-14
 #: Steps of length zero before :func:`.escape.escape` is called, in addition to one for each row of the working set.
 PATIENCE = 3
-#: So many iterations in a row that bring nothing, beside one for each variable, are the end.
+#: So many iterations in a row that bring nothing are the end; one more for each variable if x may not be optimal yet.
 IDLE = 20
 
 
 @inner
-def active_set(here, last):
+def active_set(here, last, known):
     """Solve levels 0 .. last from ``x``, one after the other, until :func:`.dual.late` returns True.
+
+    The levels above `known` are optimal at x: no patience is spent on them.
 
     On return ``x`` is the solution and ``side`` its active set.
 
@@ -64,7 +66,8 @@ def active_set(here, last):
     frozen = working = integer(0)
     forget(here, last)
     for k in range(last + 1):
-        said, forces, working = minimise(here, k, last, frozen, working)
+        patience = IDLE if k < known else IDLE + ints(here, 0, at.HEAD)[at.N]
+        said, forces, working = minimise(here, k, last, frozen, working, patience)
         if status == OPTIMAL and said != OPTIMAL:
             status, level = said, integer(k)
         if k < last:
@@ -74,8 +77,10 @@ def active_set(here, last):
 
 
 @inner
-def minimise(here, k, last, frozen, working):
+def minimise(here, k, last, frozen, working, patience):
     """Solve level k from ``x``, which must be feasible for the levels above; ``x`` is then the solution.
+
+    It has stalled after more than `patience` iterations in a row that bring nothing.
 
     Returns
     -------
@@ -101,7 +106,7 @@ def minimise(here, k, last, frozen, working):
             lowest, since = square, integer(0)
         else:
             since += 1
-        if since > n + IDLE:
+        if since > patience:
             return integer(STALLED), 0.0, working
 
         gain = 0.0 if full else newton(here, k, last, frozen + working, count)
@@ -176,7 +181,7 @@ def newton(here, k, last, c, count):
     V, L, R, H = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R), matrix(here, at.H)
     for r in range(count):
         copy_row(ids[r], R[r], here)
-    rank = factor(ids, count, slots, lengths, R, norm, V, L, c, n, tau)
+    rank = factor(ids, count, slots, lengths, R, norm, V, L, c, padded(n), tau)
     for r in range(count):
         rhs[r] = missing[ids[r]]
     level_least_squares(ids, count, rank, L, c, rhs, y, w, H)

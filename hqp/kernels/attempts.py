@@ -145,12 +145,12 @@ def attempt(here, last, start, warm):
     faults : int
         0 if x is proved optimal.
     exact_above : int
-        EXACT is optimal for all levels above this one.
+        EXACT is optimal for all levels above this one; -1 if it was not written.
     sharpened : bool
         Whether ranks were sharper than asked for from one level on.
     """
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
-    exact_above, tau = integer(0), option[at.TAU]
+    exact_above, tau = integer(-1), option[at.TAU]
     while True:
         level, faults = integer(last + 1), integer(1)
         if start != SIDES:
@@ -181,8 +181,9 @@ def copy(here, source, into):
 def accepted(here, last):
     """Whether no rank of the proved answer is in doubt, or the certificate accepts it; DOUBT is set to 1 if neither."""
     head = ints(here, 0, at.HEAD)
+    head[at.FAILS] = at.UNJUDGED
     if head[at.DAMPED] == 0:  # the stages of damped levels are judged together, later
-        head[at.DOUBT] = doubtful(here) and not proves(here, last)
+        head[at.DOUBT] = doubtful(here) and not proves(here)
     else:
         head[at.DOUBT] = 0
     return head[at.DOUBT] == 0
@@ -211,11 +212,12 @@ def work_out(here, last, start, warm):
         return integer(SUBOPTIMAL), exact_above
     failed = faults > 0 or sharpened
     if (failed or vector(here, at.OPTION)[at.TAU] <= SHARPEST) and not late(here):
-        status, level = play_safe(here, last)
+        status, level = play_safe(here, last, exact_above)
         if status == SUBOPTIMAL or (status == OPTIMAL and head[at.DOUBT] == 0):
             return status, level
     # Without a time limit the caller asks for a cold start himself, if `certify` refuses what is left.
     if not late(here) and not (sharpened and head[at.DEADLINE] == NEVER):
+        fails = head[at.FAILS]
         again, stopped = try_again(here, last, failed, warm)
         if again == PROVED:
             return integer(OPTIMAL), integer(last + 1)
@@ -223,6 +225,7 @@ def work_out(here, last, start, warm):
             stop_early(here, stopped, last)
             return integer(SUBOPTIMAL), stopped
         copy(here, at.SAFE, at.X)
+        head[at.FAILS] = fails
     head[at.DOUBT] = 1
     return status, level
 
@@ -271,11 +274,15 @@ def unmoved(here):
 
 
 @inner
-def play_safe(here, last):
-    """Solve levels 0 .. last by the safe method from EXACT, and prove the answer; returns as :func:`work_out`."""
+def play_safe(here, last, exact_above):
+    """Solve levels 0 .. last by the safe method from EXACT, and prove the answer; returns as :func:`work_out`.
+
+    `exact_above` is that of :func:`attempt`.
+    """
     head = ints(here, 0, at.HEAD)
-    copy(here, at.EXACT, at.X)
-    status, level = active_set(here, last)
+    head[at.FAILS] = at.UNJUDGED
+    copy(here, at.EXACT if exact_above >= 0 else at.X0, at.X)
+    status, level = active_set(here, last, exact_above)
     copy(here, at.X, at.SAFE)
     if level == last + 1:
         faults = verify(here, last)
@@ -287,7 +294,7 @@ def play_safe(here, last):
         if status == OPTIMAL:  # but it has no proof
             status, level = integer(STALLED), first_contradiction(here, last)
     head[at.HISTORY] = 0
-    if status == STALLED and head[at.DAMPED] == 0 and proves(here, last):
+    if status == STALLED and head[at.DAMPED] == 0 and proves(here):
         head[at.DOUBT] = 0
         return integer(OPTIMAL), integer(last + 1)
     return status, level

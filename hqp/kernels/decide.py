@@ -10,7 +10,7 @@ from . import layout as at
 from .compile import inner, integer
 from .extent import extent
 from .memory import ints, marks, matrix, vector
-from .orthogonal import factor
+from .orthogonal import factor, padded
 from .pull import tolerances
 from .rows import EQUALITY, LOWER, UPPER, copy_row
 from .working_set import FROZEN, HARD, WORKING, append
@@ -36,7 +36,7 @@ def decide(here, k, forces, frozen, working):
     count = decide_rows(here, k, count)
     for r in range(count):
         copy_row(ids[r], R[r], here)
-    rank = factor(ids, count, slots, lengths, R, norm, V, L, frozen, n, tau)
+    rank = factor(ids, count, slots, lengths, R, norm, V, L, frozen, padded(n), tau)
     for r in range(rank):
         pivot[frozen + r] = ids[r]
     return frozen + rank, rejoin(here, frozen + rank, working)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
@@ -13,6 +15,8 @@ from .working_set import HARD, WORKING, append, balance, remove
 #: A row blocks a direction if the direction violates it by more than the first share of both lengths; and it counts as
 #: dependent if projection leaves no more than the second share of its length.
 LEAVES, DEPENDENT = 1e-9, 1e-13
+#: So many steps in a row that shorten the residual by less than this share are the end: what is left is round-off.
+IDLE, GAINS = 8, 1e-9
 
 
 @inner
@@ -60,8 +64,12 @@ def nonnegative(here, enough, frozen, working, hard_end):
     low, high, allowed = vector(here, at.LOW), vector(here, at.HIGH), vector(here, at.ALLOWED)
     share, V = vector(here, at.SHARE), matrix(here, at.V)
     steep, fresh = residual(here, frozen + working), True
+    lowest, idle = math.inf, integer(0)
     for _ in range(3 * hard_end + 10):
         c = frozen + working
+        lowest, idle = min(steep, lowest), integer(0) if steep < (1.0 - GAINS) * lowest else idle + 1
+        if idle > IDLE:
+            break
         worst, enters, bound = LEAVES * steep, integer(-1), integer(0)
         for i in range(hard_end if steep > enough else 0):
             if kind[i] != HARD or norm[i] == 0.0:

@@ -27,12 +27,21 @@ COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES = 9, 10, 11, 12, 13, 14
 #: and whether the caller needs a basis of all levels from the sweep.
 BEGAN, DEADLINE, HISTORY, DAMPED, TWIN, AIMED, DOUBT, CLOSES, BASIS = 16, 17, 18, 19, 20, 21, 22, 23, 24
 #: 1 + the number of variables that are not asked, while :mod:`.levels` works in the metric of the last level; else 0.
-#: HEAD is the number of these numbers.
-METRIC, HEAD = 25, 26
+#: For the certificate (:mod:`.proof`): whether it judges all levels, and what it has found: the first level that fails,
+#: PASSES or UNJUDGED. HEAD is the number of these numbers.
+METRIC, ALL, FAILS, HEAD = 25, 26, 27, 28
+#: In place of a level that fails: none does; and x was not judged.
+PASSES, UNJUDGED = -1, -2
 
-#: Places in OPTION: relative tolerances on rank and on rows; most iterations; most seconds; and BLUR, what the
-#: round-off of x_0 adds to the length of x to which tolerances are relative (:mod:`.extent`).
-TAU, TOL, BUDGET, LIMIT, BLUR = 0, 1, 2, 3, 4
+#: Places in OPTION: relative tolerances on rank and on rows; most iterations; most seconds; the tolerance on rows of
+#: the certificate; and BLUR, what the round-off of x_0 adds to the length of x to which tolerances are relative
+#: (:mod:`.extent`). OPTIONS is the number of these numbers.
+TAU, TOL, BUDGET, LIMIT, JUDGED, BLUR, OPTIONS = 0, 1, 2, 3, 4, 5, 6
+#: What the certificate tells of a level, places in a row of VERDICT: whether it is optimal; the length of its weighted
+#: slacks; the sum of its forces; the share of them that nothing balances; the sum of the multipliers of signed rows
+#: above, times how far these may be from their bounds; and the largest distance of x from one of its rows. TELLS is the
+#: number of these numbers.
+ACCEPTED, RESIDUAL, TOTAL, UNBALANCED, GIVES, REACH, TELLS = 0, 1, 2, 3, 4, 5, 6
 #: Rows that are orthogonalised have zeros up to a multiple of so many entries: what a vectorised loop leaves over is
 #: done one by one, and takes as long as all the rest.
 PAD = 8
@@ -60,13 +69,16 @@ RULE = 3
 # For :mod:`.dual` and :mod:`.members`, in the order of the members: their rows, and the arrays of their factor.
 (MEMBERS, FACTOR, DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED) = range(56, 66)
 # For :mod:`.damped`: the damped levels; the rule of each; the sides at the end of each stage, (2 damped + 1, m); of
-# each damped level lambda, whether x_a was computed, x_a and x_k; and its aim. For :mod:`.lift`: (levels, m).
-(WHICH, RULES, STAGES, PASSED, AIMS, PRESSED) = range(66, 72)
+# each damped level lambda, whether x_a was computed, x_a and x_k; and its aim.
+(WHICH, RULES, STAGES, PASSED, AIMS) = range(66, 71)
 # For :mod:`.closing` and :mod:`.metric`: the row that asks for each variable, or -1; the metric, 1 for variables that
 # are not asked; and a displacement in it.
-(ASKS, SCALE, MOVED) = range(72, 75)
+(ASKS, SCALE, MOVED) = range(71, 74)
 # For :mod:`.levels`: where the entries of each row begin and end that are not 0.
-(BEGIN, END) = range(75, 77)
+(BEGIN, END) = range(74, 76)
+# For :mod:`.proof`, if it judges all levels: what it tells of each, and the multipliers of the rows above,
+# (levels + 1, m).
+(VERDICT, HELD_BY) = range(76, 78)
 
 
 def shapes(n, levels, m, dense, widest, damped):
@@ -83,12 +95,13 @@ def shapes(n, levels, m, dense, widest, damped):
     reals = dict.fromkeys((LO, HI, NORM, VALUE, SLOPE, LOW, HIGH, ALLOWED), (m, 1)) | {W: (m + spare, 1)}
     reals |= dict.fromkeys((X_REF, X0, X, Y, G, BALANCE, D, MULTIPLIER, SHARE, SAFE), (n, 1))
     reals |= {B: (dense, n), V: (n, wide), L: (m + spare, n), R: (deep, wide), H: (n, deep)}
-    reals |= {FORCES: (levels, 1), OPTION: (5, 1)}
+    reals |= {FORCES: (levels, 1), OPTION: (OPTIONS, 1)}
     reals |= dict.fromkeys((LENGTHS, RHS), (deep, 1))
     reals |= dict.fromkeys((ANCHOR, EXACT, APPROACH, SCALE), (n, 1)) | dict.fromkeys((SCRATCH, MOVED), (wide, 1))
     reals |= {P: (m + n, wide), LAMBDA: (m, 1), FACTOR: (many, many)}
     reals |= dict.fromkeys((DIAGONAL, Z, WANTED, RIGHT, SOFT, FORCE, CARRY, SHED), (many, 1))
-    reals |= {RULES: (damped, RULE), PASSED: (damped, 2 + 2 * n), AIMS: (damped, n), PRESSED: (levels, m)}
+    reals |= {RULES: (damped, RULE), PASSED: (damped, 2 + 2 * n), AIMS: (damped, n)}
+    reals |= {VERDICT: (levels + 1, TELLS), HELD_BY: (levels + 1, m)}
     return ints, reals
 
 
@@ -134,7 +147,7 @@ def lay_out(structure, damped=(), rows_of_damping=False):
     owned = {place: np.array(given, dtype=np.int64) for place, given in owned.items()}
 
     m, rows = len(columns), int(dense.sum())
-    directory = np.zeros(HEAD + 3 * (END + 1), dtype=np.int64)
+    directory = np.zeros(HEAD + 3 * (HELD_BY + 1), dtype=np.int64)
     directory[[N, LEVELS, ROWS, BOXED, DAMPED]] = n, len(levels), m, distinct[:1] == [True], len(damped)
     entries = directory[HEAD:].reshape(-1, 3)
     for place, array in owned.items():

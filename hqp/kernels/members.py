@@ -26,7 +26,6 @@ def prepare(i, frozen, here):
     V only grows, so the projection continues from the rows of V that were taken off before, V[:DEPTH[i]].
     """
     head = ints(here, 0, at.HEAD)
-    n = head[at.N]
     depth, scratch = marks(here, at.DEPTH), vector(here, at.SCRATCH)
     P, V = matrix(here, at.P), matrix(here, at.V)
     row = P[i]
@@ -36,10 +35,8 @@ def prepare(i, frozen, here):
             convert(i, row, here)
         else:
             copy_row(i, row, here)
-        for j in range(n, padded(n)):
-            row[j] = 0.0
     if depth[i] < frozen:
-        wide = padded(n)
+        wide = padded(head[at.N])
         before = length(row, wide)
         project(row, wide, V, depth[i], frozen, scratch)
         if length(row, wide) < CANCELLED * before:

@@ -1,10 +1,16 @@
-r"""The compiled certificate: decides whether x is optimal from the numbers of the hierarchy alone.
+r"""The certificate: decides level by level whether x is optimal, from the numbers of the hierarchy alone.
 
-As in :mod:`hqp.certificate.balance`, level by level, the normals of the rows above must balance the forces of the level
-up to round-off: free normals (equalities and violated rows) with multipliers of either sign, normals of rows at a bound
-with multipliers of one sign. What it accepts, the certificate accepts too, as its least squares leave no larger
-residual. What it rejects may still be optimal: it does not ask which rows at a bound hold a level above and are
-therefore free, which depends on round-off.
+See :mod:`hqp.certificate.certificate` for the conditions. With the forces of a level divided by their sum, the rows
+above must balance its gradient: *free* rows, equalities and violated ones, with multipliers of either sign; *signed*
+rows, inequalities at a bound, with multipliers of one sign. So the free normals are projected out (:mod:`.span`), and a
+non-negative least squares over the signed ones follows (:func:`.escape.nonnegative`). Its residual must be round-off,
+or must vanish when the slacks of the level shift within their tolerances (:mod:`.shift`).
+
+A signed row that *holds* a level, with a positive multiplier, cannot leave its bound without making that level worse.
+So for all levels below it acts as an equality. This follows from the optimality conditions: one can add a large
+multiple of the balance of the level that the row holds. So one basis is carried down the levels, of the normals of free
+rows and of rows that hold a level above. As a large multiple magnifies the round-off of a balance, a level that is not
+balanced so is tried once more without freeing such rows.
 """
 
 from __future__ import annotations
@@ -14,142 +20,105 @@ import math
 from . import layout as at
 from .compile import inner, integer
 from .escape import nonnegative
-from .lift import choose, lift, note_shares, press
+from .members import list_part, prepare
 from .memory import ints, marks, matrix, vector
-from .orthogonal import factor, length
-from .round_off import blur, weakest
-from .rows import EQUALITY, INACTIVE, LOWER, UPPER, copy_row, value_of
-from .shift import carried, moving
+from .multipliers import tell
+from .orthogonal import padded, pivots
+from .rows import EQUALITY, INACTIVE, LOWER, UPPER
+from .shift import STATIONARITY, round_off
+from .span import CLEAR, FREE_RANK, enter, take_up
+from .states import ROUND_OFF, find_sides
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance
 
-#: As in :mod:`hqp.certificate`: the tolerance on rows, round-off of rows and of forces.
-JUDGED, ROUND_OFF, BALANCED = 1e-9, 256 * 2.0**-52, 64 * 2.0**-52
-#: As there: the rank tolerance of free normals; the residual that is allowed, and its upper limit for badly conditioned
-#: rows.
-FREE_RANK, STATIONARITY, BLURRED = 1e-11, 1e-10, 1e-6
-#: Factors on the residual of forces and on tolerances, so that other rounding in the certificate cannot reverse an
-#: acceptance.
-MARGIN, NEARLY = 0.9, 0.99
-#: Share of the length of x in the tolerance of a row, for rows that x hardly changes.
-LENGTH = 0.1
+#: Round-off of a sum of forces, relative to the forces: where non-negative least squares end.
+SETTLED = 1e-13
+#: A row at a bound holds a level if its multiplier is more than this share of the forces.
+HOLDS = 1e-8
 
 
 @inner
-def proves(here, last):
-    """Whether the certificate accepts x on levels 0 .. last. Overwrites the basis V, and CUT."""
-    m = ints(here, 0, at.HEAD)[at.ROWS]
-    side, kept = marks(here, at.SIDE), marks(here, at.FOLLOW)
-    marks(here, at.CUT)[last] = -1
-    for i in range(m):
-        kept[i] = side[i]
-    size, way = find_sides(here)
-    frozen, taken, accepted = integer(0), integer(0), True
-    for k in range(last + 1):
-        scale = gradient(here, k, last, size, way)
-        if scale == 0.0:
-            note_shares(here, k, frozen, integer(0))
-            continue
-        while taken < k:
-            frozen = take_up(here, taken, frozen)
-            taken += 1
-        if not balanced(here, k, last, frozen, scale):
-            accepted = False
-            break
-    for i in range(m):
-        side[i] = kept[i]
-    return accepted
+def proves(here):
+    """Whether x is optimal at all levels, the implicit last one included. Overwrites the basis V, CUT and W.
 
-
-@inner
-def measure_rows(here):
-    """Write ``value`` and slack (to ``slope``) of all rows.
-
-    Returns ``||x||``, and the distance T of :func:`hqp.certificate.rows.travel`, to which round-off is relative.
+    FAILS is the first level that fails, or PASSES. If ALL is set, every level is judged, and what is found of it is
+    told in VERDICT and HELD_BY; else the first failure is the end.
     """
     head = ints(here, 0, at.HEAD)
-    n, ptr, norm, weights = head[at.N], marks(here, at.PTR), vector(here, at.NORM), vector(here, at.WEIGHTS)
-    lo, hi, x, x_ref = vector(here, at.LO), vector(here, at.HI), vector(here, at.X), vector(here, at.X_REF)
-    value, slack = vector(here, at.VALUE), vector(here, at.SLOPE)
-    away, longest = 0.0, 0.0
-    for j in range(n):
-        away += (x[j] - x_ref[j]) * (x[j] - x_ref[j])
+    levels, every, told = head[at.LEVELS], head[at.ALL] != 0, matrix(here, at.VERDICT)
+    side, kept, holds = marks(here, at.SIDE), marks(here, at.FOLLOW), marks(here, at.DECIDED)
     for i in range(head[at.ROWS]):
-        longest = max(longest, norm[i] / weights[i])
-    size = length(x, n)
-    way = max(size, math.sqrt(away))
-    for k in range(head[at.LEVELS]):
-        most, asked = 0.0, 0.0
-        for i in range(ptr[k], ptr[k + 1]):
-            value[i] = slack[i] = 0.0
-            if norm[i] > 0.0:
-                value[i] = value_of(i, x, here)
-                slack[i] = value[i] - min(max(value[i], lo[i]), hi[i])
-                most = max(most, norm[i])
-                if norm[i] > ROUND_OFF * longest * weights[i]:
-                    asked = max(asked, abs(slack[i]) * norm[i])
-        if most > 0.0 and ptr[k + 1] - ptr[k] > 1:
-            way = max(way, asked / (most * most))
-    return size, way
+        kept[i], holds[i] = side[i], 0
+    _, way = find_sides(here)
+    forget_parts(here)
+    base, taken, head[at.FAILS] = integer(0), integer(0), at.PASSES
+    for k in range(levels + 1):
+        marks(here, at.CUT)[k] = -1
+        if head[at.FAILS] != at.PASSES and not every:
+            continue
+        scale, exact = gradient(here, k, way), True
+        if scale != 0.0:
+            base, taken = widen(here, taken, k, base, True), integer(k)
+            exact, base = balanced(here, k, base, scale)
+        told[k][at.ACCEPTED] = exact
+        if head[at.FAILS] == at.PASSES and not exact:
+            head[at.FAILS] = k
+    if every:
+        tell_all(here, way)
+    for i in range(head[at.ROWS]):
+        side[i] = kept[i]
+    return head[at.FAILS] == at.PASSES
 
 
 @inner
-def find_sides(here):
-    """Write the side of every row at x to ``held``, EQUALITY if its multiplier is free, and its violation to ``slope``.
+def tell_all(here, way):
+    """Write to VERDICT and HELD_BY how all levels are balanced, if possible without freeing rows that hold others.
 
-    Also, to ``lambda``, the force that the tolerance of the row may hide. Returns as :func:`measure_rows`.
+    Then all multipliers have the signs of their rows. `way` is as in :func:`gradient`.
     """
-    size, way = measure_rows(here)
-    norm, lo, hi = vector(here, at.NORM), vector(here, at.LO), vector(here, at.HI)
-    value, slack, side = vector(here, at.VALUE), vector(here, at.SLOPE), marks(here, at.HELD)
-    room, depth = vector(here, at.LAMBDA), marks(here, at.DEPTH)
-    flat = JUDGED * LENGTH * size + ROUND_OFF * way
-    for i in range(ints(here, 0, at.HEAD)[at.ROWS]):
-        side[i], room[i], depth[i] = INACTIVE, 0.0, -1
-        if norm[i] == 0.0:
-            continue
-        near = JUDGED * (abs(value[i]) + abs(value[i] - slack[i])) + flat * norm[i]
-        room[i] = NEARLY * norm[i] * near
-        over, under = value[i] >= hi[i] - near, value[i] <= lo[i] + near
-        if abs(slack[i]) > near:
-            side[i] = EQUALITY
-            continue
-        slack[i] = 0.0
-        if lo[i] == hi[i] or (over and under):
-            side[i] = EQUALITY
-        elif over:
-            side[i] = UPPER
-        elif under:
-            side[i] = LOWER
-    return size, way
+    base, taken = integer(0), integer(0)
+    forget_parts(here)
+    for k in range(ints(here, 0, at.HEAD)[at.LEVELS] + 1):
+        scale, left, free, working = gradient(here, k, way), 0.0, integer(0), integer(0)
+        if scale != 0.0:
+            base, taken = widen(here, taken, k, base, False), integer(k)
+            free = base
+            working, left = attempt(here, k, base, False)
+            if left > STATIONARITY and matrix(here, at.VERDICT)[k][at.ACCEPTED] != 0.0:
+                free = append_holding(here, 0, k, base)
+                working, left = attempt(here, k, free, True)
+                forget_parts(here)
+        tell(here, k, free, working, scale, left)
 
 
 @inner
-def gradient(here, k, last, size, way):
-    """Write the gradient ``g`` of level k; returns the sum of its forces, 0 if the level is met.
+def gradient(here, k, way):
+    """Write the gradient ``g`` of level k, divided by the sum of its forces; returns that sum, 0 if the level is met.
 
-    `size` and `way` are those of :func:`measure_rows`.
+    The tolerances of x_j on the implicit last level go to ``allowed``. `way` is that of :func:`.states.find_sides`.
     """
     head = ints(here, 0, at.HEAD)
     n, ptr, col, row_of = head[at.N], marks(here, at.PTR), marks(here, at.COL), marks(here, at.ROW_OF)
     g, norm, slack, B = vector(here, at.G), vector(here, at.NORM), vector(here, at.SLOPE), matrix(here, at.B)
-    x, x0, scale = vector(here, at.X), vector(here, at.X0), 0.0
+    x, x_ref, near = vector(here, at.X), vector(here, at.X_REF), vector(here, at.RHS)
+    judged, scale = vector(here, at.OPTION)[at.JUDGED], 0.0
     for j in range(n):
         g[j] = 0.0
-    if k == last:
-        flat = ROUND_OFF * way
-        if k < head[at.LEVELS] and marks(here, at.WHOLE)[k] != 0:  # these are rows, and have the tolerance of rows
-            flat += JUDGED * LENGTH * size
+    if k == head[at.LEVELS]:
         for j in range(n):
-            away = x[j] - x0[j]
-            if abs(away) > JUDGED * (abs(x[j]) + abs(x0[j])) + flat:
-                g[j] = away
+            away, near[j] = x[j] - x_ref[j], judged * (abs(x[j]) + abs(x_ref[j])) + ROUND_OFF * way
+            if abs(away) > near[j]:
                 scale += abs(away)
+        for j in range(n):
+            away = x[j] - x_ref[j]
+            if abs(away) > near[j]:
+                g[j] = away / scale
         return scale
     for i in range(ptr[k], ptr[k + 1]):
-        much = slack[i]
-        if much == 0.0:
+        scale += norm[i] * abs(slack[i])
+    for i in range(ptr[k], ptr[k + 1]):
+        if slack[i] == 0.0:
             continue
-        scale += norm[i] * abs(much)
+        much = slack[i] / scale
         if col[i] >= 0:
             g[col[i]] += much * norm[i]
         else:
@@ -160,91 +129,119 @@ def gradient(here, k, last, size, way):
 
 
 @inner
-def take_up(here, k, frozen):
-    """Append the free rows of level k (``held`` = EQUALITY) to V[:frozen]; returns how many rows it then has."""
-    ptr, side = marks(here, at.PTR), marks(here, at.HELD)
-    ids, R = marks(here, at.IDS), matrix(here, at.R)
-    count = integer(0)
-    for i in range(ptr[k], ptr[k + 1]):
-        if side[i] == EQUALITY:
-            ids[count] = i
-            copy_row(i, R[count], here)
-            count += 1
-    return enter(here, count, frozen)
+def widen(here, taken, k, base, held):
+    """Append the free rows of levels `taken` .. k - 1 to V[:base], then, with `held`, the rows that hold these levels.
 
-
-@inner
-def enter(here, count, c):
-    """Append the `count` rows in ``ids`` and R to V[:c], the longest first; returns how many rows V then has.
-
-    ``balance[q]`` is the sum of the squared coefficients along V[q] of all rows so far, each divided by its length.
+    Returns how many rows V then has.
     """
-    n, ids, pivot = ints(here, 0, at.HEAD)[at.N], marks(here, at.IDS), marks(here, at.PIVOT)
-    norm, spread = vector(here, at.NORM), vector(here, at.BALANCE)
-    V, L, R = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
-    slots, lengths, block = marks(here, at.SLOTS), vector(here, at.LENGTHS), marks(here, at.QUEUE)
-    end = c + factor(ids, count, slots, lengths, R, norm, V, L, c, n, FREE_RANK)
-    for q in range(c, end):
-        spread[q], pivot[q], block[q] = 0.0, ids[q - c], c
-    for r in range(count):
-        row = L[ids[r]]
-        for q in range(end):
-            part = row[q] / norm[ids[r]]
-            spread[q] += part * part
-    return end
+    ptr, side = marks(here, at.PTR), marks(here, at.HELD)
+    for level in range(taken, k):
+        count = integer(0)
+        for i in range(ptr[level], ptr[level + 1]):
+            if side[i] == EQUALITY:
+                take_up(here, i, count)
+                count += 1
+        base = enter(here, count, base)
+    return append_holding(here, taken, k, base) if held else base
 
 
 @inner
-def balanced(here, k, last, frozen, scale):
-    """Whether the rows above level k balance its gradient ``g``, up to round-off; `scale` is the sum of its forces."""
-    enough = MARGIN * STATIONARITY * scale
-    choose(here, k)
-    if lift(here, k, frozen, press(here, k, frozen), scale, enough):
-        return True
-    working = press(here, k, frozen)  # without the rows that lifting has left with no multiplier
-    hold(here, k)
-    working = begin(here, k, frozen, working)
-    working, rest, _ = nonnegative(here, enough, frozen, working, marks(here, at.PTR)[k])
-    note_shares(here, k, frozen, working)
-    unsure = blur(here, vector(here, at.G), frozen, frozen + working)
-    rest += unsure
-    if unsure > enough:
-        return False
-    if rest <= enough:
-        return True
-    small = rest * weakest(here, frozen, working) <= 0.25 * BALANCED * scale
-    if small and rest <= MARGIN * BLURRED * scale:
-        return True
-    if k == last:
-        return False
-    if unsure + moving(here, k, frozen + working) <= enough:
-        return True
-    return carried(here, k, frozen, frozen + working, enough - unsure)
+def append_holding(here, first, k, base):
+    """Append the rows that hold one of the levels first .. k - 1, and none before, to V[:base]; how many V then has."""
+    holds, room, count = marks(here, at.DECIDED), len(matrix(here, at.R)), integer(0)
+    for i in range(marks(here, at.PTR)[k]):
+        if first < holds[i] <= k and count < room:
+            take_up(here, i, count)
+            count += 1
+    return enter(here, count, base)
 
 
 @inner
-def hold(here, k):
-    """Prepare the rows above level k for :func:`.escape.nonnegative`: those at a bound are hard, free ones frozen."""
-    kind, where = marks(here, at.KIND), marks(here, at.HELD)
+def forget_parts(here):
+    """Forget the projections P of all rows: V is another."""
+    depth = marks(here, at.DEPTH)
+    for i in range(len(depth)):
+        depth[i] = -1
+
+
+@inner
+def balanced(here, k, base, scale):
+    """Whether the rows above level k balance its gradient ``g``, up to round-off.
+
+    V[:base] spans the normals of the free rows, and of those that hold a level above; `scale` is the sum of the forces
+    of the level. If these are free, the others have least to do. If round-off or ranks forbid it, without that.
+
+    Returns
+    -------
+    exact : bool
+    base : int
+        As given, but V may be another.
+    """
+    working, left = attempt(here, k, base, True)
+    exact = left <= STATIONARITY
+    if not exact:
+        exact = round_off(here, k, base, working, left, scale)
+        forget_parts(here)
+    if exact:
+        note_holding(here, k, base, working)
+        return True, base
+    alone = widen(here, 0, k, integer(0), False)
+    if alone < base:
+        working, left = attempt(here, k, alone, False)
+        exact = left <= STATIONARITY
+        if exact:
+            note_holding(here, k, alone, working)
+    forget_parts(here)
+    return exact, widen(here, 0, k, integer(0), True)
+
+
+@inner
+def attempt(here, k, base, freed):
+    """Balance ``g`` by the signed rows above level k, in the null space of V[:base]; `freed`: without those that hold.
+
+    Returns how many rows have a multiplier ``share``, and the length of what is left of g, minus ``d``.
+    """
+    hold(here, k, freed)
+    working, left, _ = nonnegative(here, SETTLED, base, begin(here, k, base), marks(here, at.PTR)[k])
+    return working, left
+
+
+@inner
+def hold(here, k, freed):
+    """Prepare the rows above level k for :func:`.escape.nonnegative`: signed ones are hard, free ones frozen."""
+    kind, where, holds = marks(here, at.KIND), marks(here, at.HELD), marks(here, at.DECIDED)
     value, allowed = vector(here, at.VALUE), vector(here, at.ALLOWED)
     low, high = vector(here, at.LOW), vector(here, at.HIGH)
     for i in range(marks(here, at.PTR)[k]):
-        kind[i] = FROZEN if where[i] == EQUALITY else FUTURE
-        if where[i] == UPPER or where[i] == LOWER:
+        kind[i] = FUTURE
+        if where[i] == EQUALITY or (freed and 0 < holds[i] <= k):
+            kind[i] = FROZEN
+        elif where[i] != INACTIVE:
             kind[i], value[i], allowed[i] = HARD, 0.0, 0.0
             high[i] = 0.0 if where[i] == UPPER else math.inf
             low[i] = 0.0 if where[i] == LOWER else -math.inf
 
 
 @inner
-def begin(here, k, base, working):
-    """Start the working set with those rows of :func:`.lift.press` whose multipliers are positive without the others.
+def note_holding(here, k, base, working):
+    """Mark with k + 1 the rows of V behind V[:base] whose multiplier is more than HOLDS: they hold level k."""
+    pivot, holds = marks(here, at.PIVOT), marks(here, at.DECIDED)
+    share, norm = vector(here, at.SHARE), vector(here, at.NORM)
+    for q in range(base, base + working):
+        if share[q] * norm[pivot[q]] > HOLDS and holds[pivot[q]] == 0:
+            holds[pivot[q]] = k + 1
+
+
+@inner
+def begin(here, k, base):
+    """Start the working set with hard rows above level k whose least-squares multipliers, ``share``, are all positive.
 
     `base` is the number of rows of V that span the free normals. Returns how many rows the working set has.
     """
     side, where = marks(here, at.SIDE), marks(here, at.HELD)
     kind, pivot = marks(here, at.KIND), marks(here, at.PIVOT)
     share, multiplier = vector(here, at.SHARE), vector(here, at.MULTIPLIER)
+    working = press(here, k, base)
     for q in range(base, base + working):
         kind[pivot[q]], side[pivot[q]] = WORKING, where[pivot[q]]
     while working > 0:
@@ -263,4 +260,24 @@ def begin(here, k, base, working):
                 kind[i] = HARD
         if wrong == 0:
             break
+    return working
+
+
+@inner
+def press(here, k, base):
+    """Append hard rows above level k to V[:base] while they are clearly independent; returns how many there are."""
+    n, kind, pivot = ints(here, 0, at.HEAD)[at.N], marks(here, at.KIND), marks(here, at.PIVOT)
+    ids, slots, lengths = marks(here, at.IDS), marks(here, at.SLOTS), vector(here, at.LENGTHS)
+    norm, V, L, R = vector(here, at.NORM), matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
+    count = integer(0)
+    if base == n:
+        return count
+    for i in range(marks(here, at.PTR)[k]):
+        if kind[i] == HARD and count < len(R):
+            prepare(i, base, here)
+            list_part(i, count, count, here)
+            count += 1
+    working = pivots(ids, count, slots, lengths, R, norm, V, L, base, padded(n), CLEAR)
+    for q in range(working):
+        pivot[base + q] = ids[q]
     return working

@@ -57,20 +57,22 @@ def value_within(i, x, here):
 
 @inner
 def copy_row(i, out, here):
-    """Write the weighted row a_i as a dense vector to out (n,)."""
+    """Write the weighted row a_i as a dense vector to out[:n], and zeros behind it."""
     head = ints(here, 0, at.HEAD)
     n = head[at.N]
     col, row_of = marks(here, at.COL), marks(here, at.ROW_OF)
     norm = vector(here, at.NORM)
     B = matrix(here, at.B)
     if col[i] >= 0:
-        for j in range(n):
+        for j in range(len(out)):
             out[j] = 0.0
         out[col[i]] = norm[i]
     else:
         row = B[row_of[i]]
         for j in range(n):
             out[j] = row[j]
+        for j in range(n, len(out)):
+            out[j] = 0.0
 
 
 @inner

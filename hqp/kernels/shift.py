@@ -1,8 +1,9 @@
 r"""Decides whether a residual force d, which no row above balances, still allows the level to be optimal.
 
-As in :mod:`hqp.certificate.balance`, it does in two cases: d lies in directions that the rows of the level hardly move,
-where their rank is not certain (:func:`moving`); or the slacks of the level can shift within the tolerances of their
-rows so that d vanishes (:func:`carried`): x is then optimal for slacks that round-off cannot tell from its own.
+It does in three cases: nearly dependent normals magnify round-off so far; d lies in directions that the rows of the
+level hardly move, where their rank is not certain (:func:`moving`); or the slacks of the level can shift within the
+tolerances of their rows so that d vanishes (:func:`carried`). This last one is a backward error: x is optimal for
+slacks that round-off cannot tell from its own.
 """
 
 from __future__ import annotations
@@ -11,151 +12,270 @@ import math
 
 from . import layout as at
 from .compile import inner, integer
-from .escape import residual
+from .escape import clear
+from .members import prepare
 from .memory import ints, marks, matrix, vector
-from .orthogonal import pivots, reflect, separate, triangle
+from .orthogonal import length, padded, pivots, separate
 from .rows import INACTIVE, LOWER, UPPER, copy_row
-from .working_set import balance
+from .span import FREE_RANK, least_singular
+from .working_set import HARD, WORKING
 
-#: As in the certificate: the rank tolerance of the rows of the level in the null space of those above.
+#: Largest residual of a level that passes, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``.
+STATIONARITY = 1e-10
+#: Upper limit of that tolerance if the rows that hold the level back are badly conditioned; what is then left, times
+#: their smallest singular value, must be round-off of a sum of forces.
+BLURRED, BALANCED = 1e-6, 64 * 2.0**-52
+#: Rank tolerance of the rows of the level itself, projected onto the null space of the free normals: the largest that a
+#: solver may have used, with a margin.
 OWN_RANK = 4e-9
-#: A row that depends on others of the level up to this share of its length is not shifted along its remainder.
-ALONE = 1e-6
-#: How often the shift is computed again without the rows that would have to shift in the wrong direction.
-ROUNDS = 4
+#: Most steps of :func:`carried`. Nothing is left to gain if the gradient is below this share of the residual; and this
+#: share of what may pass is enough: what then passes does not hang on round-off.
+ROUNDS, GAINS, ENOUGH = 300, 1e-5, 0.1
+
+
+@inner
+def round_off(here, k, base, working, left, scale):
+    """Whether the residual force ``d`` of level k, of length `left`, is round-off: an exact x could leave as much.
+
+    `working` rows of V follow V[:base], with multipliers ``share``; `scale` is as in :func:`.proof.balanced`.
+    """
+    least = weakest(here, base, working)
+    if passes(left, least):
+        return True
+    return passes(moving(here, k, base + working), least) or passes(carried(here, k, base, working, scale), least)
+
+
+@inner
+def passes(left, least):
+    """Whether so much may be left, where `least` is the smallest singular value of the normals that balance a level."""
+    return left <= STATIONARITY or (left <= BLURRED and left * least <= BALANCED)
+
+
+@inner
+def weakest(here, base, working):
+    """An upper bound of the smallest singular value of the normals that balance the level.
+
+    Of the free ones, from their parts along V; of those behind V[:base], by :func:`.span.least_singular`.
+    """
+    pivot, norm, spread, L = marks(here, at.PIVOT), vector(here, at.NORM), vector(here, at.BALANCE), matrix(here, at.L)
+    least = least_singular(here, base, base + working)
+    for q in range(base):
+        least = min(least, math.sqrt(spread[q]))
+    for q in range(base, base + working):
+        row, square = L[pivot[q]], 0.0
+        for p in range(base, q + 1):
+            square += row[p] * row[p]
+        least = min(least, math.sqrt(square) / norm[pivot[q]])
+    return least
 
 
 @inner
 def moving(here, k, c):
-    """An upper bound of the part of d in the row space of level k, projected onto the null space of V[:c].
+    """Reduce ``d`` to its part in the row space of level k, projected onto the null space of V[:c].
 
-    Directions with a singular value below :data:`OWN_RANK` count as none.
+    Directions with a singular value of at most :data:`OWN_RANK` count as none. Returns the length of that part.
     """
-    n, ptr, where = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR), marks(here, at.HELD)
+    head, ptr, where = ints(here, 0, at.HEAD), marks(here, at.PTR), marks(here, at.HELD)
     ids, slots, lengths = marks(here, at.IDS), marks(here, at.SLOTS), vector(here, at.LENGTHS)
-    norm, d = vector(here, at.NORM), vector(here, at.D)
+    n, norm, d, parts = head[at.N], vector(here, at.NORM), vector(here, at.D), vector(here, at.SCRATCH)
     V, L, R = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
+    if k == head[at.LEVELS]:
+        return length(d, n)
     count = integer(0)
     for i in range(ptr[k], ptr[k + 1]):
         if where[i] != INACTIVE:
             ids[count] = i
             copy_row(i, R[count], here)
             count += 1
-    separate(ids, count, slots, lengths, R, norm, V, L, integer(0), c, n, 0.0)
-    rank = pivots(ids, count, slots, lengths, R, norm, V, L, c, n, 0.25 * OWN_RANK)
-    moved = left = 0.0
-    for q in range(c, c + rank):
-        direction, along = V[q], 0.0
+    separate(ids, count, slots, lengths, R, norm, V, L, integer(0), c, padded(n), 0.0)
+    rank = pivots(ids, count, slots, lengths, R, norm, V, L, c, padded(n), FREE_RANK)
+    left = 0.0  # squared Frobenius norm of what V[c : c + rank] leaves of the unit rows: no singular value is larger
+    for q in range(rank - 1, -1, -1):
+        for r in range(q, count):
+            part = L[ids[r]][c + q] / norm[ids[r]]
+            left += part * part
+        if left > OWN_RANK * OWN_RANK:
+            break
+        rank = q
+    for q in range(rank):
+        direction, along = V[c + q], 0.0
         for j in range(n):
             along += direction[j] * d[j]
-        for j in range(n):
-            d[j] -= along * direction[j]
-        moved += along * along
-    for r in range(rank, count):
-        row, along = R[slots[r]], 0.0
-        for j in range(n):
-            along += row[j] * d[j]
-        along /= norm[ids[r]]
-        left += along * along
-    return math.sqrt(moved) + math.sqrt(left) / OWN_RANK
-
-
-@inner
-def carried(here, k, base, c, enough):
-    """Whether slacks of level k can shift within their tolerances so that a residual of at most `enough` is left.
-
-    V[:c] are the normals that balance the level; those from `base` on belong to rows at a bound, whose multipliers must
-    keep their signs.
-    """
-    n, ids, where = ints(here, 0, at.HEAD)[at.N], marks(here, at.IDS), marks(here, at.HELD)
-    room, g, shift = vector(here, at.LAMBDA), vector(here, at.G), vector(here, at.RHS)
-    norm, R = vector(here, at.NORM), matrix(here, at.R)
-    pivot, side, multiplier = marks(here, at.PIVOT), marks(here, at.SIDE), vector(here, at.MULTIPLIER)
-    count, hopeless = list_shifts(here, k, residual(here, c), enough)
-    for _ in range(ROUNDS):
-        if hopeless or count == 0:
-            return False
-        shortest_shift(here, count, c)
-        fits, kept = True, integer(0)
-        for r in range(count):
-            i = ids[r]
-            wrong = (where[i] == UPPER and shift[r] < 0.0) or (where[i] == LOWER and shift[r] > 0.0)
-            fits = fits and not wrong and abs(shift[r]) <= 1.0
-            if not wrong:
-                ids[kept], shift[kept] = i, shift[r]
-                kept += 1
-        if fits:
-            break
-        hopeless, count = kept == count, kept
-    if not fits:
-        return False
-    for r in range(count):
-        i = ids[r]
-        copy_row(i, R[r], here)
-        row, much = R[r], shift[r] * room[i] / norm[i]
-        for j in range(n):
-            g[j] += much * row[j]
-    if residual(here, c) > enough:
-        return False
-    balance(vector(here, at.G), base, c, here)
-    pressing = True
-    for q in range(base, c):
-        pressing = pressing and multiplier[q] * side[pivot[q]] >= 0.0
-    return pressing
-
-
-@inner
-def list_shifts(here, k, steep, enough):
-    """Write the rows of level k with a tolerance to ``ids``; returns how many, and whether they are hopeless.
-
-    They are if all their tolerances together change d, of length `steep`, too little to leave at most `enough`.
-    """
-    n, ptr, where = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR), marks(here, at.HELD)
-    ids, norm, room = marks(here, at.IDS), vector(here, at.NORM), vector(here, at.LAMBDA)
-    d, row = vector(here, at.D), vector(here, at.SHARE)
-    count, reach = integer(0), 0.0
-    for i in range(ptr[k], ptr[k + 1]):
-        if where[i] != INACTIVE and room[i] > 0.0:
-            copy_row(i, row, here)
-            along = 0.0
-            for j in range(n):
-                along += row[j] * d[j]
-            reach += room[i] / norm[i] * abs(along)
-            ids[count] = i
-            count += 1
-    return count, reach < steep * (steep - enough)
-
-
-@inner
-def shortest_shift(here, count, c):
-    """Write ``shift``: the least-norm shift of the `count` rows ``ids`` that cancels d, in units of their tolerances.
-
-    By Householder reflections, on the null space of V[:c].
-    """
-    n, ids, slots = ints(here, 0, at.HEAD)[at.N], marks(here, at.IDS), marks(here, at.SLOTS)
-    lengths, norm, room = vector(here, at.LENGTHS), vector(here, at.NORM), vector(here, at.LAMBDA)
-    shift, y = vector(here, at.RHS), vector(here, at.Y)
-    d, V, L, R, H = vector(here, at.D), matrix(here, at.V), matrix(here, at.L), matrix(here, at.R), matrix(here, at.H)
-    for r in range(count):
-        copy_row(ids[r], R[r], here)
-        row, unit = R[r], room[ids[r]] / norm[ids[r]]
-        for j in range(n):
-            row[j] *= unit
-    separate(ids, count, slots, lengths, R, room, V, L, integer(0), c, n, ALONE)
-    rank = pivots(ids, count, slots, lengths, R, room, V, L, c, n, ALONE)
-    for r in range(count):
-        shift[r] = 0.0
-    triangle(ids, count, rank, L, c, shift, y, H)  # of L^T shift = V d
-    for q in range(rank - 1, -1, -1):
-        direction, column, total = V[c + q], H[q], 0.0
-        for j in range(n):
-            total += direction[j] * d[j]
-        for r in range(q + 1, rank):
-            total -= column[r] * shift[r]
-        shift[q] = total / y[c + q]
+        parts[q] = along
+    for j in range(n):
+        d[j] = 0.0
     for q in range(rank):
-        column = H[q]
-        square = column[q] * column[q]
-        for r in range(rank, count):
-            square += column[r] * column[r]
-        reflect(shift, column, q, column[q], 2.0 / square, rank, count)
+        direction, along = V[c + q], parts[q]
+        for j in range(n):
+            d[j] += along * direction[j]
+    return length(d, n)
+
+
+@inner
+def carried(here, k, base, working, scale):
+    """The length of the residual force if the slacks of level k may shift within the tolerances of their rows.
+
+    A shift of row i changes the residual along a_i, in both directions, or in one for a row at a bound. Multipliers of
+    signed rows above may change with it. These are least squares with bounds, solved by conjugate gradients face by
+    face (Polyak 1969).
+    """
+    head = ints(here, 0, at.HEAD)
+    n, d = head[at.N], vector(here, at.D)
+    list_shifts(here, k, base, working, scale)
+    left, last = length(d, n), k == head[at.LEVELS]
+    if last or hopeless(here, k, left):
+        return carried_last(here, base, scale) if last else left
+    before, whole = 0.0, False
+    for _ in range(ROUNDS):
+        square = descent(here, k, before, whole)
+        if not square > (GAINS * left) ** 2:
+            if not whole:  # the best there is, whichever values are at their bounds
+                break
+            before, whole = 0.0, False
+            continue
+        whole = advance(here, k, square)
+        before, left = square, length(d, n)
+        if left <= ENOUGH * STATIONARITY:
+            break
+    return left
+
+
+@inner
+def list_shifts(here, k, base, working, scale):
+    """Write for each row that may shift, or have a multiplier: its unit projection P_i, ``value`` along it, its bounds.
+
+    The bounds ``low`` and ``high`` are equal where a row has no part: inactive, or dependent on free rows, so that what
+    is left of it is round-off.
+    """
+    head, ptr, pivot, side = ints(here, 0, at.HEAD), marks(here, at.PTR), marks(here, at.PIVOT), marks(here, at.SIDE)
+    n, kind, where, norm = head[at.N], marks(here, at.KIND), marks(here, at.HELD), vector(here, at.NORM)
+    value, share, room = vector(here, at.VALUE), vector(here, at.SHARE), vector(here, at.LAMBDA)
+    low, high = vector(here, at.LOW), vector(here, at.HIGH)
+    end = ptr[min(k + 1, head[at.LEVELS])]
+    for i in range(end):
+        value[i] = low[i] = high[i] = 0.0
+    for q in range(base, base + working):
+        value[pivot[q]] = share[q] * side[pivot[q]]
+    for i in range(end):
+        most = math.inf if i < ptr[k] else room[i] / scale
+        if norm[i] == 0.0 or where[i] == INACTIVE or (i < ptr[k] and kind[i] != HARD and kind[i] != WORKING):
+            continue
+        prepare(i, base, here)
+        mine = matrix(here, at.P)[i]
+        size = length(mine, n)
+        if size > FREE_RANK * norm[i]:
+            low[i] = 0.0 if where[i] == UPPER else -most * size
+            high[i] = 0.0 if where[i] == LOWER else most * size
+            value[i] *= size
+            for j in range(n):
+                mine[j] /= size
+
+
+@inner
+def hopeless(here, k, left):
+    """Whether no multiplier can grow for the better, and all shifts together leave more than STATIONARITY of ``d``."""
+    ptr, low, high, reach = marks(here, at.PTR), vector(here, at.LOW), vector(here, at.HIGH), 0.0
+    for i in range(ptr[k + 1]):
+        if low[i] < high[i]:
+            change = along(here, i)
+            if i >= ptr[k]:
+                reach += max(change * low[i], change * high[i])
+            elif (change if high[i] > 0.0 else -change) > BALANCED:
+                return False
+    return reach < left * (left - STATIONARITY)
+
+
+@inner
+def along(here, i):
+    """``P_i . d``."""
+    n, d, row, total = ints(here, 0, at.HEAD)[at.N], vector(here, at.D), matrix(here, at.P)[i], 0.0
+    for j in range(n):
+        total += row[j] * d[j]
+    return total
+
+
+@inner
+def descent(here, k, before, whole):
+    """Write ``allowed``, the direction of the next step; returns the square of the gradient on this face.
+
+    After a `whole` step it is conjugate to the last one, with the squared gradient `before`. Else a new face begins: of
+    all values that are not at a bound, or leave it.
+    """
+    end, way, gradient = marks(here, at.PTR)[k + 1], vector(here, at.ALLOWED), matrix(here, at.HELD_BY)[k]
+    low, high, value, square = vector(here, at.LOW), vector(here, at.HIGH), vector(here, at.VALUE), 0.0
+    for i in range(end):
+        gradient[i] = 0.0
+        if low[i] < high[i] and (not whole or way[i] != 0.0):
+            change = along(here, i)
+            if whole or (value[i] < high[i] if change > 0.0 else value[i] > low[i]):
+                gradient[i] = change
+                square += change * change
+    keeps = square / before if whole else 0.0
+    for i in range(end):
+        way[i] = gradient[i] + (keeps * way[i] if whole else 0.0)
+    return square
+
+
+@inner
+def advance(here, k, square):
+    """Go along ``allowed`` to the least ``d``, or to the first bound; whether none was in the way.
+
+    `square` is that of :func:`descent`.
+    """
+    n, end, d, image = (
+        ints(here, 0, at.HEAD)[at.N],
+        marks(here, at.PTR)[k + 1],
+        vector(here, at.D),
+        vector(here, at.SCRATCH),
+    )
+    low, high, value, way = (
+        vector(here, at.LOW),
+        vector(here, at.HIGH),
+        vector(here, at.VALUE),
+        vector(here, at.ALLOWED),
+    )
+    P, most, blocks = matrix(here, at.P), math.inf, integer(-1)
+    for j in range(n):
+        image[j] = 0.0
+    for i in range(end):
+        if way[i] == 0.0:
+            continue
+        row, much = P[i], way[i]
+        for j in range(n):
+            image[j] += much * row[j]
+        room = ((high[i] if much > 0.0 else low[i]) - value[i]) / much
+        if room < most:
+            most, blocks = room, i
+    size = length(image, n)
+    best = square / (size * size)
+    reach = min(best, most)
+    for i in range(end):
+        if way[i] != 0.0:
+            value[i] += reach * way[i]
+    for j in range(n):
+        d[j] -= reach * image[j]
+    if best < most:
+        return True
+    value[blocks] = high[blocks] if way[blocks] > 0.0 else low[blocks]
+    return False
+
+
+@inner
+def carried_last(here, base, scale):
+    """The same of the implicit last level, where each x_j may move within its tolerance ``rhs``: gradients."""
+    n, d, near = ints(here, 0, at.HEAD)[at.N], vector(here, at.D), vector(here, at.RHS)
+    shift = vector(here, at.LENGTHS)
+    left = length(d, n)
+    for j in range(n):
+        shift[j] = 0.0
+    for _ in range(ROUNDS):
+        before = left
+        for j in range(n):
+            most = near[j] / scale
+            new = min(max(shift[j] + d[j], -most), most)
+            d[j] -= new - shift[j]
+            shift[j] = new
+        left = clear(here, d, base)
+        if left <= ENOUGH * STATIONARITY or not left < (1.0 - GAINS) * before:
+            break
+    return left

@@ -129,6 +129,7 @@ def solve_one(here):
     head = ints(here, 0, at.HEAD)
     warm = head[at.WARM] != 0
     head[at.WARM] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
+    head[at.FAILS] = at.UNJUDGED
     start_clock(here)
     if not load(here, warm, head[at.TRUSTED] != 0):
         return SUSPECT

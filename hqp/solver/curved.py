@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..backends.native import ONE_SWEEP, SIGNATURE, SWEEPS_ALONE, Memory, door, make_ready
+from ..backends.native import ONE_SWEEP, SWEEPS_ALONE, Memory
 from ..guard import Guard
 from ..hierarchy import Hierarchy
 from ..kernels import curved as kernel
@@ -26,6 +26,7 @@ from ..kernels.active_set import OPTIMAL
 from ..kernels.call import KNOWN, address_of
 from ..kernels.compile import INTERPRETED
 from ..kernels.curved import AT_ONCE
+from ..kernels.ready import SIGNATURE, door, make_ready
 from ..settings import Settings
 from ..solution import Counts, Solution, Stages, Status
 from .curved_stages import Stage, handed, softened

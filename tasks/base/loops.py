@@ -17,9 +17,9 @@ import numpy as np
 from numba import int64
 from numpy.typing import NDArray
 
-from hqp.backends.native import door, make_ready
 from hqp.kernels.call import address_of
 from hqp.kernels.compile import INTERPRETED, entries
+from hqp.kernels.ready import door, make_ready
 
 from .once import once
 

@@ -14,9 +14,11 @@ def warmup() -> None:
     from time import perf_counter
 
     from hqp.backends import native
+    from hqp.certificate import judging
     from hqp.kernels.compile import INTERPRETED
     from hqp.kernels.curved import solve_curved
     from hqp.kernels.damped import solve_damped
+    from hqp.kernels.judge import judge
     from hqp.kernels.solver import solve
     from hqp.solver import curved
 
@@ -28,6 +30,7 @@ def warmup() -> None:
         return
     kernels = (
         ("native", native.warm_up, solve),
+        ("certificate", judging.warm_up, judge),
         ("damped", native.warm_up_damped, solve_damped),
         ("curved", curved.warm_up, solve_curved),
         ("rows", loops.warm_up, write_law),

@@ -21,7 +21,7 @@ def safe_method(here, numbers):
     load(here, False, True)
     last = levels_that_count(here)
     option[at.BLUR] = ROUND_OFF / option[at.TOL] * length(vector(here, at.X0), head[at.N])
-    head[at.OUTCOME], head[at.LEVEL] = active_set(here, last)
+    head[at.OUTCOME], head[at.LEVEL] = active_set(here, last, 0)
     side, told = marks(here, at.SIDE), ints(head[at.SIDES], 0, head[at.ROWS])
     for i in range(head[at.ROWS]):
         told[i] = side[i]

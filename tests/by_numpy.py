@@ -1,4 +1,6 @@
-r"""Stationarity of one level: whether multipliers of the rows above balance its gradient.
+r"""The certificate once more, by singular values and least squares of SciPy: what the compiled one is held to.
+
+Stationarity of one level: whether multipliers of the rows above balance its gradient.
 
 Row i of a level acts on x with the force :math:`\|a_i\| d_i^2 w_i` along its unit normal. Rows of the levels above act
 against it: equalities and violated rows with a multiplier of either sign (*free* rows), rows at a bound with one sign
@@ -15,10 +17,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array, length, lengths
-from ..hierarchy import Side
-from .rows import RowStates
-from .subspace import RowSpace, row_space
+from hqp import Hierarchy
+from hqp.arrays import Array, length, lengths
+from hqp.certificate import RowStates, row_space, row_states
+from hqp.certificate.rows import ROUND_OFF
+from hqp.hierarchy import Side
 
 #: Rank tolerance of the free normals. It is small, so that an answer passes however its solver decided a doubtful rank.
 FREE_RANK = 1e-12
@@ -39,6 +42,30 @@ HOLDS = 1e-8
 
 #: The sides INACTIVE and EQUALITY, as entries of arrays.
 INSIDE, EITHER_WAY = np.int8(Side.INACTIVE), np.int8(Side.EQUALITY)
+
+
+class RowSpace:
+    """The span of rows, each divided by its length."""
+
+    def __init__(self, n: int, tolerance: float) -> None:
+        self._tolerance, self.rows, self.basis = tolerance, np.zeros((0, n)), np.zeros((n, 0))
+
+    def grow(self, units: Array) -> None:
+        self.rows = np.concatenate([self.rows, units])
+        self.basis, _, self._smallest = row_space(self.rows, self._tolerance)
+
+    def project(self, vectors: Array) -> Array:
+        """Onto the orthogonal complement."""
+        return vectors - (vectors @ self.basis) @ self.basis.T
+
+    def smallest(self) -> float:
+        return self._smallest
+
+    def combine(self, vector: Array) -> Array:
+        """The shortest combination of the rows that is nearest to a vector."""
+        if not len(self.rows):
+            return np.zeros(0)
+        return np.linalg.lstsq(self.rows.T, vector, rcond=self._tolerance)[0]
 
 
 class Forces(NamedTuple):
@@ -145,7 +172,6 @@ class Above:
         self._all_free = np.flatnonzero(able & either)
         self._all_signed = np.flatnonzero(able & ~either & (rows.sides != INSIDE))
         self._holds = np.zeros(len(units), dtype=bool)
-        self._span = RowSpace(units.shape[1], FREE_RANK)
         self.free, self.signed = self._all_free[:0], self._all_signed[:0]
 
     def balance(self, forces: Forces, count: int) -> Balance:
@@ -153,12 +179,13 @@ class Above:
         if not forces.push.any():  # met: nothing to improve
             return Balance(True, 0.0, 0.0, None)
 
-        known, self.free = len(self.free), self._all_free[: self._all_free.searchsorted(count)]
+        self.free = self._all_free[: self._all_free.searchsorted(count)]
         self.signed = self._all_signed[: self._all_signed.searchsorted(count)]
-        self._span.grow(self._units[self.free[known:]])
+        span = RowSpace(self._units.shape[1], FREE_RANK)
+        span.grow(self._units[self.free])
         scale = float(np.abs(forces.push).sum())
         gradient = (forces.push / scale) @ forces.units
-        attempts = [self._balance(gradient, self._span, self.free, self.signed)]
+        attempts = [self._balance(gradient, span, self.free, self.signed)]
         holding = self._holds[self.signed]
         if not attempts[0].straight and holding.any():
             free = np.concatenate([self.free, self.signed[holding]])
@@ -188,7 +215,7 @@ class Above:
         return _Attempt(span, free, pressing, normals, mu, left, gradient)
 
     def multipliers(self, balance: Balance, count: int) -> Array:
-        """The multipliers of all `count` rows above, before any other level is balanced."""
+        """The multipliers of all `count` rows above, of a level that was balanced."""
         norms, sides, attempt = self._rows.norms, self._rows.sides, balance.attempt
         multipliers = np.zeros(count)
         if attempt is not None:
@@ -268,3 +295,33 @@ def _carried(left: Array, normals: Array, mu: Array, own: Array, capacity: Array
     except (np.linalg.LinAlgError, ValueError):
         return unit
     return unit * length(matrix @ shift - target)
+
+
+class Told(NamedTuple):
+    """One level, as :class:`hqp.certificate.LevelCertificate` tells it."""
+
+    ok: bool
+    stationarity: float
+    scale: float
+    multipliers: Array
+
+
+def judge(hierarchy: Hierarchy, x: Array, x_ref: Array, tolerance: float = 1e-9) -> list[Told]:
+    """All levels of a hierarchy at x, the implicit last one included."""
+    with np.errstate(all="ignore"):
+        rows = row_states(hierarchy, x, x_ref, tolerance)
+        norms, force, eye = rows.norms, rows.norms * hierarchy.weights**2, np.eye(hierarchy.n)
+        units = hierarchy.dense() / np.where(norms > 0, norms, 1.0)[:, None]
+        push, sides = np.where(rows.violated, force * rows.slack, 0.0), np.where(rows.violated, EITHER_WAY, rows.sides)
+        above, told, forces = Above(units, rows), [], Forces(units, push, force * rows.tolerance, sides)
+        for k in range(len(hierarchy.levels) + 1):
+            if k < len(hierarchy.levels):
+                count, end = hierarchy.pointers[k : k + 2]
+                own = Forces._make(part[count:end] for part in forces)
+            else:
+                count, allowed = hierarchy.m, tolerance * (np.abs(x) + np.abs(x_ref)) + ROUND_OFF * rows.way
+                away = np.where(np.abs(x - x_ref) > allowed, x - x_ref, 0.0)
+                own = Forces(eye, away, allowed, np.full(hierarchy.n, EITHER_WAY))
+            balance = above.balance(own, count)
+            told.append(Told(balance.exact, balance.stationarity, balance.scale, above.multipliers(balance, count)))
+    return told

@@ -1,0 +1,74 @@
+"""The rows of a hierarchy at x, as the certificate sees them: slacks, tolerances and sides."""
+
+from __future__ import annotations
+
+import math
+
+from . import layout as at
+from .compile import inner
+from .memory import ints, marks, vector
+from .orthogonal import length
+from .rows import EQUALITY, INACTIVE, LOWER, UPPER, value_of
+
+#: As in :mod:`hqp.certificate.rows`: round-off of rows, and the share of ``||a_i|| ||x||`` in the tolerance of a row.
+ROUND_OFF, LENGTH = 256 * 2.0**-52, 0.1
+
+
+@inner
+def measure_rows(here):
+    """Write ``value`` and slack (``w``) of all rows.
+
+    Returns ``||x||``, and the distance T of :func:`hqp.certificate.rows.travel`, to which round-off is relative.
+    """
+    head = ints(here, 0, at.HEAD)
+    n, ptr, norm, weights = head[at.N], marks(here, at.PTR), vector(here, at.NORM), vector(here, at.WEIGHTS)
+    lo, hi, x, x_ref = vector(here, at.LO), vector(here, at.HI), vector(here, at.X), vector(here, at.X_REF)
+    value, slack = vector(here, at.VALUE), vector(here, at.W)
+    away, longest = 0.0, 0.0
+    for j in range(n):
+        away += (x[j] - x_ref[j]) * (x[j] - x_ref[j])
+    for i in range(head[at.ROWS]):
+        longest = max(longest, norm[i] / weights[i])
+    size = length(x, n)
+    way = max(size, math.sqrt(away))
+    for k in range(head[at.LEVELS]):
+        most, asked = 0.0, 0.0
+        for i in range(ptr[k], ptr[k + 1]):
+            value[i] = value_of(i, x, here) if norm[i] > 0.0 else 0.0
+            slack[i] = value[i] - min(max(value[i], lo[i]), hi[i])
+            most = max(most, norm[i])
+            if norm[i] > ROUND_OFF * longest * weights[i]:
+                asked = max(asked, abs(slack[i]) * norm[i])
+        if most > 0.0 and ptr[k + 1] - ptr[k] > 1:
+            way = max(way, asked / (most * most))
+    return size, way
+
+
+@inner
+def find_sides(here):
+    """Write the side of every row at x to ``held``, EQUALITY if its multiplier is free, and its violation to ``slope``.
+
+    Also, to ``lambda``, the tolerance of the row. Returns as :func:`measure_rows`.
+    """
+    size, way = measure_rows(here)
+    norm, lo, hi = vector(here, at.NORM), vector(here, at.LO), vector(here, at.HI)
+    value, slack, side = vector(here, at.VALUE), vector(here, at.W), marks(here, at.HELD)
+    violation, room = vector(here, at.SLOPE), vector(here, at.LAMBDA)
+    judged = vector(here, at.OPTION)[at.JUDGED]
+    flat = judged * LENGTH * size + ROUND_OFF * way
+    for i in range(ints(here, 0, at.HEAD)[at.ROWS]):
+        side[i], room[i], violation[i] = INACTIVE, 0.0, 0.0
+        if norm[i] == 0.0:
+            continue
+        near = judged * (abs(value[i]) + abs(value[i] - slack[i])) + flat * norm[i]
+        room[i] = near
+        over, under = value[i] >= hi[i] - near, value[i] <= lo[i] + near
+        if abs(slack[i]) > near:
+            side[i], violation[i] = EQUALITY, slack[i]
+        elif lo[i] == hi[i] or (over and under):
+            side[i] = EQUALITY
+        elif over:
+            side[i] = UPPER
+        elif under:
+            side[i] = LOWER
+    return size, way
