@@ -16,7 +16,7 @@ from .active_set import OPTIMAL
 from .bend import TRUSTED, bend, find_bounds
 from .call import called_on
 from .compile import entry, inner, integer, stamp
-from .curved_rows import demand, gather, measure, norm_of, note_bounds, project, stack_above
+from .curved_rows import demand, gather, kept, measure, norm_of, note_bounds, project, stack_above
 from .hand_over import freeze, hold
 from .lacking import leave_off_above, note_lacking
 from .memory import floats, given, ints, marks, matrix, vector
@@ -33,8 +33,8 @@ FASTEST = 1e12
 DOUBTED = 2.5
 #: Weight of the lean, which pulls a level towards the last x, relative to its rows and damping, times the root of
 #: gain dt: on the first level that has a curvature, and below it. The lean makes x lag by its square over the gain; at
-#: 1/2 the closed loop is critically damped.
-LEAN, LEAN_BELOW = 0.0316, 0.6
+#: 1/2, below, the closed loop is critically damped.
+LEAN, LEAN_BELOW = 0.0316, math.sqrt(0.5)
 #: The c in the metric of the lean, G'G + P + c |J|^2: as a rule; and if the last x moves along bounds, on the first
 #: level and below it.
 ALIKE, ALIKE_AT_BOUNDS, ALIKE_BELOW = 0.08, 0.3, 1.0
@@ -126,19 +126,21 @@ def prepare(here, k, x):
     """
     head, so_far, of = ints(here, 0, plain.HEAD), vector(here, at.SO_FAR), marks(here, at.CALLS_OF)
     d, above, free, opened, firmer = head[at.LEFT], head[at.STACKED], head[at.FREE], head[at.OPEN] != 0, 1.0
-    if marks(here, at.OWN_OF)[k] == marks(here, at.OWN_OF)[k + 1]:  # it has nothing to say
-        head[at.ACTIVE], so_far[at.SIZE], matrix(here, at.NORMS)[k][head[at.NUMBER]] = 0, 0.0, 0.0
-        return opened
     if head[at.LOOKS_AHEAD] != 0 and k > head[at.TOP]:
         leave_off_above(here, x, d)
         note_lacking(here, k)
     count, J = gather(here, k), matrix(here, at.J)
+    if count == 0 and (not opened or kept(here, k, x)):  # it asks for nothing
+        head[at.ACTIVE], matrix(here, at.NORMS)[k][head[at.NUMBER]] = 0, 0.0
+        return opened
     least, size = project(here, count, d), 0.0
     spared = marks(here, at.CURVED)[k] == at.SPARED
     if not spared:
         least = least_apart(here, k, count, d, above, least)
     if opened:
-        size = norm_of(here, count, free)
+        size = (
+            norm_of(here, count, free) if count > 0 else so_far[at.SIZE]
+        )  # bounds that x would pass: as firm as above
         firmer = math.sqrt(demand(here, k, count, size)) if size > 0.0 else 1.0
         head[at.STIFF] = 1 if measure(here, k, d, count, firmer) else 0
     if spared:

@@ -10,6 +10,9 @@ from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .symmetric import cholesky, eigen, smallest
 
+#: A row is violated if it is further from its bounds than this, relative to its value and that distance.
+VIOLATED = 1e-9
+
 
 @inner
 def value_at(here, i, x):
@@ -21,6 +24,19 @@ def value_at(here, i, x):
     for j in range(ints(here, 0, plain.HEAD)[plain.N]):
         value += row[j] * x[j]
     return value
+
+
+@inner
+def kept(here, k, x):
+    """Whether x (n,) keeps the bounds of all rows of level k."""
+    mine, of = marks(here, at.OWN), marks(here, at.OWN_OF)
+    lower, upper = vector(here, plain.LOWER), vector(here, plain.UPPER)
+    for p in range(of[k], of[k + 1]):
+        value = value_at(here, mine[p], x)
+        low, high = lower[mine[p]] - value, value - upper[mine[p]]
+        if max(low, high) > VIOLATED * (abs(value) + max(low, high)):
+            return False
+    return True
 
 
 @inner

@@ -146,7 +146,10 @@ def draw(here, k, d, lean):
 
 @inner
 def stay(here, k, d):
-    """Write K = I and ``mu`` = Z x: a block that asks for nothing on level k stays at the x of the level above."""
+    """Write K = I and ``mu`` = Z x: a block that asks for nothing on level k stays at the x of the level above.
+
+    Its soft rows have no weight there.
+    """
     K = matrix(here, at.U)
     for p in range(d):
         for q in range(d):
@@ -158,10 +161,10 @@ def stay(here, k, d):
 @inner
 def factor(here, k, d):
     """Write K, K K' = M of :func:`draw`, for the block's rows of damping on level k; whether there are any."""
-    head, of, so_far = ints(here, 0, plain.HEAD), marks(here, at.OWN_OF), vector(here, at.SO_FAR)
+    head, so_far = ints(here, 0, plain.HEAD), vector(here, at.SO_FAR)
     if head[at.OPEN] == 0:
         return False
-    if of[k] == of[k + 1]:
+    if head[at.ACTIVE] == 0 and matrix(here, at.NORMS)[k][head[at.NUMBER]] == 0.0:
         return stay(here, k, d)
     lean = so_far[at.LEAN]
     if lean > 0.0:
