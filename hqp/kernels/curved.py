@@ -33,8 +33,8 @@ FASTEST = 1e12
 DOUBTED = 2.5
 #: Weight of the lean, which pulls a level towards the last x, relative to its rows and damping, times the root of
 #: gain dt: on the first level that has a curvature, and below it. The lean makes x lag by its square over the gain; at
-#: 1/2, below, the closed loop is critically damped.
-LEAN, LEAN_BELOW = 0.0316, math.sqrt(0.5)
+#: 1/2 the closed loop is critically damped.
+LEAN, LEAN_BELOW = 0.0316, 0.6
 #: The c in the metric of the lean, G'G + P + c |J|^2: as a rule; and if the last x moves along bounds, on the first
 #: level and below it.
 ALIKE, ALIKE_AT_BOUNDS, ALIKE_BELOW = 0.08, 0.3, 1.0
