@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from functools import reduce
+from operator import rshift
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from tasks import (
+    AtMost,
     AxisTask,
     Controller,
     Freeze,
+    JointAccelerationLimit,
     JointLimits,
+    JointVelocityLimit,
     OrientationTask,
     PlanarArm,
     PositionTask,
@@ -231,3 +237,52 @@ def test_no_row_jumps_where_another_one_goes_from_soft_to_held() -> None:
     end = [-0.43915, 0.51897, 0.08134, -0.60052, 0.03829, 2.74297, 0.40749]
     end += [-0.15366, -0.46277, 0.03684, -0.52649, 0.20233, -0.89103, -0.13045]
     assert largest_jump(lambda x: controller(x[:7], x[7:]).v, np.array(begin), np.array(end)) < 0.05
+
+
+@pytest.mark.parametrize("order", ["velocity", "acceleration"])
+@pytest.mark.parametrize("seed", range(12))
+def test_mirrored_turned_or_larger_the_motion_is_the_same(seed: int, order: str) -> None:
+    """Neither the axes of the world nor the unit of length mean anything."""
+    rng, turn = np.random.default_rng(seed), 0.7
+    lengths, angle = rng.uniform(0.2, 0.6, N), rng.uniform(-np.pi, np.pi)
+    q = rng.uniform(-1.0, 1.0, N) * rng.choice([0.02, 0.3, 2.0])
+    v, home = rng.uniform(-1.0, 1.0, N) * rng.choice([0.1, 2.9]), rng.uniform(-1.0, 1.0, N)
+    target = rng.uniform(0.2, 2.0) * lengths.sum() * np.array([np.cos(angle), np.sin(angle)])
+
+    def moved(q, v, home, target, angle, scale=1.0):
+        robot = PlanarArm(scale * lengths, velocity_limit=3.0, acceleration_limit=30.0)
+        place, turned = PositionTask(scale * target, gain=8.0), OrientationTask(angle, gain=6.0)
+        limits = JointVelocityLimit() >> JointAccelerationLimit()
+        stack = limits >> place >> turned >> PostureTask(home, gain=1.0)
+        step = Controller(robot, stack, dt=DT, order=order)(q, v)
+        assert step.relaxed
+        return step.v if order == "velocity" else step.a
+
+    once, first = moved(q, v, home, target, angle), turn * np.eye(N)[0]
+    about = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    close = {"atol": 1e-9 * max(1.0, np.abs(once).max())}
+    np.testing.assert_allclose(-moved(-q, -v, -home, target * [1.0, -1.0], -angle), once, **close)
+    np.testing.assert_allclose(moved(q + first, v, home + first, about @ target, angle + turn), once, **close)
+    for scale in 1e-3, 1e3:
+        np.testing.assert_allclose(moved(q, v, home, target, angle, scale), once, **close)
+
+
+@pytest.mark.parametrize("order", ["velocity", "acceleration"])
+@pytest.mark.parametrize("seed", range(12))
+def test_a_bound_that_is_far_changes_nothing_on_any_level(seed: int, order: str) -> None:
+    rng = np.random.default_rng(seed)
+    q, v = rng.uniform(-1.0, 1.0, N) * rng.choice([0.02, 0.3, 2.0]), rng.uniform(-1.0, 1.0, N)
+    robot = PlanarArm([0.5, 0.4, 0.3, 0.2], velocity_limit=3.0, acceleration_limit=30.0)
+
+    def moved(place: int | None) -> np.ndarray:
+        levels = [JointLimits(), tip(FAR), OrientationTask(0.5, gain=4.0), posture()]
+        if place is not None:
+            levels.insert(place, AtMost(PositionTask([100.0], mask="y", gain=4.0, name="far")))
+        step = Controller(robot, reduce(rshift, levels), dt=DT, order=order)(q, v)
+        assert step.relaxed
+        assert step.solution.certify().ok
+        return step.v if order == "velocity" else step.a
+
+    once = moved(None)
+    for place in range(1, 5):
+        np.testing.assert_allclose(moved(place), once, atol=1e-9 * max(1.0, np.abs(once).max()))

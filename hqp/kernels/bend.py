@@ -37,7 +37,7 @@ def multipliers(here, k, above, damped):
     """
     head, gram, L, mu = ints(here, 0, plain.HEAD), matrix(here, at.GRAM), matrix(here, at.TRIANGLE), vector(here, at.MU)
     n, all_above, whose, pull = head[plain.N], matrix(here, at.ABOVE), marks(here, at.WHOSE), vector(here, at.PULL)
-    ptr, wanted, weights = marks(here, plain.PTR), vector(here, at.WANTED), vector(here, plain.WEIGHTS)
+    of, wanted, weights = marks(here, at.OWN_OF), vector(here, at.WANTED), vector(here, plain.WEIGHTS)
     longest, some = 0.0, False
     for r in range(above):
         row, total = all_above[r], 0.0
@@ -46,8 +46,8 @@ def multipliers(here, k, above, damped):
         mu[r] = total
         some = some or total != 0.0
         longest = max(longest, gram[r][r])
-    for i in range(ptr[head[at.TOP]], ptr[k]):
-        wanted[i] = 0.0
+    for p in range(of[head[at.TOP]], of[k]):
+        wanted[marks(here, at.OWN)[p]] = 0.0
     if not some:
         return False
     more = damped + DEPENDENT * longest

@@ -16,7 +16,7 @@ from .active_set import OPTIMAL
 from .bend import TRUSTED, bend, find_bounds
 from .call import called_on
 from .compile import entry, inner, integer, stamp
-from .curved_rows import demand, gather, measure, norm_of, note_bounds, project, stack_above
+from .curved_rows import demand, gather, kept, measure, norm_of, note_bounds, project, stack_above
 from .hand_over import freeze, hold
 from .lacking import leave_off_above, note_lacking
 from .memory import floats, given, ints, marks, matrix, vector
@@ -42,15 +42,19 @@ ALIKE, ALIKE_AT_BOUNDS, ALIKE_BELOW = 0.08, 0.3, 1.0
 
 @inner
 def begin(here):
-    """Reset: every row as it is given, Z all directions (the identity), their metric L the identity."""
+    """Reset a block: Z all its directions, their metric L the identity; then hold what is held above its levels."""
     head, basis, metric = ints(here, 0, plain.HEAD), matrix(here, at.BASIS), matrix(here, at.METRIC)
-    state = marks(here, at.STATE)
-    for i in range(head[plain.ROWS]):
-        state[i] = at.GIVEN
-    for i in range(head[plain.N]):
-        row, other = basis[i], metric[i]
+    columns, so_far = marks(here, at.COLUMNS), vector(here, at.SO_FAR)
+    for p in range(len(basis)):
+        row, other = basis[p], metric[p]
         for j in range(head[plain.N]):
-            row[j] = other[j] = 1.0 if i == j else 0.0
+            row[j] = 1.0 if j == columns[p] else 0.0
+        for q in range(len(basis)):
+            other[q] = 1.0 if p == q else 0.0
+    head[at.STIFF] = head[at.OPEN] = head[at.STACKED] = 0
+    head[at.FIRST_TASK], so_far[at.ABOVE_DAMPED] = 1, 0.0
+    so_far[at.AT_BOUNDS] = crowded(here, vector(here, at.LAST))
+    head[at.LEFT] = head[at.FREE] = hold_above(here)
 
 
 @inner
@@ -77,17 +81,11 @@ def note_last(here):
 
 
 @inner
-def solve_stage(here, k, d, count, size, firmer, lean, alike):
-    """Write the stage of level k and solve it; returns the outcome, and x goes to ``points[k]``.
-
-    `d` directions are left, and the level has `count` rows of norm `size`; the soft rows above are `firmer` times
-    stiffer; `lean` and `alike` as of :func:`.stage.weigh_lean`, the lean here without the factor 1 / sqrt(gain dt).
-    """
+def solve_stage(here, k):
+    """Write the stage of level k and solve it; returns the outcome, and x goes to ``points[k]``."""
     head, point = ints(here, 0, plain.HEAD), matrix(here, at.POINTS)[k]
-    if vector(here, at.LAST)[0] != vector(here, at.LAST)[0]:
-        lean = 0.0
-    head[at.STAGE], vector(here, at.NORMS)[k] = k, firmer * size
-    write_stage(here, k, d, count, size, lean / math.sqrt(vector(here, at.SHARES)[k]), alike)
+    head[at.STAGE] = k
+    write_stage(here, k)
     directory = marks(here, at.DIRECTORIES)[k]
     outcome = called_on(head[at.SOLVE], directory, marks(here, at.NUMBERS)[k])
     x, told = vector(directory, plain.X), ints(directory, 0, plain.HEAD)
@@ -112,7 +110,7 @@ def spare(here, d):
 def hold_above(here):
     """Hold the equalities of the levels above the first curved one, a frozen joint, say; returns what is left."""
     head, ids, J = ints(here, 0, plain.HEAD), marks(here, at.IDS), matrix(here, at.J)
-    lower, upper, d = vector(here, plain.LOWER), vector(here, plain.UPPER), head[plain.N]
+    lower, upper, d = vector(here, plain.LOWER), vector(here, plain.UPPER), integer(len(matrix(here, at.BASIS)))
     for k in range(head[at.TOP]):
         for r in range(gather(here, k)):
             if lower[ids[r]] == upper[ids[r]]:
@@ -121,67 +119,118 @@ def hold_above(here):
 
 
 @inner
-def solve_stages(here, gate):
+def prepare(here, k, x):
+    """Decide on level k of a block, below x (n,), how strongly it is damped and leans; whether it takes its own stage.
+
+    Where it does not, its rows are held. Else the stage is written from what is noted here.
+    """
+    head, so_far, of = ints(here, 0, plain.HEAD), vector(here, at.SO_FAR), marks(here, at.CALLS_OF)
+    d, above, free, opened, firmer = head[at.LEFT], head[at.STACKED], head[at.FREE], head[at.OPEN] != 0, 1.0
+    if head[at.LOOKS_AHEAD] != 0 and k > head[at.TOP]:
+        leave_off_above(here, x, d)
+        note_lacking(here, k)
+    count, J = gather(here, k), matrix(here, at.J)
+    if count == 0 and (not opened or kept(here, k, x)):  # it asks for nothing
+        head[at.ACTIVE], matrix(here, at.NORMS)[k][head[at.NUMBER]] = 0, 0.0
+        return opened
+    least, size = project(here, count, d), 0.0
+    spared = marks(here, at.CURVED)[k] == at.SPARED
+    if not spared:
+        least = least_apart(here, k, count, d, above, least)
+    if opened:
+        size = (
+            norm_of(here, count, free) if count > 0 else so_far[at.SIZE]
+        )  # bounds that x would pass: as firm as above
+        firmer = math.sqrt(demand(here, k, count, size)) if size > 0.0 else 1.0
+        head[at.STIFF] = 1 if measure(here, k, d, count, firmer) else 0
+    if spared:
+        strength, ratio = spare(here, d)
+    else:
+        strength, ratio = bend(here, k, count, d, above, least, so_far[at.ABOVE_DAMPED])
+    fade = min(1.0, max(0.0, (ratio - TRUSTED) / (DOUBTED - TRUSTED))) ** 3
+    gate = so_far[at.GATE] = max(so_far[at.GATE], fade)
+    head[at.STACKED], head[at.ACTIVE] = stack_above(here, count, above, free), count
+    first = head[at.FIRST_TASK]  # a level without curvature, a joint held by a posture, say, is not the first task
+    head[at.FIRST_TASK] = 1 if first != 0 and of[k + 1] == of[k] else 0
+    if strength == 0.0 and (gate == 0.0 or spared) and not opened:
+        for r in range(count):
+            d = hold(here, J[r], d)
+        head[at.LEFT] = d
+        return False
+    if not opened:
+        size = norm_of(here, count, free)
+    known = not spared and vector(here, at.LAST)[0] == vector(here, at.LAST)[0]
+    lean = math.sqrt(gate) * (LEAN if first != 0 else LEAN_BELOW) if known else 0.0
+    so_far[at.LEAN] = lean / math.sqrt(vector(here, at.SHARES)[k])
+    so_far[at.ALIKE] = max(ALIKE, so_far[at.AT_BOUNDS] * (ALIKE_AT_BOUNDS if first != 0 else ALIKE_BELOW))
+    so_far[at.SIZE], head[at.OPEN] = size, 1
+    matrix(here, at.NORMS)[k][head[at.NUMBER]] = firmer * size
+    vector(here, at.STRENGTHS)[k] = max(vector(here, at.STRENGTHS)[k], math.sqrt(strength))
+    so_far[at.ABOVE_DAMPED] += strength
+    return True
+
+
+@inner
+def solve_stages(here):
     """Solve stage by stage from the first level on that is damped or leans; returns the outcome of the last stage.
 
-    `gate`, from 0 to 1, scales the lean of all levels. OPENED is set to the first level with a stage of its own.
+    The blocks come with their gates, from 0 to 1, which scale the lean of all levels. OPENED is set to the first level
+    with a stage of its own.
     """
-    head, strengths, J = ints(here, 0, plain.HEAD), vector(here, at.STRENGTHS), matrix(here, at.J)
-    of = marks(here, at.CALLS_OF)  # a level without curvature, a joint held by a posture, say, is not the first task
-    levels, above, outcome, opened, damped, first = head[plain.LEVELS], integer(0), integer(OPTIMAL), False, 0.0, True
-    head[at.OPENED], x = levels, vector(marks(here, at.DIRECTORIES)[levels], plain.X)
-    head[at.STIFF] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
+    head, strengths, state, blocks = (
+        ints(here, 0, plain.HEAD),
+        vector(here, at.STRENGTHS),
+        marks(here, at.STATE),
+        marks(here, at.BLOCKS),
+    )
+    levels, outcome = head[plain.LEVELS], integer(OPTIMAL)
+    head[at.OPENED], strict = levels, vector(marks(here, at.DIRECTORIES)[levels], plain.X)
+    head[at.SWEEPS] = head[at.ITERATIONS] = 0
     if head[at.LOOKS_AHEAD] != 0:  # as quiet() has done
         note_errors(here)
-    at_bounds = crowded(here, vector(here, at.LAST))
-    begin(here)
-    d = free = hold_above(here)
+    for i in range(head[plain.ROWS]):
+        state[i] = at.GIVEN
+    for block in blocks:
+        begin(block)
     for k in range(head[at.TOP], levels):
-        strengths[k] = 0.0
-        if head[at.LOOKS_AHEAD] != 0 and k > head[at.TOP]:
-            leave_off_above(here, x, d)
-            note_lacking(here, k)
-        count = gather(here, k)
-        least, size, firmer = project(here, count, d), 0.0, 1.0
-        spared = marks(here, at.CURVED)[k] == at.SPARED
-        if not spared:
-            least = least_apart(here, k, count, d, above, least)
-        if opened:
-            size = norm_of(here, count, free)
-            firmer = math.sqrt(demand(here, k, count, size)) if size > 0.0 else 1.0
-            head[at.STIFF] = 1 if measure(here, k, d, count, firmer) else 0
-        if spared:
-            strength, ratio = spare(here, d)
-        else:
-            strength, ratio = bend(here, k, count, d, above, least, damped)
-        fade = min(1.0, max(0.0, (ratio - TRUSTED) / (DOUBTED - TRUSTED))) ** 3
-        gate = max(gate, fade)
-        above = stack_above(here, count, above, free)
-        if strength == 0.0 and (gate == 0.0 or spared) and not opened:
-            for r in range(count):
-                d = hold(here, J[r], d)
-            first = first and of[k + 1] == of[k]
+        strengths[k], some = 0.0, False
+        for block in blocks:
+            own = ints(block, 0, plain.HEAD)
+            if k >= own[at.TOP]:
+                x = matrix(here, at.POINTS)[k - 1] if own[at.OPEN] != 0 else strict
+                some = prepare(block, k, x) or some
+        if not some:
             continue
-        if not opened:
-            head[at.OPENED], size = k, norm_of(here, count, free)
-        lean = 0.0 if spared else math.sqrt(gate) * (LEAN if first else LEAN_BELOW)
-        alike = max(ALIKE, at_bounds * (ALIKE_AT_BOUNDS if first else ALIKE_BELOW))
-        first = first and of[k + 1] == of[k]
-        outcome = solve_stage(here, k, d, count, size, firmer, lean, alike)
+        head[at.OPENED] = min(head[at.OPENED], k)
+        outcome = solve_stage(here, k)
         if outcome != OPTIMAL:
             return outcome
-        opened, strengths[k], x = True, math.sqrt(strength), matrix(here, at.POINTS)[k]
-        damped += strength
-        if k + 1 < levels:
-            d = freeze(here, k, count, d, matrix(here, at.POINTS)[k], size)
+        for block in blocks:
+            own = ints(block, 0, plain.HEAD)
+            if own[at.OPEN] != 0 and k + 1 < levels:
+                x, size = matrix(here, at.POINTS)[k], vector(block, at.SO_FAR)[at.SIZE]
+                own[at.LEFT] = freeze(block, k, own[at.ACTIVE], own[at.LEFT], x, size)
     return outcome
+
+
+@inner
+def crowd(here, strict):
+    """Set the gate of every block: how close the strict answer moves along bounds; returns the largest."""
+    x, gate = vector(marks(here, at.DIRECTORIES)[ints(here, 0, plain.HEAD)[plain.LEVELS]], plain.X), 0.0
+    known = vector(here, at.LAST)[0] == vector(here, at.LAST)[0]
+    for block in marks(here, at.BLOCKS):
+        note_bounds(block)
+        own = 0.0 if not known else crowded(block, x) if strict == OPTIMAL else 1.0
+        vector(block, at.SO_FAR)[at.GATE] = own
+        gate = max(gate, own)
+    return gate
 
 
 @inner
 def solve_all(here, numbers):
     """Solve the strict hierarchy, then in stages if a level has to be damped; returns the outcome of the last solve."""
     head = ints(here, 0, plain.HEAD)
-    levels, gate = head[plain.LEVELS], 0.0
+    levels = head[plain.LEVELS]
     if head[at.QUICK] != 0:
         cut = marks(marks(here, at.DIRECTORIES)[levels], plain.CUT)
         for k in range(levels + 1):
@@ -191,15 +240,11 @@ def solve_all(here, numbers):
         return strict
     note_errors(here)
     find_bounds(here)
-    note_bounds(here)
     note_last(here)
-    if vector(here, at.LAST)[0] == vector(here, at.LAST)[0]:
-        answer = vector(marks(here, at.DIRECTORIES)[levels], plain.X)
-        gate = crowded(here, answer) if strict == OPTIMAL else 1.0
-    if gate == 0.0 and head[at.QUICK] != 0 and quiet(here, marks(here, at.DIRECTORIES)[levels]):
+    if crowd(here, strict) == 0.0 and head[at.QUICK] != 0 and quiet(here, marks(here, at.DIRECTORIES)[levels]):
         head[at.OPENED] = levels
         return strict
-    outcome = solve_stages(here, gate)
+    outcome = solve_stages(here)
     return outcome if head[at.OPENED] < levels else strict
 
 
@@ -209,6 +254,8 @@ def solve_curved(here, numbers):
     """Solve the hierarchy at the address `numbers`, with the curved levels of the directory; returns the outcome."""
     head = ints(here, 0, plain.HEAD)
     given(here, numbers)
+    for block in marks(here, at.BLOCKS):
+        given(block, numbers)
     outcome = solve_all(here, numbers)
     if outcome == OPTIMAL and head[at.QUICK] != 0 and head[at.OPENED] == head[plain.LEVELS]:
         told = ints(marks(here, at.DIRECTORIES)[head[plain.LEVELS]], 0, plain.HEAD)

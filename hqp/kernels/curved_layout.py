@@ -12,6 +12,9 @@ from __future__ import annotations
 #: METRIC is more than the identity; sweeps and iterations of all stages; and whether any row has a WORTH.
 OPENED, OUTCOME, STAGE, SOLVE, MEASURES, TOP, QUICK = 5, 6, 7, 8, 9, 10, 11
 STIFF, SWEEPS, ITERATIONS, LOOKS_AHEAD = 12, 13, 14, 15
+#: Of a block, on the way down its levels: its number; whether a level of it has a stage of its own; whether none of
+#: them had a curvature; directions that are left, and were at first; active rows of all levels above, and of this one.
+NUMBER, OPEN, FIRST_TASK, LEFT, FREE, STACKED, ACTIVE = 16, 17, 18, 19, 20, 21, 22
 
 #: Which levels are curved: not 0 if a level may be damped, SPARED if it is always left strict. Then for the stage of
 #: every level: its directory (one more at the end: that of the strict hierarchy); its numbers; how many dense rows and
@@ -48,7 +51,15 @@ WORTH = 52
 UNKNOWN = 53
 # Of every variable, the tightest bounds of all rows above the curved levels.
 (LEAST, MOST) = range(54, 56)
-PLACES = 56
+# Independent blocks of variables: the directory of each (its own address, if there is but one), in which the work
+# arrays and the structure are those of the block; the number of the block of every row; the rows of this block, by
+# level, and where those of each level begin; its variables; and numbers on the way down its levels.
+(BLOCKS, BLOCK_OF, OWN, OWN_OF, COLUMNS, SO_FAR) = range(56, 62)
+PLACES = 62
+
+#: Places in SO_FAR: the gate of the lean; how close the last x moves along bounds; the sum of the squared damping
+#: strengths above; and of this level the norm of its rows, the weight of the lean, and its c.
+GATE, AT_BOUNDS, ABOVE_DAMPED, SIZE, LEAN, ALIKE = range(6)
 
 #: Value of CURVED: the level counts as curved, but is left strict.
 SPARED = 2
@@ -56,16 +67,17 @@ SPARED = 2
 GIVEN, HELD, SOFT, LOST = 0, 1, 2, 3
 
 
-def shapes(n, levels, m, widest):
+def shapes(n, levels, m, widest, own, blocks):
     """Shapes of all work arrays, place -> (rows, columns), as two dicts: of integers and of floats.
 
-    `m` is the number of all rows, `widest` that of the largest level.
+    `m` is the number of all rows, `widest` that of the largest level; `own` variables are those of the block.
     """
     ints, wide = {IDS: (widest, 1), STATE: (m, 1), WHOSE: (m, 1)}, max(n, widest)
     reals = {J: (widest, n), G: (widest, n), WANTED: (m, 1), PULL: (n, 1), ERRORS: (m, 1)}
     reals |= {ABOVE: (m, n), GRAM: (m, m), TRIANGLE: (m, m), MU: (max(m, n), 1), VALUES: (wide, 1), REACH: (n, 1)}
     reals |= dict.fromkeys((LEAST, MOST), (n, 1))
-    reals |= dict.fromkeys((BASIS, METRIC, KEPT), (n, n)) | dict.fromkeys((P, E, U, M, HALF, Q), (wide, wide))
+    reals |= {BASIS: (own, n), SO_FAR: (ALIKE + 1, 1)}
+    reals |= dict.fromkeys((METRIC, KEPT), (n, n)) | dict.fromkeys((P, E, U, M, HALF, Q), (wide, wide))
     reals |= {
         ROW: (m, n),
         VALUE: (m, 1),
@@ -73,7 +85,7 @@ def shapes(n, levels, m, widest):
         POINTS: (levels, n),
         STRENGTHS: (levels, 1),
         DAMPED: (levels * n, n + 1),
-        NORMS: (levels, 1),
+        NORMS: (levels, blocks),
         COMBINED: (m, widest),
     }
     return ints, reals

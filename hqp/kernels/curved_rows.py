@@ -10,6 +10,9 @@ from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .symmetric import cholesky, eigen, smallest
 
+#: A row is violated if it is further from its bounds than this, relative to its value and that distance.
+VIOLATED = 1e-9
+
 
 @inner
 def value_at(here, i, x):
@@ -24,13 +27,26 @@ def value_at(here, i, x):
 
 
 @inner
+def kept(here, k, x):
+    """Whether x (n,) keeps the bounds of all rows of level k."""
+    mine, of = marks(here, at.OWN), marks(here, at.OWN_OF)
+    lower, upper = vector(here, plain.LOWER), vector(here, plain.UPPER)
+    for p in range(of[k], of[k + 1]):
+        value = value_at(here, mine[p], x)
+        low, high = lower[mine[p]] - value, value - upper[mine[p]]
+        if max(low, high) > VIOLATED * (abs(value) + max(low, high)):
+            return False
+    return True
+
+
+@inner
 def gather(here, k):
     """Collect the equalities of level k, and its inequalities that have an error; returns how many these are.
 
     Writes their numbers ``ids``, weighted rows ``J``, the weights ``wanted`` of their curvatures (by row number), and
     ``pull`` = J' e, with the errors weighted like the rows.
     """
-    head, ptr, col = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, plain.COL)
+    head, mine, of, col = ints(here, 0, plain.HEAD), marks(here, at.OWN), marks(here, at.OWN_OF), marks(here, plain.COL)
     n, row_of, ids = head[plain.N], marks(here, plain.ROW_OF), marks(here, at.IDS)
     lower, upper, weights = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, plain.WEIGHTS)
     errors, wanted, pull = vector(here, at.ERRORS), vector(here, at.WANTED), vector(here, at.PULL)
@@ -38,7 +54,8 @@ def gather(here, k):
     count = integer(0)
     for j in range(n):
         pull[j] = 0.0
-    for i in range(ptr[k], ptr[k + 1]):
+    for p in range(of[k], of[k + 1]):
+        i = mine[p]
         wanted[i] = 0.0
         if not (lower[i] == upper[i] or (errors[i] != 0.0 and (lower[i] > -math.inf or upper[i] < math.inf))):
             continue
@@ -100,7 +117,7 @@ def stack_above(here, count, above, free):
         row, own = all_above[above], J[r]
         for j in range(n):
             row[j] = own[j]
-        for b in range(free, n):
+        for b in range(free, len(matrix(here, at.BASIS))):
             direction, total = matrix(here, at.BASIS)[b], 0.0
             for j in range(n):
                 total += direction[j] * row[j]
@@ -128,7 +145,8 @@ def note_bounds(here):
     lower, upper = vector(here, plain.LOWER), vector(here, plain.UPPER)
     for j in range(head[plain.N]):
         least[j], most[j] = -math.inf, math.inf
-    for i in range(marks(here, plain.PTR)[head[at.TOP]]):
+    for p in range(marks(here, at.OWN_OF)[head[at.TOP]]):
+        i = marks(here, at.OWN)[p]
         j = col[i]
         if j >= 0:
             least[j], most[j] = max(least[j], lower[i]), min(most[j], upper[i])
@@ -173,7 +191,7 @@ def measure(here, k, d, count, firmer):
 
     `firmer` is the factor of their stiffness.
     """
-    head, ptr, state = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.STATE)
+    head, of, state = ints(here, 0, plain.HEAD), marks(here, at.OWN_OF), marks(here, at.STATE)
     n, basis, L, M, G = (
         head[plain.N],
         matrix(here, at.BASIS),
@@ -185,7 +203,8 @@ def measure(here, k, d, count, firmer):
     for p in range(d):
         for q in range(d):
             M[p][q] = 1.0 if p == q else 0.0
-    for i in range(ptr[head[at.TOP]], ptr[k]):
+    for s in range(of[head[at.TOP]], of[k]):
+        i = marks(here, at.OWN)[s]
         if state[i] != at.SOFT:
             continue
         some = True
@@ -215,7 +234,7 @@ def norm_of(here, count, free):
     values, basis, most = vector(here, at.VALUES), matrix(here, at.BASIS), 0.0
     for r in range(count):
         one = J[r]
-        for b in range(free, n):
+        for b in range(free, len(basis)):
             direction, total = basis[b], 0.0
             for j in range(n):
                 total += one[j] * direction[j]
@@ -224,7 +243,7 @@ def norm_of(here, count, free):
             other, total = J[q], 0.0
             for j in range(n):
                 total += one[j] * other[j]
-            for b in range(n - free):
+            for b in range(len(basis) - free):
                 total -= half[r][b] * half[q][b]
             M[r][q] = M[q][r] = total
     eigen(M, matrix(here, at.U), values, count)

@@ -14,6 +14,7 @@ import math
 from . import curved_layout as at
 from . import layout as plain
 from .compile import inner, integer
+from .curved_rows import VIOLATED
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length
 from .symmetric import eigen
@@ -22,8 +23,6 @@ from .symmetric import eigen
 STIFF, STIFFEST = 60.0, 1e4
 #: A row, or a combination of rows, that is shorter than this share is dropped as round-off.
 NONE = 1e-9
-#: A row is violated if it is further from its bounds than this, relative to its value and that distance.
-VIOLATED = 1e-9
 
 
 @inner

@@ -21,9 +21,10 @@ def note_lacking(here, k):
     Where a task is far from its target already, |e| is large, and e counts.
     """
     lower, upper, worth = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, at.WORTH)
-    errors, x, ptr = vector(here, at.ERRORS), vector(here, at.REACH), marks(here, plain.PTR)
-    more, square, longer = vector(here, at.WANTED), 0.0, 0.0
-    for i in range(ptr[k], ptr[k + 1]):
+    errors, x = vector(here, at.ERRORS), vector(here, at.REACH)
+    more, mine, of, square, longer = vector(here, at.WANTED), marks(here, at.OWN), marks(here, at.OWN_OF), 0.0, 0.0
+    for p in range(of[k], of[k + 1]):
+        i = mine[p]
         more[i] = 0.0
         if worth[i] == 0.0:
             continue
@@ -33,7 +34,8 @@ def note_lacking(here, k):
         square += errors[i] * errors[i]
         longer += more[i] * more[i]
     if longer > 0.0:
-        for i in range(ptr[k], ptr[k + 1]):
+        for p in range(of[k], of[k + 1]):
+            i = mine[p]
             errors[i] += more[i] * longer / (longer + square)
 
 

@@ -55,9 +55,10 @@ def longest(here, count):
 @inner
 def has_unknown(here, k):
     """Whether a row whose curvature is not known has a weight in ``wanted``, of levels up to k."""
-    head, ptr, unknown = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.UNKNOWN)
+    head, of, unknown = ints(here, 0, plain.HEAD), marks(here, at.OWN_OF), marks(here, at.UNKNOWN)
     wanted, weights, found = vector(here, at.WANTED), vector(here, plain.WEIGHTS), False
-    for i in range(ptr[head[at.TOP]], ptr[k + 1]):
+    for p in range(of[head[at.TOP]], of[k + 1]):
+        i = marks(here, at.OWN)[p]
         found = found or (unknown[i] != 0 and abs(wanted[i]) > BALANCED * weights[i])
     return found
 
@@ -131,6 +132,6 @@ def least_apart(here, k, count, d, above, least):
     multipliers(here, k, above, 0.0)
     most = BALANCED * math.sqrt(whole * size)
     balanced = has_unknown(here, k) or contract(here, ints(here, 0, plain.HEAD)[at.TOP], k + 1) <= most
-    balanced = balanced or across(here, matrix(here, at.BASIS), d, n, n) <= most
+    balanced = balanced or across(here, matrix(here, at.BASIS), d, len(matrix(here, at.BASIS)), n) <= most
     gather(here, k)  # as it was
     return own if balanced else least

@@ -6,7 +6,7 @@ import math
 
 from . import curved_layout as at
 from . import layout as plain
-from .compile import inner
+from .compile import inner, integer
 from .memory import floats, ints, marks, matrix, vector
 from .symmetric import cholesky
 
@@ -145,19 +145,45 @@ def draw(here, k, d, lean):
 
 
 @inner
-def write_damping(here, k, d, count, address, place, row, lower, upper, weights, size, lean, alike):
-    r"""Write n rows of damping, d of them not zero: :math:`(y - r)^T L P L^T (y - r) + |y - v|_W^2`, where y = Z x.
+def stay(here, k, d):
+    """Write K = I and ``mu`` = Z x: a block that asks for nothing on level k stays at the x of the level above.
 
-    They are the rows of K' Z, with K K' = M of :func:`draw`. `address` is that of A; the first row is `place`, and
-    `row` of A.
+    Its soft rows have no weight there.
+    """
+    K = matrix(here, at.U)
+    for p in range(d):
+        for q in range(d):
+            K[p][q] = 1.0 if p == q else 0.0
+    along_directions(here, d, matrix(here, at.POINTS)[k - 1], vector(here, at.MU))
+    return True
+
+
+@inner
+def factor(here, k, d):
+    """Write K, K K' = M of :func:`draw`, for the block's rows of damping on level k; whether there are any."""
+    head, so_far = ints(here, 0, plain.HEAD), vector(here, at.SO_FAR)
+    if head[at.OPEN] == 0:
+        return False
+    if head[at.ACTIVE] == 0 and matrix(here, at.NORMS)[k][head[at.NUMBER]] == 0.0:
+        return stay(here, k, d)
+    lean = so_far[at.LEAN]
+    if lean > 0.0:
+        weigh_lean(here, d, head[at.ACTIVE], so_far[at.SIZE], lean, so_far[at.ALIKE])
+    return draw(here, k, d, lean) and cholesky(matrix(here, at.M), matrix(here, at.U), d)
+
+
+@inner
+def write_damping(here, k, address, place, row, first, lower, upper, weights):
+    r"""Write a block's rows of damping: :math:`(y - r)^T L P L^T (y - r) + |y - v|_W^2`, where y = Z x.
+
+    As many as the block has variables; not zero are as many as there are directions left, the rows of K' Z with the K
+    of :func:`factor`. `address` is that of A; the first row is `place`, `row` of A, and `first` among those of damping.
     """
     n, basis, K = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), matrix(here, at.U)
-    towards, damped = vector(here, at.MU), matrix(here, at.DAMPED)
-    if lean > 0.0:
-        weigh_lean(here, d, count, size, lean, alike)
-    some = draw(here, k, d, lean) and cholesky(matrix(here, at.M), K, d)
-    for p in range(n):
-        own, written, value = damped[k * n + p], floats(address, row * n, n), 0.0
+    towards, damped, d = vector(here, at.MU), matrix(here, at.DAMPED), ints(here, 0, plain.HEAD)[at.LEFT]
+    some = factor(here, k, d)
+    for p in range(len(basis)):
+        own, written, value = damped[k * n + first + p], floats(address, row * n, n), 0.0
         for j in range(n):
             own[j] = 0.0
         if some and p < d:
@@ -177,8 +203,8 @@ def write_damping(here, k, d, count, address, place, row, lower, upper, weights,
 
 
 @inner
-def write_stage(here, k, d, count, size, lean, alike):
-    """Write the stage of level k: see the module; for the arguments, :func:`.curved.solve_stage`."""
+def write_stage(here, k):
+    """Write the stage of level k, as :func:`.curved.prepare` has decided in every block: see the module."""
     head, ptr, state = ints(here, 0, plain.HEAD), marks(here, plain.PTR), marks(here, at.STATE)
     n, levels, curved = head[plain.N], head[plain.LEVELS], marks(here, at.CURVED)
     address, sizes = marks(here, at.NUMBERS)[k], marks(here, at.SIZES)
@@ -191,14 +217,18 @@ def write_stage(here, k, d, count, size, lean, alike):
         give(here, i, place, row, address, lower, upper, weights)
         place, row = place + 1, row + 1
     rows, reached, stiffness = matrix(here, at.ROW), vector(here, at.VALUE), vector(here, at.STIFFNESS)
+    norms, block_of, first = matrix(here, at.NORMS)[k], marks(here, at.BLOCK_OF), integer(0)
     for level in range(k):
         for i in range(ptr[level], ptr[level + 1] if curved[level] != 0 else ptr[level]):
             own, soft = floats(address, row * n, n), state[i] == at.SOFT
-            scale = stiffness[i] * vector(here, at.NORMS)[k] if soft else 0.0
+            scale = stiffness[i] * norms[block_of[i]] if soft else 0.0
             for j in range(n):
                 own[j] = scale * rows[i][j] if soft else 0.0
             weights[place] = 1.0
             lower[place] = scale * reached[i] if soft else -math.inf
             upper[place] = scale * reached[i] if soft else math.inf
             place, row = place + 1, row + 1
-    write_damping(here, k, d, count, address, place, row, lower, upper, weights, size, lean, alike)
+    for block in marks(here, at.BLOCKS):
+        write_damping(block, k, address, place, row, first, lower, upper, weights)
+        size = len(matrix(block, at.BASIS))
+        place, row, first = place + size, row + size, first + size

@@ -18,7 +18,7 @@ from .redundant import BALANCED, across, has_unknown, longest, weight_of
 from .solver import levels_that_count
 
 #: Share of its range within which a row is near a bound, and the power with which the nearness counts.
-NEAR, SOONER = 0.1, 3
+NEAR, SOONER = 0.2, 3
 
 
 @inner
@@ -41,10 +41,12 @@ def crowded(here, x):
     Bounds of a variable count as one pair, however many rows they are told in.
     """
     lower, upper, col = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, plain.COL)
-    least, most, gate, head = vector(here, at.LEAST), vector(here, at.MOST), 0.0, ints(here, 0, plain.HEAD)
-    for j in range(head[plain.N]):
+    least, most, columns, gate = vector(here, at.LEAST), vector(here, at.MOST), marks(here, at.COLUMNS), 0.0
+    for p in range(len(columns)):
+        j = columns[p]
         gate = max(gate, moves_along(x[j], least[j], most[j]))
-    for i in range(marks(here, plain.PTR)[head[at.TOP]]):
+    for p in range(marks(here, at.OWN_OF)[ints(here, 0, plain.HEAD)[at.TOP]]):
+        i = marks(here, at.OWN)[p]
         if col[i] < 0:
             gate = max(gate, moves_along(value_at(here, i, x), lower[i], upper[i]))
     return gate
@@ -180,7 +182,8 @@ def quiet(here, there):
     for k in range(head[at.TOP], levels):
         if head[at.LOOKS_AHEAD] != 0 and k > head[at.TOP]:
             leave_off(here, there, cut[min(k, last)], f)
-            note_lacking(here, k)
+            for block in marks(here, at.BLOCKS):
+                note_lacking(block, k)
         count, least = gather(here, k), math.inf
         if marks(here, at.CURVED)[k] == at.SPARED:
             continue

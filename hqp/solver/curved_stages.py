@@ -35,8 +35,10 @@ class Declared(NamedTuple):
         The state of every row for the levels below its own, see :mod:`hqp.kernels.curved_layout`.
     points : array, shape (levels, n)
         The x at the end of the stage of each level.
-    strengths, norms : array, shape (levels,)
-        How strongly it was damped, and the length of its rows, which scales the soft rows beside them.
+    strengths : array, shape (levels,)
+        How strongly it was damped.
+    norms : array, shape (levels, m)
+        The length of its rows that are in the same block as a row, which scales that row where it is soft beside them.
     stiffness : array, shape (m,)
         Of soft rows, relative to that length.
     combined : array, shape (m, widest)
@@ -114,11 +116,11 @@ class Stage:
         mine.lower[changed] = np.where(held, reached, -np.inf)[changed]
         mine.upper[changed] = np.where(held, reached, np.inf)[changed]
 
-    def _soft(self, j: int, norm: float) -> tuple[Array, Array, Array]:
-        """What a level above leaves soft, beside rows of this length; its other rows are free."""
+    def _soft(self, j: int, norms: Array) -> tuple[Array, Array, Array]:
+        """What a level above leaves soft, beside rows of these lengths; its other rows are free."""
         own = slice(*self._given.pointers[j : j + 2])
         soft = self._told.states[own] == at.SOFT
-        scale = np.where(soft, self._told.stiffness[own] * norm, 0.0)
+        scale = np.where(soft, self._told.stiffness[own] * norms[own], 0.0)
         rows = scale[:, None] * combinations(self._given, self._told, j)
         reached = rows @ self._told.points[j]
         return rows, np.where(soft, reached, -np.inf), np.where(soft, reached, np.inf)

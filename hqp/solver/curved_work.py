@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,8 @@ from .linearisation import Bound, Linearisation
 
 #: The numbers that tell how levels were softened; they lie in one block.
 TOLD = at.POINTS, at.STRENGTHS, at.NORMS, at.STIFFNESS, at.COMBINED, at.DAMPED
+#: What all blocks write, beside these.
+TOGETHER = at.ROW, at.VALUE, at.ERRORS, at.REACH
 
 
 def directory_of(x: Array, sides: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -50,6 +52,18 @@ def in_numbers(bound: Bound | None) -> tuple[int, int, int]:
     return (0, 0, 0) if bound is None else (bound.loop, bound.table, bound.matrix.ctypes.data)
 
 
+def integers(given: Any) -> NDArray[np.int64]:
+    """These as one contiguous array."""
+    return np.ascontiguousarray(given, dtype=np.int64).ravel()
+
+
+def enter(directory: NDArray[np.int64], made: Mapping[int, NDArray[Any]]) -> None:
+    """Enter arrays in a directory, each at its place."""
+    entries = directory[plain.HEAD :].reshape(-1, 3)
+    for place, array in made.items():
+        entries[place] = array.ctypes.data, len(array), 1 if array.ndim == 1 else array.shape[1]
+
+
 class Work:
     """The work memory of the kernel, and its directory."""
 
@@ -65,18 +79,9 @@ class Work:
             first[k, : k + 1] = stage.pointers[: k + 1]
             rows = np.cumsum([0, *(0 if level.A is None else len(level) for level in stage.levels)])
             dense[k, : k + 1] = [-1 if level.A is None else row for level, row in zip(stage.levels, rows, strict=False)]
-        whose = np.searchsorted(hierarchy.pointers[1:], [c.row for c in linearisation.contractions], side="right")
-        calls = [
-            (c.loop, c.table, c.weights.ctypes.data, c.row, len(c.weights), *in_numbers(c.bound))
-            for c in linearisation.contractions
-        ]
-        measured = [
-            (*(array.ctypes.data for array in part[:3]), part.row, len(part.error)) for part in linearisation.errors
-        ]
         dense_rows = hierarchy.columns < 0
         owned: dict[int, Any] = {
             plain.PTR: hierarchy.pointers,
-            at.CURVED: linearisation.curved,
             at.UNKNOWN: linearisation.unknown,
             plain.COL: hierarchy.columns,
             plain.ROW_OF: np.where(dense_rows, np.cumsum(dense_rows) - 1, -1),
@@ -84,50 +89,88 @@ class Work:
             at.SIZES: sizes,
             at.FIRST: first,
             at.DENSE: dense,
-            at.CALLS: np.array(calls, dtype=np.int64).reshape(-1, at.CALL),
-            at.CALLS_OF: np.searchsorted(whose, np.arange(levels + 1)),
-            at.MEASURED: np.array(measured, dtype=np.int64).reshape(-1, 5),
+            at.MEASURED: [
+                (*(array.ctypes.data for array in part[:3]), part.row, len(part.error)) for part in linearisation.errors
+            ],
+            at.BLOCK_OF: linearisation.block_of,
         }
-        arrays = {place: np.ascontiguousarray(given, dtype=np.int64).ravel() for place, given in owned.items()}
-        arrays[at.DIRECTORIES] = self.directories
-        ints, reals = at.shapes(n, levels, m, widest)
-        made: dict[int, NDArray[Any]] = dict(arrays)
-        made |= {place: np.zeros(shape[0] * shape[1], dtype=np.int64) for place, shape in ints.items()}
+        made: dict[int, NDArray[Any]] = {place: integers(given) for place, given in owned.items()}
+        self._blocks, self._of_rows = len(linearisation.kinds), linearisation.block_of
+        reals = at.shapes(n, levels, m, widest, n, self._blocks)[1]
         self._told, begin = np.zeros(m + sum(math.prod(reals[place]) for place in TOLD)), m
         made[at.STATE] = self._told[:m].view(np.int64)  # in the same block, to be copied with it
         for place in TOLD:
-            rows, columns = reals.pop(place)
+            rows, columns = reals[place]
             made[place] = self._told[begin : begin + rows * columns].reshape(rows, columns)
             begin += rows * columns
-        made |= {place: np.zeros(shape) for place, shape in reals.items()}
+        made |= {place: np.zeros(reals[place]) for place in TOGETHER}
         made |= {
+            at.DIRECTORIES: self.directories,
+            at.S: linearisation.curvature,
             at.SCALES: linearisation.scales,
             at.WORTH: linearisation.worth,
-            at.SHARES: linearisation.shares,
             at.AIMS: linearisation.aims,
             at.LAST: linearisation.last,
         }
-        made[at.S] = linearisation.curvature
+        self._shapes, self._rows = [made[place].shape for place in TOLD], m
+        self._kept: list[Any] = [linearisation, made]
+        whole = self._directory(hierarchy, linearisation, made, None if self._blocks > 1 else 0)
+        blocks = [whole]
+        if self._blocks > 1:
+            blocks = [self._directory(hierarchy, linearisation, made, number) for number in range(self._blocks)]
+        self._kept.append(addresses := np.array([block.ctypes.data for block in blocks], dtype=np.int64))
+        for directory in {id(each): each for each in (whole, *blocks)}.values():
+            enter(directory, {at.BLOCKS: addresses})
+        self.head, self.address = whole[: plain.HEAD], int(whole.ctypes.data)
+        self.points: Array = made[at.POINTS]
+
+    def _directory(
+        self, hierarchy: Hierarchy, linearisation: Linearisation, made: dict[int, NDArray[Any]], number: int | None
+    ) -> NDArray[np.int64]:
+        """The directory of a block of variables, of all of them if its number is None; `made` is shared by all."""
+        n, m, levels = hierarchy.n, hierarchy.m, len(hierarchy.levels)
+        alone, widest = number is None or self._blocks == 1, max(len(level) for level in hierarchy.levels)
+        rows = np.arange(m) if alone else np.flatnonzero(linearisation.block_of == number)
+        columns = np.arange(n) if alone else np.flatnonzero(linearisation.columns == number)
+        curved = linearisation.curved if number is None else linearisation.kinds[number]
+        contractions = [c for c in linearisation.contractions if alone or linearisation.block_of[c.row] == number]
+        whose = np.searchsorted(hierarchy.pointers[1:], [c.row for c in contractions], side="right")
+        calls = [
+            (c.loop, c.table, c.weights.ctypes.data, c.row, len(c.weights), *in_numbers(c.bound)) for c in contractions
+        ]
+        owned: dict[int, Any] = {
+            at.CURVED: curved,
+            at.CALLS: np.array(calls, dtype=np.int64).reshape(-1, at.CALL),
+            at.CALLS_OF: np.searchsorted(whose, np.arange(levels + 1)),
+            at.OWN: rows,
+            at.OWN_OF: np.searchsorted(rows, hierarchy.pointers),
+            at.COLUMNS: columns,
+        }
+        own = {place: integers(given) for place, given in owned.items()}
+        ints, reals = at.shapes(n, levels, m, widest, len(columns), self._blocks)
+        own |= {
+            place: np.zeros(shape[0] * shape[1], dtype=np.int64) for place, shape in ints.items() if place not in made
+        }
+        own |= {place: np.zeros(shape) for place, shape in reals.items() if place not in made}
+        own[at.SHARES] = linearisation.shares[number or 0]
         directory = np.zeros(plain.HEAD + 3 * at.PLACES, dtype=np.int64)
-        directory[[plain.N, plain.LEVELS, plain.ROWS, at.MEASURES, at.LOOKS_AHEAD, at.TOP]] = (
+        directory[[plain.N, plain.LEVELS, plain.ROWS, at.MEASURES, at.LOOKS_AHEAD, at.TOP, at.NUMBER]] = (
             n,
             levels,
             m,
-            len(measured),
+            len(linearisation.errors),
             linearisation.worth.any(),
-            next((k for k, curved in enumerate(linearisation.curved) if curved), levels),
+            next((k for k, kind in enumerate(curved) if kind), levels),
+            number or 0,
         )
+        enter(directory, made | own)
         entries = directory[plain.HEAD :].reshape(-1, 3)
-        for place, array in made.items():
-            entries[place] = array.ctypes.data, len(array), 1 if array.ndim == 1 else array.shape[1]
         for place, shape in zip(
             (plain.A, plain.LOWER, plain.UPPER, plain.WEIGHTS), ((len(hierarchy.A), n), *[(m, 1)] * 3), strict=True
         ):
             entries[place, 1:] = shape
-        self._kept, self._directory = (made, linearisation), directory
-        self.head, self.address = directory[: plain.HEAD], int(directory.ctypes.data)
-        self.points: Array = made[at.POINTS]
-        self._shapes, self._rows = [made[place].shape for place in TOLD], m
+        self._kept.append((own, directory))
+        return directory
 
     def declare(self) -> tuple[int, int, Array]:
         """A copy of the numbers that tell how levels were softened; :meth:`declared` unpacks it when it is read."""
@@ -140,5 +183,5 @@ class Work:
         parts = [part.reshape(shape) for part, shape in zip(np.split(told, ends[:-1]), self._shapes, strict=True)]
         points, strengths, norms, stiffness, combined, damped = parts
         n = len(points[0])
-        vectors = strengths[:, 0], norms[:, 0], stiffness[:, 0]
+        vectors = strengths[:, 0], norms[:, self._of_rows], stiffness[:, 0]
         return Declared(opened, last, states, points, *vectors, combined, damped.reshape(-1, n, n + 1))

@@ -76,6 +76,11 @@ class Linearisation:
     curved : tuple of int
         Which levels may be damped: 1; or are left strict, and may damp those below them: 2. Of the others, 0, only what
         they ask for counts.
+    columns, block_of : array of int, shapes (n,) and (m,)
+        The number of the block of every variable, and of every row: no row has variables of two blocks, so that each
+        block is a problem of its own, and is damped as if there were no other.
+    kinds : array of int, shape (blocks, levels)
+        As `curved`, for the rows of each block alone: 0 where `curved` is, and 1 only where it is.
     errors : sequence of Errors
     contractions : sequence of Contraction
     unknown : array of bool, shape (m,)
@@ -87,7 +92,7 @@ class Linearisation:
     worth : array, shape (m,)
         The error that a unit of a row's bound is worth, scaled; 0: the error is as measured. With a worth, rows below
         the first curved level look ahead, to what they lack where the levels above leave off, times that.
-    shares : array, shape (levels,)
+    shares : array, shape (blocks, levels)
         The share of its error that a level removes in one step.
     aims : array, shape (levels, n)
         The x to which the damping of a level pulls.
@@ -100,6 +105,9 @@ class Linearisation:
     """
 
     curved: tuple[int, ...]
+    columns: NDArray[np.int64]
+    block_of: NDArray[np.int64]
+    kinds: NDArray[np.int64]
     errors: Sequence[Errors]
     contractions: Sequence[Contraction]
     unknown: NDArray[np.bool_]

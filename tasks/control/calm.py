@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import NDArray
 
 from hqp import Hierarchy, Settings, Solution
 from hqp.solver.curved import CurvedSolver
 from hqp.solver.linearisation import Bound, Contraction, Errors, Linearisation
 
 from ..base.checks import Array
+from ..rows.components import Components, Work, components
 from ..rows.hierarchy_writer import HierarchyWriter
+from ..rows.levels import Rule
 from ..rows.task import Task
 
 #: Text of explanations for a task with a direction in which the joints hardly move it.
@@ -25,17 +30,33 @@ def curved_levels(rows: HierarchyWriter) -> tuple[int, ...]:
     Limits above all tasks are never damped, and a level with an inequality stays strict. The whole stack stays strict
     if the curvature of no task is known, or if contact forces are unknowns too.
     """
-    rules, work = rows.levels.damping, rows.work
+    return (0,) * len(rows.levels.damping) if rows.unknowns.blocks else levels_of(rows.work, rows.levels.damping)
+
+
+def levels_of(work: Sequence[Work], rules: Sequence[Rule]) -> tuple[int, ...]:
+    """The same by the parts and the rules of the levels."""
     levels = len(rules)
     first = min((k for k, _, part, _, _ in work if not part.is_limit), default=levels)
     bends = any(plan.curvature is not None for _, _, _, plan, _ in work)
-    if not bends or rows.unknowns.blocks or all(rule is False for rule in rules[first:]):
+    if not bends or all(rule is False for rule in rules[first:]):
         return (0,) * levels
     bounded = {k for k, _, part, _, _ in work if part.is_limit}
     return tuple(0 if k < first else 2 if rule is False or k in bounded else 1 for k, rule in enumerate(rules))
 
 
-def linearised(rows: HierarchyWriter, dt: float | None, curved: tuple[int, ...], last: Array) -> Linearisation:
+def kinds_of(rows: HierarchyWriter, blocks: Components) -> NDArray[np.int64]:
+    """What :func:`curved_levels` would be for each block alone, shape (blocks, levels)."""
+    rules = rows.levels.damping
+    kinds = np.zeros((blocks.size, len(rules)), dtype=np.int64)
+    for block, kind in enumerate(kinds):
+        work = [told for told in rows.work if (blocks.rows[told[1] : told[1] + told[4].rows] == block).any()]
+        kind[:] = levels_of(work, rules)
+    return kinds
+
+
+def linearised(
+    rows: HierarchyWriter, blocks: Components, dt: float | None, curved: tuple[int, ...], last: Array
+) -> Linearisation:
     """The linearisation that the rows of a stack come from, as planned now; `last` is x of the previous tick."""
     from ..base.loops import Table, address, compiled
 
@@ -56,9 +77,10 @@ def linearised(rows: HierarchyWriter, dt: float | None, curved: tuple[int, ...],
                 tables.append(Table(most, S, *plan.curvature.table.told[2:]))
                 bound = Bound(compiled(plan.bound), address(tables[-1]), most)
             contractions.append(Contraction(loop, address(table), weights, row, bound))
-    paced = paces(gains_of(rows), rows.hierarchy.m, dt, len(curved))
+    paced = paces(gains_of(rows), blocks, dt, len(curved))
+    told = curved, *blocks, kinds_of(rows, blocks)
     return Linearisation(
-        curved, errors, contractions, unknown, S, *paced, rows.every_aim, last, STRAIGHT, (tables, work)
+        *told, errors, contractions, unknown, S, *paced, rows.every_aim, last, STRAIGHT, (tables, work)
     )
 
 
@@ -77,19 +99,21 @@ def gains_of(rows: HierarchyWriter) -> list[tuple[slice, Task, bool]]:
 
 
 def paces(
-    tasks: list[tuple[slice, Task, bool]], rows: int, dt: float | None, levels: int
+    tasks: list[tuple[slice, Task, bool]], blocks: Components, dt: float | None, levels: int
 ) -> tuple[Array, Array, Array]:
     """The gain K of each row relative to the largest, what a unit of the row is worth, and the share of a tick.
 
-    A row that looks ahead asks for K^2 times its error. The share is that of the error which a level removes in a tick.
+    The largest is that of the block of the row. A row that looks ahead asks for K^2 times its error. The share is that
+    of the error which a level removes in a tick.
     """
-    gains, worth = np.zeros(rows), np.zeros(rows)
+    gains, worth = np.zeros(len(blocks.rows)), np.zeros(len(blocks.rows))
     for own, task, looks in tasks:
         gains[own], worth[own] = task.gain, looks
-    fastest = float(gains.max())
-    scales = gains / (fastest or 1.0)
+    fastest = np.array([gains[blocks.rows == block].max(initial=0.0) for block in range(blocks.size)])
+    scales = gains / np.where(fastest > 0.0, fastest, 1.0)[blocks.rows]
     np.divide(scales, gains**2, out=worth, where=worth > 0.0)
-    return scales, worth, np.full(levels, fastest * dt if dt and fastest else 1.0)
+    shares = np.where(fastest > 0.0, fastest * dt, 1.0) if dt else np.ones(blocks.size)
+    return scales, worth, np.repeat(shares[:, None], levels, axis=1)
 
 
 class CalmSolver:
@@ -110,22 +134,32 @@ class CalmSolver:
         self, rows: HierarchyWriter, dt: float | None, curved: tuple[int, ...], backend: str, settings: Settings | None
     ) -> None:
         self.backend = backend
-        self._rows, self._dt, self._curved, self._last = rows, dt, curved, np.full(rows.hierarchy.n, np.nan)
-        rows.brake((k for k, kind in enumerate(curved) if kind == 1), GENTLE)
-        self._linearisation = linearised(rows, dt, curved, self._last)
+        self._rows, self._dt, self._last = rows, dt, np.full(rows.hierarchy.n, np.nan)
+        self._blocks = blocks = components(rows.work, rows.shared.robot, rows.hierarchy.m)
+        damped = kinds_of(rows, blocks) == 1
+        self._curved = tuple(np.where(damped.any(axis=0), 1, curved).tolist())
+        ends = np.where(damped.any(axis=1)[blocks.columns], GENTLE, np.inf)
+        rows.brake((k for k, kind in enumerate(self._curved) if kind == 1), ends, blocks)
+        self._linearise()
         self._solver = CurvedSolver(rows.hierarchy, self._linearisation, backend, settings)
+
+    def _linearise(self) -> None:
+        """Take the linearisation of the rows as they are planned now."""
+        rows = self._rows
+        self._linearisation = linearised(rows, self._blocks, self._dt, self._curved, self._last)
         self._planned, self._tuned, self._gains = rows.planned, rows.tuned, gains_of(rows)
 
     def solve(self, hierarchy: Hierarchy, last: Array | None = None) -> Solution:
         """Solve the rows as they are filled now; `last` is the x of the previous tick, None or NaN if it is unknown."""
         rows = self._rows
         if self._planned != rows.planned:
-            self._linearisation = linearised(rows, self._dt, self._curved, self._last)
+            self._linearise()
             self._solver.relinearise(self._linearisation)
-            self._planned, self._tuned, self._gains = rows.planned, rows.tuned, gains_of(rows)
         elif self._tuned != rows.tuned:
             told = self._linearisation
-            told.scales[:], told.worth[:], told.shares[:] = paces(self._gains, hierarchy.m, self._dt, len(self._curved))
+            told.scales[:], told.worth[:], told.shares[:] = paces(
+                self._gains, self._blocks, self._dt, len(self._curved)
+            )
             self._tuned = rows.tuned
         self._last[:] = np.nan if last is None or self._dt is None else last
         return self._solver.solve(hierarchy)

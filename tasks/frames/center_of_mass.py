@@ -89,6 +89,9 @@ class CenterOfMassTask(PositionTask):
     def block(self, site: Site) -> Array:
         return site.center_of_mass(self.relative_to)
 
+    def reach(self, robot: Robot) -> None:
+        """Every joint may carry a mass."""
+
     def motion_curvature(self, site: Site) -> Table | None:
         from ..rows.curvature import center_of_mass_curvature
 

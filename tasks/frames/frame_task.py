@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from hqp import InvalidInput
 from hqp.checks import of_type
@@ -12,6 +13,7 @@ from hqp.checks import of_type
 from ..base.checks import Array
 from ..base.live import structure
 from ..robots.block import relative
+from ..robots.chain import APART, chain_order
 from ..robots.frame import Frame
 from ..robots.robot import Robot, RobotState, check_frame, tells_tip, tip
 from ..rows.part import Order
@@ -111,6 +113,14 @@ class FrameTask(Task):
     def block(self, site: Site) -> Array:
         """The block of the frame, for loops; see :mod:`tasks.robots.kernels.block`."""
         return site.frame(self.frame, self.relative_to)
+
+    def reach(self, robot: Robot) -> NDArray[np.bool_] | None:
+        """The joints between the world and the frames."""
+        frames = [self.frame] if self.relative_to is None else [self.frame, self.relative_to]
+        chains = [chain_order(robot, frame) for frame in frames]
+        if any(chain is None for chain in chains):
+            return None
+        return np.tile(np.any([np.asarray(chain) != APART for chain in chains], axis=0), (self.size(robot), 1))
 
     def motion_curvature(self, site: Site) -> Table | None:
         """The curvature of the frame's motion, see :mod:`tasks.rows.curvature`; None where it is not known."""

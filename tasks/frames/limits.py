@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
@@ -110,6 +110,9 @@ class FrameVelocityLimit(Part):
             raise InvalidInput(
                 f"{self.full_name()}: at acceleration order it needs the tick; give the controller dt in s"
             )
+
+    def reach(self, robot: Robot) -> NDArray[np.bool_] | None:
+        return self.pose_task.reach(robot)
 
     def plan(self, site: Site) -> Plan:
         """One loop; a step of inverse kinematics has no speed."""

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from hqp import InvalidInput
 from hqp.checks import of_type
@@ -125,6 +125,10 @@ class JointCouplingTask(LoopTask, TargetTask):
 
     def measure(self, state: RobotState) -> Array:
         return self._row(robot_of(state))[None] @ joint_positions(state)
+
+    def reach(self, robot: Robot) -> NDArray[np.bool_]:
+        own = [joint_index(joint_names(robot), joint, "joint") for joint in self.factors]
+        return np.isin(np.arange(robot.nv), own)[None]
 
     def plan(self, site: Site) -> Plan:
         """One loop; the target is written every tick where it moves."""

@@ -120,7 +120,7 @@ class Envelope:
 
     def __init__(self, n: int) -> None:
         self.velocity, self.acceleration, self.ends = np.full((3, n), np.inf)
-        self._gentle = np.inf
+        self._gentle = np.full(n, np.inf)
         self.has_velocity = self.has_acceleration = False
         #: Writes the rows of all limits, and how fast the joints brake; every tick, before the loops that read it.
         self.calls: tuple[Call, ...] = ()
@@ -145,8 +145,10 @@ class Envelope:
         """
         self._claims.append(Claim(kind, values[0], values[1], site.lower, site.upper, part, return_speed))
 
-    def ease_ends(self, deceleration: float) -> None:
+    def ease_ends(self, deceleration: Array) -> None:
         """Bring joints to rest at the ends of their ranges with at most this [rad/s^2], where nothing else limits it.
+
+        Of shape (nv,), infinite for joints that brake as they like.
 
         Only their speed near an end is bounded: wherever they are and however fast, they keep their ranges.
         """
@@ -160,7 +162,7 @@ class Envelope:
         Infinite if there is no such joint.
         """
         ranges = any(claim.kind == "position" for claim in self._claims)
-        return self._gentle if ranges and np.isinf(self.acceleration).any() else np.inf
+        return float(self._gentle[np.isinf(self.acceleration)].min(initial=np.inf)) if ranges else np.inf
 
     def _note_ends(self) -> None:
         self.ends[:] = np.where(np.isfinite(self.acceleration), self.acceleration, self._gentle)

@@ -14,6 +14,7 @@ from ..base.checks import Array
 from ..base.live import Live, watch_alone
 from ..robots.answers import at_rest
 from ..robots.robot import Robot, RobotState
+from .components import Components, one_component
 from .description import Description, WrittenPart
 from .embedding import Embedding
 from .empty import empty_level, row_names
@@ -82,7 +83,6 @@ class HierarchyWriter:
     """
 
     planned = tuned = 0
-    _ends = np.inf
 
     def __init__(
         self,
@@ -103,22 +103,24 @@ class HierarchyWriter:
         empty = [empty_level(level, robot, order, unknowns) for level in levels.parts]
         self.hierarchy = Hierarchy(empty, n=unknowns.n)
         self._own_limits = None if isinstance(robot, Live) or not live else OwnLimits(robot)
-        self._live = live
+        self._live, self._ends = live, np.full(robot.nv, np.inf)
         self._names = [row_names(part, robot, order) for part in levels.all_parts] if live else []
-        self._rates = np.zeros(len(levels.parts))
+        self._rates = np.zeros((len(levels.parts), robot.nv))
+        self._components = one_component(robot.nv, self.hierarchy.m)
         self.every_aim = np.zeros((len(levels.parts), unknowns.n))
         self._take_note([k for k, rule in enumerate(levels.damping) if rule])
         self._take_up()
         if isinstance(robot, Live) and live:
             watch_alone(robot, self)
 
-    def brake(self, levels: Iterable[int], ends: float) -> None:
-        """Keep the aims of these levels up to date, too: somebody else damps them.
+    def brake(self, levels: Iterable[int], ends: Array, parted: Components) -> None:
+        """Keep the aims of these levels up to date, too: somebody else damps them, component by component.
 
-        And bring joints without an acceleration limit to rest at the ends of their ranges with `ends` [rad/s^2].
+        And bring joints without an acceleration limit to rest at the ends of their ranges with `ends` [rad/s^2], (nv,).
         """
         self._take_note(levels)
-        self._ends = ends
+        self._ends, self._components = ends, parted
+        self._take_rates()
         self.shared.envelope.ease_ends(ends)
         self._chain()
 
@@ -232,7 +234,7 @@ class HierarchyWriter:
         self._sites: dict[int, tuple[Site, ...]] = {}  # of all parts, declared ones too, by their ids
         self._ledger = Ledger()
         for level, (view, parts) in enumerate(zip(self.hierarchy.levels, self.levels.parts, strict=True)):
-            row, rate = 0, self._rates[level : level + 1]
+            row, rate = 0, self._rates[level]
             for part in parts:
                 own = slice(row, row + part.size(robot))
                 row = own.stop
@@ -284,9 +286,15 @@ class HierarchyWriter:
         self._unbounded = self._weights.unbounded
 
     def _take_rates(self) -> None:
-        """Take how fast the tasks of each level decay: at acceleration order what is damped goes by it."""
+        """Take how fast the tasks of each level decay: at acceleration order what is damped goes by it.
+
+        Every joint by those that have rows in its component.
+        """
         if self._order == "acceleration":
-            self._rates[:] = [max(part.decay_rate() for part in level) for level in self.levels.parts]
+            self._rates[:] = 0.0
+            for level, row, part, _, site in self.work:
+                touched, rates = self._components.touched(row, site.rows), self._rates[level]
+                rates[touched] = np.maximum(rates[touched], part.decay_rate())
 
     def _chain(self) -> None:
         """What runs all loops of a tick."""
@@ -307,7 +315,7 @@ class HierarchyWriter:
         from .kernels.braking import write_damping
 
         n, v, rates = self.shared.n, self.shared.v, self._rates
-        return [Call(write_damping, n, rates[k : k + 1], v, self.aims[k], self.aims[k]) for k in self._braked]
+        return [Call(write_damping, n, rates[k], v, self.aims[k], self.aims[k]) for k in self._braked]
 
     @property
     def envelope(self) -> Envelope:

@@ -91,6 +91,9 @@ class Inequality(Part):
     def variables(self, robot: Robot) -> NDArray[np.intp]:
         return self.task.variables(robot)
 
+    def reach(self, robot: Robot) -> NDArray[np.bool_] | None:
+        return self.task.reach(robot)
+
     def labels(self, robot: Robot, order: Order) -> list[Label]:
         return self.task.labels(robot, order)
 

@@ -74,6 +74,13 @@ class RowWriter(Live):
         """The joint velocities that plain rows bound, shape (rows,)."""
         return np.arange(robot.nv)
 
+    def reach(self, robot: Robot) -> NDArray[np.bool_] | None:
+        """Which joint velocities may have a part in each row, whatever the numbers of the part, shape (rows, nv).
+
+        None if it is not known: any may have. A part with methods of its own in :attr:`says` is not asked.
+        """
+        return np.eye(robot.nv, dtype=bool)[self.variables(robot)] if self.plain else None
+
     def columns(self, unknowns: Unknowns, robot: Robot) -> NDArray[np.intp]:
         """The unknowns that plain rows bound, shape (rows,)."""
         return self.variables(robot)

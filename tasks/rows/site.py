@@ -184,15 +184,15 @@ class Site:
     targets, numbers : dict of (int, str) to callable
         What writes an attribute of a part, by the id of the part and its name, where the plan has put it: targets, and
         other numbers. False where it takes a new plan.
-    rate : array, shape (1,)
-        The largest :meth:`tasks.Part.decay_rate` on its level [1/s], at acceleration order; else 0.
+    rate : array, shape (nv,)
+        Of every joint, the largest :meth:`tasks.Part.decay_rate` on its level [1/s], at acceleration order; else 0.
     """
 
     def __init__(
         self, shared: Workspace, A: Array | None, lower: Array, upper: Array, rate: Array | None = None
     ) -> None:
         self.shared, self.A, self.lower, self.upper = shared, A, lower, upper
-        self.rate: Array = np.zeros(1) if rate is None else rate
+        self.rate: Array = np.zeros(shared.n) if rate is None else rate
         self.rows = len(lower)
         self.band: Band | None = None
         self.bounds, self.shortens = False, True
