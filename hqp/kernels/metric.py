@@ -148,7 +148,7 @@ def eliminate(here, frozen):
 
 @inner
 def convert(i, out, here):
-    """As :func:`.rows.copy_row`, in the coordinates of the metric, which leaves out the variables that are not asked."""
+    """As :func:`.rows.copy_row`, in the coordinates of the metric: variables that are not asked are left out."""
     head = ints(here, 0, at.HEAD)
     n, u = head[at.N], head[at.METRIC] - 1
     others, scale, E = marks(here, at.QUEUE), vector(here, at.SCALE), matrix(here, at.H)

@@ -18,7 +18,7 @@ from .memory import ints, marks, matrix, vector
 from .orthogonal import length, padded, pivots, separate
 from .rows import INACTIVE, LOWER, UPPER, copy_row
 from .span import FREE_RANK, least_singular
-from .working_set import HARD, WORKING
+from .working_set import FROZEN, HARD, WORKING
 
 #: Largest residual of a level that passes, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``.
 STATIONARITY = 1e-10
@@ -28,8 +28,8 @@ BLURRED, BALANCED = 1e-6, 64 * 2.0**-52
 #: Rank tolerance of the rows of the level itself, projected onto the null space of the free normals: the largest that a
 #: solver may have used, with a margin.
 OWN_RANK = 4e-9
-#: Most steps of :func:`carried`. Nothing is left to gain if the gradient is below this share of the residual; and this
-#: share of what may pass is enough: what then passes does not hang on round-off.
+#: Most steps of :func:`carried`; :func:`carried_last` also ends where a step gains less than this share. And this share
+#: of what may pass is enough: what then passes does not hang on round-off.
 ROUNDS, GAINS, ENOUGH = 300, 1e-5, 0.1
 
 
@@ -39,7 +39,7 @@ def round_off(here, k, base, working, left, scale):
 
     `working` rows of V follow V[:base], with multipliers ``share``; `scale` is as in :func:`.proof.balanced`.
     """
-    least = weakest(here, base, working)
+    least = weakest(here, k, base, working)
     if passes(left, least):
         return True
     return passes(moving(here, k, base + working), least) or passes(carried(here, k, base, working, scale), least)
@@ -52,20 +52,27 @@ def passes(left, least):
 
 
 @inner
-def weakest(here, base, working):
-    """An upper bound of the smallest singular value of the normals that balance the level.
+def weakest(here, k, base, working):
+    """An upper bound of the smallest singular value of the normals that balance level k, by inverse iteration.
 
-    Of the free ones, from their parts along V; of those behind V[:base], by :func:`.span.least_singular`.
+    Of the free ones C, of which some may depend on others, it is ``||C y||`` for the y that their pivot rows tell; of
+    those behind V[:base], that of :func:`.span.least_singular`, or the least share.
     """
-    pivot, norm, spread, L = marks(here, at.PIVOT), vector(here, at.NORM), vector(here, at.BALANCE), matrix(here, at.L)
+    kind, pivot, norm = marks(here, at.KIND), marks(here, at.PIVOT), vector(here, at.NORM)
+    y, L, square = vector(here, at.SCRATCH), matrix(here, at.L), 0.0
     least = least_singular(here, base, base + working)
-    for q in range(base):
-        least = min(least, math.sqrt(spread[q]))
     for q in range(base, base + working):
-        row, square = L[pivot[q]], 0.0
-        for p in range(base, q + 1):
-            square += row[p] * row[p]
-        least = min(least, math.sqrt(square) / norm[pivot[q]])
+        least = min(least, length(L[pivot[q]][base : q + 1], q + 1 - base) / norm[pivot[q]])
+    if base > 0:
+        least_singular(here, integer(0), base)
+        for i in range(marks(here, at.PTR)[k]):
+            if kind[i] == FROZEN and norm[i] > 0.0:
+                row, total = L[i], 0.0
+                for q in range(base):
+                    total += row[q] * y[q]
+                total /= norm[i]
+                square += total * total
+        least = min(least, math.sqrt(square))
     return least
 
 
@@ -117,7 +124,8 @@ def carried(here, k, base, working, scale):
 
     A shift of row i changes the residual along a_i, in both directions, or in one for a row at a bound. Multipliers of
     signed rows above may change with it. These are least squares with bounds, solved by conjugate gradients face by
-    face (Polyak 1969).
+    face (Polyak 1969), in all directions with a singular value above :data:`OWN_RANK`: in these the gradient is a
+    larger share of what is left. Small singular values ask for large changes, so that the sum tells what is left.
     """
     head = ints(here, 0, at.HEAD)
     n, d = head[at.N], vector(here, at.D)
@@ -125,10 +133,13 @@ def carried(here, k, base, working, scale):
     left, last = length(d, n), k == head[at.LEVELS]
     if last or hopeless(here, k, left):
         return carried_last(here, base, scale) if last else left
-    before, whole = 0.0, False
+    before, whole, rest = 0.0, False, vector(here, at.BALANCE)
+    for j in range(n):
+        rest[j] = d[j]
+    add_changes(here, k, 1.0, rest)
     for _ in range(ROUNDS):
         square = descent(here, k, before, whole)
-        if not square > (GAINS * left) ** 2:
+        if not square > (OWN_RANK * left) ** 2:
             if not whole:  # the best there is, whichever values are at their bounds
                 break
             before, whole = 0.0, False
@@ -137,7 +148,20 @@ def carried(here, k, base, working, scale):
         before, left = square, length(d, n)
         if left <= ENOUGH * STATIONARITY:
             break
-    return left
+    add_changes(here, k, -1.0, rest)
+    return length(rest, n)
+
+
+@inner
+def add_changes(here, k, times, out):
+    """Add `times` the sum of all ``value_i P_i`` to `out`; that sum and ``d`` are together the same at all steps."""
+    n, P = ints(here, 0, at.HEAD)[at.N], matrix(here, at.P)
+    low, high, value = vector(here, at.LOW), vector(here, at.HIGH), vector(here, at.VALUE)
+    for i in range(marks(here, at.PTR)[k + 1]):
+        if low[i] < high[i] and value[i] != 0.0:
+            row, much = P[i], times * value[i]
+            for j in range(n):
+                out[j] += much * row[j]
 
 
 @inner

@@ -26,26 +26,19 @@ STEPS = 4
 
 @inner
 def enter(here, count, c):
-    """Append the `count` rows in ``ids`` and R to V[:c], the longest first; returns how many rows V then has.
-
-    ``balance[q]`` is the sum of the squared coefficients along V[q] of all rows so far, each divided by its length.
-    """
+    """Append the `count` rows in ``ids`` and R to V[:c], the longest first; returns how many rows V then has."""
     n, ids, pivot = ints(here, 0, at.HEAD)[at.N], marks(here, at.IDS), marks(here, at.PIVOT)
-    norm, spread = vector(here, at.NORM), vector(here, at.BALANCE)
-    V, L, R = matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
+    norm, V, L, R = vector(here, at.NORM), matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
     slots, lengths = marks(here, at.SLOTS), vector(here, at.LENGTHS)
     end = c + factor(ids, count, slots, lengths, R, norm, V, L, c, padded(n), FREE_RANK)
     for q in range(c, end):
-        spread[q], pivot[q] = 0.0, ids[q - c]
+        pivot[q] = ids[q - c]
     for q in range(c, end):
         if L[pivot[q]][q] <= CLEAR * norm[pivot[q]] and least_singular(here, 0, q + 1) <= FREE_RANK:
             end = q
             break
     for r in range(count):
         row, width = L[ids[r]], min(c + r + 1, end)  # a row of V has no part along those after it
-        for q in range(width):
-            part = row[q] / norm[ids[r]]
-            spread[q] += part * part
         for q in range(width, n):
             row[q] = 0.0
     return end
@@ -62,7 +55,9 @@ def take_up(here, i, count):
 def least_singular(here, base, end):
     """The smallest singular value of the rows ``pivot`` base .. end - 1 of V, in the null space of V[:base]; at most 1.
 
-    Each is divided by its length there. By inverse iteration with their triangle, from above.
+    Each is divided by its length there. By inverse iteration with their triangle T, from above. It begins with the
+    signs that let ``T^-T y`` grow, so that no small share is missed (Cline, Moler, Stewart, Wilkinson 1979); the unit
+    vector y that it finds stands in ``scratch``.
     """
     pivot, L = marks(here, at.PIVOT), matrix(here, at.L)
     y, sizes = vector(here, at.SCRATCH), vector(here, at.MULTIPLIER)
@@ -72,14 +67,15 @@ def least_singular(here, base, end):
         for p in range(base, q + 1):
             square += row[p] * row[p]
         sizes[q], y[q] = math.sqrt(square), 0.0
-    if end > base:
-        y[end - 1] = 1.0
+    start = 1.0 / math.sqrt(end - base) if end > base else 0.0
     for _ in range(STEPS if end > base else 0):
         for q in range(end - 1, base - 1, -1):  # T' z = y
             row = L[pivot[q]]
+            y[q] += math.copysign(start, y[q])
             y[q] *= sizes[q] / row[q]
             for p in range(base, q):
                 y[p] -= row[p] / sizes[q] * y[q]
+        start = 0.0
         for q in range(base, end):  # T y = z
             row, total = L[pivot[q]], sizes[q] * y[q]
             for p in range(base, q):
