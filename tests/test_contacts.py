@@ -292,7 +292,7 @@ def test_off_is_as_if_it_were_not_there() -> None:
     assert np.allclose(first.a, second.a, atol=1e-6)
     assert np.allclose(first.tau, second.tau, atol=1e-6)
     assert np.isnan(first.cop["right"]).all()
-    assert not first.forces["right"].any()
+    assert np.abs(first.forces["right"]).max() < 1e-11 * np.abs(first.forces["left"]).max()
 
 
 def test_a_surface_that_moves_takes_the_feet_along() -> None:

@@ -139,7 +139,7 @@ def carried(here, k, base, working, scale):
     add_changes(here, k, 1.0, rest)
     for _ in range(ROUNDS):
         square = descent(here, k, before, whole)
-        if not square > (OWN_RANK * left) ** 2:
+        if not square > (OWN_RANK * left * left) ** 2:
             if not whole:  # the best there is, whichever values are at their bounds
                 break
             before, whole = 0.0, False
@@ -166,16 +166,18 @@ def add_changes(here, k, times, out):
 
 @inner
 def list_shifts(here, k, base, working, scale):
-    """Write for each row that may shift, or have a multiplier: its unit projection P_i, ``value`` along it, its bounds.
+    """Write for each row that may shift, or have a multiplier: its projection P_i, ``value`` along it, and its bounds.
 
-    The bounds ``low`` and ``high`` are equal where a row has no part: inactive, or dependent on free rows, so that what
-    is left of it is round-off.
+    P_i is as long as the row can change the residual, so that a short step in all values keeps most bounds: a shift in
+    units of its largest, a multiplier in units of itself, or of what is left where that is more. The bounds ``low`` and
+    ``high`` are equal where a row has no part: inactive, or dependent on free rows, so that what is left of it is
+    round-off.
     """
     head, ptr, pivot, side = ints(here, 0, at.HEAD), marks(here, at.PTR), marks(here, at.PIVOT), marks(here, at.SIDE)
     n, kind, where, norm = head[at.N], marks(here, at.KIND), marks(here, at.HELD), vector(here, at.NORM)
     value, share, room = vector(here, at.VALUE), vector(here, at.SHARE), vector(here, at.LAMBDA)
     low, high = vector(here, at.LOW), vector(here, at.HIGH)
-    end = ptr[min(k + 1, head[at.LEVELS])]
+    end, left = ptr[min(k + 1, head[at.LEVELS])], length(vector(here, at.D), n)
     for i in range(end):
         value[i] = low[i] = high[i] = 0.0
     for q in range(base, base + working):
@@ -188,23 +190,25 @@ def list_shifts(here, k, base, working, scale):
         mine = matrix(here, at.P)[i]
         size = length(mine, n)
         if size > FREE_RANK * norm[i]:
-            low[i] = 0.0 if where[i] == UPPER else -most * size
-            high[i] = 0.0 if where[i] == LOWER else most * size
-            value[i] *= size
+            unit = max(abs(value[i]), left / size) if i < ptr[k] else min(most, 1.0 / size)
+            low[i] = 0.0 if where[i] == UPPER else -most / unit
+            high[i] = 0.0 if where[i] == LOWER else most / unit
+            value[i] /= unit
             for j in range(n):
-                mine[j] /= size
+                mine[j] *= unit
 
 
 @inner
 def hopeless(here, k, left):
     """Whether no multiplier can grow for the better, and all shifts together leave more than STATIONARITY of ``d``."""
     ptr, low, high, reach = marks(here, at.PTR), vector(here, at.LOW), vector(here, at.HIGH), 0.0
+    n, P = ints(here, 0, at.HEAD)[at.N], matrix(here, at.P)
     for i in range(ptr[k + 1]):
         if low[i] < high[i]:
             change = along(here, i)
             if i >= ptr[k]:
                 reach += max(change * low[i], change * high[i])
-            elif (change if high[i] > 0.0 else -change) > BALANCED:
+            elif (change if high[i] > 0.0 else -change) > BALANCED * length(P[i], n):
                 return False
     return reach < left * (left - STATIONARITY)
 
