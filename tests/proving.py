@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pickle
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -67,6 +67,22 @@ def far_out(count: int) -> Iterator[Point]:
         for share in (0.0, 1e-11, 1e-10, 1e-9, 3e-9, 1e-8, 1e-7):
             away = share * float(np.linalg.norm(best)) * rng.standard_normal(n)
             yield Point(f"far out, {share:g} beside", h, best + away, np.zeros(n))
+
+
+def nearly_parallel(seeds: Iterable[int]) -> Iterator[Point]:
+    """Rows of one level that differ by 1e-6 to 1e-4, below limits: only large shifts move their difference."""
+    for seed in seeds:
+        rng = np.random.default_rng(seed)
+        n = int(rng.integers(4, 8))
+        limits, A = rng.standard_normal((n // 2, n)), rng.standard_normal((n // 2, n))
+        A = np.concatenate([A, A + 10.0 ** rng.uniform(-6.0, -4.0) * rng.standard_normal(A.shape)])
+        low = rng.standard_normal(len(A))
+        tasks = Level(A, low, low + rng.choice([0.0, 1.0], len(A)))
+        h = Hierarchy([Level(limits, -np.inf, rng.standard_normal(len(limits))), tasks])
+        best, rng = hqp.solve(h).x, np.random.default_rng(seed)
+        for share in (0.0, 1e-12, 1e-11, 1e-10, 3e-10):
+            away = share * float(np.linalg.norm(best)) * rng.standard_normal(n)
+            yield Point(f"nearly parallel {seed}, {share:g} beside", h, best + away, np.zeros(n))
 
 
 def recorded() -> Iterator[Point]:

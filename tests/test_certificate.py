@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hqp import Hierarchy, InvalidInput, Level, certify, solve
+from hqp.kernels.span import FREE_RANK
 from hqp.problems import random_hierarchy
 
 seeds = st.integers(0, 2**32 - 1)
@@ -182,6 +183,28 @@ def test_and_passes_for_the_levels_below(share: float) -> None:
     assert certify(h, [0.0, 1.0 / share]).ok
     for x in ([-1.0, 0.0], [-1e-6, 0.0]):
         assert not certify(h, x).ok
+
+
+def test_an_optimum_passes_whoever_found_it_however_parallel_rows_are() -> None:
+    """Singular values of 3e-10 and more magnify the round-off of this method in another way than that of a solver."""
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        n = int(rng.integers(4, 8))
+        A = rng.standard_normal((int(rng.integers(1, n // 2)), n))
+        rows = [A, A + 10.0 ** rng.uniform(-9.0, -7.0) * rng.standard_normal(A.shape), rng.standard_normal((1, n))]
+        h = Hierarchy([Level.equality(A, rng.standard_normal(len(A))) for A in rows])
+        x = np.linalg.lstsq(np.concatenate(rows), h.lower, rcond=FREE_RANK)[0]
+        assert certify(h, x).ok
+        beside = np.linalg.svd(np.concatenate(rows))[2][-1]  # in the null space of all rows
+        assert not certify(h, x + 1e-5 * np.linalg.norm(x) * beside).ok
+
+
+@pytest.mark.parametrize(("tangential", "ok"), [(0.0, True), (2.5e-10, True), (5e-10, False)])
+def test_the_limit_gives_way_to_shifts_of_the_last_level(tangential: float, ok: bool) -> None:
+    """x may be 1e-9 off in each number: in both together, only if the multiplier of the limit changes with them."""
+    normal = np.array([1.0, 0.1]) / np.hypot(1.0, 0.1)
+    h = Hierarchy([Level(normal[None], [1.0], np.inf)])
+    assert certify(h, normal + tangential * np.array([-normal[1], normal[0]])).ok == ok
 
 
 def test_wrong_input_is_refused() -> None:

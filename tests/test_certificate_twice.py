@@ -40,6 +40,13 @@ def test_of_what_is_decided_by_the_tolerances_of_rows() -> None:
     assert 0.1 * judged < proved < 0.7 * judged
 
 
+def test_of_rows_that_are_nearly_parallel() -> None:
+    """Of each of these seeds one point was refused that is optimal for slacks within the tolerances."""
+    judged, decided, proved = agree(proving.nearly_parallel((13, 168, 328, 374, *range(20))))
+    assert decided > 0.9 * judged
+    assert 0.2 * judged < proved < 0.9 * judged
+
+
 def test_of_whole_body_ticks_and_of_others_with_one_bound_changed() -> None:
     judged, decided, proved = agree(proving.recorded())
     assert judged > 200

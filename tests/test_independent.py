@@ -170,7 +170,7 @@ def test_arms_on_one_body_and_arms_that_a_row_joins_are_one() -> None:
 
 def test_a_joint_that_no_task_with_a_curvature_moves_is_left_strict() -> None:
     """It follows its posture as if it were alone, however the arm beside it is damped."""
-    robot = own("panda")
+    robot = load_robot("panda", lock=["panda_finger_joint1"])
     frame = "panda_link4"  # which the last three joints do not move
     q = np.array([0.1, 0.2, 0.1, -0.3, 0.4, 1.0, 0.2])
     posture = PostureTask(robot.home, gain=2.0)

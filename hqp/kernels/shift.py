@@ -12,13 +12,13 @@ import math
 
 from . import layout as at
 from .compile import inner, integer
-from .escape import clear
+from .escape import clear, residual
 from .members import prepare
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length, padded, pivots, separate
 from .rows import INACTIVE, LOWER, UPPER, copy_row
 from .span import FREE_RANK, least_singular
-from .working_set import FROZEN, HARD, WORKING
+from .working_set import FROZEN, HARD, WORKING, balance
 
 #: Largest residual of a level that passes, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``.
 STATIONARITY = 1e-10
@@ -28,7 +28,7 @@ BLURRED, BALANCED = 1e-6, 64 * 2.0**-52
 #: Rank tolerance of the rows of the level itself, projected onto the null space of the free normals: the largest that a
 #: solver may have used, with a margin.
 OWN_RANK = 4e-9
-#: Most steps of :func:`carried`; :func:`carried_last` also ends where a step gains less than this share. And this share
+#: Most steps of :func:`carried`; :func:`shift_last` also ends where a step gains less than this share. And this share
 #: of what may pass is enough: what then passes does not hang on round-off.
 ROUNDS, GAINS, ENOUGH = 300, 1e-5, 0.1
 
@@ -128,11 +128,13 @@ def carried(here, k, base, working, scale):
     larger share of what is left. Small singular values ask for large changes, so that the sum tells what is left.
     """
     head = ints(here, 0, at.HEAD)
+    if k == head[at.LEVELS]:
+        return carried_last(here, base, working, scale)
     n, d = head[at.N], vector(here, at.D)
     list_shifts(here, k, base, working, scale)
-    left, last = length(d, n), k == head[at.LEVELS]
-    if last or hopeless(here, k, left):
-        return carried_last(here, base, scale) if last else left
+    left = length(d, n)
+    if hopeless(here, k, left):
+        return left
     before, whole, rest = 0.0, False, vector(here, at.BALANCE)
     for j in range(n):
         rest[j] = d[j]
@@ -173,11 +175,11 @@ def list_shifts(here, k, base, working, scale):
     ``high`` are equal where a row has no part: inactive, or dependent on free rows, so that what is left of it is
     round-off.
     """
-    head, ptr, pivot, side = ints(here, 0, at.HEAD), marks(here, at.PTR), marks(here, at.PIVOT), marks(here, at.SIDE)
-    n, kind, where, norm = head[at.N], marks(here, at.KIND), marks(here, at.HELD), vector(here, at.NORM)
+    n, ptr, pivot, side = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR), marks(here, at.PIVOT), marks(here, at.SIDE)
+    kind, where, norm = marks(here, at.KIND), marks(here, at.HELD), vector(here, at.NORM)
     value, share, room = vector(here, at.VALUE), vector(here, at.SHARE), vector(here, at.LAMBDA)
     low, high = vector(here, at.LOW), vector(here, at.HIGH)
-    end, left = ptr[min(k + 1, head[at.LEVELS])], length(vector(here, at.D), n)
+    end, left = ptr[k + 1], length(vector(here, at.D), n)
     for i in range(end):
         value[i] = low[i] = high[i] = 0.0
     for q in range(base, base + working):
@@ -289,10 +291,29 @@ def advance(here, k, square):
 
 
 @inner
-def carried_last(here, base, scale):
-    """The same of the implicit last level, where each x_j may move within its tolerance ``rhs``: gradients."""
+def carried_last(here, base, working, scale):
+    """The same of the implicit last level, where each x_j may move within its tolerance ``rhs``.
+
+    The multipliers of the rows behind V[:base] change with it, or stay if one would change its sign.
+    """
+    side, pivot, multiplier = marks(here, at.SIDE), marks(here, at.PIVOT), vector(here, at.MULTIPLIER)
+    left, pulled = shift_last(here, base + working, scale), vector(here, at.BALANCE)
+    balance(pulled, base, base + working, here)
+    for q in range(base, base + working):
+        if multiplier[q] * side[pivot[q]] < 0.0:
+            residual(here, base + working)
+            return shift_last(here, base, scale)
+    return left
+
+
+@inner
+def shift_last(here, c, scale):
+    """Reduce ``d`` by such shifts, projected onto the null space of V[:c]: gradients.
+
+    Returns what is left; ``balance`` is the shifted gradient.
+    """
     n, d, near = ints(here, 0, at.HEAD)[at.N], vector(here, at.D), vector(here, at.RHS)
-    shift = vector(here, at.LENGTHS)
+    shift, g, pulled = vector(here, at.LENGTHS), vector(here, at.G), vector(here, at.BALANCE)
     left = length(d, n)
     for j in range(n):
         shift[j] = 0.0
@@ -303,7 +324,9 @@ def carried_last(here, base, scale):
             new = min(max(shift[j] + d[j], -most), most)
             d[j] -= new - shift[j]
             shift[j] = new
-        left = clear(here, d, base)
+        left = clear(here, d, c)
         if left <= ENOUGH * STATIONARITY or not left < (1.0 - GAINS) * before:
             break
+    for j in range(n):
+        pulled[j] = g[j] + shift[j]
     return left
