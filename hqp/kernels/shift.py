@@ -170,10 +170,9 @@ def add_changes(here, k, times, out):
 def list_shifts(here, k, base, working, scale):
     """Write for each row that may shift, or have a multiplier: its projection P_i, ``value`` along it, and its bounds.
 
-    P_i is as long as the row can change the residual, so that a short step in all values keeps most bounds: a shift in
-    units of its largest, a multiplier in units of itself, or of what is left where that is more. The bounds ``low`` and
-    ``high`` are equal where a row has no part: inactive, or dependent on free rows, so that what is left of it is
-    round-off.
+    P_i is as long as the row can change the residual, and no longer than what is left of it, so that a short step in
+    all values keeps most bounds. The bounds ``low`` and ``high`` are equal where a row has no part: inactive, or
+    dependent on free rows, so that what is left of it is round-off.
     """
     n, ptr, pivot, side = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR), marks(here, at.PIVOT), marks(here, at.SIDE)
     kind, where, norm = marks(here, at.KIND), marks(here, at.HELD), vector(here, at.NORM)
@@ -192,7 +191,7 @@ def list_shifts(here, k, base, working, scale):
         mine = matrix(here, at.P)[i]
         size = length(mine, n)
         if size > FREE_RANK * norm[i]:
-            unit = max(abs(value[i]), left / size) if i < ptr[k] else min(most, 1.0 / size)
+            unit = min(most, left / size)
             low[i] = 0.0 if where[i] == UPPER else -most / unit
             high[i] = 0.0 if where[i] == LOWER else most / unit
             value[i] /= unit
