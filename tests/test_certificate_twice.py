@@ -41,7 +41,7 @@ def test_of_what_is_decided_by_the_tolerances_of_rows() -> None:
 
 
 def test_of_rows_that_are_nearly_parallel() -> None:
-    """Of each of these seeds one point was refused that is optimal for slacks within the tolerances."""
+    """Some of them are optimal only for slacks within the tolerances, as of the first four seeds."""
     judged, decided, proved = agree(proving.nearly_parallel((13, 168, 328, 374, *range(20))))
     assert decided > 0.9 * judged
     assert 0.2 * judged < proved < 0.9 * judged
