@@ -32,8 +32,6 @@ from ..checks import of_type, positive_number, truth
 from ..errors import InvalidInput
 from ..hierarchy import Hierarchy
 
-#: Place of the largest distance of x from a row of a level, in what the kernel tells of it.
-REACH = 5
 #: Largest entry of x that is judged: beyond it, squares of residuals overflow.
 FURTHEST = 1e60
 
@@ -210,7 +208,7 @@ def certify(
     from .judging import judged  # a package that compiles loops: whoever only solves need not wait for it
 
     _, told, multipliers = judged(hierarchy, point, reference, tolerance)
-    radius = length(point) + length(reference) + max(level[REACH] for level in told)
+    radius = length(point) + length(reference) + max(reach for *_, reach in told)
     names = [*(level.name for level in hierarchy.levels), "min ||x - x_ref||"]
     levels = tuple(
         _level(k, names[k], told[k], radius, multipliers[k, : hierarchy.pointers[k]])
