@@ -94,7 +94,7 @@ def tell_all(here, way):
 def gradient(here, k, way):
     """Write the gradient ``g`` of level k, divided by the sum of its forces; returns that sum, 0 if the level is met.
 
-    The tolerances of x_j on the implicit last level go to ``allowed``. `way` is that of :func:`.states.find_sides`.
+    The tolerances of x_j on the implicit last level go to ``rhs``. `way` is that of :func:`.states.find_sides`.
     """
     head = ints(here, 0, at.HEAD)
     n, ptr, col, row_of = head[at.N], marks(here, at.PTR), marks(here, at.COL), marks(here, at.ROW_OF)
