@@ -292,7 +292,25 @@ def test_off_is_as_if_it_were_not_there() -> None:
     assert np.allclose(first.a, second.a, atol=1e-6)
     assert np.allclose(first.tau, second.tau, atol=1e-6)
     assert np.isnan(first.cop["right"]).all()
-    assert np.abs(first.forces["right"]).max() < 1e-11 * np.abs(first.forces["left"]).max()
+    assert not first.forces["right"].any()
+
+
+@pytest.mark.parametrize("far", [0.0, 0.3], ids=["near", "out of reach"])
+@pytest.mark.parametrize("rests", ["posture", "posture and least forces"])
+def test_a_contact_that_is_off_has_no_force_at_all_tick_after_tick(rests: str, far: float) -> None:
+    """Not even round-off, of which a centre of pressure would be made."""
+    scene = humanoid()
+    com = CenterOfMassTask(scene.com + far * np.eye(3)[0], gain=5.0)
+    last = PostureTask(scene.q, gain=4.0)
+    if rests != "posture":
+        last = last + ForceTask(weight=0.01)
+    controller, q, v = controller_of(scene, scene.limits >> com >> last), scene.q, scene.v
+    controller.release("right")
+    for k in range(12):
+        step = controller(q, v, k * DT)
+        assert not step.forces["right"].any()
+        assert np.isnan(step.cop["right"]).all()
+        q, v = advanced(scene.robot, q, v, step.a)
 
 
 def test_a_surface_that_moves_takes_the_feet_along() -> None:

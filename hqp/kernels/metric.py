@@ -32,8 +32,8 @@ def change_metric(here, k, frozen):
     Returns
     -------
     frozen : int
-        Rows of V that span the frozen rows now; -1, with V spanning what it did, if a variable that is not asked does
-        not clearly follow the others.
+        Rows of V that span the frozen rows now; -1, with V as it was, if a variable that is not asked does not clearly
+        follow the others.
     """
     head = ints(here, 0, at.HEAD)
     n, m, ptr = head[at.N], head[at.ROWS], marks(here, at.PTR)
@@ -46,7 +46,11 @@ def change_metric(here, k, frozen):
         for j in range(n):
             kept[j] = row[j]
     u = eliminate(here, frozen)
-    if u < 0:
+    if u < 0:  # V as it was: its rows of fixed variables are unit vectors, which keep these exactly where they are
+        for q in range(frozen):
+            row, kept = V[q], P[m + q]
+            for j in range(n):
+                row[j] = kept[j]
         return integer(-1)
     for q in range(u, frozen):
         row, source = V[q - u], V[q]
