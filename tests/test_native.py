@@ -325,3 +325,16 @@ def test_rows_of_very_different_lengths_are_left_to_the_certificate(number: int)
             continue
         assert (solution.status, solution.level) == (Status.STALLED, failed.level)
         assert f"no more progress at {h.level_name(failed.level)}, after" in solution.message
+
+
+def test_a_row_that_holds_a_level_by_less_than_a_sign_is_kept_at_its_bound_by_the_certificate() -> None:
+    bounds = Level(np.eye(3)[:2], [-np.inf, -np.inf], [0.0, 0.0])
+    h = Hierarchy([bounds, Level.equality(np.eye(3)[:2], [0.5, 1e3]), Level.equality(np.eye(3)[[0, 2]], [-1.0, 0.5])])
+    solver = Solver()
+    assert solver.solve(h).ok
+    h.levels[1].lower[0] = h.levels[1].upper[0] = 5e-9  # so small a share of the forces of this level has no clear sign
+    solution = solver.solve(h)
+    assert solution.ok
+    assert solution.certify().ok
+    assert (solution.counts.sweeps, solution.counts.iterations) == (2, 0)
+    np.testing.assert_allclose(solution.x, [0.0, 0.0, 0.5], atol=1e-12)

@@ -111,3 +111,30 @@ def test_only_one_equality_a_variable_with_weights_that_are_not_too_uneven(last:
     assert memory.run(h.address) == OPTIMAL
     assert memory.head[at.CLOSES] == closes
     assert certify(h, memory.x).ok
+
+
+@pytest.mark.parametrize("told", [True, False], ids=["told", "not told"])
+def test_a_row_that_just_touches_needs_a_basis_only_where_nothing_else_determines_x(told: bool) -> None:
+    rng = np.random.default_rng(7)
+    n, asked = 12, np.arange(1, 12)
+    equations = rng.standard_normal((2, n))
+    equations[:, 0] = (3.0, 0.0) if told else 0.0
+    touching = np.eye(n)[[5]] if told else np.eye(n)[[0]] + np.eye(n)[[5]]
+    rest = rng.standard_normal(n)
+    x = rest.copy()
+    x[0] = 1.0  # the row is met with equality there, and no level presses on it
+    h = Hierarchy(
+        [
+            Level.equality(equations, equations @ x),
+            Level(touching, [-np.inf], touching @ x),
+            Level.equality(np.eye(n)[asked], rest[asked]),
+        ]
+    )
+    memory = Memory(h.structure, Settings())
+    pressed = h.copy()
+    pressed.levels[1].upper[:] -= 1.0
+    assert memory.run(pressed.address) == OPTIMAL
+    assert memory.run(h.address) == OPTIMAL
+    assert certify(h, memory.x, memory.x_ref).ok
+    cut = memory.ints(at.CUT)
+    assert (cut[3] == cut[2]) == told

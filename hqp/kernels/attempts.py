@@ -21,7 +21,7 @@ from .levels import levels
 from .line_search import best_step
 from .memory import ints, marks, vector
 from .proof import proves
-from .rows import value_of
+from .rows import INACTIVE, value_of
 from .sweep import sweep
 from .working_set import FROZEN
 
@@ -81,13 +81,52 @@ def contested(here, last):
 
 
 @inner
+def only_contradiction(here, last):
+    """The row that contradicts its side, if there is one only."""
+    side, follow = marks(here, at.SIDE), marks(here, at.FOLLOW)
+    for i in range(marks(here, at.PTR)[last]):
+        if side[i] != follow[i]:
+            return i
+    return integer(-1)
+
+
+@inner
+def is_needed(here, i):
+    """Whether the certificate accepts APPROACH, solved with row i at its bound; then it is x, and ``side`` has i again.
+
+    Not for callers who need the basis of the sweep.
+    """
+    head, side, follow = ints(here, 0, at.HEAD), marks(here, at.SIDE), marks(here, at.FOLLOW)
+    if head[at.DAMPED] != 0 or head[at.BASIS] != 0 or late(here):
+        return False
+    exchange(here, at.X, at.APPROACH)
+    side[i] = follow[i]
+    if proves(here):
+        head[at.DOUBT] = 0
+        return True
+    exchange(here, at.X, at.APPROACH)
+    side[i], head[at.FAILS] = INACTIVE, at.UNJUDGED
+    return False
+
+
+@inner
+def exchange(here, one, other):
+    """Exchange the vectors (n,) at two places of the directory."""
+    x, y = vector(here, one), vector(here, other)
+    for j in range(ints(here, 0, at.HEAD)[at.N]):
+        x[j], y[j] = y[j], x[j]
+
+
+@inner
 def verify(here, last):
     """Sweep and repair as long as the contradictions become fewer; returns how many are left, 0 with a proof.
 
-    The rank tolerance is reduced while a row that counts as dependent proves not to be.
+    The rank tolerance is reduced while a row that counts as dependent proves not to be. A row that was let go because
+    of the sign of its multiplier, and alone contradicts the next sweep, is needed: its multiplier is not unique, as it
+    depends on other rows, and the certificate decides whether others of the right sign balance the levels.
     """
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
-    fewest, left, tau = head[at.ROWS] + 1, PATIENCE, option[at.TAU]
+    fewest, left, tau, gone = head[at.ROWS] + 1, PATIENCE, option[at.TAU], integer(-1)
     while True:
         faults, blurred = sweep(here, last, tau)
         head[at.SWEEPS] += 1
@@ -98,6 +137,12 @@ def verify(here, last):
             head[at.DOUBT] = 1
         left = PATIENCE if faults < fewest else left - 1
         fewest = min(fewest, faults)
+        alone = only_contradiction(here, last) if faults == 1 else integer(-1)
+        if alone >= 0 and alone == gone and is_needed(here, alone):
+            return integer(0)
+        gone = alone if alone >= 0 and marks(here, at.FOLLOW)[alone] == INACTIVE else integer(-1)
+        if gone >= 0:
+            copy(here, at.X, at.APPROACH)
         if faults == 0 or left <= 0 or late(here) or (faults > FEW and contested(here, last)):
             return faults
         repair(here, last)

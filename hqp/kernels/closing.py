@@ -24,11 +24,14 @@ from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .orthogonal import only_entry, padded
 from .symmetric import cholesky
+from .verdict import DECIDED
 
 #: The largest ratio of two weights of the level.
 UNEVEN = 1e3
 #: The largest residual before the refinement, relative to the sizes of its terms.
 ROUGH = 1e-8
+#: A variable counts as told by rows if other variables leave more than this share of its squared column in them.
+TOLD = 1e-4
 #: A basis of the level must be so many times more work: it is needed all the same where signs of multipliers are left.
 SAVES = 1.5
 
@@ -265,3 +268,49 @@ def finish(here, f):
         i = asks[free[t]]
         if i >= 0:
             w[i], dependent[i] = scale[t] * along[t], 0
+
+
+@inner
+def spans_all(here, last):
+    """Whether the rows of the level, with those above whose side is decided, determine x with none of the others.
+
+    Free rows alone then balance the implicit last level: the undecided ones need no multiplier there, nor a sign. This
+    is so if the decided rows tell the variables that are not asked, nor held at a bound that is decided.
+    """
+    n, c = ints(here, 0, at.HEAD)[at.N], marks(here, at.CUT)[last]
+    asks, pinned, pivot = marks(here, at.ASKS), marks(here, at.PINNED), marks(here, at.PIVOT)
+    col, row_of, decided = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.DECIDED)
+    others, u = marks(here, at.QUEUE), integer(0)
+    norm, B, F = vector(here, at.NORM), matrix(here, at.B), matrix(here, at.FACTOR)
+    for j in range(n):
+        if asks[j] < 0 and (pinned[j] < 0 or decided[pinned[j]] != DECIDED):
+            if u > c or u == len(F):
+                return False
+            others[u], u = j, u + 1
+    for a in range(u):
+        for b in range(a + 1):
+            F[a][b] = 0.0
+    for q in range(c):
+        i = pivot[q]
+        if decided[i] != DECIDED:
+            continue
+        size = norm[i] * norm[i]
+        for a in range(u):
+            part = entry_of(i, others[a], col, row_of, norm, B) / size
+            for b in range(a + 1 if part != 0.0 else 0):
+                F[a][b] += part * entry_of(i, others[b], col, row_of, norm, B)
+    told = vector(here, at.SHARE)
+    for a in range(u):
+        told[a] = F[a][a]
+    clear = cholesky(F, F, u)
+    for a in range(u):
+        clear = clear and F[a][a] * F[a][a] > TOLD * told[a]
+    return clear
+
+
+@inner
+def entry_of(i, j, col, row_of, norm, B):
+    """Entry j of the weighted row i."""
+    if col[i] >= 0:
+        return norm[i] if col[i] == j else 0.0
+    return B[row_of[i]][j]

@@ -71,9 +71,14 @@ def levels(here, last, warm):
                 continue
             if again == 1:
                 start_again(here, k)
-            faults, circles, hard, rank, own, own_rank, pull = primal(here, k, last, frozen, rank)
-            if circles and sharpen(here):  # what was let go is needed: it matters what counts as dependent
-                faults, circles, hard, rank, own, own_rank, pull = primal(here, k, last, frozen, rank)
+            known = again == 0
+            while True:
+                faults, circles, hard, rank, own, own_rank, pull = primal(
+                    here, k, last, frozen, hard, rank, own, own_rank, known
+                )
+                known = False
+                if not (circles and sharpen(here)):  # what was let go is needed: it matters what counts as dependent
+                    break
         if faults > 0 and (k < last or late(here)):
             break
         if head[at.METRIC] != 0:

@@ -77,10 +77,11 @@ def polish_again(here, k, last, frozen, known):
 
 
 @inner
-def primal(here, k, last, frozen, rank):
+def primal(here, k, last, frozen, hard, rank, own, own_rank, known):
     """Take primal steps from APPROACH until level k is optimal, or STEPS are spent.
 
-    `rank` is that of :func:`.polish.polish`, which has just solved the level: its first pivot rows stay those of V.
+    `hard`, `rank`, `own` and `own_rank` are those of :func:`.polish.polish`, which has just solved the level: its first
+    pivot rows stay those of V. `known` tells that it did so with the present ``side``.
 
     Each step goes towards the x of :func:`.polish.polish`, up to the first event; then one row changes its side. A
     member that leaves the working set because of the sign of its multiplier, and blocks the next step at once, stays:
@@ -101,7 +102,8 @@ def primal(here, k, last, frozen, rank):
     side, start, d = marks(here, at.SIDE), vector(here, at.APPROACH), vector(here, at.D)
     left, still, circles = integer(-1), integer(0), False
     for steps in range(STEPS + 1):
-        hard, rank, own, own_rank = polish_again(here, k, last, frozen, rank)
+        if steps > 0 or not known:
+            hard, rank, own, own_rank = polish_again(here, k, last, frozen, rank)
         faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
         if faults == 0 or steps == STEPS or late(here):
             break

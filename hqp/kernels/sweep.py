@@ -9,7 +9,7 @@ Then :mod:`.verdict` checks the result.
 from __future__ import annotations
 
 from . import layout as at
-from .closing import close
+from .closing import close, spans_all
 from .compile import inner, integer
 from .extent import far
 from .memory import ints, marks, matrix, vector
@@ -41,7 +41,7 @@ def sweep(here, last, tau):
         if undecided > 0:
             wrong, undecided = judge_multipliers(here, last, undecided, STRICT, 0.0, closing)
             faults += wrong
-        if not closing or undecided == 0 or faults > 0:
+        if not closing or undecided == 0 or faults > 0 or spans_all(here, last):
             return faults, blurred
         closing = False  # what is left for the implicit last level to decide needs a basis of all
 
