@@ -15,7 +15,8 @@ replies = os.fdopen(os.dup(1), "w")
 os.dup2(2, 1)  # what the library itself prints is no reply
 package, motion = sys.argv[1:]
 given = dict(np.load(motion))
-library = import_module(f"on_{package}").Library(json.loads(str(given.pop("scene"))), given)
+scene = json.loads(str(given.pop("scene")))
+library = import_module(f"on_{package}").Library(scene, given, **scene.pop("options"))
 
 
 def run(first, last):

@@ -15,7 +15,7 @@ class Library:
         The priority of the tasks of the first level, ``"hard"``, ``"soft"`` or ``"scaled"``; others are soft.
     """
 
-    def __init__(self, scene, given):
+    def __init__(self, scene, given, first="soft"):
         self.robot = robot = placo.RobotWrapper(scene["urdf"], placo.Flags.ignore_collisions)
         self.solver = solver = robot.make_solver()
         solver.dt = scene["dt"]
@@ -29,7 +29,7 @@ class Library:
         self.configurations = self.configured(given["q"])
         self.targets, self.posture = [], None
         for number, goal in enumerate(scene["goals"]):
-            priority = scene["options"].get("first", "soft") if goal["level"] == 0 else "soft"
+            priority = first if goal["level"] == 0 else "soft"
             self.add(goal, f"task {number}", priority, given)
 
     def configured(self, q):

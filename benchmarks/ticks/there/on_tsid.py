@@ -3,9 +3,10 @@
 import numpy as np
 import pinocchio as pin
 import tsid
+from joints import Joints
 
 
-class Library:
+class Library(Joints):
     r"""``InverseDynamicsFormulationAccForce`` from rest, of robots whose base is fixed.
 
     A step at velocity order is what one tick of the acceleration :math:`a` does to a robot at rest, whose tasks have no
@@ -18,31 +19,26 @@ class Library:
         The level of the tasks of the first one: 1 to weigh them as the others, 0 for rows.
     """
 
-    def __init__(self, scene, given):
+    def __init__(self, scene, given, first=1):
         self.robot = tsid.RobotWrapper(scene["urdf"], [], False)
         model = self.robot.model()
         self.dt = scene["dt"]
         self.columns = [model.joints[model.getJointId(name)].idx_v for name in scene["joints"]]
         self.q, self.postures = (self.configured(given[name]) for name in ("q", "posture"))
-        self.low, self.high = (self.configured(given[name][None])[0] for name in ("low", "high"))
-        self.speed = self.configured(given["speed"][None])[0]
+        self.low, self.high, self.speed = (self.configured(given[name]) for name in ("low", "high", "speed"))
         self.formulation = tsid.InverseDynamicsFormulationAccForce("tsid", self.robot, False)
         self.rest = np.zeros(model.nv)
         self.formulation.computeProblemData(0.0, self.q[0], self.rest)
         self.targets = []
         for number, goal in enumerate(scene["goals"]):
-            level = scene["options"].get("first", 1) if goal["level"] == 0 else 1
+            level = first if goal["level"] == 0 else 1
             self.add(goal, f"task {number}", level, given)
+        if first == 0 and all(goal["level"] == 0 for goal in scene["goals"]):
+            self.add_rest()
         self.bounds = tsid.TaskJointBounds("bounds", self.robot, self.dt)
         self.formulation.addMotionTask(self.bounds, 1.0, 0, 0.0)
         self.solver = tsid.SolverHQuadProgFast("solver")
         self.solver.resize(self.formulation.nVar, self.formulation.nEq, self.formulation.nIn)
-
-    def configured(self, rows):
-        """Numbers of the joints in the order of TSID."""
-        ordered = np.zeros_like(rows)
-        ordered[:, self.columns] = rows
-        return ordered
 
     def add(self, goal, name, level, given):
         """Declare a task, and its samples tick by tick."""
@@ -65,6 +61,14 @@ class Library:
         self.formulation.addMotionTask(task, goal["cost"] ** 2, level, 0.0)
         self.targets.append((task, samples))
 
+    def add_rest(self):
+        """Weigh a robot that stays where it is: where nothing is weighed, the solver cycles for ever at some states."""
+        task = tsid.TaskJointPosture("rest", self.robot)
+        task.setKp(np.zeros(self.robot.nv))
+        task.setKd(np.zeros(self.robot.nv))
+        task.setReference(self.sample(self.q[0]))
+        self.formulation.addMotionTask(task, 1.0, 1, 0.0)
+
     def poses(self, goal, given):
         """Targets. What moves the position is the logarithm of a pose: of a position alone, at the frame's own turn."""
         frame = goal["frame"]
@@ -79,7 +83,7 @@ class Library:
             sample.derivative(np.zeros(6))
             sample.second_derivative(np.zeros(6))
             return sample
-        sample = tsid.TrajectorySample(len(value))
+        sample = tsid.TrajectorySample(self.robot.nv)
         sample.value(value)
         return sample
 
@@ -97,11 +101,3 @@ class Library:
         if solution.status != 0:
             return None
         return self.dt**2 * self.formulation.getAccelerations(solution)
-
-    def ordered(self, step):
-        """In the order of the motion."""
-        return [*step[self.columns]]
-
-    def split(self, k):
-        """Its parts are not told."""
-        return [None] * 3
