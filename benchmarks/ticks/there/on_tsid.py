@@ -63,7 +63,7 @@ class Library(Joints):
 
     def add_rest(self):
         """Weigh a robot that stays where it is: where nothing is weighed, the solver cycles for ever at some states."""
-        task = tsid.TaskJointPosture("rest", self.robot)
+        self.rested = task = tsid.TaskJointPosture("rest", self.robot)  # kept here: TSID does not
         task.setKp(np.zeros(self.robot.nv))
         task.setKd(np.zeros(self.robot.nv))
         task.setReference(self.sample(self.q[0]))
