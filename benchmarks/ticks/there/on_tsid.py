@@ -62,7 +62,7 @@ class Library(Joints):
         self.targets.append((task, samples))
 
     def add_rest(self):
-        """Weigh a robot that stays where it is: where nothing is weighed, the solver cycles for ever at some states."""
+        """Weigh a robot that stays where it is: with nothing weighed, the solver did not come back from a state."""
         self.rested = task = tsid.TaskJointPosture("rest", self.robot)  # kept here: TSID does not
         task.setKp(np.zeros(self.robot.nv))
         task.setKd(np.zeros(self.robot.nv))
