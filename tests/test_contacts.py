@@ -25,6 +25,7 @@ from tasks import (
     JointLimits,
     JointTorqueLimit,
     Loop,
+    PinocchioRobot,
     PoseTask,
     PositionTask,
     PostureTask,
@@ -779,6 +780,52 @@ def test_a_robot_in_the_plane_whose_base_has_joints_without_motors(tmp_path: Pat
     assert step.solution.certify().ok
     assert abs(robot.at(q).center_of_mass.position - com)[[0, 2]].max() < 1e-3
     assert sum(f[:, 2].sum() for f in step.forces.values()) == pytest.approx(weight, rel=1e-2)
+
+
+def two_quadrupeds() -> PinocchioRobot:
+    """Two robots in one model, whose joints and frames begin with a and b: only the first has the base."""
+    one = load_robot("solo12")
+    models = []
+    for prefix in "ab":
+        model = pin.Model(one.model)
+        for i in range(1, model.njoints):
+            model.names[i] = prefix + model.names[i]
+        for frame in model.frames:
+            frame.name = prefix + frame.name
+        models.append(model)
+    beside = pin.SE3(np.eye(3), np.array([1.0, 0.0, 0.0]))
+    robot = PinocchioRobot(pin.appendModel(*models, 0, beside), velocity_limit=20.0, acceleration_limit=200.0)
+    robot.home = np.tile(one.home, 2)
+    return robot
+
+
+@pytest.mark.usefixtures("nothing_told")
+@pytest.mark.parametrize("limit", [JointTorqueLimit(), JointTorqueLimit(40.0)], ids=["own", "a number"])
+def test_no_motor_bears_a_second_robot_of_the_model(limit: JointTorqueLimit, caplog: pytest.LogCaptureFixture) -> None:
+    """Its base was driven by six torques that no motor has: its feet bore nothing, and every tick was certified."""
+    with caplog.at_level("WARNING"):
+        robot = two_quadrupeds()
+    assert "it is 0 of joints that float, or stand in the plane, besides the base: broot_joint" in caplog.text
+    free = [name.startswith("broot_joint") for name in robot.joint_names]
+    assert (robot.torque_limit == 0.0).tolist() == free
+    robot.torque_limit = 30.0
+    assert (robot.torque_limit == 0.0).tolist() == free
+    feet = [Contact(f"{of}{leg}_FOOT", friction=0.6) for of in "ab" for leg in ("FL", "FR", "HL", "HR")]
+    physics = sum(feet[1:], Dynamics() + feet[0])
+    rest = PostureTask(robot.home, gain=4.0) + ForceTask(weight=1e-2)
+    q, v = robot.home, np.zeros(robot.nv)
+    com = CenterOfMassTask(robot.at(q).center_of_mass.position, gain=5.0)
+    step = Controller(robot, physics >> limit + JointLimits() >> com >> rest, order="torque", dt=DT)(q, v)
+    assert step.solution.certify().ok
+    bias = robot.inverse_dynamics(q, v, step.a)
+    for foot in feet:
+        _, linear, _ = point_jacobian(robot, q, foot.frame, np.zeros(3))
+        bias = bias - linear.T @ step.forces[foot.name][0]
+    assert np.abs(bias[:6]).max() < 1e-8
+    assert np.abs(bias[free]).max() < 1e-8
+    for order, named in ("torque", "order = 'torque'"), ("acceleration", "Dynamics 'dynamics'"):
+        with pytest.raises(InvalidInput, match=rf"{named}: no motor drives broot_joint\[0\].*; add JointTorqueLimit"):
+            Controller(robot, physics >> JointLimits() >> com >> rest, order=order, dt=DT)
 
 
 @pytest.mark.usefixtures("nothing_told")

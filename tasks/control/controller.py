@@ -264,10 +264,12 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         finally:
             guard.give(None)
 
-    def _step(self, q: Array, v: Array | None, t: float) -> Step[Velocity, Acceleration, Torque]:
+    def _step(
+        self, q: Array, v: Array | None, t: float, refused: str | None = None
+    ) -> Step[Velocity, Acceleration, Torque]:
         state, fault = self._states.read(q, self._rest if v is None else v)
         last = v if self.order == "velocity" else None
-        solution = self._now.solve(state, t, last, fault)
+        solution = self._now.solve(state, t, last, fault or refused)
         x, share = solution.x, 1.0
         if self._transition is not None and solution.ok:
             x, share = self._transition.blend(state, t, x, last)
@@ -277,8 +279,11 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
                 x = self._limits.keep(self.hierarchy, x)
         if self.order == "velocity":
             return new(Step, ("velocity", state, solution, x, None, None, share, None))
-        valid = solution.status is not Status.INVALID
-        tau = None if self._torques is None else self._torques(self._rows, state, x, valid)
+        tau = None
+        if self._torques is not None:
+            tau = self._torques(self._rows, state, x, solution.status is not Status.INVALID)
+            if tau is None:  # rows that no wrench or bias is in were valid
+                return self._step(q, v, t, "the torques are not finite")
         places = self._now.forces
         if places is not None:
             self._forces = places.forces(x)
