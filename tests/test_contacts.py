@@ -782,6 +782,42 @@ def test_a_robot_in_the_plane_whose_base_has_joints_without_motors(tmp_path: Pat
     assert sum(f[:, 2].sum() for f in step.forces.values()) == pytest.approx(weight, rel=1e-2)
 
 
+@pytest.mark.parametrize("before", ["nothing", "a tick", "a tick of NaN", "both"])
+@pytest.mark.parametrize("made", [False, True], ids=["release", "release and make"])
+def test_a_ramp_is_one_whatever_was_before_it(before: str, made: bool) -> None:
+    """Where no tick, or one of NaN, had told forces, they fell to 0 at once; and rose from 0 at the end of the ramp."""
+    scene = quadruped()
+    foot = scene.feet[0].name
+    rest = PostureTask(scene.q, gain=4.0) + ForceTask(weight=1e-2)
+    controller = controller_of(scene, scene.limits >> CenterOfMassTask(scene.com, gain=5.0) >> rest)
+    if before in ("a tick", "both"):
+        controller(scene.q, scene.v)
+    if before in ("a tick of NaN", "both"):
+        assert not controller(np.full(scene.robot.nq, np.nan), scene.v).ok
+    if made:
+        controller.release(foot)
+        controller.make(foot, duration=20 * DT)
+    else:
+        controller.release(foot, duration=20 * DT)
+    borne = [controller(scene.q, scene.v, k * DT).forces[foot][:, 2].sum() for k in range(25)]
+    weight = 9.81 * sum(inertia.mass for inertia in scene.robot.model.inertias)
+    assert np.abs(np.diff(borne)).max() < 1.51 / 20 * weight  # a cubic has 1.5 times the mean speed
+    assert sorted(borne, reverse=not made) == pytest.approx(borne, abs=1e-6)
+    assert max(borne) > 0.1 * weight
+    assert min(borne) < 1e-6 * weight
+
+
+def test_a_stack_without_forces_tells_none() -> None:
+    """After a change it told those of the last tick of the stack before, for ever."""
+    scene = quadruped()
+    controller = controller_of(scene, scene.limits >> PostureTask(scene.q, gain=4.0))
+    assert controller(scene.q, scene.v).forces is not None
+    controller.change(Dynamics() >> JointTorqueLimit() >> PostureTask(scene.q, gain=4.0), duration=0.0)
+    step = controller(scene.q, scene.v)
+    assert step.forces is None
+    assert step.cop is None
+
+
 def two_quadrupeds() -> PinocchioRobot:
     """Two robots in one model, whose joints and frames begin with a and b: only the first has the base."""
     one = load_robot("solo12")
