@@ -807,6 +807,27 @@ def test_a_ramp_is_one_whatever_was_before_it(before: str, made: bool) -> None:
     assert min(borne) < 1e-6 * weight
 
 
+@pytest.mark.parametrize("share", [0.02, 3.0])
+def test_a_contact_that_is_made_is_asked_for_no_more_than_it_may_bear(share: float) -> None:
+    """Its least force was asked for at once, while the cap was 0: the level of the limits could not be kept."""
+    scene = quadruped()
+    foot = scene.feet[0]
+    weight = 9.81 * sum(inertia.mass for inertia in scene.robot.model.inertias)
+    controller = controller_of(scene, scene.limits >> PostureTask(scene.q, gain=4.0) + ForceTask(weight=1e-2))
+    controller(scene.q, scene.v)
+    foot.least = share * weight
+    controller.release(foot)
+    controller(scene.q, scene.v, DT)
+    controller.make(foot, duration=10 * DT)
+    for k in range(20):
+        step = controller(scene.q, scene.v, (2 + k) * DT)
+        low, high = controller.bounds(foot)
+        assert low[-1] <= high[2] + 1e-9  # the least sum, and the cap of its one point
+        if share < 1.0:
+            assert step.solution.levels[2].residual_norm < 1e-9
+    assert low[-1] == pytest.approx(foot.least)
+
+
 def test_a_stack_without_forces_tells_none() -> None:
     """After a change it told those of the last tick of the stack before, for ever."""
     scene = quadruped()

@@ -206,7 +206,7 @@ def make(stack: Stack, rows: HierarchyWriter, contact: Contact | str, duration: 
     slot = found.slot(rows.shared)
     if slot.bears:
         raise InvalidInput(f"{found.full_name()}: is on already; it can be released")
-    slot.make(weight_of(rows.shared.robot) if found in rows.unknowns else 0.0, time)
+    slot.make(max(weight_of(rows.shared.robot), found.least) if found in rows.unknowns else 0.0, time)
 
 
 def bears(stack: Stack, rows: HierarchyWriter, contact: Contact | str) -> bool:
