@@ -19,15 +19,20 @@ from tasks import (
     ForceTask,
     JointVelocityLimit,
     JointVelocityTask,
+    Line,
     OrientationTask,
     PlanarArm,
+    Polygon,
     PositionTask,
     PostureTask,
     Sphere,
     Stack,
     Surface,
+    Turn,
     VelocityRatioTask,
     Within,
+    cubic,
+    from_rpy,
     load_robot,
     planar_links,
 )
@@ -93,6 +98,47 @@ def test_another_answer_is_refused_at_that_tick(place: str, later: str) -> None:
         controller(q, t=0.06)
     changed = False
     assert np.array_equal(controller(q, t=0.06).v, first.v)
+
+
+#: What a timing law gives later on, in place of three numbers.
+LAWS: dict[str, Any] = {
+    "two": (0.5, 1.0),
+    "nothing": None,
+    "one": 0.5,
+    "words": ("0.5", "1", "0"),
+    "imaginary": (0.5j, 1.0, 0.0),
+    "arrays": (np.ones(2), np.ones(2), np.ones(2)),
+    "NaN": (np.nan, 1.0, 0.0),
+    "infinity": (0.5, np.inf, 0.0),
+}
+
+
+@pytest.mark.parametrize("later", LAWS)
+@pytest.mark.parametrize("place", ["line", "polygon", "change"])
+def test_so_is_another_answer_of_a_timing_law(place: str, later: str) -> None:
+    """One of NaN gave NaN as joint speeds, in a step that was ok, while a stack was changed to another one."""
+    changed, still = False, PositionTask([0.6, 0.6], gain=1.0)
+
+    def law(u: float) -> Any:
+        return LAWS[later] if changed else cubic(u)
+
+    goals: dict[str, Callable[[], Any]] = {
+        "line": lambda: PositionTask(Line([0.6, 0.6], [0.8, 0.6], 1.0, law), gain=1.0),
+        "polygon": lambda: PositionTask(Polygon([[0.6, 0.6], [0.8, 0.6], [0.6, 0.8]], 1.0, law), gain=1.0),
+        "change": lambda: PositionTask([0.8, 0.6], gain=1.0),
+    }
+    controller = Controller(ARM, still if place == "change" else goals[place](), dt=0.01)
+    q = [0.3, 0.4, 0.5]
+    if place == "change":
+        assert controller(q, t=0.0).ok
+        controller.change(goals[place]() >> PostureTask(q, gain=1.0), duration=1.0, law=law)
+    assert controller(q, t=0.1).ok
+    turn = Turn(np.eye(3), from_rpy(0.0, 0.0, 1.0), 1.0, law)
+    changed = True
+    with pytest.raises(InvalidInput, match=r"(timing|law of a change)\(0\.\d+\)"):
+        controller(q, t=0.2)
+    with pytest.raises(InvalidInput, match=r"law\(0\.2\)"):
+        turn(0.2)
 
 
 @pytest.mark.parametrize("answer", [[0.6, 0.6], np.full(2, 0.6, dtype=np.float32), np.full(2, 0.6, dtype=object)])
