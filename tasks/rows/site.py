@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from hqp import InvalidInput
-
 from ..base.checks import Array, per_row
 from ..robots import abilities as able
 from ..robots.answers import at_rest, joint_reader
@@ -318,32 +316,10 @@ class Site:
 
 
 def kept_up(trajectory: Callable[[float], Any], value: Array, rate: Array, change: Array) -> tuple[Move, ...]:
-    """Write what a trajectory gives into these arrays, now, and every tick unless it stands still.
-
-    Raises
-    ------
-    InvalidInput
-        At a tick, if it gives another number of arrays or other shapes than at first; NumPy would spread one number.
-    """
-    value[:], rate[:], change[:] = first = trajectory(0.0)
-    if constant(trajectory) is not None:
-        return ()
-    shapes = [np.shape(part) for part in first]
-    of_value, of_rate, of_change = shapes
+    """Write what a trajectory gives into these arrays, now, and every tick unless it stands still."""
 
     def move(t: float) -> None:
-        given = trajectory(t)
-        try:
-            r, dr, ddr = given
-            alike = r.shape == of_value and dr.shape == of_rate and ddr.shape == of_change
-        except (ValueError, AttributeError):  # another number of them, or numbers that are no arrays
-            alike = False
-        if not alike:
-            if len(given) != len(shapes):
-                many = f"{len(given)} arrays at t = {t:g} s, and gave {len(shapes)} at first"
-                raise InvalidInput(f"a target gives {many}")
-            if (now := [np.shape(part) for part in given]) != shapes:
-                raise InvalidInput(f"a target has shapes {now} at t = {t:g} s, and had {shapes} at first")
-        value[:], rate[:], change[:] = given
+        value[:], rate[:], change[:] = trajectory(t)
 
-    return (move,)
+    move(0.0)
+    return () if constant(trajectory) is not None else (move,)
