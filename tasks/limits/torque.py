@@ -69,6 +69,7 @@ class JointTorqueLimit(Part):
     """
 
     is_limit: ClassVar[bool] = True
+    reads_limits: ClassVar[bool] = True
     limited: ClassVar[Literal["motion", "torque"] | None] = "torque"
     rows = None
     wide = True
