@@ -225,7 +225,7 @@ def kept(rows: HierarchyWriter) -> list[tuple[Contact | Loop, Slot | Array]]:
 
     Those of all stacks that the controller has had: it may be leaving one of them, and may go back to it.
     """
-    return [(part, own) for part, own in rows.shared.memory.values() if isinstance(part, Contact | Loop)]
+    return [(part, own) for part, own in rows.shared.memory.items() if isinstance(part, Contact | Loop)]
 
 
 def take(all_of: list[tuple[Contact | Loop, Slot | Array]], rows: HierarchyWriter) -> None:
@@ -240,7 +240,7 @@ def take(all_of: list[tuple[Contact | Loop, Slot | Array]], rows: HierarchyWrite
 def settle(rows: HierarchyWriter, held: Iterable[Part] = ()) -> None:
     """Hold all contacts and loops but these where the next tick finds them, of all stacks of the controller."""
     staying = {id(part) for part in held}
-    for part, _ in rows.shared.memory.values():
+    for part in rows.shared.memory:
         if id(part) in staying:
             continue
         if isinstance(part, Contact):

@@ -70,6 +70,7 @@ class JointTorqueLimit(Part):
     """
 
     is_limit: ClassVar[bool] = True
+    reads_limits: ClassVar[bool] = True
     limited: ClassVar[Literal["motion", "torque"] | None] = "torque"
     rows = None
     wide = True

@@ -176,13 +176,13 @@ def largest(
     InvalidInput
         If a joint is unknown, or a limit is not positive.
     """
-    all_of, checked = joint_axes(model), not_negative if zero_holds else positive
     if given is None or isinstance(given, Mapping):
+        all_of, checked = joint_axes(model), not_negative if zero_holds else positive
         limits = np.full(len(all_of), np.inf) if own is None else np.array(own)
         for i, value in _named(all_of, given or {}, f"{what} of"):
             limits[i] = scalar(checked(value, f"{what} of {all_of[i].name!r}", unit=units[all_of[i].unit]), what)
         return limits if np.isfinite(limits).any() else None
-    limits = per_joint(given, len(all_of), what, unit=units["rad"], zero_holds=zero_holds)
+    limits = per_joint(given, model.nv, what, unit=units["rad"], zero_holds=zero_holds)
     return limits if np.isfinite(limits).any() else None
 
 
