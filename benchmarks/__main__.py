@@ -10,6 +10,7 @@ from hqp.commands.command import run
 
 from .batch import batch
 from .compare import compare
+from .compile import compile_
 from .ik import ik
 from .list import list_
 from .parts import parts
@@ -36,6 +37,7 @@ app.command()(solve)
 app.command()(batch)
 app.command()(tick)
 app.command()(parts)
+app.command("compile")(compile_)
 app.command()(teleop)
 app.command()(ik)
 app.command()(singularities)

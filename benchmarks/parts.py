@@ -32,6 +32,7 @@ LEGEND = f"""\
 stands: in place of which part of the plain stack, or added to it
 us: of the processor, for whole ticks, and for their kinematics and rows alone
 to plain: to the plain stack at the same order; to velocity: to the tick of the same stack at velocity order
+damping: none by default, as in checkouts that have none
 limits: those of the robot, at acceleration and torque order also {ACCELERATION:g} rad/s^2
 solve_ik: poses in reach, each from a random start
 ratios: medians over rounds, in each of which all stacks take turns on the same ticks of one motion"""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from hqp.arrays import Array
 
 from .tables import Row
 from .teleoperation.scenes import KNOWN
-from .teleoperation.setups import Own, Peer
+from .teleoperation.setups import Elsewhere, Own, Peer
 from .ticks.ours import Ours
 from .ticks.scenes import SCENES, Scene
 from .ticks.stream import Stream, record
@@ -25,7 +26,7 @@ STACKS: tuple[Scene, ...] = (
 #: States of each stack; of how many ticks they are taken; and what counts as a loss [m/s].
 STATES, TICKS, LOSS = 80, 1000, 1e-3
 #: This library, then weights, weights that are nearly priorities, and priorities by projection.
-METHODS: tuple[Own | Peer, ...] = (
+METHODS: tuple[Own | Peer | Elsewhere, ...] = (
     Own("hqp strict"),
     Own("hqp", {"strict": False}),
     Peer("pink", "daqp"),
@@ -34,11 +35,27 @@ METHODS: tuple[Own | Peer, ...] = (
     Peer("roboplan", ""),
     Peer("roboplan", "", "levels", options={"priorities": True}),
     Peer("roboplan", "", "levels 1e-10", options={"priorities": True, "tolerance": 1e-10}),
+    Elsewhere("placo"),
+    Elsewhere("placo", "scaled", {"first": "scaled"}),
+    Elsewhere("placo", "hard", {"first": "hard"}),
+    Elsewhere("tsid"),
+    Elsewhere("tsid", "hard", {"first": 0}),
+    Elsewhere("drake"),
+    Elsewhere("drake", "no margins", {"margins": False}),
+    Elsewhere("drake", "scaled", {"scaled": True}),
 )
 
 
-def strictness(states: int = STATES) -> tuple[str, list[Row], list[str]]:
+def strictness(
+    states: int = STATES, pythons: Mapping[str, str] = MappingProxyType({})
+) -> tuple[str, list[Row], list[str]]:
     """The number of states with an active limit, one row for each library, and why others are left out.
+
+    Parameters
+    ----------
+    states : int
+    pythons : dict of str to str
+        Interpreters of the libraries that need their own, by library.
 
     Columns
     -------
@@ -56,8 +73,9 @@ def strictness(states: int = STATES) -> tuple[str, list[Row], list[str]]:
     streams = [record(scene, TICKS) for scene in STACKS]
     best = [list(optima(stream, ticks)) for stream in streams]
     held = [bool(np.any(solution.levels[0].active)) for own in best for _, solution in own]
+    methods = [m if not isinstance(m, Elsewhere) else replace(m, python=pythons.get(m.library)) for m in METHODS]
     rows = []
-    for method in METHODS:
+    for method in methods:
         if method.missing():
             continue
         each = [missed(method, stream, ticks, known) for stream, known in zip(streams, best, strict=True)]
@@ -70,7 +88,7 @@ def strictness(states: int = STATES) -> tuple[str, list[Row], list[str]]:
             | {"lost": str(np.sum(first > LOSS)), "alone": f"{without.max():.0e}"}
             | {"lost alone": str(np.sum(without > LOSS)), "second": f"{second[first <= LOSS].max(initial=0.0):.0e}"}
         )
-    return f"{sum(held)} of {len(held)}", rows, [why for method in METHODS if (why := method.missing())]
+    return f"{sum(held)} of {len(held)}", rows, [why for method in methods if (why := method.missing())]
 
 
 def first_level(stream: Stream) -> Stream:
@@ -91,7 +109,10 @@ def optima(stream: Stream, ticks: Sequence[int] | Array) -> Iterator[tuple[Hiera
 
 
 def missed(
-    method: Own | Peer, stream: Stream, ticks: Sequence[int] | Array, best: Sequence[tuple[Hierarchy, Solution]]
+    method: Own | Peer | Elsewhere,
+    stream: Stream,
+    ticks: Sequence[int] | Array,
+    best: Sequence[tuple[Hierarchy, Solution]],
 ) -> Array:
     """Error of two levels of each answer beyond the one that the levels above cause, shape (ticks, 2).
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -23,12 +23,12 @@ from .standing.table import measured as standing
 from .strictness import STATES, lost_by
 from .tables import Row, save, show, terminal
 from .teleoperation.setups import Peer
+from .ticks.apart import Apart, check_apart
 from .ticks.driver import Driver
 from .ticks.interleaved import EVERY, SLACK, measure, table
 from .ticks.ours import Ours
 from .ticks.scenes import SCENES, Scene
 from .ticks.stream import Stream, record
-from .ticks.with_placo import Placo, check_placo
 
 PEERS = (
     Peer("pink", "daqp"),
@@ -48,6 +48,12 @@ def tick(
     placo: Annotated[
         str | None, typer.Option("--placo", help="A Python that has placo, which needs an environment of its own.")
     ] = None,
+    tsid: Annotated[
+        str | None, typer.Option("--tsid", help="A Python that has TSID, for the table of strictness.")
+    ] = None,
+    drake: Annotated[
+        str | None, typer.Option("--drake", help="A Python that has Drake, for the table of strictness.")
+    ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=path)
     ] = None,
@@ -56,8 +62,9 @@ def tick(
     chosen = select(scene, {s.name: s for s in (*SCENES, *STANDING)}, "scene")
     if out is not None:
         writable(out.parent, [out.name])
-    if placo is not None:
-        check_placo(placo)
+    pythons = {name: own for name, own in (("placo", placo), ("tsid", tsid), ("drake", drake)) if own is not None}
+    for library, python in pythons.items():
+        check_apart(library, python)
     printer = console(120)
     rows: list[Row] = []
     with Progress(console=Console(stderr=True), transient=True) as progress:
@@ -73,7 +80,7 @@ def tick(
             if out is not None:
                 save(out, rows)
     if not scene:
-        _alone(printer, ticks)
+        _alone(printer, ticks, pythons)
     if any(isinstance(s, StandingScene) for s in chosen):
         printer.print(LEGEND, markup=False)
     if not any(isinstance(s, Scene) for s in chosen):
@@ -98,7 +105,7 @@ def _left_out(scenes: Iterable[Scene]) -> list[str]:
     return missing + [why for s in scenes for peer in here if (why := peer.refuses(s))]
 
 
-def _alone(printer: Console, ticks: int) -> None:
+def _alone(printer: Console, ticks: int, pythons: Mapping[str, str]) -> None:
     """Tables of this library alone, and of how well each library keeps the first level."""
     from .strictness import LOSS, STATES, strictness
     from .ticks.damping import ratios
@@ -108,13 +115,15 @@ def _alone(printer: Console, ticks: int) -> None:
     show(printer, terminal("what else the joints are used for: a Panda, this library alone", costs(ticks)))
     show(printer, terminal("damped levels of that Panda, native, one warm solve from Python", ratios(ticks)))
     show(printer, terminal(f"asked {RATE:g} times a second, asleep between ticks, this library alone", paced(ticks)))
-    held, rows, left_out = strictness(min(STATES, ticks))
+    held, rows, left_out = strictness(min(STATES, ticks), pythons)
     title = "strictness: how much further off the position is than limits force it to be, in m/s; limits are active in"
     show(printer, terminal(f"{title} {held} states", rows))
     printer.print(
         f"the largest of each stack; lost: states where it is more than {LOSS:g}; alone: asked for nothing below\n"
-        "second: the largest of the orientation [rad/s], of states that are not lost; levels: priorities by projection,"
-        " 1e-10:\nwith that tolerance in place of 1e-6, cold",
+        "second: the largest of the orientation [rad/s], of states that are not lost; inf: no answer\n"
+        "levels: priorities by projection, 1e-10: with that tolerance in place of 1e-6, cold; scaled: slowed down by\n"
+        "one factor, of placo the position, of drake the pose; hard: the position is a row; no margins: a joint slows\n"
+        "down only a tick away from the end of its range",
         markup=False,
     )
     for why in left_out:
@@ -142,5 +151,5 @@ def _drivers(stream: Stream, placo: str | None) -> list[Driver]:
     drivers: list[Driver] = [Ours(stream)]
     drivers += [peer.driver(stream) for peer in PEERS if not peer.missing() and not peer.refuses(stream.scene)]
     if placo is not None:
-        drivers.append(Placo(placo, stream))
+        drivers.append(Apart("placo", placo, stream))
     return drivers

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection, Iterable, Mapping
 from numbers import Integral, Real
 from typing import Any, ClassVar, TypeVar
@@ -15,6 +16,8 @@ T = TypeVar("T")
 
 #: What the counters of compiled solvers hold.
 LARGEST_COUNT = 2**31 - 1
+#: A number as files and command lines spell it.
+SPELLED = re.compile(r"[+-]?((\d+(\.\d*)?|\.\d+)(e[+-]?\d+)?|inf(inity)?|nan)", re.ASCII | re.IGNORECASE)
 
 
 def whole_number(value: object, what: str, least: int = 0, most: int = LARGEST_COUNT) -> int:
@@ -34,6 +37,14 @@ def real_number(value: object, what: str) -> float:
         except OverflowError:  # an int of more than 308 digits
             pass
     raise InvalidInput(f"{what} = {brief(value)} must be a real number")
+
+
+def spelled_number(word: str) -> float | None:
+    """The number that a word of a file or of a command line spells, or None; infinite and NaN are numbers.
+
+    Unlike ``float``: what Python alone reads as a number, as ``1_0`` or digits of other scripts, is none.
+    """
+    return float(word) if SPELLED.fullmatch(word) else None
 
 
 def positive_number(value: object, what: str, below: float = math.inf) -> float:

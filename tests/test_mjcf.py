@@ -441,8 +441,9 @@ def test_limits_that_are_given_stand_for_those_of_the_file(folder):
 
 
 @pytest.mark.parametrize(("torques", "largest"), [("-10 30", 10.0), ("-30 10", 10.0), ("0 30", None), ("-30 0", None)])
-def test_a_motor_that_is_weaker_one_way(folder, torques, largest):
-    """Its limit is what it can both ways; one that can do nothing one way is refused, and not without limit."""
+@pytest.mark.usefixtures("nothing_told")
+def test_a_motor_that_is_weaker_one_way(folder, torques, largest, caplog):
+    """Its limit is what it can both ways, and told; one that can do nothing one way is refused."""
     text = f"""<mujoco><worldbody><body name="one"><joint name="weak" actuatorfrcrange="{torques}"/><geom size=".1"/>
       </body></worldbody></mujoco>"""
     path = written(folder, text)
@@ -450,7 +451,9 @@ def test_a_motor_that_is_weaker_one_way(folder, torques, largest):
         with pytest.raises(InvalidInput, match="weak"):
             load_robot(path)
     else:
-        np.testing.assert_array_equal(load_robot(path).torque_limit, [largest])
+        with caplog.at_level("WARNING"):
+            np.testing.assert_array_equal(load_robot(path).torque_limit, [largest])
+        assert "the smaller end of actuatorfrcrange counts for both directions: weak" in caplog.text
 
 
 def test_joints_that_are_locked(folder):

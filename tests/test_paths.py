@@ -11,11 +11,9 @@ from hqp import InvalidInput
 from tasks import (
     Chain,
     Circle,
-    Controller,
     Fixed,
     Line,
     OrientationTask,
-    PlanarArm,
     Polygon,
     Polynomial,
     PositionTask,
@@ -273,19 +271,3 @@ def test_a_curve_of_ones_own_must_be_defined():
 def test_refuses_paths_that_are_none(make, named):
     with pytest.raises(InvalidInput, match=named):
         make()
-
-
-@pytest.mark.parametrize("later", [0.4, np.zeros(1), np.zeros(3)])
-def test_a_target_that_changes_its_shape_is_refused_at_that_tick(later):
-    """NumPy would spread one number over all coordinates."""
-
-    def target(t):
-        place = np.array([0.5, 0.2]) if t < 0.05 else later
-        return place, np.zeros(2), np.zeros(2)
-
-    controller = Controller(PlanarArm([0.5, 0.5, 0.5]), PositionTask(target, gain=2.0), dt=0.01)
-    q = [0.3, 0.4, 0.5]
-    assert controller(q, t=0.04).ok
-    with pytest.raises(InvalidInput, match=r"a target has shapes .* at t = 0.06 s, and had .* at first"):
-        controller(q, t=0.06)
-    assert controller(q, t=0.04).ok

@@ -227,6 +227,8 @@ class Gives:
         (MujocoPlant, "a plant has advance"),
         (Gives(None), r"advance gave NoneType; it must be \(q, v\)"),
         (Gives((np.zeros(2), np.zeros(7))), r"advance gave shapes \(2,\) and \(7,\)"),
+        (Gives((np.zeros(7) * 1j, np.zeros(7))), "advance gave q, which is not an array of real numbers"),
+        (Gives((np.zeros(7), ["1"] * 7)), "advance gave v, which is not an array of real numbers"),
     ],
 )
 def test_what_is_no_plant_is_refused(plant, told):

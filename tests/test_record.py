@@ -153,6 +153,13 @@ def test_refuses_a_file_that_is_cut_off(record, tmp_path, share):
         Record.load(path)
 
 
+def test_refuses_arrays_that_are_no_record_and_says_what_is_missing(tmp_path):
+    path = tmp_path / "run.npz"
+    np.savez(path, q=np.zeros(3))
+    with pytest.raises(InvalidInput, match="is no record, or damaged: it has no 'head'"):
+        Record.load(path)
+
+
 def test_refuses_a_file_with_a_wrong_bit(record, tmp_path):
     path = tmp_path / "run.npz"
     record.save(path)

@@ -6,6 +6,8 @@ optimal.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -159,8 +161,16 @@ def of_mixed_scales(rng: np.random.Generator) -> Hierarchy:
     return Hierarchy(levels)
 
 
-@pytest.mark.parametrize("seeds", [range(100), pytest.param(range(100, 4000), marks=pytest.mark.sweep)], ids=str)
-def test_what_is_claimed_among_mixed_scales_is_certified(seeds: range) -> None:
+@pytest.mark.parametrize(
+    "seeds",
+    [
+        range(100),
+        [1252, 13501],  # a conflict of long rows, whose round-off moves a short one off its bound
+        pytest.param(range(100, 20_000), marks=pytest.mark.sweep),
+    ],
+    ids=str,
+)
+def test_what_is_claimed_among_mixed_scales_is_certified(seeds: Iterable[int]) -> None:
     for seed in seeds:
         solution = solve(of_mixed_scales(np.random.default_rng(seed)))
         assert not solution.ok or solution.certify().ok, seed

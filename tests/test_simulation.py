@@ -17,6 +17,7 @@ from tasks import (
     PlanarArm,
     PositionTask,
     PostureTask,
+    Task,
     simulate,
 )
 
@@ -295,3 +296,23 @@ def test_an_exception_midway_has_the_record_until_then(error, where):
     assert record.stopped.reason.startswith(f"{type(error).__name__} at t = ")
     assert "record" in error.__notes__[0]
     del error.record, error.__notes__
+
+
+def test_a_run_asks_tasks_only_at_its_own_times():
+    """An error of one's own may be of the time of day, and know nothing of t = 0."""
+    asked = []
+
+    class Own(Task):
+        rows = 1
+
+        def error(self, state, t):
+            asked.append(t)
+            return 0.6 - state.frame().position[:1]
+
+        def jacobian(self, state):
+            return state.frame().linear[:1]
+
+    loop = controller(Own(gain=2.0), order="velocity")
+    asked.clear()
+    simulate(loop, Q, duration=0.1, start=50.0)
+    assert min(asked) == 50.0

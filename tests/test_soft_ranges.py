@@ -67,6 +67,7 @@ def test_a_continuous_joint_has_no_range_to_narrow(tmp_path: Path) -> None:
     [
         (soft(0.5, -0.5), "the soft range 0.5 .. -0.5 is empty"),
         (soft("nan", 0.5), "soft_lower_limit = 'nan' must be a finite number"),
+        (soft(-0.5, "1_0"), "soft_upper_limit = '1_0' must be a finite number"),
         (soft(-0.5, "much"), "soft_upper_limit = 'much' must be a finite number"),
         (soft(-0.5, ""), "soft_upper_limit = '' must be a finite number"),
         (soft(-0.5, 0.5).replace("upper", "uper"), "'soft_uper_limit' of <safety_controller> .*'soft_upper_limit'"),

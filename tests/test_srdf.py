@@ -115,6 +115,7 @@ def test_what_the_robot_has_not_is_told(srdf, caplog) -> None:
         ('<group name="a"><group name="b"/></group><group name="b"><group name="a"/></group>', "part of itself"),
         ('<group_state name="a"><joint name="panda_joint1" value="nan"/></group_state>', "'nan'; it must be numbers"),
         ('<group_state name="a"><joint name="panda_joint1" value="up"/></group_state>', "'up'; it must be numbers"),
+        ('<group_state name="a"><joint name="panda_joint1" value="1_0"/></group_state>', "'1_0'; it must be numbers"),
         (
             '<group_state name="a"><joint name="panda_joint1" value="0 0"/></group_state>',
             "has 2 numbers; it must have 1",

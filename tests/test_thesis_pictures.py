@@ -10,14 +10,12 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection
-from matplotlib.font_manager import FontProperties
 from matplotlib.text import Text
-from matplotlib.textpath import TextPath
 from PIL import Image
 
 from hqp import InvalidInput
 from tasks import cli
-from tasks.thesis import figures, ideas, letters, plain, report, runs, scenarios, sheet, store, style
+from tasks.thesis import figures, ideas, plain, report, runs, scenarios, sheet, store, style
 from tasks.thesis.arms import ellipses
 from tasks.thesis.drawings import DRAWINGS
 from tasks.thesis.measuring import measure
@@ -299,28 +297,3 @@ def test_the_time_of_a_column_stands_below_it_and_rules_all_of_it(shown):
         for panel in above:
             assert not panel.xaxis.get_visible()
             np.testing.assert_allclose(ruled(panel, upright=True), last.get_xticks())
-
-
-@pytest.mark.parametrize("weight", ["normal", "bold"])
-@pytest.mark.parametrize("text", ["AVATAR, To We Yo", "fi ffl office", "φ within 1°, −0.5 m²", "θ̇ ≥ √2, 手"])
-def test_a_text_in_a_pdf_is_set_as_on_a_screen(text, weight):
-    """Kerning, ligatures, Greek, signs, marks, and what the letters do not have: the same outlines in place."""
-    looks = [
-        TextPath((0, 0), text, size=1000, prop=FontProperties(family=names, weight=weight))
-        for names in ([letters.FONT], letters.families([letters.FONT]))
-    ]
-    np.testing.assert_array_equal(looks[0].vertices, looks[1].vertices)
-
-
-def test_letters_stand_before_their_font_and_nowhere_else():
-    assert letters.families(["Other", letters.FONT, "Last"]) == ["Other", letters.LETTERS, letters.FONT, "Last"]
-    assert letters.families(["Other"]) == ["Other"]
-
-
-def test_a_pdf_embeds_its_letters_under_their_own_name_and_a_png_needs_no_others(tmp_path):
-    figure = style.paper(1.0)
-    figure.text(0.5, 0.5, "links, φ = 90°")
-    style.save(figure, tmp_path / "picture.pdf")
-    assert b"+DejaVuSans" in (tmp_path / "picture.pdf").read_bytes()
-    style.save(figure, tmp_path / "picture.png")
-    assert letters.LETTERS not in mpl.rcParams["font.sans-serif"]

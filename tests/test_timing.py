@@ -75,7 +75,8 @@ def test_a_law_of_your_own():
     def linear(u):
         return (min(max(u, 0.0), 1.0), float(0.0 <= u < 1.0), 0.0)
 
-    assert as_timing(linear, "timing") is linear
+    assert as_timing(cubic, "timing") is cubic
+    assert as_timing(linear, "timing")(0.25) == linear(0.25)  # watched, see test_functions_of_time.py
     np.testing.assert_array_equal(Line([0.0], [4.0], 2.0, timing=linear)(0.5), [[1.0], [2.0], [0.0]])
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import gc
+from weakref import ref
+
 import numpy as np
 import pytest
 
@@ -9,9 +12,12 @@ import hqp
 from hqp import InvalidInput
 from tasks import (
     Change,
+    Contact,
     Controller,
     Damped,
+    Dynamics,
     JointAccelerationLimit,
+    JointLimits,
     JointVelocityLimit,
     Line,
     OrientationTask,
@@ -241,3 +247,29 @@ def test_a_damped_level_keeps_its_rule_when_it_changes_places() -> None:
     after = run(controller, 20, 5)
     assert np.isfinite([*before, *after]).all()
     assert controller(Q, np.zeros(4), 1.0).relaxed
+
+
+def test_what_a_controller_has_left_for_long_is_let_go(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With what its parts kept from tick to tick; what somebody else still has, as a contact that is off, stays so."""
+    monkeypatch.setattr("tasks.control.prepared.MOST_PREPARED", 2)
+    robot = load_robot("panda", lock=["panda_finger_joint1"], acceleration_limit=20.0)
+
+    def standing(contact: Contact) -> Stack:
+        return Dynamics() + contact >> JointLimits() >> PostureTask(robot.home, gain=1.0)
+
+    mine = standing(Contact("panda_hand", friction=0.6, name="hand"))
+    controller, q, v = Controller(robot, mine, order="torque", dt=DT), robot.home, np.zeros(robot.nv)
+    controller(q, v, 0.0)
+    controller.release("hand")
+    left = []
+    for _ in range(6):
+        contact = Contact("panda_hand", friction=0.6, name="hand")
+        left.append(ref(contact))
+        controller.change(standing(contact), duration=0.0)
+        controller(q, v, 0.0)
+    del contact
+    controller.change(mine, duration=0.0)
+    controller(q, v, 0.0)
+    gc.collect()
+    assert [known() is None for known in left] == [*[True] * 5, False]
+    assert controller.loaded == ()

@@ -8,6 +8,7 @@ import pytest
 from hqp import InvalidInput
 from tasks import (
     Controller,
+    Dynamics,
     JointVelocityTask,
     LinearHolonomicTask,
     OmniwheelTask,
@@ -46,6 +47,13 @@ def rolling(**options):
     return RollingTask(RADIUS, frame="left", name="left", **floor) + RollingTask(
         RADIUS, frame="right", name="right", **floor
     )
+
+
+def test_a_wheel_is_driven_by_no_force_and_refused_beside_the_motion_equation(tmp_path) -> None:
+    """The base would have to move by itself: rows of one level contradicted each other, and torques meant nothing."""
+    robot = two_wheels(tmp_path, "planar")
+    with pytest.raises(InvalidInput, match=r"RollingTask 'left': a wheel on the ground is driven by forces"):
+        Controller(robot, Dynamics() + rolling(), order="torque", dt=0.01)
 
 
 @pytest.mark.parametrize("order", ["velocity", "acceleration"])

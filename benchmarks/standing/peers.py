@@ -37,7 +37,9 @@ class Peer(Standing):
         state = self.state(k)
         *_, x = self._parts(k, state)
         assert x is not None
-        return x, self.torques(self.rows, state, x, valid=True)
+        tau = self.torques(self.rows, state, x, valid=True)
+        assert tau is not None  # the states are finite
+        return x, tau
 
     def stages(self, k: int) -> Iterator[None]:
         yield from (None for _ in self._parts(k, self.state(k)))

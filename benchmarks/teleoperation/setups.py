@@ -10,6 +10,7 @@ from typing import Any
 
 from hqp import ErrorDamping
 
+from ..ticks.apart import Apart
 from ..ticks.driver import Driver
 from ..ticks.ours import Ours
 from ..ticks.scenes import Scene
@@ -102,6 +103,42 @@ class Peer:
         kind = getattr(import_module(f"benchmarks.ticks.with_{self.package}"), self.package.capitalize())
         variant = f" {self.variant}" if self.variant else ""
         return kind(self.solver, weighed, lm_damping=self.lm / stream.scene.step**2, name=variant, **self.options)
+
+
+@dataclass(frozen=True)
+class Elsewhere:
+    """Another library that has an interpreter of its own.
+
+    Attributes
+    ----------
+    library : str
+        One of :data:`benchmarks.ticks.apart.MODULES`.
+    variant : str
+        What the settings are called; empty for the default ones.
+    options : dict
+        Of its ``Library``, see :class:`benchmarks.ticks.apart.Apart`.
+    python : str, optional
+        The interpreter.
+    """
+
+    library: str
+    variant: str = ""
+    options: Mapping[str, Any] = field(default_factory=dict)
+    python: str | None = None
+
+    @property
+    def name(self) -> str:
+        """Library and variant."""
+        return " ".join(filter(None, (self.library, self.variant)))
+
+    def missing(self) -> str:
+        """Why it cannot run here; empty if it can."""
+        return "" if self.python else f"{self.name}: left out, name a Python that has it: --{self.library} PYTHON"
+
+    def driver(self, stream: Stream) -> Driver:
+        """At work on a stream."""
+        assert self.python is not None
+        return Apart(self.library, self.python, stream, name=self.name, **self.options)
 
 
 #: Costs and lm are 1 at a gain of 1 in the examples of both libraries with one arm; mink's also add a damping of 1e-3.

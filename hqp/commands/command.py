@@ -59,6 +59,18 @@ def path(text: str) -> Path:
     return Path(text)
 
 
+def number(text: str | float) -> float:
+    """What follows an option that takes a number; a default is one already."""
+    import typer
+
+    from ..checks import spelled_number
+
+    value = spelled_number(text) if isinstance(text, str) else text
+    if value is None:
+        raise typer.BadParameter(f"{text!r} is not a valid float.")
+    return value
+
+
 def _ended(name: str, error: BaseException) -> int:
     """The exit code for an exception that ended a command, reported in one line; internal errors are raised again."""
     if isinstance(error, KeyboardInterrupt):

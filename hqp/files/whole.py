@@ -133,7 +133,8 @@ def _blamed(path: str | os.PathLike[str], what: str) -> Iterator[Path]:
     except OSError as error:
         raise InvalidInput(f"cannot read {str(file)!r}: {error.strerror or error}") from None
     except _DAMAGED as error:
-        raise InvalidInput(f"{str(file)!r} is no {what}, or damaged: {error}") from None
+        why = f"it has no {error}" if isinstance(error, KeyError) else error
+        raise InvalidInput(f"{str(file)!r} is no {what}, or damaged: {why}") from None
 
 
 def _as_path(path: str | os.PathLike[str]) -> Path:

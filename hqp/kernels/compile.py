@@ -15,6 +15,8 @@ from pathlib import Path
 import numba
 from numba import config, int64, njit
 
+from .part import as_part
+
 LOG = logging.getLogger("hqp")
 
 FAST = {"reassoc", "contract", "nsz"}
@@ -25,11 +27,11 @@ INTERPRETED = bool(config.DISABLE_JIT)
 
 #: Type of counters at their start: Numba would compile a separate variant of every kernel that is given a literal.
 integer = int64
-#: Decorator of kernels that only other kernels call: without a wrapper to call them from Python.
-inner = njit(fastmath=FAST, error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
+#: Decorator of kernels that only other kernels call: parts of these, without a wrapper to call them from Python.
+inner = njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **ENTRY, **as_part())
 
 #: Decorator of kernels with one single caller: inlined into it, so compiled once.
-step = njit(inline="always", fastmath=FAST, error_model="numpy", nogil=True, _nrt=False)
+step = njit(inline="always", **ENTRY)
 
 
 def plain(kernel):

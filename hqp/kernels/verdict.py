@@ -114,6 +114,8 @@ def judge_rows(here, last, damped, damping):
             if abs(says) <= CLEAR * pull:
                 decided[i] = UNDECIDED
                 undecided += 1
+                if abs(w[i]) > tol * (norm[i] * size + abs(target(side[i], lo[i], hi[i]))):
+                    head[at.DOUBT] = 1  # a slack that its row can feel, but made of round-off of the others' forces
             elif says < 0.0:
                 follow[i] = INACTIVE
                 faults += 1

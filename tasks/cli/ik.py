@@ -37,12 +37,14 @@ class Numbers(TyperCommand):
 
 def joined(words: Sequence[str]) -> list[str]:
     """The words of a command line, with the numbers after each option in `SEVERAL` joined to that option."""
+    from hqp.checks import spelled_number
+
     found, rest = list[str](), list(words)
     while rest:
         word = rest.pop(0)
         if word in SEVERAL and rest and not rest[0].startswith("--"):
             numbers = [rest.pop(0)]
-            while rest and _is_number(rest[0]):
+            while rest and spelled_number(rest[0]) is not None:
                 numbers.append(rest.pop(0))
             word += f"={','.join(numbers)}"
         found.append(word)
@@ -71,7 +73,12 @@ def ik(
     iterations: Annotated[int, typer.Option("--iterations", min=1, help="Most iterations, restarts included.")] = 300,
     tolerance: Annotated[
         float | None,
-        typer.Option("--tolerance", help="Error that counts as none [m], [rad] (default: 1e-4, 1e-3).", metavar="T"),
+        typer.Option(
+            "--tolerance",
+            help="Error that counts as none [m], [rad] (default: 1e-4, 1e-3).",
+            parser=command.number,
+            metavar="T",
+        ),
     ] = None,
     lock: Lock = None,
     base: Base = None,
@@ -135,25 +142,19 @@ def _begin(robot: PinocchioRobot, start: str, seed: int) -> Array:
     return robot.neutral if start == "neutral" else robot.home
 
 
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
-
-
 def _numbers(option: str, text: str, counts: tuple[int, ...]) -> list[float]:
     """The numbers of an option, separated by commas or blanks; `counts` are the allowed numbers of them."""
     from hqp import InvalidInput
+    from hqp.checks import spelled_number
 
     words = text.replace(",", " ").split()
-    wrong = next((word for word in words if not _is_number(word)), None)
+    found = {word: spelled_number(word) for word in words}
+    wrong = next((word for word, value in found.items() if value is None), None)
     if wrong is not None or len(words) not in counts:
         said = f"{wrong!r} is no number" if wrong is not None else f"{len(words)} numbers"
         allowed = " or ".join(map(str, counts))
         raise InvalidInput(f"{option} {text}: {said}; give {allowed} numbers, as in {option} 0.5 0 0.4")
-    return [float(word) for word in words]
+    return [value for word in words if (value := found[word]) is not None]
 
 
 def _rotation(text: str) -> Array:

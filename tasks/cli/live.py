@@ -20,7 +20,9 @@ def live(
     lock: Lock = None,
     base: Base = None,
     body: Body = None,
-    tick: Annotated[float, typer.Option("--dt", help="Time between two ticks [s].", metavar="DT")] = TICK,
+    tick: Annotated[
+        float, typer.Option("--dt", help="Time between two ticks [s].", parser=command.number, metavar="DT")
+    ] = TICK,
     certify: Annotated[
         int, typer.Option("--certify", min=0, help="Certify and explain every N-th tick; 0: none.", metavar="N")
     ] = 25,

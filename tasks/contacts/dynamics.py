@@ -21,10 +21,10 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
-from ..base.checks import Array, numbers
+from ..base.checks import Array, fill, numbers
 from ..base.live import number
 from ..base.telling import tell
-from ..robots.robot import Robot, base, check_dynamics, check_frame, joint_names, joint_units
+from ..robots.robot import Robot, base, check_dynamics, check_frame, check_motors, joint_names, joint_units
 from ..rows.expansion import Companions, Setting
 from ..rows.part import Order, Part
 from ..rows.site import Move
@@ -92,8 +92,10 @@ class Dynamics(Part):
     def companions(self, setting: Setting) -> Companions:
         if setting.order == "displacement":  # a step of the joints has no forces
             return Companions(())
-        others = (part for part in setting.parts if isinstance(part, Part) and part is not self)
+        others = [part for part in setting.parts if isinstance(part, Part) and part is not self]
         alone = all(type(part).companions is Part.companions for part in others)
+        if setting.order != "velocity" and not any(part.limited == "torque" for part in others):
+            check_motors(setting.robot, self.full_name())
         if base(setting.robot) and alone:
             tell(f"{self.full_name()}: {setting.robot!r} has a floating base and no contact in its stack; it falls")
         return super().companions(setting)
@@ -126,7 +128,7 @@ class Dynamics(Part):
         acting.clear()
         for frame, sensor in self.wrenches.items():
             wrench = np.zeros(6)
-            moves.append(_kept_up(wrench, sensor))
+            moves.append(_kept_up(wrench, sensor, f"{self.full_name()}: wrench at {frame!r}"))
             acting.append(Call(add_wrench, shared.n, shared.blocks.frame(frame), wrench, b))
         assert site.A is not None
         told: tuple[Any, ...] = (shared.n, shared.unknowns.n, 0, site.rows, M, b, shared.wrenches, site.A)
@@ -147,9 +149,9 @@ class _Constant:
         return self._wrench
 
 
-def _kept_up(place: Array, sensor: Sensor) -> Move:
+def _kept_up(place: Array, sensor: Sensor, what: str) -> Move:
     def move(t: float) -> None:
-        place[:] = sensor(t)
+        fill(place, sensor(t), what)
 
     move(0.0)
     return move

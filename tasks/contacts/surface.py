@@ -7,9 +7,9 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import Array
 from ..base.live import Live, structure
-from ..rows.site import Move
+from ..rows.site import Move, kept_up
 from ..targets.trajectories import Trajectory, as_trajectory
-from ..targets.turns import RotationTrajectory, as_rotation, stands_still
+from ..targets.turns import RotationTrajectory, as_rotation
 from .kernels import layout as at
 
 
@@ -46,15 +46,10 @@ class Surface(Live):
     def kept_up(self, place: Array) -> tuple[Move, ...]:
         """Write its motion into `place` (:mod:`tasks.contacts.kernels.layout`) now and, if it moves, every tick."""
 
-        def move(t: float) -> None:
-            p, velocity, acceleration = self.position(t)
-            R, omega, alpha = self.rotation(t)
-            place[at.P : at.P + 3], place[at.R : at.R + 9] = p, np.ravel(R)
-            place[at.V : at.V + 6] = *velocity, *omega
-            place[at.CHANGE : at.CHANGE + 6] = *acceleration, *alpha
-
-        move(0.0)
-        return () if stands_still(self.position) and stands_still(self.rotation) else (move,)
+        position = place[at.P : at.P + 3], place[at.V : at.V + 3], place[at.CHANGE : at.CHANGE + 3]
+        turning = place[at.V + 3 : at.V + 6], place[at.CHANGE + 3 : at.CHANGE + 6]
+        rotation = place[at.R : at.R + 9].reshape(3, 3)
+        return *kept_up(self.position, *position), *kept_up(self.rotation, rotation, *turning)
 
     def __repr__(self) -> str:
         return f"Surface({self.position!r}, {self.rotation!r})"

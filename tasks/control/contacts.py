@@ -13,7 +13,7 @@ from ..base.checks import Array, finite_scalar, suggestion
 from ..contacts.contact import Contact
 from ..contacts.loop import Loop
 from ..contacts.slot import Slot
-from ..robots.robot import base
+from ..robots.robot import Robot, base, mass_matrix, neutral
 from ..rows.hierarchy_writer import HierarchyWriter
 
 if TYPE_CHECKING:
@@ -160,9 +160,10 @@ def check_change(
         )
 
 
-def weight_of(rows: HierarchyWriter) -> float:
+def weight_of(robot: Robot) -> float:
     """The largest sum of normal forces of a contact while it is being made [N]."""
-    return GRAVITY * float(rows.shared.blocks.mass_matrix()[0, 0]) if base(rows.shared.robot) else FIXED
+    inertia = mass_matrix(robot)
+    return GRAVITY * float(inertia(neutral(robot))[0, 0]) if base(robot) and inertia is not None else FIXED
 
 
 def find_contact(stack: Iterable[Part], contact: Contact | str) -> Contact:
@@ -193,7 +194,10 @@ def release(
     slot = found.slot(rows.shared)
     if not slot.on:
         raise InvalidInput(f"{found.full_name()}: is off already; it can be made")
-    slot.release(np.maximum(forces.get(found.name, np.zeros(len(slot.caps))), 0.0), time)
+    present = forces.get(found.name)
+    if present is None:  # no tick has told them: each point may bear the robot
+        present = np.full(len(slot.caps), weight_of(rows.shared.robot) if found in rows.unknowns else 0.0)
+    slot.release(np.maximum(present, 0.0), time)
 
 
 def make(stack: Stack, rows: HierarchyWriter, contact: Contact | str, duration: float) -> None:
@@ -202,7 +206,7 @@ def make(stack: Stack, rows: HierarchyWriter, contact: Contact | str, duration: 
     slot = found.slot(rows.shared)
     if slot.bears:
         raise InvalidInput(f"{found.full_name()}: is on already; it can be released")
-    slot.make(weight_of(rows) if found in rows.unknowns else 0.0, time)
+    slot.make(max(weight_of(rows.shared.robot), found.least) if found in rows.unknowns else 0.0, time)
 
 
 def bears(stack: Stack, rows: HierarchyWriter, contact: Contact | str) -> bool:
@@ -221,7 +225,7 @@ def kept(rows: HierarchyWriter) -> list[tuple[Contact | Loop, Slot | Array]]:
 
     Those of all stacks that the controller has had: it may be leaving one of them, and may go back to it.
     """
-    return [(part, own) for part, own in rows.shared.memory.values() if isinstance(part, Contact | Loop)]
+    return [(part, own) for part, own in rows.shared.memory.items() if isinstance(part, Contact | Loop)]
 
 
 def take(all_of: list[tuple[Contact | Loop, Slot | Array]], rows: HierarchyWriter) -> None:
@@ -236,7 +240,7 @@ def take(all_of: list[tuple[Contact | Loop, Slot | Array]], rows: HierarchyWrite
 def settle(rows: HierarchyWriter, held: Iterable[Part] = ()) -> None:
     """Hold all contacts and loops but these where the next tick finds them, of all stacks of the controller."""
     staying = {id(part) for part in held}
-    for part, _ in rows.shared.memory.values():
+    for part in rows.shared.memory:
         if id(part) in staying:
             continue
         if isinstance(part, Contact):

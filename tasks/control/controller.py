@@ -232,7 +232,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
             Joint velocities [rad/s]. At velocity order None means unknown: limits then take the robot to be at rest,
             and nothing else uses them.
         t : float
-            Time [s], for moving targets.
+            Time [s], for targets that move, and by which contacts are made and released, and stacks changed.
 
         Raises
         ------
@@ -264,10 +264,12 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         finally:
             guard.give(None)
 
-    def _step(self, q: Array, v: Array | None, t: float) -> Step[Velocity, Acceleration, Torque]:
+    def _step(
+        self, q: Array, v: Array | None, t: float, refused: str | None = None
+    ) -> Step[Velocity, Acceleration, Torque]:
         state, fault = self._states.read(q, self._rest if v is None else v)
         last = v if self.order == "velocity" else None
-        solution = self._now.solve(state, t, last, fault)
+        solution = self._now.solve(state, t, last, fault or refused)
         x, share = solution.x, 1.0
         if self._transition is not None and solution.ok:
             x, share = self._transition.blend(state, t, x, last)
@@ -277,17 +279,23 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
                 x = self._limits.keep(self.hierarchy, x)
         if self.order == "velocity":
             return new(Step, ("velocity", state, solution, x, None, None, share, None))
-        valid = solution.status is not Status.INVALID
-        tau = None if self._torques is None else self._torques(self._rows, state, x, valid)
-        places = self._now.forces
+        tau = None
+        if self._torques is not None:
+            tau = self._torques(self._rows, state, x, solution.status is not Status.INVALID)
+            if tau is None:  # rows that no wrench or bias is in were valid
+                return self._step(q, v, t, "the torques are not finite")
+        places, forces = self._now.forces, None
         if places is not None:
-            self._forces = places.forces(x)
+            forces = places.forces(x)
+            if solution.status is not Status.INVALID:
+                self._forces = forces  # from which a release goes on
             x = x[: self.robot.nv]
-        return new(Step, (self.order, state, solution, None, x, tau, share, self._forces))
+        return new(Step, (self.order, state, solution, None, x, tau, share, forces))
 
     def release(self, contact: Contact | str, duration: float = 0.0) -> None:
         """Release a contact: the caps of its normal forces fall from the present forces to 0, then its motion is freed.
 
+        Before the first tick, which tells forces, they fall from the weight of the robot, 1000 N if its base is fixed.
         The structure of the hierarchy does not change, and the solver stays warm.
 
         Parameters

@@ -17,10 +17,10 @@ from ..base.telling import tell
 from ..robots.robot import Robot, RobotState, limit_of
 from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.part import Order, Stack
+from ..rows.site import Memory
 from .contacts import ForcePlaces
 
 if TYPE_CHECKING:
-    from ..rows.site import Memory
     from .calm import CalmSolver
 
 #: Damping of levels that have no rule of their own.
@@ -154,7 +154,7 @@ class PreparedStacks:
 
     def __init__(self, how: Preparation) -> None:
         self.how = how
-        self._memory: Memory = {}
+        self._memory: Memory = Memory()
         self._found: dict[int, PreparedStack] = {}
 
     def __getitem__(self, stack: Stack) -> PreparedStack:

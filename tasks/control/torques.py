@@ -10,14 +10,15 @@ import numpy as np
 from hqp import InvalidInput
 
 from ..base.checks import Array
-from ..robots.robot import Robot, RobotState, base, check_fixed_base, inverse_dynamics
+from ..robots.robot import Robot, RobotState, base, check_fixed_base, check_motors, inverse_dynamics
 from ..rows.hierarchy_writer import HierarchyWriter
 from ..rows.part import Command, Stack
 from ..rows.site import Workspace
 from .contacts import check_torques, has_dynamics
 
-#: Function that gives joint torques [N m] from the rows of this tick, the state, x, and whether they are valid.
-Torques: TypeAlias = Callable[[HierarchyWriter, RobotState, Array, bool], Array]
+#: Function that gives joint torques [N m] from the rows of this tick, the state, x, and whether they are valid: zero if
+#: not, and None where they should be, but are not finite.
+Torques: TypeAlias = Callable[[HierarchyWriter, RobotState, Array, bool], Array | None]
 
 
 class RobotTorques:
@@ -32,8 +33,11 @@ class RobotTorques:
     def __init__(self, inverse_dynamics: Callable[[Array, Array, Array], Array]) -> None:
         self._inverse_dynamics = inverse_dynamics
 
-    def __call__(self, rows: HierarchyWriter, state: RobotState, x: Array, valid: bool) -> Array:
-        return _finite(self._inverse_dynamics(state.q, state.v, x), True) if valid else np.zeros_like(x)
+    def __call__(self, rows: HierarchyWriter, state: RobotState, x: Array, valid: bool) -> Array | None:
+        if not valid:
+            return np.zeros_like(x)
+        tau = self._inverse_dynamics(state.q, state.v, x)
+        return tau if np.isfinite(tau).all() else None
 
 
 class ContactTorques:
@@ -42,11 +46,13 @@ class ContactTorques:
     def __init__(self) -> None:
         self._shared: Workspace | None = None
 
-    def __call__(self, rows: HierarchyWriter, state: RobotState, x: Array, valid: bool) -> Array:
+    def __call__(self, rows: HierarchyWriter, state: RobotState, x: Array, valid: bool) -> Array | None:
         if rows.shared is not self._shared:
             self._come_to(rows.shared)
+        if not valid:
+            return np.zeros_like(self._torques)
         self._x[:] = x
-        return self._torques.copy() if self._compute() and valid else np.zeros_like(self._torques)
+        return self._torques.copy() if self._compute() else None
 
     def _come_to(self, shared: Workspace) -> None:
         """Make the loop for the arrays of this workspace."""
@@ -63,7 +69,7 @@ class ContactTorques:
 def torques_of(robot: Robot, stack: Stack, order: Command) -> Torques:
     """The function that computes torques for this robot and stack.
 
-    It returns zero if the numbers of a tick are invalid or not finite: torques sent to motors are always finite.
+    Torques sent to motors are always finite: zero if the numbers of a tick are invalid, as they are without torques.
 
     Raises
     ------
@@ -74,6 +80,8 @@ def torques_of(robot: Robot, stack: Stack, order: Command) -> Torques:
     if order == "velocity":
         raise InvalidInput(f"torque = True, but order = {order!r} gives no accelerations; it must be False")
     check_torques(stack)
+    if not any(part.limited == "torque" for part in stack):
+        check_motors(robot, asked)
     if has_dynamics(stack):
         return ContactTorques()
     check_fixed_base(robot, asked)
@@ -81,7 +89,3 @@ def torques_of(robot: Robot, stack: Stack, order: Command) -> Torques:
     if method is None:
         raise InvalidInput(f"{asked}, but {robot!r} has no inverse_dynamics(q, v, a)")
     return RobotTorques(method)
-
-
-def _finite(tau: Array, valid: bool) -> Array:
-    return tau if valid and np.isfinite(tau).all() else np.zeros_like(tau)

@@ -59,6 +59,7 @@ class JointCentringTask(GradientTask):
     """
 
     descend: ClassVar[bool] = True
+    reads_limits: ClassVar[bool] = True
 
     def variables(self, robot: Robot) -> NDArray[np.intp]:
         ranges = limit_of(robot, "position")

@@ -88,6 +88,7 @@ class PositionTask(PlacementTask):
         )
         self._two = mask is None and not local
         self.target = target
+        self._two = False  # the mask is chosen: a target of two coordinates no longer takes another one
 
     @number
     def target(self, value: ArrayLike | Trajectory) -> Trajectory:
@@ -96,7 +97,7 @@ class PositionTask(PlacementTask):
         trajectory = as_trajectory(position_of(value, what), None, what)
         size, local = len(trajectory(0.0)[0]), self.reference == "local"
         sizes = {3} if local else {len(self.mask), 3} | ({2} if self._two else set())
-        if size not in sizes or (size != 3 and size != len(self.mask)):
+        if size not in sizes or size not in (3, len(self.mask)):
             raise InvalidInput(
                 f"{what}: target has shape ({size},); it must be {' or '.join(f'({n},)' for n in sorted(sizes))}"
             )

@@ -13,7 +13,8 @@ from hqp import InvalidInput
 from ..base.checks import Array, finite, finite_scalar, positive_scalar
 from ..base.live import number
 from ..base.rotations import perpendicular
-from ..robots.robot import Robot
+from ..robots.robot import Robot, base
+from ..rows.expansion import Companions, Setting
 from ..rows.loop_task import LoopTask
 from .axis import unit
 from .frame_task import FrameTask
@@ -114,6 +115,14 @@ class WheelTask(FrameTask, LoopTask):
 
         told = site.law(self), self.block(site), self._wheel(), site.rows - 1, site.shared.work
         return Plan((Call(write_rolling, *told),))
+
+    def companions(self, setting: Setting) -> Companions:
+        if setting.order == "acceleration" and setting.has_dynamics and base(setting.robot):
+            raise InvalidInput(
+                f"{self.full_name()}: a wheel on the ground is driven by forces, which are no unknowns of it; beside"
+                " Dynamics() it takes a robot with a fixed base"
+            )
+        return super().companions(setting)
 
     def check_frames(self, robot: Robot) -> bool:
         if self.at_rest(robot).frame(self.frame).rotation.ndim == 1:

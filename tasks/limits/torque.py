@@ -30,7 +30,7 @@ from hqp.checks import of_type
 
 from ..base.checks import Array, not_negative, numbers, pair, per_row
 from ..base.live import number
-from ..robots.robot import Robot, base, check_dynamics, joint_names, joint_units
+from ..robots.robot import Robot, base, check_dynamics, joint_names, joint_units, limit_of
 from ..rows.part import Order, Part
 from .limit import largest
 
@@ -46,7 +46,8 @@ class JointTorqueLimit(Part):
     Parameters
     ----------
     limit : float or array, shape (nv,), optional
-        [N m], of a sliding joint [N], 0 of a joint without a motor; None for the robot's own.
+        [N m], of a sliding joint [N], 0 of a joint without a motor; one number is for all joints that have a motor, and
+        None for the robot's own.
     speeds : pair of float or array, shape (nv,), optional
         Joint speeds [rad/s], [m/s] up to which a motor gives all of its torque in the direction in which it turns, and
         from which on none; between them it falls in proportion. Against its direction, braking, it gives all.
@@ -69,6 +70,7 @@ class JointTorqueLimit(Part):
     """
 
     is_limit: ClassVar[bool] = True
+    reads_limits: ClassVar[bool] = True
     limited: ClassVar[Literal["motion", "torque"] | None] = "torque"
     rows = None
     wide = True
@@ -108,7 +110,10 @@ class JointTorqueLimit(Part):
         InvalidInput
             If neither this limit nor the robot has a number, or there is not one a joint.
         """
-        return largest(self, self.limit, robot, "torque", "N m")
+        limits, own = largest(self, self.limit, robot, "torque", "N m"), limit_of(robot, "torque")
+        if own is not None and self.limit is not None and not self.limit.ndim:
+            return np.where(own == 0.0, 0.0, limits)  # one number is for all joints that have a motor
+        return limits
 
     def size(self, robot: Robot) -> int:
         return robot.nv - base(robot)

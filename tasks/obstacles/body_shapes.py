@@ -37,9 +37,9 @@ class Shapes:
     def __init__(self, robot: Any, geometry: Any, pairs: Iterable[tuple[int, int]]) -> None:
         import pinocchio as pin
 
-        from ..robots.geometry import witnesses
+        from ..robots.geometry import cold_request, witnesses
 
-        self._robot, self._pin, self._witnesses = robot, pin, witnesses
+        self._robot, self._pin, self._witnesses, self._request = robot, pin, witnesses, cold_request()
         self.geometry = pin.GeometryModel(geometry)
         self.geometry.removeAllCollisionPairs()
         for i, j in pairs:
@@ -56,6 +56,8 @@ class Shapes:
         pairs = list(self.geometry.collisionPairs)
         bodies = bodies_of(self._robot, self.geometry)
         self._data = self._pin.GeometryData(self.geometry)
+        for k in range(len(pairs)):  # Pinocchio's own begin where the last call ended, and the witnesses go by it
+            self._data.distanceRequests[k] = self._request
         self.pairs = [(bodies[pair.first], bodies[pair.second]) for pair in pairs]
         self._sides = np.array([(pair.first, pair.second) for pair in pairs], dtype=np.intp).reshape(-1, 2).T
 

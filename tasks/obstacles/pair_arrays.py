@@ -9,7 +9,7 @@ import numpy as np
 
 from hqp import InvalidInput
 
-from ..base.checks import Array
+from ..base.checks import Array, fill
 from ..base.once import once
 from ..robots.robot import Robot
 from .links import LinkCapsule
@@ -90,6 +90,7 @@ def _follow(obstacle: Obstacle, shape: Array, dt: float | None, rates: bool) -> 
     core = shape[of.CORE : of.VELOCITY].reshape(2, 3)
     shift, velocity = shape[of.SHIFT : of.SHAPE], shape[of.VELOCITY : of.ACCELERATION]
     acceleration = shape[of.ACCELERATION : of.SHIFT]
+    what = [f"{obstacle.full_name()}: {rate}(t)" for rate in ("velocity", "acceleration")]
 
     def move(t: float) -> None:
         points = np.asarray(obstacle.core(t))
@@ -102,7 +103,8 @@ def _follow(obstacle: Obstacle, shape: Array, dt: float | None, rates: bool) -> 
             with np.errstate(invalid="ignore", over="ignore"):  # the solver tells of it
                 shift[:] = obstacle.core(t + dt)[0] - points[0]
         if rates:
-            velocity[:], acceleration[:] = obstacle.velocity(t), obstacle.acceleration(t)
+            fill(velocity, obstacle.velocity(t), what[0])
+            fill(acceleration, obstacle.acceleration(t), what[1])
 
     return move
 

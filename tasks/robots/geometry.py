@@ -193,6 +193,11 @@ def neighbours(model: pin.Model, first: int, second: int) -> bool:
     return first == second or model.parents[first] == second or model.parents[second] == first
 
 
+def cold_request() -> coal.DistanceRequest:
+    """A request for a distance that is a function of the two shapes and their places alone."""
+    return coal.DistanceRequest()
+
+
 def witnesses(distance: coal.DistanceResult) -> tuple[float, np.ndarray, np.ndarray, np.ndarray]:
     """Distance [m], nearest points (3,) of both, and the unit normal from the second to the first.
 

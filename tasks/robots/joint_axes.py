@@ -100,6 +100,19 @@ def base_of(model: pin.Model) -> tuple[int, int]:
     return 0, 0
 
 
+def further_bases(model: pin.Model) -> tuple[list[str], list[int]]:
+    """Joints, and their velocities, of bodies that are free besides the base: no motor moves them.
+
+    These float, wherever they are, or stand in the plane of the world: a thing that is carried, or a second robot.
+    """
+    names, velocities = list[str](), list[int]()
+    for i, joint in enumerate(list(model.joints)[2:], 2):
+        if kind(joint) == "FreeFlyer" or (kind(joint) == "Planar" and not model.parents[i]):
+            names.append(str(model.names[i]))
+            velocities += range(joint.idx_v, joint.idx_v + joint.nv)
+    return names, velocities
+
+
 def _axes_of(joint: Any) -> Iterator[tuple[str, int, int]]:
     """Unit, index in q and circle of every velocity of a joint."""
     what = kind(joint)

@@ -36,7 +36,7 @@ from .kinematics import Kinematics
 from .pinocchio_model import PinocchioModel
 from .pinocchio_source import PinocchioSource
 from .pinocchio_state import PinocchioState
-from .ranges import SAME, both_ways, held_at_zero, largest, no_faster, no_position, within
+from .ranges import SAME, both_ways, held_at_zero, largest, no_faster, no_position, within, without_motors
 from .ranges import position_limit as limits_of
 from .semantics import Semantic
 from .shapes import Shaped
@@ -164,7 +164,9 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
         """Largest joint torques [N m], [N], shape (nv,), 0 where there is no motor; set to None, those of the model."""
         model, what = self.model, f"{self!r}: torque limit"
         own = both_ways(model.lowerEffortLimit, model.upperEffortLimit, self.joint_names, what)
-        return held_at_zero(largest(model, value, own, what, TORQUE, zero_holds=True))
+        limits = largest(model, value, without_motors(model, own, what), what, TORQUE, zero_holds=True)
+        one = value is not None and not isinstance(value, Mapping) and np.ndim(value) == 0  # for all that have a motor
+        return held_at_zero(without_motors(model, limits, what) if one else limits)
 
     @number
     def home(self, value: ArrayLike) -> Array:

@@ -13,7 +13,7 @@ from hqp import InvalidInput
 from ..base.checks import LARGEST, Array, not_negative, per_joint, position_range, positive, scalar
 from ..base.telling import tell
 from .follower_limits import FollowerLimits
-from .joint_axes import NONE, JointAxis, joint_axes, kind
+from .joint_axes import NONE, JointAxis, further_bases, joint_axes, kind
 from .refusals import joint_index
 
 #: Limit stored in a model for a joint that is held, or has no motor: 0 would mean that the limit is unknown.
@@ -67,6 +67,17 @@ def both_ways(lower: Array, upper: Array, names: Sequence[str], what: str) -> Ar
     if told:
         tell(f"{what}: the upper limit counts for both directions, where the lower one is smaller: {', '.join(told)}")
     return limits
+
+
+def without_motors(model: pin.Model, limits: Array | None, what: str) -> Array:
+    """Largest torques, 0 for bodies that are free besides the base, unless the model has numbers; this is told once."""
+    own = np.full(model.nv, np.inf) if limits is None else limits
+    names, free = further_bases(model)
+    unknown = [i for i in free if known(model.upperEffortLimit)[i] == np.inf]
+    if unknown:
+        own[unknown] = 0.0
+        tell(f"{what}: it is 0 of joints that float, or stand in the plane, besides the base: {', '.join(names)}")
+    return own
 
 
 def position_limit(model: pin.Model, given: Any, what: str, *, zero_is_none: bool = True) -> Array | None:
@@ -165,13 +176,13 @@ def largest(
     InvalidInput
         If a joint is unknown, or a limit is not positive.
     """
-    all_of, checked = joint_axes(model), not_negative if zero_holds else positive
     if given is None or isinstance(given, Mapping):
+        all_of, checked = joint_axes(model), not_negative if zero_holds else positive
         limits = np.full(len(all_of), np.inf) if own is None else np.array(own)
         for i, value in _named(all_of, given or {}, f"{what} of"):
             limits[i] = scalar(checked(value, f"{what} of {all_of[i].name!r}", unit=units[all_of[i].unit]), what)
         return limits if np.isfinite(limits).any() else None
-    limits = per_joint(given, len(all_of), what, unit=units["rad"], zero_holds=zero_holds)
+    limits = per_joint(given, model.nv, what, unit=units["rad"], zero_holds=zero_holds)
     return limits if np.isfinite(limits).any() else None
 
 

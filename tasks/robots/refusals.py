@@ -12,7 +12,7 @@ from hqp.checks import whole_number
 
 from ..base.checks import Array, suggestion
 from .abilities import Robot
-from .answers import base, bias, frame_names, has_frame, joint_names, mass_matrix, neutral, positioned
+from .answers import base, bias, frame_names, has_frame, joint_names, limit_of, mass_matrix, neutral, positioned
 
 
 def joint_index(names: Sequence[str], joint: str | int, what: str) -> int:
@@ -72,6 +72,24 @@ def check_fixed_base(robot: Robot, what: str) -> None:
     if free := base(robot):
         kind = "planar" if free == 3 else "floating"
         raise InvalidInput(f"{what}: {robot!r} has a {kind} base, which no joint torque drives; it must be fixed")
+
+
+def check_motors(robot: Robot, what: str) -> None:
+    """Refuse joints without a motor besides the base, where nothing limits torques: they would be driven.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    limits, first = limit_of(robot, "torque"), base(robot)
+    if limits is None:
+        return
+    names = [name for name, limit in zip(joint_names(robot)[first:], limits[first:], strict=True) if limit == 0.0]
+    if names:
+        raise InvalidInput(
+            f"{what}: no motor drives {', '.join(names)} of {robot!r}, as their torque limit of 0 says; add"
+            " JointTorqueLimit() to the stack, best to its first level"
+        )
 
 
 def check_mass_matrix(robot: Robot, what: str) -> None:

@@ -53,6 +53,7 @@ from .refusals import (
     check_frame,
     check_joints,
     check_mass_matrix,
+    check_motors,
     check_positioned,
     joint_index,
 )
@@ -73,6 +74,7 @@ __all__ = [
     "check_frame",
     "check_joints",
     "check_mass_matrix",
+    "check_motors",
     "check_positioned",
     "check_states",
     "difference",

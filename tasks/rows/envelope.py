@@ -22,7 +22,7 @@ there is none the velocity within reach.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import reduce
 from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple, Protocol
@@ -201,7 +201,9 @@ class Envelope:
                 " brake; add a JointAccelerationLimit(20.0), in rad/s^2, to the stack, or give the robot a limit"
             )
 
-    def renew(self, shared: Shared, sites: Sequence[Bounded], ask: Callable[[], None]) -> bool:
+    def renew(
+        self, shared: Shared, sites: Sequence[Bounded], ask: Callable[[], None], kinds: Iterable[Quantity] = ()
+    ) -> bool:
         """Take the claims that there are in the rows of some parts as they are now, where the loop has them.
 
         Parameters
@@ -211,6 +213,8 @@ class Envelope:
             Where these rows are.
         ask : callable
             Has the parts make their claims.
+        kinds : iterable of str
+            Those of which limits of the robot may have changed, too: one that nobody claims may stand in.
 
         Returns
         -------
@@ -230,7 +234,7 @@ class Envelope:
         own = [k for k, old in enumerate(before) if any(old.lower is site.lower for site in sites)]
         if [each.form for each in new] != [before[k].form for k in own]:
             return False
-        changed: set[Quantity] = set()
+        changed = set(kinds)
         for k, each in zip(own, new, strict=True):
             numbers = each.numbers
             if not (numbers == self._numbers[k]).all():

@@ -13,12 +13,12 @@ from hqp import Hierarchy, InvalidInput
 from ..base.checks import Array
 from ..base.live import Live, watch_alone
 from ..robots.answers import at_rest
-from ..robots.robot import Robot, RobotState
+from ..robots.robot import Quantity, Robot, RobotState
 from .components import Components, one_component
 from .description import Description, WrittenPart
 from .embedding import Embedding
 from .empty import empty_level, row_names
-from .envelope import Envelope
+from .envelope import QUANTITIES, Envelope
 from .expansion import Expanded
 from .ledger import Ledger
 from .own_limits import OwnLimits
@@ -39,6 +39,8 @@ ASKED = ("check", "check_beside", "labels", "row_names", "size", "variables", "w
 NAMES = ("labels", "row_names", "size", "variables")
 #: That of a part whose rows others write.
 NO_PLAN = Plan()
+#: The limits of a robot, which may be set while it is at work.
+LIMITS = frozenset({"position_limit", "velocity_limit", "acceleration_limit", "torque_limit"})
 
 
 class HierarchyWriter:
@@ -51,7 +53,7 @@ class HierarchyWriter:
     order : {"velocity", "acceleration", "displacement"}
     dt : float, optional
         Tick [s].
-    memory : dict, optional
+    memory : Memory, optional
         What parts keep from tick to tick.
     live : bool
         Whether it takes up what changes in the parts and the robot, and tells how rows bend. Without, it is made
@@ -97,7 +99,7 @@ class HierarchyWriter:
         self._robot, self._order, self._dt = robot, order, dt
         levels, unknowns, self._meant = expanded
         self.levels, self.unknowns = levels, unknowns
-        self._memory: Memory = {} if memory is None else memory
+        self._memory: Memory = Memory() if memory is None else memory
         self._check()
         self._rest = at_rest(robot)
         empty = [empty_level(level, robot, order, unknowns) for level in levels.parts]
@@ -132,8 +134,7 @@ class HierarchyWriter:
     def admit(self, part: Live, name: str) -> None:
         """Take up what was changed in a part or the robot, or refuse it; see :class:`tasks.base.live.Watcher`."""
         if id(part) == id(self._robot):
-            self._check()
-            self._take_up()
+            self._take_robot(name)
             return
         own, changed = self._ledger.owners(part), self._ledger.changes(part)
         if changed and self.renumber(part, changed, own):
@@ -195,8 +196,42 @@ class HierarchyWriter:
         """Whether rows go by their plans and the state alone: loops write them, no target moves, no part has memory."""
         return self.compiled and not self._moves and not self._memory
 
+    def _take_robot(self, name: str | None = None) -> None:
+        """Take up the robot as it is now; name tells what has changed, None that it is one of its limits."""
+        claims = [k for k, (view, _) in enumerate(self._views) if type(view).claim is not RowWriter.claim]
+        if (name is None or name in LIMITS) and not self._reads_limits(claims):
+            for k in claims:
+                check_numbers(self._views[k][0], self._robot, self._order, self._dt)
+            if not claims or self._renew_limits(claims, QUANTITIES):
+                return
+        self._check()
+        self._take_up()
+
+    def _reads_limits(self, claims: Sequence[int]) -> bool:
+        """Whether somebody may go by the limits of the robot, beside those who claim them."""
+        parts = [kind for kind in self._ledger.kinds if issubclass(kind, RowWriter)]
+        others = [kind for kind in parts if kind.claim is RowWriter.claim]
+        if any(kind.reads_limits for kind in parts) or any(overridden(kind, ASKED) for kind in others):
+            return True
+        return any(overridden(type(self._views[k][0]), NAMES, "claim") for k in claims)
+
     def _reclaim(self, part: Live, changed: list[str], own: list[int]) -> bool:
         """Have the envelope take the limits of these parts as they are now; False if more than numbers has changed."""
+        if not self._renew_limits(own):
+            return False
+        if not changed or "weight" in changed:
+            self._weigh(own)
+        self._ledger.keep(part)
+        if self._ledger.holds_others(part, changed):
+            for k in own:
+                self._ledger.enter(k, self._views[k][0], self)
+        return True
+
+    def _renew_limits(self, own: Sequence[int], kinds: Sequence[Quantity] = ()) -> bool:
+        """Have these parts claim their limits as they are now; False if more than numbers has changed.
+
+        Limits of the robot may have changed, too, of the given kinds.
+        """
         shared, views = self.shared, [self._views[k] for k in own]
         braked = isfinite(shared.braking[0])
 
@@ -206,17 +241,11 @@ class HierarchyWriter:
 
         if any(self.plans[k][1] != NO_PLAN for k in own):
             return False
-        if not shared.envelope.renew(shared, [site for _, site in views], ask):
+        if not shared.envelope.renew(shared, [site for _, site in views], ask, kinds):
             return False
         if isfinite(shared.braking[0]) != braked:  # by which plans differ
             return False
         self._check_beside(range(len(self._views)))
-        if not changed or "weight" in changed:
-            self._weigh(own)
-        self._ledger.keep(part)
-        if self._ledger.holds_others(part, changed):
-            for k in own:
-                self._ledger.enter(k, self._views[k][0], self)
         return True
 
     def _check(self) -> None:
@@ -362,8 +391,7 @@ class HierarchyWriter:
     def fill(self, state: RobotState, t: float) -> Hierarchy:
         """Let every part write its rows for this state and time t [s]; the hierarchy, for convenience."""
         if self._own_limits is not None and self._own_limits.changed():
-            self._check()
-            self._take_up()
+            self._take_robot()
             self._own_limits.note()
         for move in self._moves:
             move(t)

@@ -8,9 +8,16 @@ from ..base.live import Live, Watcher, reachable, watch_alone
 
 
 class Ledger:
-    """The live objects in the parts of a stack, by their ids."""
+    """The live objects in the parts of a stack, by their ids.
+
+    Attributes
+    ----------
+    kinds : set of type
+        Their classes.
+    """
 
     def __init__(self) -> None:
+        self.kinds: set[type[Live]] = set()
         self._owners: dict[int, list[int]] = {}
         self._known: dict[int, dict[str, Any]] = {}
 
@@ -19,6 +26,7 @@ class Ledger:
         for held in reachable(part):
             watch_alone(held, watcher)
             self.keep(held)
+            self.kinds.add(type(held))
             owners = self._owners.setdefault(id(held), [])
             if k not in owners:
                 owners.append(k)

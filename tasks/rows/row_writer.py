@@ -38,6 +38,9 @@ class RowWriter(Live):
         Whether the rows only bound, and ask for nothing.
     damps : bool
         Whether they damp the tasks beside them.
+    reads_limits : bool
+        Whether its check or its plan goes by the limits of the robot, beside what it claims: it is then planned anew
+        when one of these is set.
     limited : {"motion", "torque"} or None
         What they bound in every joint: x, or the torques that it takes. Records tell when a joint is at a bound.
     name : str
@@ -51,6 +54,7 @@ class RowWriter(Live):
     is_dynamics: ClassVar[bool] = False
     is_limit: ClassVar[bool] = False
     damps: ClassVar[bool] = False
+    reads_limits: ClassVar[bool] = False
     limited: ClassVar[Literal["motion", "torque"] | None] = None
     #: The methods that say what the rows are: a subclass that overrides one of them is asked in Python.
     says: ClassVar[tuple[str, ...]] = ("write",)

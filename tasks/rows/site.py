@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from itertools import chain
 from typing import TYPE_CHECKING, Any, Protocol
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from hqp import InvalidInput
-
 from ..base.checks import Array, per_row
+from ..base.live import Live
 from ..robots import abilities as able
 from ..robots.answers import at_rest, joint_reader
 from ..robots.robot import Robot, RobotState, is_flat
@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 
 #: Brings a target up to date, by the time [s].
 Move = Callable[[float], None]
-#: What parts keep from tick to tick, whatever stack they are in: by their ids, with each the part that it belongs to.
-Memory = dict[int, tuple[object, Any]]
+#: What parts keep from tick to tick, whatever stack they are in; it goes with the part.
+Memory = WeakKeyDictionary[Live, Any]
 #: What is measured of every row of a task: see :mod:`tasks.rows.kernels.law`.
 KINDS = 5
 #: The numbers of a task that its law goes by.
@@ -118,7 +118,7 @@ class Workspace:
         self.wrenches = np.zeros((self.unknowns.n - self.n, self.n))
         self.aims: tuple[Array, ...] = ()
         self.given: dict[int, list[Call]] = {}
-        self.memory: Memory = {} if memory is None else memory
+        self.memory: Memory = Memory() if memory is None else memory
         self.q, self.v = np.zeros(robot.nq), np.zeros(robot.nv)
         self.braking = np.array([np.inf, np.nan if dt is None else dt])
         joints = np.arange(robot.nv)
@@ -142,11 +142,9 @@ class Workspace:
         """The loops that compute the shared quantities at the state of the tick, in this order."""
         return [*self.blocks.calls, *chain.from_iterable(self.given.values()), *self.envelope.calls]
 
-    def kept(self, part: object, make: Callable[[], Any]) -> Any:
-        """What a part keeps from tick to tick, made at the first use."""
-        if id(part) not in self.memory:
-            self.memory[id(part)] = part, make()
-        return self.memory[id(part)][1]
+    def kept(self, part: Live, make: Callable[[], Any]) -> Any:
+        """What a part keeps from tick to tick, made at the first use; it must not hold the part itself."""
+        return self.memory[part] if part in self.memory else self.memory.setdefault(part, make())
 
     def update(self, state: RobotState) -> None:
         """Compute all shared quantities at this state."""
@@ -318,32 +316,10 @@ class Site:
 
 
 def kept_up(trajectory: Callable[[float], Any], value: Array, rate: Array, change: Array) -> tuple[Move, ...]:
-    """Write what a trajectory gives into these arrays, now, and every tick unless it stands still.
-
-    Raises
-    ------
-    InvalidInput
-        At a tick, if it gives another number of arrays or other shapes than at first; NumPy would spread one number.
-    """
-    value[:], rate[:], change[:] = first = trajectory(0.0)
-    if constant(trajectory) is not None:
-        return ()
-    shapes = [np.shape(part) for part in first]
-    of_value, of_rate, of_change = shapes
+    """Write what a trajectory gives into these arrays, now, and every tick unless it stands still."""
 
     def move(t: float) -> None:
-        given = trajectory(t)
-        try:
-            r, dr, ddr = given
-            alike = r.shape == of_value and dr.shape == of_rate and ddr.shape == of_change
-        except (ValueError, AttributeError):  # another number of them, or numbers that are no arrays
-            alike = False
-        if not alike:
-            if len(given) != len(shapes):
-                many = f"{len(given)} arrays at t = {t:g} s, and gave {len(shapes)} at first"
-                raise InvalidInput(f"a target gives {many}")
-            if (now := [np.shape(part) for part in given]) != shapes:
-                raise InvalidInput(f"a target has shapes {now} at t = {t:g} s, and had {shapes} at first")
-        value[:], rate[:], change[:] = given
+        value[:], rate[:], change[:] = trajectory(t)
 
-    return (move,)
+    move(0.0)
+    return () if constant(trajectory) is not None else (move,)

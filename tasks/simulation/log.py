@@ -51,6 +51,8 @@ class Log:
         The largest number of ticks.
     first : RobotState
         The state at the start.
+    start : float
+        The time of the start [s].
     parts : iterable of Part
         All parts that are in the stack of the controller, now or later.
 
@@ -60,7 +62,9 @@ class Log:
         If an optional method of the robot does not take a whole record at once.
     """
 
-    def __init__(self, controller: Controller, ticks: int, first: RobotState, parts: Iterable[Part]) -> None:
+    def __init__(
+        self, controller: Controller, ticks: int, first: RobotState, start: float, parts: Iterable[Part]
+    ) -> None:
         parts = list(parts)
         self._controller = controller
         self.order = controller.order
@@ -74,7 +78,7 @@ class Log:
         self.states = 0
         telling: list[Erring] = [part for part in parts if isinstance(part, Erring)]
         self.errors = [
-            (name, part, np.empty((ticks + 1, len(part.error(first, 0.0))))) for name, part in _named(telling)
+            (name, part, np.empty((ticks + 1, len(part.error(first, start))))) for name, part in _named(telling)
         ]
         limits = list(_named(part for part in parts if part.limited is not None))
         #: Bounds at every tick: of limits on the motion, x, and of limits on torques.

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
+from hqp.arrays import real_array
 
 from ..base.checks import Array, finite, positive_scalar
 from ..contacts.contact import Contact
@@ -64,9 +64,10 @@ def check_moved(robot: Robot, moved: Any, what: str) -> tuple[Array, Array]:
         If the plant returned anything else.
     """
     try:
-        q, v = (np.array(each, dtype=float) for each in moved)
+        given_q, given_v = moved
     except (TypeError, ValueError):
         raise InvalidInput(f"{what}: advance gave {type(moved).__name__}; it must be (q, v), two arrays") from None
+    q, v = real_array(given_q, f"{what}: advance gave q, which"), real_array(given_v, f"{what}: advance gave v, which")
     if q.shape != (robot.nq,) or v.shape != (robot.nv,):
         raise InvalidInput(
             f"{what}: advance gave shapes {q.shape} and {v.shape}; {robot!r} has ({robot.nq},) and ({robot.nv},)"

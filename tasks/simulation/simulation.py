@@ -173,7 +173,7 @@ class _Run:
         check_switches(controller, self._waiting)
         stacks = [controller.stack, *(change.stack for change in self._waiting if isinstance(change, Change))]
         parts = {id(part): part for stack in stacks for part in stack}
-        self.log = Log(controller, self.ticks, robot.at(self._q, self._v), parts.values())
+        self.log = Log(controller, self.ticks, robot.at(self._q, self._v), self._start, parts.values())
         self._integrate = integration(robot)
         controller.settle()
 

@@ -216,7 +216,8 @@ class Chain(Target):
         if not isinstance(pieces, (list, tuple)) or not pieces:
             raise InvalidInput(f"chain: pieces = {brief(pieces)} must be a list of trajectories, at least one")
         self.pieces = tuple(pieces)
-        places = [_places(piece, f"chain: piece {k}") for k, piece in enumerate(pieces)]
+        self._called = [_trajectory(piece, f"chain: piece {k}") for k, piece in enumerate(pieces)]
+        places = [_places(*own, f"chain: piece {k}") for k, own in enumerate(zip(self._called, pieces, strict=True))]
         size = max(float(np.abs(place).max(initial=0.0)) for place in places)
         for k, ((*_, end), (begin, *_)) in enumerate(pairwise(places)):
             if end.shape != begin.shape or not np.abs(end - begin).max(initial=0.0) <= GAP * size:
@@ -234,18 +235,21 @@ class Chain(Target):
         if t >= self.duration:  # said here: the sum of the durations is rounded, and the last piece could fall short
             return self._end
         k = bisect_right(self._starts, t, lo=1) - 1  # before t = 0 the first; at NaN the last, which gives NaN
-        return self.pieces[k](t - self._starts[k])
+        return self._called[k](t - self._starts[k])
 
     def __repr__(self) -> str:
         return f"Chain({list(self.pieces)!r})"
 
 
-def _places(piece: Any, what: str) -> Array:
-    """Where a piece begins, some places on its way, and where it ends, shape (5, rows)."""
+def _trajectory(piece: Any, what: str) -> Trajectory:
     if not isinstance(piece, Piece):
         raise InvalidInput(f"{what}, {brief(piece)}, has no duration; it must be a trajectory with a duration [s]")
+    return as_trajectory(piece, None, what)
+
+
+def _places(trajectory: Trajectory, piece: Piece, what: str) -> Array:
+    """Where a piece begins, some places on its way, and where it ends, shape (5, rows)."""
     duration = positive_scalar(piece.duration, f"{what}: duration", unit="s")
-    trajectory = as_trajectory(piece, None, what)
     return finite([trajectory(share * duration)[0] for share in (0.0, 0.25, 0.5, 0.75, 1.0)], f"{what}: places")
 
 

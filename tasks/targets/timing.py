@@ -124,7 +124,7 @@ def cycloid(u: float) -> tuple[float, float, float]:
 
 
 def as_timing(value: Timing, what: str) -> Timing:
-    """`value`, which must be a timing law, at rest before u = 0 and from u = 1 on.
+    """`value`, which must be a timing law, at rest before u = 0 and from u = 1 on; one of a user's own is watched.
 
     Raises
     ------
@@ -140,4 +140,32 @@ def as_timing(value: Timing, what: str) -> Timing:
         given = numbers(sample, f"{what}({u})")
         if given.shape != (3,) or not np.abs(given - rest).max() <= ROUND_OFF:
             raise InvalidInput(f"{what}({u}) = {given.tolist()} must be (s, ds/du, d2s/du2), there at rest: {rest}")
-    return law
+    return law if law in KNOWN or isinstance(law, WatchedTiming) else WatchedTiming(law, what)
+
+
+class WatchedTiming:
+    """A user's timing law: at every u in order it must give three finite numbers.
+
+    Parameters
+    ----------
+    law : callable
+    what : str
+        Whose law it is, for messages.
+    """
+
+    def __init__(self, law: Timing, what: str) -> None:
+        self.law, self._what = law, what
+
+    def __call__(self, u: float) -> tuple[float, float, float]:
+        given = numbers(self.law(u), f"{self._what}({u})")
+        if given.shape != (3,) or not (np.isfinite(given).all() or u != u):
+            raise InvalidInput(f"{self._what}({u}) = {given.tolist()}; it must be three finite numbers")
+        s, rate, change = given.tolist()
+        return s, rate, change
+
+    def __repr__(self) -> str:
+        return repr(self.law)
+
+
+#: The laws of this module, which need no watching.
+KNOWN = (cubic, quintic, harmonic, cycloid)

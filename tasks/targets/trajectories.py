@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from hqp import InvalidInput
 from hqp.arrays import real_array
+from hqp.errors import brief
 
 from ..base.checks import Array, finite, numbers
 from ..base.live import Live, structure
@@ -27,8 +28,15 @@ class Trajectory(Protocol):
 
 
 class Target(Live):
-    """Base of all targets here: functions of time whose numbers stay, as much is computed from them beforehand."""
+    """Base of all targets here: functions of time whose numbers stay, as much is computed from them beforehand.
 
+    Attributes
+    ----------
+    known : bool
+        Whether it gives three float arrays of the same shapes at all times, so that nothing is to be checked at a tick.
+    """
+
+    known: bool = True
     _instead = "make a new one, and set the target of the task to it"
 
 
@@ -164,7 +172,50 @@ def as_trajectory(target: ArrayLike | Trajectory, rows: int | None, what: str) -
             f"{what}: target(0.0) gives shapes {shapes};"
             f" it must give position, velocity and acceleration, each ({size},)"
         )
-    return target
+    return target if getattr(target, "known", False) else Watched(target, size, what)
+
+
+class Watched:
+    """A user's function of time, whose answers are checked at every tick as they were at first.
+
+    NaN passes: the solver tells of it.
+
+    Parameters
+    ----------
+    target : Trajectory
+    rows : int
+    what : str
+        Whose target it is, for messages.
+    """
+
+    known = True
+
+    def __init__(self, target: Trajectory, rows: int, what: str) -> None:
+        self.target, self._shape, self._what = target, (rows,), what
+
+    def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
+        given = self.target(t)
+        try:
+            r, dr, ddr = given
+        except (TypeError, ValueError):
+            raise InvalidInput(not_three(given, self._what, t)) from None
+        return self._part(r, t), self._part(dr, t), self._part(ddr, t)
+
+    def _part(self, value: Any, t: float) -> Array:
+        if type(value) is np.ndarray and value.dtype == np.float64 and value.shape == self._shape:
+            return value
+        part = real_array(value, f"{self._what}: target({t})")
+        if part.shape != self._shape:
+            raise InvalidInput(f"{self._what}: target({t}) gives the shape {part.shape}; it was {self._shape} at first")
+        return part
+
+    def __repr__(self) -> str:
+        return repr(self.target)
+
+
+def not_three(given: Any, what: str, t: float) -> str:
+    """The error of a function of time that gives something else than three arrays."""
+    return f"{what}: target({t}) = {brief(given)}; it must give three arrays, as at first"
 
 
 class Spread:
@@ -176,6 +227,8 @@ class Spread:
     axes : sequence of int
         Which, in ascending order.
     """
+
+    known = True
 
     def __init__(self, trajectory: Trajectory, axes: Sequence[int]) -> None:
         self.trajectory = trajectory

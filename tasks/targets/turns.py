@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput
 from hqp.checks import real_number
 
-from ..base.checks import Array, finite, numbers, positive_scalar
+from ..base.checks import Array, fill, finite, numbers, positive_scalar
 from ..base.live import structure
 from ..base.rotations import about, exp, is_transform, log, matrix_of, rotation_matrix, transform
 from .timing import Timing, as_timing, quintic
-from .trajectories import Fixed, Setpoint, Spread, Target, Trajectory, alike
+from .trajectories import Fixed, Setpoint, Spread, Target, Trajectory, alike, as_trajectory, not_three
 
 
 @runtime_checkable
@@ -153,23 +153,32 @@ class PoseSetpoint(Target):
         return f"PoseSetpoint({self.position!r}, {self.rotation!r})"
 
 
-class Watched:
-    """A rotation trajectory given as a user's function: an invalid rotation becomes NaN, and the tick INVALID.
+class WatchedRotation:
+    """A user's rotation in time: where it gives no rotation there is NaN, which makes the tick INVALID.
 
     Parameters
     ----------
     target : RotationTrajectory
+    what : str
+        Whose target it is, for messages.
     """
 
-    def __init__(self, target: RotationTrajectory) -> None:
-        self.target = target
+    def __init__(self, target: RotationTrajectory, what: str) -> None:
+        self.target, self._what = target, what
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
-        R, omega, alpha = self.target(t)
+        given = self.target(t)
         try:
-            return rotation_matrix(R, "target"), omega, alpha
+            R, omega, alpha = given
+        except (TypeError, ValueError):
+            raise InvalidInput(not_three(given, self._what, t)) from None
+        turning = np.zeros((2, 3))
+        for out, rate in zip(turning, (omega, alpha), strict=True):
+            fill(out, rate, f"{self._what}: a rate of target({t})")
+        try:
+            return rotation_matrix(R, "target"), turning[0], turning[1]
         except InvalidInput:
-            return np.full((3, 3), np.nan), omega, alpha
+            return np.full((3, 3), np.nan), turning[0], turning[1]
 
     def __repr__(self) -> str:
         return repr(self.target)
@@ -276,18 +285,18 @@ def as_rotation(target: ArrayLike | RotationTrajectory | Trajectory, what: str) 
         raise InvalidInput(f"{what}: target(0.0) raised {type(error).__name__}: {error}") from error
     shapes = [part.shape for part in sample]
     if shapes == [(1,)] * 3:
-        return AboutZ(target)
+        return AboutZ(as_trajectory(target, 1, what))
     if shapes != [(3, 3), (3,), (3,)]:
         raise InvalidInput(
             f"{what}: target(0.0) gives shapes {shapes}; it must give rotation, angular velocity and acceleration,"
             " (3, 3), (3,), (3,), or an angle and its derivatives, each (1,)"
         )
     rotation_matrix(sample[0], f"{what}: target(0.0)")
-    return target if isinstance(target, KNOWN) else Watched(target)
+    return target if isinstance(target, KNOWN) else WatchedRotation(target, what)
 
 
 #: Classes that always give valid rotations.
-KNOWN = (FixedRotation, RotationSetpoint, Turn, Watched)
+KNOWN = (FixedRotation, RotationSetpoint, Turn, WatchedRotation)
 
 
 def stands_still(target: object) -> bool:

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import Array
-from .letters import families
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,11 +44,10 @@ def tones(color: str, count: int) -> Array:
 
 def save(figure: Figure, file: Path, dpi: int = SCREEN) -> None:
     """Save a figure, whole or not at all; the suffix of the file tells the format."""
-    from matplotlib import rc_context, rcParams
+    from matplotlib import rc_context
 
     undated = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}.get(file.suffix)
-    embedded = {"font.sans-serif": families(rcParams["font.sans-serif"])} if file.suffix == ".pdf" else {}
-    with rc_context(LETTERS | embedded):
+    with rc_context(LETTERS):
         figure.savefig(part(file), dpi=dpi, metadata=undated)
     part(file).replace(file)
 

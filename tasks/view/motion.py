@@ -184,7 +184,7 @@ class Motion:
     def start_recording(self) -> None:
         """Record every tick from the next one on, up to `MOST_RECORDED`."""
         state = self.controller.robot.at(self.q, self.v)
-        self._log = Log(self.controller, MOST_RECORDED, state, self._parts)
+        self._log = Log(self.controller, MOST_RECORDED, state, self.t, self._parts)
 
     def stop_recording(self) -> Record | None:
         """End the recording; returns its record, also kept as `record`, or None if no tick was recorded."""

@@ -212,6 +212,8 @@ def test_peers_are_asked_for_the_same_motion(peer: str) -> None:
         (("--rounds", "0"), "'--rounds'"),
         (("--placo", "/nowhere/python"), "--placo /nowhere/python: No such file or directory"),
         (("--placo", "/bin/false"), "--placo /bin/false: it ended without a word"),
+        (("--tsid", "/nowhere/python"), "--tsid /nowhere/python: No such file or directory"),
+        (("--drake", "/bin/false"), "--drake /bin/false: it ended without a word"),
         (("--out", "."), "cannot write '.': Is a directory"),
     ],
 )

@@ -6,14 +6,13 @@ import math
 import re
 from collections.abc import Iterable
 
-from ...checks import LARGEST_COUNT
+from ...checks import LARGEST_COUNT, spelled_number
 from ...errors import brief
 from ...hierarchy import LARGEST
 from .problem import HEADER, POINTS
 
 _OBJECTIVE = "#OBJECTIVE"
 _COUNT = re.compile(r"\d{1,10}", re.ASCII)
-_REAL = re.compile(r"[+-]?((\d+(\.\d*)?|\.\d+)(e[+-]?\d+)?|inf(inity)?|nan)", re.ASCII | re.IGNORECASE)
 
 
 class Lines:
@@ -53,14 +52,15 @@ class Lines:
 
     def real(self, word: str, what: str) -> float:
         """`word` as a finite number."""
-        if not (_REAL.fullmatch(word) and abs(float(word)) <= LARGEST):
+        value = spelled_number(word)
+        if value is None or not abs(value) <= LARGEST:
             raise self.fault(f"{what} = {brief(word)}", f"a finite number of at most {LARGEST:g} in size")
-        return float(word)
+        return value
 
     def bound(self, word: str, what: str) -> float:
         """`word` as a bound: a number, which may be infinite."""
-        value = float(word) if _REAL.fullmatch(word) else math.nan
-        if math.isnan(value):
+        value = spelled_number(word)
+        if value is None or math.isnan(value):
             raise self.fault(f"{what} = {brief(word)}", "a number, or inf or -inf")
         return value if abs(value) <= LARGEST else math.copysign(math.inf, value)
 

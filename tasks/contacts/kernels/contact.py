@@ -266,13 +266,16 @@ C_SLOT, C_ROWS, TOTAL, C_LOWER, C_UPPER = range(5)
 @stamp
 @entry
 def write_friction(here):
-    """Write the bounds of a friction cone, rows at most 0 while the contact is loaded, and of the normal force sum."""
+    """Write the bounds of a friction cone, rows at most 0 while the contact is loaded, and of the normal force sum.
+
+    The least sum grows with the caps while the contact is being made.
+    """
     told = ints(here, 0, C_UPPER + 1)
     slot, rows, total = floats(told[C_SLOT], 0, own.SLOT_SIZE), told[C_ROWS], floats(told[TOTAL], 0, 2)
     lower, upper = floats(told[C_LOWER], 0, rows), floats(told[C_UPPER], 0, rows)
     on = slot[own.LOADED] != 0.0
     for r in range(rows - 1):
         lower[r], upper[r] = -math.inf, 0.0 if on else math.inf
-    lower[rows - 1] = total[0] if slot[own.BEARS] != 0.0 and total[0] > 0.0 else -math.inf
+    lower[rows - 1] = slot[own.SHARE] * total[0] if slot[own.BEARS] != 0.0 and total[0] > 0.0 else -math.inf
     upper[rows - 1] = total[1] if on else math.inf
     return 0

@@ -27,6 +27,7 @@ from hqp import InvalidInput
 
 from ...base.checks import LARGEST, Array
 from ...base.quiet import caught, reason
+from ...base.telling import tell
 from ..choices import Base
 from ..joint_axes import kind
 from .closures import closed_chains
@@ -242,6 +243,8 @@ class _Reader:
             raise InvalidInput(
                 f"{self.what}: actuatorfrcrange of joint {name!r} from {low:g} to {high:g}; it must have 0 inside"
             )
+        if -low != high:
+            tell(f"{self.what}: the smaller end of actuatorfrcrange counts for both directions: {name}")
         return min(-low, high)
 
     def _add_frame(self, name: str, carrier: int, placement: pin.SE3, what: pin.FrameType) -> None:

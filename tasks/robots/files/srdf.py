@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from hqp import InvalidInput
+from hqp.checks import spelled_number
 
 from ...base.checks import Array, suggestion
 from .elements import check_spelling
@@ -168,10 +169,7 @@ def _check_names(root: Element, what: str) -> None:
 def _positions(state: Element, what: str) -> dict[str, Array]:
     name, found = _text(state, "name", what), dict[str, Array]()
     for joint, value in _joints(state, what):
-        try:
-            numbers = np.array([float(number) for number in value.split()])
-        except ValueError:
-            numbers = np.array([np.nan])
+        numbers = np.array([spelled_number(word) for word in value.split()], dtype=np.float64)  # NaN for None
         if not (len(numbers) and np.isfinite(numbers).all()):
             raise InvalidInput(f"{what}: group_state {name!r} puts {joint!r} at {value!r}; it must be numbers")
         if joint in found and not np.array_equal(found[joint], numbers):

@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 
 from hqp import InvalidInput
+from hqp.checks import spelled_number
 
 from ...base.checks import LARGEST
 from ...base.quiet import caught, reason
@@ -142,11 +143,8 @@ def _ties(joints: list[Element], what: str) -> Iterator[Tie]:
 
 def _number(element: Element, key: str, default: str, what: str) -> float:
     text = element.get(key, default)
-    try:
-        value = float(text)
-    except ValueError:
-        value = np.nan
-    if not abs(value) <= LARGEST:
+    value = spelled_number(text.strip())
+    if value is None or not abs(value) <= LARGEST:
         raise InvalidInput(f"{what}: {key} = {text!r} must be a finite number")
     return value
 
@@ -159,9 +157,8 @@ def _check_axes(joints: list[Element], what: str) -> None:
             raise InvalidInput(f"{what}: planar joint {name!r} has no axis; it must be 0 0 1")
         if axis is None or kind in ("fixed", "floating"):
             continue
-        try:
-            own = np.array([float(number) for number in axis.get("xyz", "").split()])
-        except ValueError:
+        own = np.array([spelled_number(word) for word in axis.get("xyz", "").split()], dtype=np.float64)
+        if np.isnan(own).any():
             continue  # urdfdom reports the error
         if not own.any():
             raise InvalidInput(f"{what}: the axis of joint {name!r} is {axis.get('xyz')}; it must have a direction")
@@ -181,10 +178,7 @@ def _tell_of_zeros(joints: list[Element], what: str) -> None:
 
 
 def _is_zero(text: str) -> bool:
-    try:
-        return float(text) == 0.0
-    except ValueError:
-        return False  # urdfdom reports the error
+    return spelled_number(text.strip()) == 0.0  # urdfdom reports what is no number
 
 
 def _open(joints: list[Element], tied: set[str | None]) -> None:
