@@ -166,6 +166,7 @@ def of_mixed_scales(rng: np.random.Generator) -> Hierarchy:
     [
         range(100),
         [1252, 13501],  # a conflict of long rows, whose round-off moves a short one off its bound
+        [2788],  # slacks must shift along rows of which a billionth is left
         pytest.param(range(100, 20_000), marks=pytest.mark.sweep),
     ],
     ids=str,

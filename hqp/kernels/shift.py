@@ -28,6 +28,8 @@ BLURRED, BALANCED = 1e-6, 64 * 2.0**-52
 #: Rank tolerance of the rows of the level itself, projected onto the null space of the free normals: the largest that a
 #: solver may have used, with a margin.
 OWN_RANK = 4e-9
+#: What is left has become so much smaller: rows are shortened to it, see :func:`shorten`.
+SHORTER = 1e-3
 #: Most steps of :func:`carried`; :func:`shift_last` also ends where a step gains less than this share. And this share
 #: of what may pass is enough: what then passes does not hang on round-off.
 ROUNDS, GAINS, ENOUGH = 300, 1e-5, 0.1
@@ -135,11 +137,14 @@ def carried(here, k, base, working, scale):
     left = length(d, n)
     if hopeless(here, k, left):
         return left
-    before, whole, rest = 0.0, False, vector(here, at.BALANCE)
+    before, whole, rest, unit = 0.0, False, vector(here, at.BALANCE), left
     for j in range(n):
         rest[j] = d[j]
     add_changes(here, k, 1.0, rest)
     for _ in range(ROUNDS):
+        if left < SHORTER * unit:
+            shorten(here, k, left)
+            before, whole, unit = 0.0, False, left
         square = descent(here, k, before, whole)
         if not square > (OWN_RANK * left * left) ** 2:
             if not whole:  # the best there is, whichever values are at their bounds
@@ -200,6 +205,23 @@ def list_shifts(here, k, base, working, scale):
 
 
 @inner
+def shorten(here, k, left):
+    """Make all P_i as long as `left` at most, as they were made of the residual at first; their values grow.
+
+    Rows that can change little count as much as the others again, which would else hide them by their round-off.
+    """
+    n, P = ints(here, 0, at.HEAD)[at.N], matrix(here, at.P)
+    low, high, value = vector(here, at.LOW), vector(here, at.HIGH), vector(here, at.VALUE)
+    for i in range(marks(here, at.PTR)[k + 1]):
+        if low[i] < high[i]:
+            row = P[i]
+            unit = min(1.0, left / length(row, n))
+            low[i], high[i], value[i] = low[i] / unit, high[i] / unit, value[i] / unit
+            for j in range(n):
+                row[j] *= unit
+
+
+@inner
 def hopeless(here, k, left):
     """Whether no multiplier can grow for the better, and all shifts together leave more than STATIONARITY of ``d``."""
     ptr, low, high, reach = marks(here, at.PTR), vector(here, at.LOW), vector(here, at.HIGH), 0.0
@@ -251,18 +273,9 @@ def advance(here, k, square):
 
     `square` is that of :func:`descent`.
     """
-    n, end, d, image = (
-        ints(here, 0, at.HEAD)[at.N],
-        marks(here, at.PTR)[k + 1],
-        vector(here, at.D),
-        vector(here, at.SCRATCH),
-    )
-    low, high, value, way = (
-        vector(here, at.LOW),
-        vector(here, at.HIGH),
-        vector(here, at.VALUE),
-        vector(here, at.ALLOWED),
-    )
+    n, end = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR)[k + 1]
+    d, image, way = vector(here, at.D), vector(here, at.SCRATCH), vector(here, at.ALLOWED)
+    low, high, value = vector(here, at.LOW), vector(here, at.HIGH), vector(here, at.VALUE)
     P, most, blocks = matrix(here, at.P), math.inf, integer(-1)
     for j in range(n):
         image[j] = 0.0
