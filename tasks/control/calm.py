@@ -80,7 +80,7 @@ def linearised(
     paced = paces(gains_of(rows), blocks, dt, len(curved))
     told = curved, *blocks, kinds_of(rows, blocks)
     return Linearisation(
-        *told, errors, contractions, unknown, S, *paced, rows.every_aim, last, STRAIGHT, (tables, work)
+        *told, errors, contractions, unknown, S, *paced, rows.aims.every, last, STRAIGHT, (tables, work)
     )
 
 

@@ -217,7 +217,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
     @property
     def aims(self) -> Mapping[int | str, Array]:
         """What damped levels were damped towards at the last tick (views), by level; those without are zero."""
-        return self._rows.aims or {}
+        return self._rows.aims.by_level or {}
 
     def __call__(
         self, q: ArrayLike, v: ArrayLike | None = None, t: float = 0.0

@@ -88,7 +88,7 @@ class PreparedStack:
         if fault is None and isfinite(t):
             rows.fill(state, t)
             if isinstance(self.solver, Solver):
-                return self.solver.solve(rows.hierarchy, aims=rows.aims)
+                return self.solver.solve(rows.hierarchy, aims=rows.aims.by_level)
             return self.solver.solve(rows.hierarchy, last)
         rows.hierarchy.lower.fill(np.nan)  # NaN in every bound makes the solution INVALID
         return replace(self.solver.solve(rows.hierarchy), message=fault or f"t = {t} s must be finite")

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from math import isfinite
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,7 +13,8 @@ from ..base.checks import Array
 from ..base.live import Live, watch_alone
 from ..robots.answers import at_rest
 from ..robots.robot import Quantity, Robot, RobotState
-from .components import Components, one_component
+from .aims import Aims
+from .components import Components, Work, one_component
 from .description import Description, WrittenPart
 from .embedding import Embedding
 from .empty import empty_level, row_names
@@ -27,10 +27,6 @@ from .row_writer import RowWriter
 from .site import Memory, Site, Workspace
 from .tick import Order, Tick
 from .weights import Weights
-
-if TYPE_CHECKING:
-    from ..base.loops import Call
-
 
 #: What a part is asked when it is planned, beside its plan.
 ASKED = ("check", "check_beside", "labels", "row_names", "size", "variables", "weights", "decay_rate")
@@ -76,12 +72,9 @@ class HierarchyWriter:
     planned, tuned : int
         How often rows have been planned: whoever knows plans by their addresses looks at them again. And how often the
         numbers of a law have changed since: whoever goes by gains looks at those.
-    aims : dict of int to array, shape (n,), or None
-        What each damped level is damped towards at this tick, ``-2 zeta K v`` by the fastest of its tasks, and the
-        forces that bear the robot at rest; None at other orders than that of accelerations, where it is zero, and where
-        no level is damped.
-    every_aim : array, shape (levels, n)
-        The same of all levels, zero where there is none.
+    aims : Aims
+        What damped levels are damped towards at this tick; none is at other orders than that of accelerations, where it
+        is zero.
     """
 
     planned = tuned = 0
@@ -107,10 +100,9 @@ class HierarchyWriter:
         self._own_limits = None if isinstance(robot, Live) or not live else OwnLimits(robot)
         self._live, self._ends = live, np.full(robot.nv, np.inf)
         self._names = [row_names(part, robot, order) for part in levels.all_parts] if live else []
-        self._rates = np.zeros((len(levels.parts), robot.nv))
-        self._components = one_component(robot.nv, self.hierarchy.m)
-        self.every_aim = np.zeros((len(levels.parts), unknowns.n))
-        self._take_note([k for k, rule in enumerate(levels.damping) if rule])
+        together = one_component(robot.nv, self.hierarchy.m)
+        self.aims = Aims(len(levels.parts), unknowns.n, robot.nv, together)
+        self._aim(k for k, rule in enumerate(levels.damping) if rule)
         self._take_up()
         if isinstance(robot, Live) and live:
             watch_alone(robot, self)
@@ -120,16 +112,16 @@ class HierarchyWriter:
 
         And bring joints without an acceleration limit to rest at the ends of their ranges with `ends` [rad/s^2], (nv,).
         """
-        self._take_note(levels)
-        self._ends, self._components = ends, parted
+        self._ends, self.aims.components = ends, parted
+        self._aim(levels)
         self._take_rates()
         self.shared.envelope.ease_ends(ends)
         self._chain()
 
-    def _take_note(self, damped: Iterable[int]) -> None:
+    def _aim(self, damped: Iterable[int]) -> None:
         """Which levels are damped: at acceleration order they have aims."""
-        self._braked = list(damped) if self._order == "acceleration" else []
-        self.aims: Mapping[int | str, Array] | None = {k: self.every_aim[k] for k in self._braked} or None
+        if self._order == "acceleration":
+            self.aims.damped = tuple(damped)
 
     def admit(self, part: Live, name: str) -> None:
         """Take up what was changed in a part or the robot, or refuse it; see :class:`tasks.base.live.Watcher`."""
@@ -257,13 +249,13 @@ class HierarchyWriter:
         robot, order, dt = self._robot, self._order, self._dt
         self.shared = shared = Workspace(robot, order, dt, self.unknowns, self._memory)
         shared.curvature = self._live
-        shared.aims = tuple((self.aims or {}).values())
+        shared.aims = tuple((self.aims.by_level or {}).values())
         embedding, self._weights = Embedding(self.unknowns), Weights(robot)
         self._views: list[tuple[RowWriter, Site]] = []
         self._sites: dict[int, tuple[Site, ...]] = {}  # of all parts, declared ones too, by their ids
         self._ledger = Ledger()
         for level, (view, parts) in enumerate(zip(self.hierarchy.levels, self.levels.parts, strict=True)):
-            row, rate = 0, self._rates[level]
+            row, rate = 0, self.aims.rates[level]
             for part in parts:
                 own = slice(row, row + part.size(robot))
                 row = own.stop
@@ -315,15 +307,9 @@ class HierarchyWriter:
         self._unbounded = self._weights.unbounded
 
     def _take_rates(self) -> None:
-        """Take how fast the tasks of each level decay: at acceleration order what is damped goes by it.
-
-        Every joint by those that have rows in its component.
-        """
+        """Take how fast the tasks of each level decay: at acceleration order what is damped goes by it."""
         if self._order == "acceleration":
-            self._rates[:] = 0.0
-            for level, row, part, _, site in self.work:
-                touched, rates = self._components.touched(row, site.rows), self._rates[level]
-                rates[touched] = np.maximum(rates[touched], part.decay_rate())
+            self.aims.take_rates(self.work)
 
     def _chain(self) -> None:
         """What runs all loops of a tick."""
@@ -331,27 +317,17 @@ class HierarchyWriter:
 
         shared = self.shared
         own = [call for _, plan in self.plans for call in plan.calls]
-        own += [*self._embed, *self._aiming()]
+        own += [*self._embed, *self.aims.calls(shared)]
         self.compiled = not self._python
         self._before = chained(shared.calls) if self._python else None  # what Python may ask for
         self._run = chained(own if self._python else [*shared.calls, *own])
-
-    def _aiming(self) -> list[Call]:
-        """What keeps the aims of damped levels up to date."""
-        if self.aims is None:
-            return []
-        from ..base.loops import Call
-        from .kernels.braking import write_damping
-
-        n, v, rates = self.shared.n, self.shared.v, self._rates
-        return [Call(write_damping, n, rates[k], v, self.aims[k], self.aims[k]) for k in self._braked]
 
     @property
     def envelope(self) -> Envelope:
         return self.shared.envelope
 
     @property
-    def work(self) -> list[tuple[int, int, RowWriter, Plan, Site]]:
+    def work(self) -> list[Work]:
         """Level, first row, part, plan and site of every part, from the highest level down."""
         levels = [k for k, parts in enumerate(self.levels.parts) for _ in parts]
         first = np.cumsum([0, *(site.rows for _, site in self._views)])
