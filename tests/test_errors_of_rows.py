@@ -36,7 +36,7 @@ def test_the_error_that_rows_have_is_that_of_the_part_at_every_order() -> None:
             for q, v, t in setting.states:
                 state = setting.robot.at(q, v)
                 rows.fill(state, t)
-                found = rows.error(part)
+                found = rows.places.error(part)
                 if found is not None and hasattr(part, "error"):
                     known.add(type(part).__name__)
                     np.testing.assert_allclose(found, part.error(state, t), rtol=0.0, atol=1e-12, err_msg=name)

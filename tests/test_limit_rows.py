@@ -129,7 +129,7 @@ def test_limits_alone_and_together_obey_the_law_of_the_envelope(name: str, order
                 for part in stacks[how]:
                     if isinstance(part, JointLimits) or part.is_limit:
                         wanted = one if isinstance(part, JointLimits) else expected[part.quantity]
-                        for mine, theirs in zip(rows.bounds(part), wanted, strict=True):
+                        for mine, theirs in zip(rows.places.bounds(part), wanted, strict=True):
                             np.testing.assert_allclose(mine, theirs, rtol=1e-9, atol=1e-9, err_msg=f"{how} {kinds}")
 
 
@@ -144,7 +144,7 @@ def test_a_step_of_inverse_kinematics_ends_in_the_range_and_knows_no_speed(name:
         state = arm.at(q, v)
         rows.fill(state, 0.0)
         for part in stack:
-            lower, upper = rows.bounds(part)
+            lower, upper = rows.places.bounds(part)
             if part is limits[0] or part is limits[3]:
                 low, high = arm.position_limit
                 np.testing.assert_allclose(

@@ -395,7 +395,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         InvalidInput
             If the part is not in the stack.
         """
-        found = self._rows.bounds(part)
+        found = self._rows.places.bounds(part)
         if found is None:
             raise InvalidInput(f"{part!r} is not in the stack {self.stack!r}")
         return found
@@ -406,7 +406,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         It is ``part.error(step.state, t)``, but need not be computed again. None where the rows do not have it: of
         parts that are no tasks or not in the stack, of inequalities, and where `cap` or `deceleration` is set.
         """
-        return self._rows.error(part)
+        return self._rows.places.error(part)
 
     def describe(self) -> Description:
         """Who writes the rows of each part of the present stack every tick: a compiled loop, by its name, or Python.

@@ -16,17 +16,16 @@ from ..robots.robot import Quantity, Robot, RobotState
 from .aims import Aims
 from .components import Components, Work, one_component
 from .description import Description, WrittenPart
-from .embedding import Embedding
 from .empty import empty_level, row_names
 from .envelope import QUANTITIES, Envelope
 from .expansion import Expanded
 from .ledger import Ledger
 from .own_limits import OwnLimits
+from .places import Places
 from .plan import Plan, check_numbers, overridden, plan_of
 from .row_writer import RowWriter
-from .site import Memory, Site, Workspace
+from .site import Memory, Workspace
 from .tick import Order, Tick
-from .weights import Weights
 
 #: What a part is asked when it is planned, beside its plan.
 ASKED = ("check", "check_beside", "labels", "row_names", "size", "variables", "weights", "decay_rate")
@@ -72,6 +71,8 @@ class HierarchyWriter:
     planned, tuned : int
         How often rows have been planned: whoever knows plans by their addresses looks at them again. And how often the
         numbers of a law have changed since: whoever goes by gains looks at those.
+    places : Places
+        Where each part has its rows.
     aims : Aims
         What damped levels are damped towards at this tick; none is at other orders than that of accelerations, where it
         is zero.
@@ -90,7 +91,7 @@ class HierarchyWriter:
         live: bool = True,
     ) -> None:
         self._robot, self._order, self._dt = robot, order, dt
-        levels, unknowns, self._meant = expanded
+        levels, unknowns, _ = self._expanded = expanded
         self.levels, self.unknowns = levels, unknowns
         self._memory: Memory = Memory() if memory is None else memory
         self._check()
@@ -132,10 +133,10 @@ class HierarchyWriter:
         if changed and self.renumber(part, changed, own):
             self._ledger.keep(part)
             return
-        limits = [type(self._views[k][0]).claim is not RowWriter.claim for k in own]
-        for k, limit in zip(own, limits, strict=True):
+        limits = self.places.claiming(own)
+        for k in own:
             view = self._views[k][0]
-            if limit:  # which refuses when it claims
+            if k in limits:  # which refuses when it claims
                 check_numbers(view, self._robot, self._order, self._dt)
                 if not overridden(type(view), NAMES, "claim"):
                     continue
@@ -143,7 +144,7 @@ class HierarchyWriter:
                 view.check(self._robot, self._order, self._dt)
             if row_names(view, self._robot, self._order) != self._names[k]:
                 raise InvalidInput(f"{view.full_name()}: with another {name} it has other rows; {view._instead}")
-        if not any(limits):
+        if not limits:
             self._plan(own)
         elif not self._reclaim(part, changed, own):  # by which others go
             self._take_up()
@@ -190,7 +191,7 @@ class HierarchyWriter:
 
     def _take_robot(self, name: str | None = None) -> None:
         """Take up the robot as it is now; name tells what has changed, None that it is one of its limits."""
-        claims = [k for k, (view, _) in enumerate(self._views) if type(view).claim is not RowWriter.claim]
+        claims = self.places.claiming()
         if (name is None or name in LIMITS) and not self._reads_limits(claims):
             for k in claims:
                 check_numbers(self._views[k][0], self._robot, self._order, self._dt)
@@ -250,32 +251,16 @@ class HierarchyWriter:
         self.shared = shared = Workspace(robot, order, dt, self.unknowns, self._memory)
         shared.curvature = self._live
         shared.aims = tuple((self.aims.by_level or {}).values())
-        embedding, self._weights = Embedding(self.unknowns), Weights(robot)
-        self._views: list[tuple[RowWriter, Site]] = []
-        self._sites: dict[int, tuple[Site, ...]] = {}  # of all parts, declared ones too, by their ids
-        self._ledger = Ledger()
-        for level, (view, parts) in enumerate(zip(self.hierarchy.levels, self.levels.parts, strict=True)):
-            row, rate = 0, self.aims.rates[level]
-            for part in parts:
-                own = slice(row, row + part.size(robot))
-                row = own.stop
-                A = None if view.A is None else embedding.of_joints(part, view.A[own])
-                site = Site(shared, A, view.lower[own], view.upper[own], rate)
-                part.claim(site)
-                self._views.append((part, site))
-                self._weights.add(part, site, view.weights[own])
+        self.places = Places(self._expanded, self.hierarchy, shared, self.aims.rates)
+        self._views, self._ledger = self.places.parts, Ledger()
         shared.envelope.ease_ends(self._ends)
         shared.envelope.close(shared)
-        self._embedding, self._embed = embedding, embedding.calls()
-        self._sites |= {id(part): (site,) for part, site in self._views}
-        for declared, meant in self._meant.items():
-            self._sites[declared] = tuple(site for part, site in self._views if any(part is each for each in meant))
+        self._embed = self.places.embedding.calls()
         self.plans: list[tuple[RowWriter, Plan]] = [(part, Plan()) for part, _ in self._views]
         self._plan(range(len(self._views)))
 
     def _plan(self, which: Iterable[int]) -> None:
         """Plan how these parts write their rows."""
-
         self.planned += 1
         self._check_beside(which)
         for k in which:
@@ -285,7 +270,7 @@ class HierarchyWriter:
             if self._live:
                 self._ledger.enter(k, part, self)
         self._weigh(which)
-        self._embedding.copy_plain()
+        self.places.embedding.copy_plain()
         self._take_rates()
         self._moves = [move for _, plan in self.plans for move in plan.moves]
         self._python = [plan.python for _, plan in self.plans if plan.python is not None]
@@ -303,8 +288,8 @@ class HierarchyWriter:
 
     def _weigh(self, which: Iterable[int]) -> None:
         """Take the weights of these parts."""
-        self._weights.take(which)
-        self._unbounded = self._weights.unbounded
+        self.places.weights.take(which)
+        self._unbounded = self.places.weights.unbounded
 
     def _take_rates(self) -> None:
         """Take how fast the tasks of each level decay: at acceleration order what is damped goes by it."""
@@ -329,38 +314,17 @@ class HierarchyWriter:
     @property
     def work(self) -> list[Work]:
         """Level, first row, part, plan and site of every part, from the highest level down."""
-        levels = [k for k, parts in enumerate(self.levels.parts) for _ in parts]
-        first = np.cumsum([0, *(site.rows for _, site in self._views)])
-        plans = (plan for _, plan in self.plans)
-        return [
-            (k, int(row), part, plan, site)
-            for k, row, plan, (part, site) in zip(levels, first, plans, self._views, strict=False)
-        ]
-
-    def bounds(self, part: RowWriter) -> tuple[Array, Array] | None:
-        """Lower and upper bounds of a part (views; of one that stands for several, a copy), None if it is not here."""
-        sites = self._sites.get(id(part))
-        if sites is None:
-            return None
-        if len(sites) == 1:
-            return sites[0].lower, sites[0].upper
-        none = np.zeros(0)
-        lower, upper = ([getattr(site, side) for site in sites] for side in ("lower", "upper"))
-        return np.concatenate([none, *lower]), np.concatenate([none, *upper])
-
-    def error(self, part: object) -> Array | None:
-        """The error of a part as it was measured when rows were last filled (a view); None if loops do not keep it."""
-        sites = self._sites.get(id(part), ())
-        return sites[0].plain_error[0] if len(sites) == 1 and sites[0].plain_error else None
+        places = self.places
+        rows = zip(places.levels, places.first, self.plans, self._views, strict=True)
+        return [(k, int(first), part, plan, site) for k, first, (_, plan), (part, site) in rows]
 
     def describe(self) -> Description:
         """Who writes the rows of each part, and why Python does where it does."""
         robot, order, envelope = self._robot, self._order, self.shared.envelope
-        levels = (k for k, parts in enumerate(self.levels.parts) for _ in parts)
         return Description(
             tuple(
                 WrittenPart.of(level, part.full_name(), tuple(part.labels(robot, order)), plan, envelope.loops(site))
-                for level, (part, plan), (_, site) in zip(levels, self.plans, self._views, strict=True)
+                for level, (part, plan), (_, site) in zip(self.places.levels, self.plans, self._views, strict=True)
             )
         )
 
