@@ -194,11 +194,7 @@ class Watched:
         self.target, self._shape, self._what = target, (rows,), what
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
-        given = self.target(t)
-        try:
-            r, dr, ddr = given
-        except (TypeError, ValueError):
-            raise InvalidInput(not_three(given, self._what, t)) from None
+        r, dr, ddr = three_of(self.target(t), self._what, t)
         return self._part(r, t), self._part(dr, t), self._part(ddr, t)
 
     def _part(self, value: Any, t: float) -> Array:
@@ -213,9 +209,13 @@ class Watched:
         return repr(self.target)
 
 
-def not_three(given: Any, what: str, t: float) -> str:
-    """The error of a function of time that gives something else than three arrays."""
-    return f"{what}: target({t}) = {brief(given)}; it must give three arrays, as at first"
+def three_of(given: Any, what: str, t: float) -> tuple[Any, Any, Any]:
+    """What a function of time gives, if it is three things."""
+    try:
+        value, rate, change = given
+    except (TypeError, ValueError):
+        raise InvalidInput(f"{what}: target({t}) = {brief(given)}; it must give three arrays, as at first") from None
+    return value, rate, change
 
 
 class Spread:

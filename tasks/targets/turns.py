@@ -14,7 +14,7 @@ from ..base.checks import Array, fill, finite, numbers, positive_scalar
 from ..base.live import structure
 from ..base.rotations import about, exp, is_transform, log, matrix_of, rotation_matrix, transform
 from .timing import Timing, as_timing, quintic
-from .trajectories import Fixed, Setpoint, Spread, Target, Trajectory, alike, as_trajectory, not_three
+from .trajectories import Fixed, Setpoint, Spread, Target, Trajectory, alike, as_trajectory, three_of
 
 
 @runtime_checkable
@@ -167,11 +167,7 @@ class WatchedRotation:
         self.target, self._what = target, what
 
     def __call__(self, t: float, /) -> tuple[Array, Array, Array]:
-        given = self.target(t)
-        try:
-            R, omega, alpha = given
-        except (TypeError, ValueError):
-            raise InvalidInput(not_three(given, self._what, t)) from None
+        R, omega, alpha = three_of(self.target(t), self._what, t)
         turning = np.zeros((2, 3))
         for out, rate in zip(turning, (omega, alpha), strict=True):
             fill(out, rate, f"{self._what}: a rate of target({t})")
