@@ -583,13 +583,15 @@ def test_the_bar_of_a_joint_is_red_where_it_is_at_an_end_of_its_range(ur5, end):
 def test_buttons_stay_where_they_are_whatever_the_texts_say(window):
     """What grows stands below what is clicked; above it, texts have as many lines at any time."""
     live, panel = window.session, window.panel
-    lines = panel.status.content.count("<div>")
-    for far in 0.4, 1.4:
+    lines = panel.status.content.count("<div")
+    for far, message in (0.4, ""), (1.4, "saved: live-1.npz"):
         live.targets[0].move(p=np.array([far, 0.3, 0.4]))
         live.record()
         live.motion.tick()
-        window.show()
-        assert panel.status.content.count("<div>") == lines
+        live.message = message
+        panel.show()
+        assert message in panel.status.content
+        assert panel.status.content.count("<div") == lines
     assert max(group.order for group in panel.levels) < panel.reasons.order
 
 

@@ -30,8 +30,7 @@ def status(session: Session) -> str:
     if motion.recording:
         told.append(f"<span style='color:{BAD}'>recording, {motion.recorded} ticks</span>")
     lines = "".join(f"<div>{' &middot; '.join(shown)}</div>" for shown in (clock, told))
-    message = f"<div style='color:{QUIET}'>{escape(session.message)}</div>" if session.message else ""
-    return _page(f"{lines}{message}")
+    return _page(f"{lines}<div style='color:{QUIET}'>{escape(session.message) or '&nbsp;'}</div>")
 
 
 def reasons(session: Session) -> str:
