@@ -1,5 +1,7 @@
 """The closed loop of a three-link arm: the tip on a line, then the last link level, with joint limits above both."""
 
+import sys
+
 import numpy as np
 
 from tasks import (
@@ -35,3 +37,8 @@ for k in range(0, len(record) + 1, 250):
 
 largest = {name: np.abs(getattr(record, name)).max() for name in ("v", "a")}
 print(f"\nlargest joint speed {largest['v']:.3f} rad/s, largest joint acceleration {largest['a']:.3f} rad/s^2")
+
+if sys.argv[1:]:  # a folder, for the picture
+    from _pictures import planar
+
+    planar(sys.argv[1], "planar_arm.png", record, times=(0.0, 0.5, 1.5, 3.0))

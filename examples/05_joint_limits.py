@@ -1,5 +1,7 @@
 """Joint limits of all three kinds; a start outside its range, and a target which the ranges put out of reach."""
 
+import sys
+
 import numpy as np
 
 from tasks import (
@@ -39,3 +41,8 @@ for order in "acceleration", "velocity":
     reached = [joint for joint in range(3) if abs(outside[-1, joint]) < 1e-6]
     tip = np.linalg.norm(record.errors["position"][-1])
     print(f"  at the end joints {[j + 1 for j in reached]} rest on a limit, and the tip is {tip:.3f} m from its target")
+
+if sys.argv[1:]:  # a folder, for the picture of the last run
+    from _pictures import planar
+
+    planar(sys.argv[1], "joint_limits.png", record, times=(0.0, 0.5, 1.0, 4.0))

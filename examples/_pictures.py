@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib as mpl
@@ -24,6 +25,39 @@ mpl.rcParams.update(
 mpl.rcParams.update(
     {"axes.titlesize": 9, "axes.titlelocation": "left", "axes.axisbelow": True, "legend.frameon": False}
 )
+
+
+def planar(folder: str, name: str, record: Record, times: Sequence[float]) -> None:
+    """A planar arm at some times, and over time its joints, their speeds and both errors; limits are dashed."""
+    figure = Figure(figsize=(9.0, 3.9), layout="constrained")
+    grid = figure.add_gridspec(2, 3, width_ratios=[1.6, 1, 1])
+    side = figure.add_subplot(grid[:, 0], aspect="equal")
+    side.plot(*record.pose[:, :2].T, color=ORANGE, lw=1.2)
+    for t, alpha in zip(times, np.linspace(0.25, 1.0, len(times)), strict=True):
+        points = record.robot.points(record.q[int(np.argmin(np.abs(record.t - t)))])
+        side.plot(*points.T, "-o", color=BLUE, alpha=alpha, lw=2.4, ms=4)
+    side.set(title=f"t = {', '.join(f'{t:g}' for t in times)} s", xlabel="x [m]", ylabel="y [m]")
+    angle, speed, position, orientation = (figure.add_subplot(grid[i, j]) for i in (0, 1) for j in (1, 2))
+    for joint, colour in zip(range(record.robot.nv), (BLUE, ORANGE, GREEN), strict=True):
+        angle.plot(record.t, np.degrees(record.q[:, joint]), color=colour)
+        angle.annotate(
+            f"{joint + 1}",
+            (record.t[-1], np.degrees(record.q[-1, joint])),
+            (4, 0),
+            color=colour,
+            textcoords="offset points",
+            va="center",
+        )
+        speed.plot(record.t, record.v[:, joint], color=colour)
+        for end in () if record.robot.position_limit is None else np.degrees(record.robot.position_limit)[:, joint]:
+            angle.axhline(end, color=colour, ls="--", lw=0.8)
+    angle.set(title="joints [deg]")
+    speed.set(title="their speeds [rad/s]")
+    position.plot(record.t, 1e3 * np.linalg.norm(record.errors["position"], axis=1), color=GREY)
+    position.set(title="tip is off by [mm]", xlabel="t [s]")
+    orientation.plot(record.t, np.degrees(np.abs(record.errors["orientation"][:, 0])), color=GREY)
+    orientation.set(title="last link is off by [deg]", xlabel="t [s]")
+    save(figure, folder, name)
 
 
 def panda_elbow(folder: str, robot: Robot, records: dict[str, Record], elbow: str, lowest: float) -> None:

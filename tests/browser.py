@@ -71,12 +71,17 @@ def drag(own: Any, window: Window, start: np.ndarray, end: np.ndarray, steps: in
     box = own.locator("canvas").first.bounding_box()
     ways = [on_screen(window, box["width"], box["height"], point) for point in (start, end)]
     (x0, y0), (x1, y1) = [(box["x"] + x, box["y"] + y) for x, y in ways]
-    own.mouse.move(x0 - 3, y0)
-    own.wait_for_timeout(500)
-    own.mouse.move(x0, y0)
-    own.wait_for_timeout(500)
+    for x in (x0 - 3, x0):
+        own.mouse.move(x, y0)
+        drawn(own)
     own.mouse.down()
     for k in range(1, steps + 1):
         own.mouse.move(x0 + (x1 - x0) * k / steps, y0 + (y1 - y0) * k / steps)
-        own.wait_for_timeout(50)
+        drawn(own)
     own.mouse.up()
+
+
+def drawn(own: Any, pictures: int = 3) -> None:
+    """Wait until the page has drawn so many more pictures: what is under the mouse is found out while it draws."""
+    for _ in range(pictures):
+        own.evaluate("() => new Promise(requestAnimationFrame)")

@@ -125,6 +125,8 @@ def test_joints_and_plots_are_shown(panda):
     picture(own, "joints")
     own.get_by_role("tab", name="Plots").click()
     own.wait_for_selector("text=/joint velocities .* 10 s/")
+    wide = "[...document.querySelectorAll('.uplot')].every(plot => plot.clientWidth > 300)"
+    own.wait_for_function(wide)  # they are stretched to the panel by the next picture, which may take its time
     picture(own, "plots")
 
 

@@ -10,7 +10,7 @@ import zipfile
 import numpy as np
 import pytest
 
-from hqp import InvalidInput, Status
+from hqp import Hierarchy, InvalidInput, Level, Status, solve
 from tasks import (
     Controller,
     JointAccelerationLimit,
@@ -21,7 +21,7 @@ from tasks import (
     Record,
     simulate,
 )
-from tasks.simulation.account import MOST_TOLD, Shortfall, account
+from tasks.simulation.account import MOST_TOLD, NEGLIGIBLE, Shortfall, account, shortfalls
 from tasks.simulation.record import Stop
 
 ARM = PlanarArm([0.5, 0.4, 0.3])
@@ -245,6 +245,14 @@ def test_an_account_is_short_however_often_a_level_is():
     for line, words in zip(lines, ("from 0 to 1.2 s, by at most 0.1", "at 0.2 s", "at 0.6 s", "at 1.4 s"), strict=True):
         assert words in line
     assert "5 other times" in lines[0]
+
+
+@pytest.mark.parametrize(("missing", "told"), [(0.5 * NEGLIGIBLE, []), (2.0 * NEGLIGIBLE, ["reach"])])
+def test_a_level_that_lacks_no_more_than_damping_leaves_is_met(missing, told):
+    limit = Level.bounds([-1.0], [1.0], name="limit")
+    solution = solve(Hierarchy([limit, Level.equality([[1.0]], [1.0 + missing], name="reach")]))
+    assert solution.levels[1].residual_norm == pytest.approx(missing)
+    assert [short.level for short in shortfalls(solution)] == told
 
 
 def test_a_motion_that_lacks_nothing_says_so_and_one_that_was_not_checked_too():

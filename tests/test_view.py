@@ -48,6 +48,7 @@ from tasks.view.panel import UP
 from tasks.view.session import CHANGE, Session
 from tasks.view.stacks import BRAKES, ready_controller, ready_stack
 from tasks.view.targets import targets_of
+from tasks.view.words import BAD, joints
 
 ARM = PlanarArm([0.5, 0.4, 0.3])
 Q = np.array([0.3, 0.5, -0.4])
@@ -568,6 +569,30 @@ def test_it_listens_to_this_machine_alone_and_opens_no_tunnel(window):
     assert window.server.get_host() == "127.0.0.1"
     assert window.server.request_share_url() is None
     assert window.server._share_tunnel is None
+
+
+@pytest.mark.parametrize("end", [0, 1])
+def test_the_bar_of_a_joint_is_red_where_it_is_at_an_end_of_its_range(ur5, end):
+    q = np.zeros(6)
+    assert BAD not in joints(ur5, q)
+    q[2] = ur5.position_limit[end][2]
+    rows = joints(ur5, q).split("</div>")
+    assert [name for name in ur5.joint_names if any(name in row and BAD in row for row in rows)] == ["elbow_joint"]
+
+
+def test_buttons_stay_where_they_are_whatever_the_texts_say(window):
+    """What grows stands below what is clicked; above it, texts have as many lines at any time."""
+    live, panel = window.session, window.panel
+    lines = panel.status.content.count("<div")
+    for far, message in (0.4, ""), (1.4, "saved: live-1.npz"):
+        live.targets[0].move(p=np.array([far, 0.3, 0.4]))
+        live.record()
+        live.motion.tick()
+        live.message = message
+        panel.show()
+        assert message in panel.status.content
+        assert panel.status.content.count("<div") == lines
+    assert max(group.order for group in panel.levels) < panel.reasons.order
 
 
 def test_a_wider_host_is_warned_of(caplog):

@@ -19,9 +19,10 @@ FOLDER = DOCS / "examples"
 
 
 def pictures(code: str) -> list[str]:
-    """The pictures of an example: those named like the function that draws them."""
-    drawn = re.findall(r"^ *from _\w*pictures import (\w+)", code, re.MULTILINE)
-    return [f"{name}.{kind}" for name in drawn for kind in ("png", "gif") if (DOCS / f"images/{name}.{kind}").exists()]
+    """The pictures of an example: those that it names, and those named like the function that draws them."""
+    drawn = re.findall(r'"(\w+)\.(?:png|gif)"|^ *from _\w*pictures import (\w+)', code, re.MULTILINE)
+    names = dict.fromkeys(named or function for named, function in drawn)
+    return [f"{name}.{kind}" for name in names for kind in ("png", "gif") if (DOCS / f"images/{name}.{kind}").exists()]
 
 
 def page(path: Path) -> str:

@@ -19,7 +19,7 @@ ROUND_OFF = 1e-9
 #: The most stretches of one level that a line each is written of: the worst ones; the rest of them share a line.
 MOST_TOLD = 3
 #: A level that lacks up to this counts as met: damping and contacts leave residuals of such sizes [m/s], [rad/s], ...
-NEGLIGIBLE = 1e-7
+NEGLIGIBLE = 1e-5
 
 
 @dataclass(frozen=True)

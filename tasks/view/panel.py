@@ -117,11 +117,11 @@ class Panel:
 
     def _priorities(self) -> None:
         session = self._session
-        self.reasons = self._gui.add_html(reasons(session))
         self.levels = [self._gui.add_button_group("", (UP, DOWN, SWITCH)) for _ in session.priorities.names]
         for place, group in enumerate(self.levels):
             self._level(place, group)
         self._show_order()
+        self.reasons = self._gui.add_html(reasons(session))  # below the buttons, which its lines would push about
         most = min(MOST_GAIN, 1.0 / session.motion.dt)
         self.gains: list[tuple[Task, Any]] = []
         with self._gui.add_folder("gains [1/s]", expand_by_default=len(session.tasks) <= 6):
@@ -200,7 +200,7 @@ class Panel:
             strokes = ({"label": name, "stroke": COLORS[i % 8], "width": 1.5} for i, name in enumerate(names))
             return {"label": "t [s]"}, *strokes
 
-        unit = "unit of x" if session.controller.order == "velocity" else "unit of the acceleration"
+        unit = "m/s, rad/s" if session.controller.order == "velocity" else "m/s², rad/s², N"
         self.residuals, self.speeds = (
             self._gui.add_uplot(
                 (empty, *(empty for _ in names)),
@@ -211,7 +211,7 @@ class Panel:
                 legend={"show": len(names) <= 12},
             )
             for names, title in (
-                (self._names, f"residual of each level [{unit}], {PLOTTED:g} s"),
+                (self._names, f"what each level lacks [{unit}], {PLOTTED:g} s"),
                 (joint_names(robot), f"joint velocities [{units(robot)}], {PLOTTED:g} s"),
             )
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 #: Size of a gizmo, and of the axes of a target that moves by itself, relative to the size of the robot.
 GIZMO, AXES = 0.14, 0.08
+#: The corner of a label that is at its target, of one target after the other: those of neighbours lie apart.
+CORNERS: tuple[Literal["top-left", "bottom-left", "top-right"], ...] = ("top-left", "bottom-left", "top-right")
 
 
 class Overlay(Protocol):
@@ -93,7 +95,7 @@ class Scene:
                 wxyz=wxyz,
             )
             gizmo.on_update(self._dragging(target, number, gizmo))
-        self._server.scene.add_label(f"{name}/label", target.name)
+        self._server.scene.add_label(f"{name}/label", target.name, anchor=CORNERS[number % len(CORNERS)])
         return gizmo
 
     def _dragging(self, target: Target, number: int, gizmo: Any) -> Callable[[Any], Any]:

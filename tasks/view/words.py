@@ -16,21 +16,21 @@ AT_LIMIT = 2e-3
 
 
 def status(session: Session) -> str:
-    """HTML of the time, the speed, and the verdict on the last checked tick."""
+    """HTML of the time and the speed, and below it of the verdict on the last checked tick: what is below stays put."""
     motion = session.motion
     state = "running" if session.running else "paused"
-    shown = [f"<b>t = {motion.t:.2f} s</b>, {state}", f"{session.rate:.0f} ticks/s"]
+    clock = [f"<b>t = {motion.t:.2f} s</b>, {state}", f"{session.rate:.0f} ticks/s"]
     if session.running and session.rate:
         real = session.rate * motion.dt
-        shown.append(f"{real:.2g} x real time")
-    if motion.recording:
-        shown.append(f"<span style='color:{BAD}'>recording, {motion.recorded} ticks</span>")
+        clock.append(f"{real:.2g} x real time")
+    told = ["nothing was checked yet"]
     if motion.verdict is not None:
         color, said = (GOOD, "certified") if motion.verdict.certified else (BAD, "not certified")
-        shown.append(f"<span style='color:{color}'>{said} at {motion.verdict.t:.2f} s</span>")
-    line = " &middot; ".join(shown)
-    message = f"<div style='color:{QUIET}'>{escape(session.message)}</div>" if session.message else ""
-    return _page(f"{line}{message}")
+        told = [f"<span style='color:{color}'>{said} at {motion.verdict.t:.2f} s</span>"]
+    if motion.recording:
+        told.append(f"<span style='color:{BAD}'>recording, {motion.recorded} ticks</span>")
+    lines = "".join(f"<div>{' &middot; '.join(shown)}</div>" for shown in (clock, told))
+    return _page(f"{lines}<div style='color:{QUIET}'>{escape(session.message) or '&nbsp;'}</div>")
 
 
 def reasons(session: Session) -> str:

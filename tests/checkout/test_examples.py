@@ -9,9 +9,13 @@ from pathlib import Path
 
 import matplotlib as mpl
 import pytest
+from command import ROOT
 from in_python import reasons
 
-EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("[0-9]*.py"))
+sys.path.insert(0, str(ROOT / "docs/_site"))
+from gallery import pictures
+
+EXAMPLES = sorted((ROOT / "examples").glob("[0-9]*.py"))
 MOST_LINES = 60
 IMAGES = EXAMPLES[0].parents[1] / "docs" / "images"
 LARGEST = {".png": 150_000, ".gif": 1_000_000}  # of a picture [bytes]
@@ -48,6 +52,8 @@ IN_PYTHON: dict[str, set[str]] = {}
 
 #: What each draws into the folder that it is given, also kept in the documentation.
 DRAWS = {
+    "02_planar_arm": ["planar_arm.png"],
+    "05_joint_limits": ["joint_limits.png"],
     "06_panda_elbow_up": ["panda_elbow.png"],
     "07_ur5_singularity": ["ur5_singularity.png"],
     "08_humanoid_reach": ["humanoid_reach.png"],
@@ -88,6 +94,12 @@ def test_every_example_is_expected():
     assert [path.stem for path in EXAMPLES] == sorted(SAYS)
 
 
+@pytest.mark.parametrize("name", DRAWS)
+def test_the_gallery_shows_what_an_example_draws(name: str):
+    code = (EXAMPLES[0].parent / f"{name}.py").read_text(encoding="utf-8")
+    assert sorted(pictures(code)) == DRAWS[name]
+
+
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_example(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
     """In this process, which has the kernels already: another takes seconds to start."""
@@ -126,10 +138,10 @@ def command(path: Path, folder: Path) -> list[str]:
 
 def check(path: Path, folder: Path, said: str) -> None:
     """What an example said, and what it left in its folder."""
-    pictures = DRAWS.get(path.stem, [])
+    drawn = DRAWS.get(path.stem, [])
     assert SAYS[path.stem] in said
     left = sorted(file.name for file in folder.iterdir())
-    assert left == pictures, "an example leaves its pictures alone, where it was told to"
-    for picture in pictures:
+    assert left == drawn, "an example leaves its pictures alone, where it was told to"
+    for picture in drawn:
         for place in folder, IMAGES:
             assert 0 < (place / picture).stat().st_size < LARGEST[Path(picture).suffix]

@@ -43,6 +43,17 @@ def test_conda_gets_the_bounds_of_pip() -> None:
     assert dict(line.split() for line in [*lines, *by_pip] if ">=" in line) == expected
 
 
+def test_a_source_distribution_has_what_its_tests_read() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    taken = {each.removeprefix("/") for each in project["tool"]["hatch"]["build"]["targets"]["sdist"]["include"]}
+    assert all((ROOT / each).exists() for each in taken)
+    read = {
+        own for path in Path(__file__).parent.glob("*.py") for own in re.findall(r'ROOT / "([^"/]+)', path.read_text())
+    }
+    always = {"README.md", "LICENSE", "pyproject.toml", ".gitignore"}
+    assert {each for each in read if (ROOT / each).exists()} <= taken | always
+
+
 def test_a_container_installs_what_there_is() -> None:
     """JSON with a comment, as its readers allow."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
