@@ -12,6 +12,7 @@ from proving import Point
 
 import hqp
 from hqp import Hierarchy, Level, certify
+from hqp.certificate.judging import judged
 from hqp.problems import FAMILIES
 
 UNDECIDABLE = [name for name, family in FAMILIES.items() if family.expect == "undecidable rank"]
@@ -86,6 +87,26 @@ def test_the_multipliers_of_free_rows_are_the_shortest() -> None:
             norms = h.row_norms()[: len(wanted.multipliers)]
             size = np.linalg.norm(norms * wanted.multipliers)
             np.testing.assert_allclose(norms * mine.multipliers, norms * wanted.multipliers, atol=1e-7 * size, rtol=0)
+
+
+def test_the_first_level_that_fails_is_the_same_whether_or_not_those_below_it_are_judged() -> None:
+    """Of optima, and of points beside them along what no row determines: rows of a task and single variables."""
+    determined = 0
+    for seed in range(100):
+        rng = np.random.default_rng(seed)
+        n, rows = 8, int(rng.integers(1, 6))
+        asked = rng.permutation(n)[: int(rng.integers(1, n + 1))]
+        task = Level.equality(rng.standard_normal((rows, n)), rng.standard_normal(rows))
+        h = Hierarchy([task, Level.equality(np.eye(n)[asked], rng.standard_normal(len(asked)))])
+        x = hqp.solve(h).x
+        _, sizes, directions = np.linalg.svd(np.vstack([level.A for level in h.levels]))
+        free = directions[np.count_nonzero(sizes > 1e-9) :]
+        determined += len(free) == 0
+        for beside in (np.zeros(n), *free):
+            failed, _, _ = judged(h, x + beside, np.zeros(n), 1e-9, every=False)
+            assert failed == (2 if beside.any() else None), seed
+            assert failed == judged(h, x + beside, np.zeros(n), 1e-9)[0], seed
+    assert 20 < determined < 80
 
 
 @pytest.mark.parametrize("little", [1e-15, 1e-11, 1e-8, 1e-4])

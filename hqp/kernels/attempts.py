@@ -199,7 +199,9 @@ def attempt(here, last, start, warm):
     while True:
         level, faults = integer(last + 1), integer(1)
         if start != SIDES:
-            level = exact_above = levels(here, last, start == WARM)
+            # A sweep has come before WARM: it tells from which level on the known sides are wrong.
+            known = first_contradiction(here, last) if start == WARM else last
+            level = exact_above = levels(here, last, start == WARM, known)
             faults = integer(level <= last + 1)
             head[at.SWEEPS] += level == last + 2
         if faults > 0 and level == last + 1:

@@ -5,7 +5,7 @@ W is the active set of level k: rows at a bound, of this level and of those abov
 
 1. The level is solved exactly with the rows of W as equalities (:mod:`.polish`); mostly that is all.
 2. If rows contradict this, a dual active-set method finds W in the null space of V (:mod:`.dual`), and the level is
-   solved again with it.
+   solved again with it: at first with softer rows, for which x moves less, and fewer rows come and go.
 3. If the softness in the dual method still hides a wrong row, exact primal steps finish the level (:mod:`.primal`).
 4. The rows that the level decides are frozen (:mod:`.freeze`).
 
@@ -32,15 +32,20 @@ from .primal import primal
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, note_spans, value_of
 from .working_set import FROZEN, FUTURE, HARD, IGNORED
 
-#: Softness of the level that is being solved, relative to the square of its longest row.
-SOFT = 1e-9
+#: Softness of the level that is being solved, relative to the square of its longest row: at first, as the active set of
+#: softer rows is found in fewer steps; and where that is not the right one.
+SOFT, HARDER = 1e-6, 1e-9
+#: Where a level begins: with its active rows as equalities, with the soft dual, or with the harder one.
+POLISH, SOFTLY, FIRMLY = 0, 1, 2
 #: Relative tolerance within which a starting point must satisfy the levels above.
 FEASIBLE = 1e-7
 
 
 @step
-def levels(here, last, warm):
+def levels(here, last, warm, known):
     """Find ``side`` for levels 0 .. last; with `warm`, from the sides at the end of each level of the last solve.
+
+    Those of the levels above `known` are likely to be right; below, the dual method begins at once.
 
     Returns
     -------
@@ -56,9 +61,14 @@ def levels(here, last, warm):
             changed = change_metric(here, k, frozen)
             if changed >= 0:  # level k is the last one now
                 frozen, last = changed, k
-        delta, end = take_up(here, k, last, warm), ptr[min(k + 1, last)]
-        for turn in range(2):
-            if turn > 0 or k == last:  # the last level has no rows of its own, and is hardly ever met: dual at once
+        longest, bounded = take_up(here, k, last, warm)
+        end = ptr[min(k + 1, last)]
+        # The last level has no rows of its own, and is hardly ever met: dual at once.
+        for turn in range(POLISH if k < min(known, last) else SOFTLY, FIRMLY + 1):
+            if turn == SOFTLY and not bounded:
+                continue
+            if turn > POLISH:
+                delta = soften(here, k, last, (SOFT if turn == SOFTLY else HARDER) * longest * longest)
                 count = assemble(here, k, last, frozen, delta)
                 count = settle(here, end, frozen, count, delta, rounds, FINE)
                 remember(here, k, last, count)
@@ -148,16 +158,17 @@ def take_up(here, k, last, warm):
 
     Returns
     -------
-    delta : float
-        Softness of the rows of this level.
+    longest : float
+        Length of the longest row of this level.
+    bounded : bool
+        Whether the level has inequalities.
     """
     m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
     side, kind, saved = marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.SAVED)
-    lo, hi, norm, softness = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.VALUE)
-    first, end, longest = ptr[k], ptr[min(k + 1, last)], 0.0
+    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
+    first, end, longest, bounded = ptr[k], ptr[min(k + 1, last)], 0.0, False
     for i in range(first, end):
-        longest = max(longest, norm[i])
-    delta = SOFT * longest * longest
+        longest, bounded = max(longest, norm[i]), bounded or lo[i] != hi[i]
     for i in range(end):
         if kind[i] == FROZEN or norm[i] == 0.0:
             continue
@@ -167,10 +178,17 @@ def take_up(here, k, last, warm):
             was = saved[k * m + i]
             fits = (was == LOWER and lo[i] != -math.inf) or (was == UPPER and hi[i] != math.inf)
             side[i] = was if fits else INACTIVE
-        if i >= first:
-            softness[i] = delta
-            if lo[i] == hi[i]:
-                side[i] = EQUALITY
+        if i >= first and lo[i] == hi[i]:
+            side[i] = EQUALITY
+    return longest, bounded
+
+
+@inner
+def soften(here, k, last, delta):
+    """Make `delta` the softness of the rows of level k; returns it."""
+    ptr, softness = marks(here, at.PTR), vector(here, at.VALUE)
+    for i in range(ptr[k], ptr[min(k + 1, last)]):
+        softness[i] = delta
     return delta
 
 

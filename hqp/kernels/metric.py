@@ -52,12 +52,15 @@ def change_metric(here, k, frozen):
             for j in range(n):
                 row[j] = kept[j]
         return integer(-1)
+    even = True
+    for j in range(n):
+        even = even and (asks[j] < 0 or scale[j] == 1.0)
     for q in range(u, frozen):
         row, source = V[q - u], V[q]
         for j in range(n):
             row[j] = scale[j] * source[j] if asks[j] >= 0 else 0.0
-        before, left = 1.0, 0.0
-        for _ in range(3):
+        before, left = 1.0, 1.0
+        for _ in range(0 if even else 3):  # reflections keep rows orthonormal, equal weights do, too
             project(row, wide, V, integer(0), q - u, scratch)
             left = length(row, wide)
             if left > CANCELLED * before:

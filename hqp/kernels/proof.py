@@ -18,6 +18,7 @@ from __future__ import annotations
 import math
 
 from . import layout as at
+from .closing import TOLD, variable_of
 from .compile import inner, integer
 from .escape import nonnegative
 from .members import list_part, prepare
@@ -28,6 +29,7 @@ from .rows import EQUALITY, INACTIVE, LOWER, UPPER
 from .shift import STATIONARITY, round_off
 from .span import CLEAR, FREE_RANK, enter, take_up
 from .states import ROUND_OFF, find_sides
+from .symmetric import cholesky
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance
 
 #: Round-off of a sum of forces, relative to the forces: where non-negative least squares end.
@@ -56,7 +58,7 @@ def proves(here):
         if head[at.FAILS] != at.PASSES and not every:
             continue
         scale, exact = gradient(here, k, way), True
-        if scale != 0.0:
+        if scale != 0.0 and not (k == levels and not every and determined(here, taken, base)):
             base, taken = widen(here, taken, k, base, True), integer(k)
             exact, base = balanced(here, k, base, scale)
         told[k][at.ACCEPTED] = exact
@@ -143,6 +145,39 @@ def widen(here, taken, k, base, held):
                 count += 1
         base = enter(here, count, base)
     return append_holding(here, taken, k, base) if held else base
+
+
+@inner
+def determined(here, taken, base):
+    """Whether V[:base] and those free rows from level `taken` on that tell single variables clearly span all of x.
+
+    They balance any gradient, so that the implicit last level needs no basis.
+    """
+    head = ints(here, 0, at.HEAD)
+    n, ptr, side, norm = head[at.N], marks(here, at.PTR), marks(here, at.HELD), vector(here, at.NORM)
+    told, others, V, F = marks(here, at.FREE), marks(here, at.QUEUE), matrix(here, at.V), matrix(here, at.FACTOR)
+    for j in range(n):
+        told[j] = 0
+    for i in range(ptr[taken], ptr[head[at.LEVELS]]):
+        j = variable_of(i, here) if side[i] == EQUALITY and norm[i] > 0.0 else integer(-1)
+        if j >= 0:
+            told[j] = 1
+    u = integer(0)
+    for j in range(n):
+        if told[j] == 0:
+            if u == base or u == len(F):
+                return False
+            others[u], u = j, u + 1
+    for a in range(u):
+        for b in range(a + 1):
+            total = 0.0
+            for q in range(base):
+                total += V[q][others[a]] * V[q][others[b]]
+            F[a][b] = total
+    clear = cholesky(F, F, u)
+    for a in range(u):
+        clear = clear and F[a][a] * F[a][a] > TOLD
+    return clear
 
 
 @inner
@@ -265,15 +300,19 @@ def begin(here, k, base):
 
 @inner
 def press(here, k, base):
-    """Append hard rows above level k to V[:base] while they are clearly independent; returns how many there are."""
+    """Append hard rows above level k to V[:base] while they are clearly independent; returns how many there are.
+
+    Only those that the solver has kept there, ``follow``: at a degenerate vertex many more are at a bound by chance.
+    """
     n, kind, pivot = ints(here, 0, at.HEAD)[at.N], marks(here, at.KIND), marks(here, at.PIVOT)
+    kept = marks(here, at.FOLLOW)
     ids, slots, lengths = marks(here, at.IDS), marks(here, at.SLOTS), vector(here, at.LENGTHS)
     norm, V, L, R = vector(here, at.NORM), matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
     count = integer(0)
     if base == n:
         return count
     for i in range(marks(here, at.PTR)[k]):
-        if kind[i] == HARD and count < len(R):
+        if kind[i] == HARD and kept[i] != INACTIVE and count < len(R):
             prepare(i, base, here)
             list_part(i, count, count, here)
             count += 1
