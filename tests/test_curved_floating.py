@@ -1,4 +1,7 @@
-"""Damping by curvature on a base that floats: hands that are in reach whatever the body does stay as near as strict."""
+"""Damping by curvature on a base that floats: hands that are in reach whatever the body does stay as near as strict.
+
+And a body below them arrives without swings.
+"""
 
 from __future__ import annotations
 
@@ -84,3 +87,21 @@ def test_hands_of_a_body_that_flies_are_as_near_as_strict(
         )
     assert off[0][0] <= 1.1 * off[1][0] + 1e-5
     assert off[0][1] <= 1.5 * off[1][1] + 1e-3
+
+
+@pytest.mark.parametrize(("arm", "dt"), [("ur5", 0.005), ("ur3", 0.005), ("ur5", 0.01)])
+def test_a_body_below_hands_arrives_without_swings_from_straight_arms(arm: str, dt: float) -> None:
+    robot = flying_arms(arm)
+    q = robot.configuration({})
+    start = robot.at(q)
+    hands = [
+        PoseTask(start.frame(f"{side}_tool0").position, start.frame(f"{side}_tool0").rotation, frame=f"{side}_tool0",
+                 gain=5.0, name=side)
+        for side in SIDES
+    ]  # fmt: skip
+    up = 0.2 if arm == "ur5" else 0.1
+    flies = PoseTask(np.array([0.0, 0.0, up]), np.eye(3), frame="base", gain=5.0, name="body")
+    stack = JointLimits() >> hands[0] + hands[1] >> flies >> PostureTask(q, gain=1.0)
+    record = simulate(Controller(robot, stack, dt=dt), q, duration=5.0)
+    far = np.linalg.norm(np.asarray(record.errors["body"])[:, :3], axis=1)
+    assert far[round(3.0 / dt) :].max() < 0.06 * far[0]

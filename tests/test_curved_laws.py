@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from tasks import (
     AtMost,
     AxisTask,
+    BoxLimit,
     Controller,
     Freeze,
     JointAccelerationLimit,
@@ -19,6 +20,7 @@ from tasks import (
     JointVelocityLimit,
     OrientationTask,
     PlanarArm,
+    PlaneLimit,
     PositionTask,
     PostureTask,
     TargetTask,
@@ -286,3 +288,25 @@ def test_a_bound_that_is_far_changes_nothing_on_any_level(seed: int, order: str)
     once = moved(None)
     for place in range(1, 5):
         np.testing.assert_allclose(moved(place), once, atol=1e-9 * max(1.0, np.abs(once).max()))
+
+
+def in_two(low: float, high: float):
+    """A band of heights in words that differ, each with two ends, or with one."""
+    far = np.array([-np.inf, np.inf])
+    yield BoxLimit([-9.0, low], [9.0, high], gain=20.0)
+    yield BoxLimit([-9.0, low], far[[1, 1]], gain=20.0) + BoxLimit(far[[0, 0]], [9.0, high], gain=20.0, name="below")
+    up = PlaneLimit([0.0, 1.0, 0.0], low, gain=20.0)
+    yield up + PlaneLimit([0.0, -1.0, 0.0], -high, gain=20.0, name="below")
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_it_does_not_matter_whether_a_band_is_told_in_one_row_or_in_two(seed: int) -> None:
+    rng, robot = np.random.default_rng(seed), PlanarArm([0.5, 0.4, 0.3, 0.2], velocity_limit=3.0)
+    q, v = 0.3 * rng.uniform(-1.0, 1.0, N), rng.uniform(-1.0, 1.0, N)
+    height = robot.at(q, v).frame().position[1]
+    one, *others = (
+        Controller(robot, JointLimits() + band >> tip(FAR) >> OrientationTask(0.5, gain=6.0) >> posture(), dt=DT)(q, v)
+        for band in in_two(height - 0.02, height + 0.02)
+    )
+    for other in others:
+        np.testing.assert_allclose(other.v, one.v, atol=1e-9)

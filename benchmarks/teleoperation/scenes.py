@@ -178,8 +178,8 @@ SEEN = (
 )
 
 #: No decision on this library was made with these. They were run once all constants stood; once a constant is changed
-#: in their view they belong to `SEEN`, and other seeds take their place. Two have been since: the deceleration at the
-#: ends of ranges, which changes random 301 alone, and the weights of what is handed over.
+#: in their view they belong to `SEEN`, and other seeds take their place. Three have been since: the deceleration at the
+#: ends of ranges, which changes random 301 alone, the weights of what is handed over, and the brake of what lags.
 UNSEEN = tuple(_random(seed) for seed in range(301, 306))
 
 

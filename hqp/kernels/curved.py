@@ -14,6 +14,7 @@ from . import curved_layout as at
 from . import layout as plain
 from .active_set import OPTIMAL
 from .bend import TRUSTED, bend, find_bounds
+from .brake import lags, note_asked
 from .call import called_on
 from .compile import entry, inner, integer, stamp
 from .curved_rows import demand, gather, kept, measure, norm_of, note_bounds, project, stack_above
@@ -134,6 +135,7 @@ def prepare(here, k, x):
         head[at.ACTIVE], matrix(here, at.NORMS)[k][head[at.NUMBER]] = 0, 0.0
         return opened
     least, size = project(here, count, d), 0.0
+    shortest = least
     spared = marks(here, at.CURVED)[k] == at.SPARED
     if not spared:
         least = least_apart(here, k, count, d, above, least)
@@ -164,6 +166,9 @@ def prepare(here, k, x):
     so_far[at.LEAN] = lean / math.sqrt(vector(here, at.SHARES)[k])
     so_far[at.ALIKE] = max(ALIKE, so_far[at.AT_BOUNDS] * (ALIKE_AT_BOUNDS if first != 0 else ALIKE_BELOW))
     so_far[at.SIZE], head[at.OPEN] = size, 1
+    head[at.LAGS] = 1 if first == 0 and lags(here, lean, 0.0 if strength > 0.0 else shortest) else 0
+    if head[at.LAGS] != 0:
+        note_asked(here, count, d, x)
     matrix(here, at.NORMS)[k][head[at.NUMBER]] = firmer * size
     vector(here, at.STRENGTHS)[k] = max(vector(here, at.STRENGTHS)[k], math.sqrt(strength))
     so_far[at.ABOVE_DAMPED] += strength

@@ -6,6 +6,7 @@ import math
 
 from . import curved_layout as at
 from . import layout as plain
+from .brake import along_directions, brake
 from .compile import inner, integer
 from .memory import floats, ints, marks, matrix, vector
 from .symmetric import cholesky
@@ -91,6 +92,7 @@ def weigh_lean(here, d, count, size, lean, alike):
     r"""Write the weight of the lean, :math:`w^2 (G^T G + P + c |J|^2)`, to KEPT; `lean` is w, `alike` c, `size` is |J|.
 
     It is relative to the rows and the damping, so that directions with small weights do not lag longer than others.
+    These, :math:`G^T G + P` along Z, are left in E.
     """
     E, P, G, W = matrix(here, at.E), matrix(here, at.P), matrix(here, at.G), matrix(here, at.KEPT)
     for p in range(d):
@@ -105,24 +107,17 @@ def weigh_lean(here, d, count, size, lean, alike):
     out_of_metric(here, at.E, d, at.KEPT)
     for p in range(d):
         for q in range(d):
+            E[p][q] = W[p][q]
             W[p][q] *= lean * lean
         W[p][p] += lean * lean * alike * size * size
 
 
 @inner
-def along_directions(here, d, x, out):
-    """Write out[:d] = Z x, the coordinates of x (n,) along the directions that are left."""
-    n, basis = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS)
-    for p in range(d):
-        direction, total = basis[p], 0.0
-        for j in range(n):
-            total += direction[j] * x[j]
-        out[p] = total
-
-
-@inner
 def draw(here, k, d, lean):
-    """Write M = L P L' + W of damping and lean, and ``mu`` = L P L' r + W v, aim r, last x v; whether M is not 0."""
+    """Write M = L P L' + W of damping and lean, and ``mu`` = L P L' r + W v, aim r, last x v; whether M is not 0.
+
+    What lags is braked: see :mod:`.brake`.
+    """
     M, W, towards = matrix(here, at.M), matrix(here, at.KEPT), vector(here, at.MU)
     there, trace = vector(here, at.VALUES), 0.0
     out_of_metric(here, at.P, d, at.M)
@@ -139,6 +134,8 @@ def draw(here, k, d, lean):
             for q in range(d):
                 towards[p] += W[p][q] * there[q]
                 M[p][q] += W[p][q]
+        if ints(here, 0, plain.HEAD)[at.LAGS] != 0:
+            brake(here, k, d)
     for p in range(d):
         M[p][p] += REGULAR * trace
     return trace > 0.0

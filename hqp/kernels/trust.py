@@ -35,12 +35,44 @@ def moves_along(value, low, high):
 
 
 @inner
+def sign_of(row, other, n):
+    """1 if two rows are equal, -1 if they are opposite, else 0."""
+    same, opposite = True, True
+    for j in range(n):
+        same = same and row[j] == other[j]
+        opposite = opposite and row[j] == -other[j]
+        if not (same or opposite):
+            return 0
+    return 1 if same else -1
+
+
+@inner
+def ends_of(here, i):
+    """The ends of dense row i above the curved levels; where it has but one, the other one from the rows alike it."""
+    lower, upper, col = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, plain.COL)
+    n, row_of, A = ints(here, 0, plain.HEAD)[plain.N], marks(here, plain.ROW_OF), matrix(here, plain.A)
+    low, high = lower[i], upper[i]
+    if (low == -math.inf) == (high == math.inf):
+        return low, high
+    for p in range(marks(here, at.OWN_OF)[ints(here, 0, plain.HEAD)[at.TOP]]):
+        r = marks(here, at.OWN)[p]
+        if col[r] >= 0 or r == i:
+            continue
+        sign = sign_of(A[row_of[i]], A[row_of[r]], n)
+        if sign > 0:
+            low, high = max(low, lower[r]), min(high, upper[r])
+        elif sign < 0:
+            low, high = max(low, -upper[r]), min(high, -lower[r])
+    return low, high
+
+
+@inner
 def crowded(here, x):
     """How close x moves along bounds of the levels above the curved ones, by :func:`moves_along`.
 
-    Bounds of a variable count as one pair, however many rows they are told in.
+    Bounds of a variable count as one pair, however many rows they are told in, and so do the two of a dense row.
     """
-    lower, upper, col = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, plain.COL)
+    col = marks(here, plain.COL)
     least, most, columns, gate = vector(here, at.LEAST), vector(here, at.MOST), marks(here, at.COLUMNS), 0.0
     for p in range(len(columns)):
         j = columns[p]
@@ -48,7 +80,8 @@ def crowded(here, x):
     for p in range(marks(here, at.OWN_OF)[ints(here, 0, plain.HEAD)[at.TOP]]):
         i = marks(here, at.OWN)[p]
         if col[i] < 0:
-            gate = max(gate, moves_along(value_at(here, i, x), lower[i], upper[i]))
+            low, high = ends_of(here, i)
+            gate = max(gate, moves_along(value_at(here, i, x), low, high))
     return gate
 
 
