@@ -13,8 +13,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hqp import Hierarchy, Level, certify, solve
+from hqp import Hierarchy, Level, Solver, certify, solve, solve_batch
 from hqp.arrays import Array
+from hqp.backends.graded import gradings
 from hqp.problems import random_hierarchy
 
 seeds = st.integers(0, 2**32 - 1)
@@ -175,3 +176,42 @@ def test_what_is_claimed_among_mixed_scales_is_certified(seeds: Iterable[int]) -
     for seed in seeds:
         solution = solve(of_mixed_scales(np.random.default_rng(seed)))
         assert not solution.ok or solution.certify().ok, seed
+
+
+def parts_of(h: Hierarchy) -> list[list[list[float]]]:
+    """The longest entry of each row, level by level, of every grading."""
+    return [
+        [np.abs(graded.matrix(k)).max(axis=1).tolist() for k in range(len(graded.levels))] for graded in gradings(h)
+    ]
+
+
+def test_long_rows_come_first_where_lengths_leave_a_gap() -> None:
+    uneven = Level.equality(np.diag([1.0, 0.0, 3e6, 30.0]), [1.0, 2.0, 3.0, 4.0], weights=[1.0, 1.0, 1.0, 0.1])
+    bounds = Level.bounds([0.0, 0.0], [1.0, 1.0], weights=[1.0, 5e4])
+    assert parts_of(Hierarchy([uneven, bounds], n=4)) == [
+        [[3e6], [30.0, 1.0, 0.0], [1.0], [1.0]],  # lengths are those of weighted rows; a row of zeros is no gap
+    ]
+    steps = Level.equality(np.diag([1.0, 50.0, 1e5]), [0.0, 0.0, 0.0])
+    assert parts_of(Hierarchy([steps])) == [[[1e5], [50.0, 1.0]], [[1e5], [50.0], [1.0]]]
+    assert parts_of(Hierarchy([Level.equality(np.eye(3), 1.0)])) == []
+
+
+@given(seeds)
+def test_a_grading_parts_levels_and_loses_no_row(seed: int) -> None:
+    h = of_mixed_scales(np.random.default_rng(seed))
+    for graded in gradings(h):
+        rows = np.column_stack([graded.dense(), graded.lower, graded.upper, graded.weights])
+        given_rows = np.column_stack([h.dense(), h.lower, h.upper, h.weights])
+        assert set(h.pointers) < set(graded.pointers)
+        for first, end in zip(h.pointers[:-1], h.pointers[1:], strict=True):
+            order, back = (np.lexsort(of[first:end].T) for of in (rows, given_rows))
+            np.testing.assert_array_equal(rows[first:end][order], given_rows[first:end][back])
+
+
+@pytest.mark.parametrize("seed", [1252, 8666, 13034, 13501, 22429])
+def test_round_off_of_long_rows_in_conflict_does_not_end_a_solve(seed: int) -> None:
+    """A short row beside them: which side of its bound it is on is decided by their round-off."""
+    h = of_mixed_scales(np.random.default_rng(seed))
+    for solution in solve(h), Solver().solve(h), solve_batch([h, h])[1]:
+        assert solution.ok
+        assert solution.certify().ok
