@@ -193,8 +193,12 @@ def rewritten(path: Path, **changes: Any) -> None:
         ({"columns": np.zeros(6)}, "its array 'columns' holds float64; it must hold integers"),
         ({"upper": np.array(["a"] * 6)}, "its array 'upper' holds <U1; it must hold floats"),
         ({"upper": np.array([{}] * 6)}, "Object arrays cannot be loaded"),
-        ({"columns": np.full(6, 4)}, r"level 0 \('limits'\), row 0: index 4, but the hierarchy has 4 unknowns"),
+        (
+            {"columns": np.array([4] * 3 + [-1] * 3)},
+            r"level 0 \('limits'\), row 0: index 4, but the hierarchy has 4 unknowns",
+        ),
         ({"columns": np.full(6, -2)}, "level 'limits', row 0: index -2 is negative"),
+        ({"columns": np.arange(6) % 4}, "its columns of level 1, which has rows of its own, must be -1"),
     ],
 )
 def test_refuses_files_in_which_something_is_wrong_and_says_what(
@@ -204,6 +208,29 @@ def test_refuses_files_in_which_something_is_wrong_and_says_what(
     rewritten(path, **changes)
     with pytest.raises(InvalidInput, match=re.escape(f"{str(path)!r} is no hierarchy, or damaged: ") + ".*" + said):
         hqp.load(path)
+
+
+@pytest.mark.parametrize("labels", [None, "abc", {"a": 1}, ["xyz", "xyz", "xyz"], [["a", "b"]]], ids=str)
+def test_refuses_labels_that_are_none_and_says_of_which_level(labels: Any, tmp_path: Path) -> None:
+    path = tmp_path / "h.npz"
+    hqp.save(path, Hierarchy([Level.equality(np.eye(3), 0.0)]))
+    with np.load(path) as archive:
+        arrays = dict(archive)
+    head = json.loads(str(arrays["head"]))
+    head["levels"][0]["labels"] = labels
+    np.savez(path, **arrays | {"head": np.array(json.dumps(head))})
+    with pytest.raises(InvalidInput, match="its head does not tell part, row and unit of every label of level 0"):
+        hqp.load(path)
+
+
+def test_x_ref_of_another_program_is_float64_whatever_its_kind_in_the_file(tmp_path: Path) -> None:
+    for kind in (">f8", "f4", np.longdouble):
+        rewritten(tmp_path / "h.npz", x_ref=np.arange(4.0).astype(kind))
+        _, x_ref = hqp.load(tmp_path / "h.npz")
+        assert x_ref is not None
+        assert x_ref.dtype == np.float64
+        assert x_ref.dtype.isnative
+        np.testing.assert_array_equal(x_ref, np.arange(4.0))
 
 
 @pytest.mark.parametrize(

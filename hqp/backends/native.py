@@ -29,6 +29,7 @@ from ..kernels.workspace import Workspace
 from ..settings import Settings
 from ..solution import Counts, Status
 from .base import Answer
+from .graded import gradings
 
 #: Tolerance on rows of the certificate, as the default of :func:`hqp.certify`.
 JUDGED = 1e-9
@@ -131,8 +132,8 @@ class Native:
         decided = self._settings.time_limit < math.inf or self._settings.rank_tolerance > MOST
         if answer.status is not Status.STALLED or decided:
             return answer
-        again = self._sharper(hierarchy, x_ref)
-        return again if again.status is Status.OPTIMAL else answer
+        again = (attempt(hierarchy, x_ref) for attempt in (self._sharper, self._graded))
+        return next((found for found in again if found.status is Status.OPTIMAL), answer)
 
     def _told(self, hierarchy: Hierarchy, x_ref: Array, outcome: int) -> Answer:
         """What the last run says, judged."""
@@ -149,6 +150,22 @@ class Native:
         outcome = memory.run(hierarchy.address)
         memory.option[at.TAU] = self._settings.rank_tolerance
         return self._told(hierarchy, x_ref, kernel.UNEVEN if outcome == OPTIMAL else outcome)
+
+    def _graded(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
+        """Once more with the long rows of a level above its short ones; the certificate judges them as one level."""
+        assert self._memory is not None
+        sweeps, iterations = self._memory.head[[at.SWEEPS, at.ITERATIONS]].tolist()
+        answer = Answer(x_ref, Status.STALLED)
+        for graded in gradings(hierarchy):
+            memory = Memory(graded.structure, self._settings)
+            memory.x_ref[:], memory.head[at.TRUSTED] = x_ref, 1
+            memory.run(graded.address)
+            sweeps, iterations = sweeps + memory.head[at.SWEEPS], iterations + memory.head[at.ITERATIONS]
+            counts = Counts(int(sweeps), int(iterations))
+            answer = judged(hierarchy, memory.x.copy(), x_ref, kernel.UNEVEN, 0, counts)
+            if answer.status is Status.OPTIMAL:
+                break
+        return answer
 
     def began(self, when: int) -> None:
         """The time limit of the next run counts from `when`, by ``time.monotonic_ns``."""

@@ -94,18 +94,20 @@ def load(path: str | os.PathLike[str]) -> tuple[Hierarchy, Array | None]:
         lower, upper, weights = (_array(arrays, name, (m,)) for name in ("lower", "upper", "weights"))
         columns = _array(arrays, "columns", (m,), "i")
         levels, first, above = [], 0, 0
-        for (name, rows, bounds), level in zip(kinds, head["levels"], strict=True):
+        for k, (name, rows, bounds) in enumerate(kinds):
             own = slice(first, first + rows)
             first += rows
-            labels = _labels(level)
+            labels = _labels(k, head["levels"][k])
             if bounds:
                 levels.append(Level.bounds(lower[own], upper[own], indices=columns[own], name=name, labels=labels))
                 continue
+            if (columns[own] != -1).any():
+                raise ValueError(f"its columns of level {k}, which has rows of its own, must be -1")
             levels.append(Level(A[above : above + rows], lower[own], upper[own], name=name, labels=labels))
             above += rows
         hierarchy = Hierarchy(levels, n=n)
         hierarchy.weights[:] = weights  # afterwards: a Level refuses what is not positive
-        x_ref = _array(arrays, "x_ref", (n,)).copy() if "x_ref" in arrays else None
+        x_ref = _array(arrays, "x_ref", (n,)).astype(np.float64) if "x_ref" in arrays else None
     return hierarchy, x_ref
 
 
@@ -130,11 +132,14 @@ def _described(level: Level) -> dict[str, Any]:
     return told
 
 
-def _labels(level: dict[str, Any]) -> list[Label] | None:
-    """The labels of a level, as :func:`_described` told them."""
+def _labels(k: int, level: dict[str, Any]) -> list[Label] | None:
+    """The labels of level k, as :func:`_described` told them."""
     if "labels" not in level:
         return None
-    return [Label(part, row, unit) for part, row, unit in level["labels"]]
+    told = level["labels"]
+    if not (isinstance(told, list) and all(isinstance(label, list) and len(label) == 3 for label in told)):
+        raise ValueError(f"its head does not tell part, row and unit of every label of level {k}")
+    return [Label(part, row, unit) for part, row, unit in told]
 
 
 def _kind(k: int, level: Any) -> tuple[str, int, bool]:

@@ -18,6 +18,9 @@ from .signs import CLEAR
 SHARPEST = 2e-12
 #: Dependent rows of which a larger share is left are not in doubt: the user has set such a rank tolerance on purpose.
 MOST = 1e-9
+#: A row of which a smaller share is left counts, but what it asks for is magnified, and so is the round-off of all rows
+#: that are left in its direction: the signs of their multipliers are in doubt.
+WEAK = 1e-5
 #: A row that is shorter by this factor than another of its level may disappear in the round-off of that one: forces and
 #: factors go by squares of lengths.
 EVEN = 1e-6
@@ -27,10 +30,13 @@ EVEN = 1e-6
 def note_doubt(here, begin, rank, count, pull):
     """Set DOUBT to 1 if the dependent rows of an unmet level leave too much of its forces, `pull`, unbalanced.
 
-    The `count` active rows of the level are in ``ids`` from place `begin` on: first `rank` pivot rows, then dependent
-    ones.
+    And if a pivot row is :data:`WEAK`. The `count` active rows of the level are in ``ids`` from place `begin` on: first
+    `rank` pivot rows, then dependent ones.
     """
     ids, lengths, w, norm = marks(here, at.IDS), vector(here, at.LENGTHS), vector(here, at.W), vector(here, at.NORM)
+    for r in range(begin, begin + rank):
+        if lengths[r] < WEAK * norm[ids[r]]:
+            ints(here, 0, at.HEAD)[at.DOUBT] = 1
     left = 0.0
     for r in range(begin + rank, begin + count):
         if lengths[r] <= MOST * norm[ids[r]]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from . import layout as at
 from .closing import close, spans_all
 from .compile import inner, integer
+from .doubt import WEAK
 from .extent import far
 from .memory import ints, marks, matrix, vector
 from .orthogonal import level_least_squares, padded, pivots, separate
@@ -141,10 +142,15 @@ def enter_level(here, k, c, f, tau):
 
 @inner
 def note_level(here, c, count, rank):
-    """Record which of the `count` rows in ``ids`` are pivot rows of V[c:], and the remainders of the dependent ones."""
+    """Record which of the `count` rows in ``ids`` are pivot rows of V[c:], and the remainders of the dependent ones.
+
+    Sets DOUBT if a pivot row is :data:`.doubt.WEAK`.
+    """
     pivot, ids, dependent = marks(here, at.PIVOT), marks(here, at.IDS), marks(here, at.KIND)
-    lengths, left = vector(here, at.LENGTHS), vector(here, at.VALUE)
+    lengths, left, L, norm = vector(here, at.LENGTHS), vector(here, at.VALUE), matrix(here, at.L), vector(here, at.NORM)
     for r in range(rank):
+        if abs(L[ids[r]][c + r]) < WEAK * norm[ids[r]]:
+            ints(here, 0, at.HEAD)[at.DOUBT] = 1
         pivot[c + r] = ids[r]
         dependent[ids[r]] = 0
     for r in range(rank, count):
