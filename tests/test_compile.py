@@ -12,11 +12,12 @@ from types import SimpleNamespace
 
 import numba
 import pytest
+from numba.core import compiler_machinery
 
 from hqp import Solver
 from hqp.backends import native
 from hqp.kernels import compile as compiling
-from hqp.kernels import part
+from hqp.kernels import compiler, part
 
 
 def test_without_a_folder_to_write_to_a_kernel_is_compiled_and_not_kept(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -50,8 +51,42 @@ def test_a_kernel_that_others_call_is_optimised_in_these_alone(decorator, code: 
 @pytest.mark.parametrize("missing", part.PRIVATE)
 def test_a_numba_whose_libraries_are_others_compiles_kernels_as_it_does(missing: str) -> None:
     names = dict.fromkeys(set(part.PRIVATE) - {missing})
-    assert part.as_part(SimpleNamespace(**names)) == {}
-    assert part.as_part() == {"pipeline_class": part.PartCompiler}
+    assert compiler.pipeline(compiler.PartCompiler, library=SimpleNamespace(**names)) == {}
+    assert compiler.pipeline(compiler.PartCompiler, flags=SimpleNamespace) == {}
+    assert compiler.pipeline(compiler.PartCompiler) == {"pipeline_class": compiler.PartCompiler}
+
+
+def test_a_kernel_is_compiled_once_for_all_values_of_its_arguments() -> None:
+    @compiling.inner
+    def power(base, times, inverse=False):
+        result = 1.0
+        for _ in range(times):
+            result *= base
+        return 1.0 / result if inverse else result
+
+    def powers(number):
+        return power(number, 2) + power(number, 3) + power(number, 1, True) + power(number, inverse=False, times=1)
+
+    assert compiling.entry(powers)(2.0) == 4.0 + 8.0 + 0.5 + 2.0
+    assert [str(kind) for kinds in power.overloads for kind in kinds[:2]] == ["float64", "int64"] * 2  # inverse omitted
+
+
+def test_flags_are_equal_where_their_values_are() -> None:
+    """Numba keeps the types of operations by them."""
+    fast, same, other = (compiler.KernelFlags() for _ in range(3))
+    fast.release_gil, same.release_gil = True, True
+    same.nrt = compiler.Flags().nrt  # set, to what it is if it is not
+    assert fast == same
+    assert hash(fast) == hash(same)
+    assert fast not in (other, compiler.Flags(fast))
+    assert fast.copy() == fast
+    assert type(fast.copy()) is compiler.KernelFlags
+
+
+@pytest.mark.parametrize("name", sorted(compiler.NEEDLESS))
+def test_passes_that_kernels_do_not_need_are_known_to_numba(name: str) -> None:
+    known = compiler_machinery._pass_registry._registry.values()
+    assert name in {entry.pass_inst.name() for entry in known}
 
 
 HELPER = """

@@ -15,23 +15,28 @@ from pathlib import Path
 import numba
 from numba import config, int64, njit
 
-from .part import as_part
+from .compiler import KernelCompiler, PartCompiler, for_all_values, pipeline
 
 LOG = logging.getLogger("hqp")
 
 FAST = {"reassoc", "contract", "nsz"}
-ENTRY = {"fastmath": FAST, "error_model": "numpy", "nogil": True, "_nrt": False}
+OPTIONS = {"fastmath": FAST, "error_model": "numpy", "nogil": True, "_nrt": False}
+ENTRY = OPTIONS | pipeline(KernelCompiler)
+PART = OPTIONS | pipeline(PartCompiler) | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 #: Whether the interpreter runs the loops (NUMBA_DISABLE_JIT=1), as for stepping through them in a debugger.
 INTERPRETED = bool(config.DISABLE_JIT)
 
 #: Type of counters at their start: Numba would compile a separate variant of every kernel that is given a literal.
 integer = int64
-#: Decorator of kernels that only other kernels call: parts of these, without a wrapper to call them from Python.
-inner = njit(no_cpython_wrapper=True, no_cfunc_wrapper=True, **ENTRY, **as_part())
 
 #: Decorator of kernels with one single caller: inlined into it, so compiled once.
-step = njit(inline="always", **ENTRY)
+step = njit(inline="always", **OPTIONS)
+
+
+def inner(function):
+    """Decorator of kernels that only other kernels call: parts of these, compiled once for all values of arguments."""
+    return for_all_values(njit(**PART)(function))
 
 
 def plain(kernel):

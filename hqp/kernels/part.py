@@ -8,9 +8,8 @@ part is translated, and nothing more; an entry is optimised once, with all of it
 from __future__ import annotations
 
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
 
-#: What is overridden here of Numba's library of the code of a function, and where its compiler expects that library.
+#: What is overridden here of Numba's library of the code of a function.
 PRIVATE = (
     "_optimize_final_module",
     "_finalize_final_module",
@@ -42,20 +41,3 @@ class Part(JITCodeLibrary):
 
     def set_env(self, name, environment):
         """There is no machine code that could need it."""
-
-
-class PartCompiler(Compiler):
-    """Numba's compiler, which writes into a :class:`Part`."""
-
-    def define_pipelines(self):
-        """The passes of any compilation."""
-        state = self.state
-        if state.library is None:
-            state.library = Part(state.targetctx.codegen(), state.func_id.func_qualname)
-            state.library.enable_object_caching()
-        return super().define_pipelines()
-
-
-def as_part(library=JITCodeLibrary):
-    """The options that make parts of kernels; none, so slower to compile, if Numba's library lacks a private name."""
-    return {"pipeline_class": PartCompiler} if all(hasattr(library, name) for name in PRIVATE) else {}
