@@ -199,9 +199,7 @@ def attempt(here, last, start, warm):
     while True:
         level, faults = integer(last + 1), integer(1)
         if start != SIDES:
-            # A sweep has come before WARM: it tells from which level on the known sides are wrong.
-            known = first_contradiction(here, last) if start == WARM else last
-            level = exact_above = levels(here, last, start == WARM, known)
+            level = exact_above = levels(here, last, start == WARM)
             faults = integer(level <= last + 1)
             head[at.SWEEPS] += level == last + 2
         if faults > 0 and level == last + 1:

@@ -42,10 +42,8 @@ FEASIBLE = 1e-7
 
 
 @step
-def levels(here, last, warm, known):
+def levels(here, last, warm):
     """Find ``side`` for levels 0 .. last; with `warm`, from the sides at the end of each level of the last solve.
-
-    Those of the levels above `known` are likely to be right; below, the dual method begins at once.
 
     Returns
     -------
@@ -64,7 +62,7 @@ def levels(here, last, warm, known):
         longest, bounded = take_up(here, k, last, warm)
         end = ptr[min(k + 1, last)]
         # The last level has no rows of its own, and is hardly ever met: dual at once.
-        for turn in range(POLISH if k < min(known, last) else SOFTLY, FIRMLY + 1):
+        for turn in range(POLISH if k < last else SOFTLY, FIRMLY + 1):
             if turn == SOFTLY and not bounded:
                 continue
             if turn > POLISH:
