@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import gc
 import os
 import subprocess
 import sys
@@ -17,7 +18,7 @@ from numba.core import compiler_machinery
 from hqp import Solver
 from hqp.backends import native
 from hqp.kernels import compile as compiling
-from hqp.kernels import compiler, part
+from hqp.kernels import compiler, part, ready
 
 
 def test_without_a_folder_to_write_to_a_kernel_is_compiled_and_not_kept(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -81,6 +82,28 @@ def test_flags_are_equal_where_their_values_are() -> None:
     assert fast not in (other, compiler.Flags(fast))
     assert fast.copy() == fast
     assert type(fast.copy()) is compiler.KernelFlags
+
+
+@pytest.mark.parametrize("given", [(700, 10, 10), (0, 10, 10), (10**6, 3, 3)])
+def test_the_collector_looks_rarely_while_kernels_are_compiled(given: tuple[int, int, int]) -> None:
+    """And is left as it was, switched off or rarer still, even if compiling fails."""
+
+    class Kernel:
+        signatures = ()
+
+        def compile(self, signature):
+            seen.append(gc.get_threshold())
+            raise OSError(errno.ENOSPC, "a full disk, and no code")
+
+    before, seen = gc.get_threshold(), []
+    try:
+        gc.set_threshold(*given)
+        with pytest.raises(OSError, match="a full disk"):
+            ready.make_ready(Kernel(), "a kernel")
+        assert gc.get_threshold()[0] == given[0]
+    finally:
+        gc.set_threshold(*before)
+    assert [threshold[0] for threshold in seen] == [ready.RARELY[0] if given[0] == 700 else given[0]]
 
 
 @pytest.mark.parametrize("name", sorted(compiler.NEEDLESS))
