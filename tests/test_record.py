@@ -294,4 +294,7 @@ def test_a_motion_becomes_a_page(record, tmp_path):
         record.save_html(tmp_path / "other.html", rate=0.0)
     with pytest.raises(InvalidInput, match="at most 240"):
         record.save_html(tmp_path / "other.html", rate=1e9)
+    with pytest.raises(InvalidInput, match=r"other\.png'; a page is called \.html or \.htm"):
+        record.save_html(tmp_path / "other.png")
+    assert not (tmp_path / "other.png").exists()
     assert not (tmp_path / "other.html").exists()

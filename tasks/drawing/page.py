@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from ..robots.robot import Robot
 from .figure import figure
 from .stage import look, open_stage
 
+#: What a page is called: browsers show a file of another name as text, or not at all.
+SUFFIXES = (".html", ".htm")
 #: Pictures a second, at most: what a fast screen shows.
 MOST_RATE = 240.0
 
@@ -35,9 +38,11 @@ def save_page(path: str | os.PathLike[str], robot: Robot, t: Array, q: Array, ra
     Raises
     ------
     InvalidInput
-        If the configurations do not fit the robot, there are none, the rate is above `MOST_RATE`, or the file cannot be
-        written.
+        If the configurations do not fit the robot, there are none, the rate is above `MOST_RATE`, the file has another
+        suffix than those of a page, or it cannot be written.
     """
+    if Path(path).suffix.lower() not in SUFFIXES:
+        raise InvalidInput(f"path = {str(path)!r}; a page is called {' or '.join(SUFFIXES)}")
     rate = positive_scalar(rate, "rate", unit="1/s")
     if rate > MOST_RATE:
         raise InvalidInput(f"rate = {rate:g} 1/s; it must be at most {MOST_RATE:g}, as fast as a screen")

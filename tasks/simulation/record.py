@@ -227,7 +227,8 @@ class Record:
         Raises
         ------
         InvalidInput
-            If there is no robot, it has other sizes than the one that moved, or the file cannot be written.
+            If there is no robot, it has other sizes than the one that moved, the file is not called .html or .htm, or
+            it cannot be written.
         MissingPackage
             If viser is not installed.
         """
