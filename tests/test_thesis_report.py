@@ -303,7 +303,7 @@ def test_ctrl_c_in_the_middle_and_on_again(tmp_path):
     first.send_signal(signal.SIGINT)
     _, told = first.communicate()
     assert first.returncode == 130
-    assert told.strip().endswith("hqp: interrupted; what was finished is kept")
+    assert "hqp: interrupted; what was finished is kept" in told.splitlines()  # loky may tell of its files after it
     kept = len(list(tmp_path.glob("runs/*.npz")))
     assert 2 <= kept < 20
     second = subprocess.run(command, capture_output=True, text=True, check=True, cwd=ROOT)
