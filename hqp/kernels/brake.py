@@ -16,6 +16,7 @@ import math
 from . import curved_layout as at
 from . import layout as plain
 from .compile import inner
+from .hand_over import along
 from .memory import ints, marks, matrix, vector
 from .symmetric import eigen
 
@@ -23,17 +24,6 @@ from .symmetric import eigen
 RATIO = 0.8
 #: Power with which the brake is let go as x becomes as fast as its rows ask for.
 LET_GO = 4
-
-
-@inner
-def along_directions(here, d, x, out):
-    """Write out[:d] = Z x, the coordinates of x (n,) along the directions that are left."""
-    n, basis = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS)
-    for p in range(d):
-        direction, total = basis[p], 0.0
-        for j in range(n):
-            total += direction[j] * x[j]
-        out[p] = total
 
 
 @inner
@@ -52,7 +42,7 @@ def note_asked(here, count, d, x):
     n, J, basis = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), matrix(here, at.BASIS)
     ids, lower, weights = marks(here, at.IDS), vector(here, plain.LOWER), vector(here, plain.WEIGHTS)
     held, moved, pull = vector(here, at.REACH), vector(here, at.MU), vector(here, at.PULL)
-    along_directions(here, d, x, pull)
+    along(here, x, d, pull)
     for j in range(n):
         held[j], moved[j] = x[j], 0.0
     for p in range(d):
@@ -65,7 +55,7 @@ def note_asked(here, count, d, x):
             lacks -= row[j] * held[j]
         for j in range(n):
             moved[j] += lacks * row[j]
-    along_directions(here, d, moved, pull)
+    along(here, moved, d, pull)
 
 
 @inner
@@ -98,7 +88,7 @@ def brake(here, k, d):
     so_far, E, U, values = vector(here, at.SO_FAR), matrix(here, at.E), matrix(here, at.U), vector(here, at.VALUES)
     pull, last, towards = vector(here, at.PULL), vector(here, at.REACH), vector(here, at.MU)
     floor, lean = so_far[at.ALIKE] * so_far[at.SIZE] ** 2, so_far[at.LEAN] * math.sqrt(vector(here, at.SHARES)[k])
-    along_directions(here, d, vector(here, at.LAST), last)
+    along(here, vector(here, at.LAST), d, last)
     eigen(E, U, values, d)
     force, asked, goes = E[0], 0.0, 0.0
     for p in range(d):

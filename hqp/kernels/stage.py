@@ -6,8 +6,9 @@ import math
 
 from . import curved_layout as at
 from . import layout as plain
-from .brake import along_directions, brake
+from .brake import brake
 from .compile import inner, integer
+from .hand_over import along
 from .memory import floats, ints, marks, matrix, vector
 from .symmetric import cholesky
 
@@ -121,14 +122,14 @@ def draw(here, k, d, lean):
     M, W, towards = matrix(here, at.M), matrix(here, at.KEPT), vector(here, at.MU)
     there, trace = vector(here, at.VALUES), 0.0
     out_of_metric(here, at.P, d, at.M)
-    along_directions(here, d, matrix(here, at.AIMS)[k], there)
+    along(here, matrix(here, at.AIMS)[k], d, there)
     for p in range(d):
         trace += M[p][p]
         towards[p] = 0.0
         for q in range(d):
             towards[p] += M[p][q] * there[q]
     if lean > 0.0:
-        along_directions(here, d, vector(here, at.LAST), there)
+        along(here, vector(here, at.LAST), d, there)
         for p in range(d):
             trace += W[p][p]
             for q in range(d):
@@ -151,7 +152,7 @@ def stay(here, k, d):
     for p in range(d):
         for q in range(d):
             K[p][q] = 1.0 if p == q else 0.0
-    along_directions(here, d, matrix(here, at.POINTS)[k - 1], vector(here, at.MU))
+    along(here, matrix(here, at.POINTS)[k - 1], d, vector(here, at.MU))
     return True
 
 
