@@ -15,7 +15,7 @@ import numba
 import pytest
 from numba.core import compiler_machinery
 
-from hqp import Solver
+from hqp import Solver, collector
 from hqp.backends import native
 from hqp.kernels import compile as compiling
 from hqp.kernels import compiler, part, ready
@@ -103,7 +103,22 @@ def test_the_collector_looks_rarely_while_kernels_are_compiled(given: tuple[int,
         assert gc.get_threshold()[0] == given[0]
     finally:
         gc.set_threshold(*before)
-    assert [threshold[0] for threshold in seen] == [ready.RARELY[0] if given[0] == 700 else given[0]]
+    assert [threshold[0] for threshold in seen] == [collector.RARELY[0] if given[0] == 700 else given[0]]
+
+
+def test_the_collector_is_left_as_it_was_found_whoever_ends_first() -> None:
+    before = gc.get_threshold()
+    gc.set_threshold(700, 10, 10)
+    try:
+        first, second = collector.collected_rarely(), collector.collected_rarely()
+        first.__enter__()
+        second.__enter__()
+        first.__exit__(None, None, None)
+        assert gc.get_threshold()[0] == collector.RARELY[0]
+        second.__exit__(None, None, None)
+        assert gc.get_threshold()[0] == 700
+    finally:
+        gc.set_threshold(*before)
 
 
 @pytest.mark.parametrize("name", sorted(compiler.NEEDLESS))

@@ -8,6 +8,7 @@ from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 
+from ..collector import collected_rarely
 from ..errors import UnknownBackend, brief
 from ..settings import Settings
 from .base import Backend
@@ -201,5 +202,6 @@ def backend_info(name: str) -> BackendInfo:
 def make_backend(name: str, settings: Settings) -> Backend:
     """Import the backend's module, now, and make one."""
     info = backend_info(name)
-    backend: Backend = import_module(f".{info.module}", __package__).make(info.name, settings)
+    with collected_rarely():
+        backend: Backend = import_module(f".{info.module}", __package__).make(info.name, settings)
     return backend

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import gc
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from threading import Lock
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numba import int64
 from numba.core import event
 
+from ..collector import collected_rarely
 from .compile import INTERPRETED
 
 #: Of the kernels: two addresses, an outcome.
@@ -20,12 +18,6 @@ SIGNATURE = int64(int64, int64)
 
 #: What this process has told of.
 _ANNOUNCED: set[str] = set()
-
-#: Thresholds of Python's collector while kernels are compiled. Numba makes millions of objects that live as long as it
-#: compiles; the usual thresholds look at them again and again, which takes a sixth of the time.
-RARELY = 50_000, 20, 1_000
-#: Who may set these.
-_COLLECTOR = Lock()
 
 
 class _Announcement(event.Listener):
@@ -46,26 +38,13 @@ class _Announcement(event.Listener):
     said = False
 
 
-@contextmanager
-def _collected_rarely() -> Iterator[None]:
-    """Compile with the collector at these thresholds, and leave it as it was."""
-    with _COLLECTOR:
-        before = gc.get_threshold()
-        if 0 < before[0] < RARELY[0]:
-            gc.set_threshold(*RARELY)
-        try:
-            yield
-        finally:
-            gc.set_threshold(*before)
-
-
 def make_ready(function: Any, what: str, signature: Any = SIGNATURE) -> bool:
     """The same for any kernel, by default of two addresses, see :func:`hqp.kernels.compile.entry`."""
     if INTERPRETED or function.signatures:
         return False
     listener = _Announcement(what)
     try:
-        with _collected_rarely(), event.install_listener("numba:compile", listener):
+        with collected_rarely(), event.install_listener("numba:compile", listener):
             function.compile(signature)
     except OSError:  # a full disk: compiled, but not kept
         if not function.signatures:
