@@ -101,12 +101,14 @@ def run(
 def _worked(plan: object, cells: Sequence[object], jobs: int, dask: str | None) -> Iterator[tuple[object, object]]:
     """Measure the cells: in this process, in several, or on a cluster."""
     from hqp import Solver
+    from hqp.certificate import judging
 
     from .sweep import workers
 
     if not cells:
         return iter(())
     Solver("native")  # compiled once, not by every process
+    judging.warm_up()
     if dask is not None:
         return workers.cluster(plan, cells, dask)
     if jobs != 1:
