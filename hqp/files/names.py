@@ -31,7 +31,9 @@ def misnamed(path: Path, what: str, suffixes: Collection[str]) -> str | None:
     """Why a file of this name cannot be `what`, or None if it can."""
     if path.suffix.lower() in suffixes:
         return None
-    return f"{what} is called {' or '.join(suffix or 'without a suffix' for suffix in suffixes)}"
+    *first, last = filter(None, suffixes)
+    named = f"{', '.join(first)} or {last}" if first else last
+    return f"{what} is called {named}{', or has no suffix' if '' in suffixes else ''}"
 
 
 def check_name(path: str | os.PathLike[str], what: str, suffixes: Collection[str]) -> None:
