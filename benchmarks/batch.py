@@ -9,6 +9,7 @@ import numpy as np
 import typer
 
 from hqp import Batch, BatchSolver, Hierarchy, Solver
+from hqp.commands.options import integer
 from hqp.commands.terminal import console
 
 from .families import Family, moved
@@ -25,9 +26,9 @@ def batch(
     family: Annotated[
         list[str] | None, typer.Option("--family", "-f", help="Only this one; may be given several times.")
     ] = None,
-    count: Annotated[int, typer.Option("--count", "-n", min=1, help="Hierarchies of each family.")] = 256,
+    count: Annotated[int, integer("--count", "-n", least=1, help="Hierarchies of each family.")] = 256,
     threads: Annotated[
-        list[int] | None, typer.Option("--threads", min=1, help="May be given several times; 1 and 2 by default.")
+        list[int] | None, integer("--threads", least=1, help="May be given several times; 1 and 2 by default.")
     ] = None,
 ) -> None:
     """Race batches, warm after the targets have moved by 2 %, against as many single warm calls."""

@@ -15,13 +15,13 @@ from rich.console import Console
 from rich.progress import Progress
 
 from hqp import InvalidInput
-from hqp.commands.command import path
+from hqp.commands.options import integer, path
 from hqp.commands.terminal import console
 from hqp.files.whole import writable
 
 from .checkout import HERE
 from .registry import select
-from .tables import Row, save, show, terminal
+from .tables import Out, Row, save, show, terminal
 
 SOLVE = """
 from hqp import Hierarchy, Level, solve
@@ -64,13 +64,11 @@ def compile_(
         list[str] | None,
         typer.Option("--program", "-p", help="solve, tick or warmup; may be given several times."),
     ] = None,
-    rounds: Annotated[int, typer.Option("--rounds", min=1, help="How many times everything is compiled.")] = 1,
+    rounds: Annotated[int, integer("--rounds", least=1, help="How many times everything is compiled.")] = 1,
     against: Annotated[
         Path | None, typer.Option("--against", help="Another checkout, which takes turns with this one.", parser=path)
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=path)
-    ] = None,
+    out: Out = None,
 ) -> None:
     """Measure what compiling costs, and a start with all compiled; compare with another checkout."""
     programs = select(program, {name: name for name in PROGRAMS}, "program")

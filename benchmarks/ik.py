@@ -6,7 +6,6 @@ import gc
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
@@ -15,14 +14,14 @@ from rich.console import Console
 from rich.progress import Progress
 
 from hqp import InvalidInput
-from hqp.commands.command import path
+from hqp.commands.options import integer
 from hqp.commands.terminal import console
 from hqp.files.whole import writable
 from tasks import load_robot
 
 from .ik_methods import METHODS, missing
 from .ik_ours import TOLERANCE, Method, Outcome, Target
-from .tables import Row, save, show, terminal
+from .tables import Out, Row, save, show, terminal
 
 if TYPE_CHECKING:
     from tasks.robots.pinocchio import PinocchioRobot
@@ -77,20 +76,18 @@ ATTEMPTS, OUTSIDE = (1, 10), 1e-9
 
 
 def ik(
-    count: Annotated[int, typer.Option("--count", "-n", min=1, help="Poses of each robot.")] = 1000,
+    count: Annotated[int, integer("--count", "-n", least=1, help="Poses of each robot.")] = 1000,
     robot: Annotated[
         list[str] | None, typer.Option("--robot", "-r", help="One of these; may be given several times.")
     ] = None,
     attempts: Annotated[
         list[int] | None,
-        typer.Option("--attempts", "-a", min=1, help="May be given several times (default: 1 and 10)."),
+        integer("--attempts", "-a", least=1, help="May be given several times (default: 1 and 10)."),
     ] = None,
-    budget: Annotated[int, typer.Option("--budget", "-b", min=1, help="Steps of an attempt.")] = 100,
-    seed: Annotated[int, typer.Option("--seed", min=0)] = 0,
+    budget: Annotated[int, integer("--budget", "-b", least=1, help="Steps of an attempt.")] = 100,
+    seed: Annotated[int, integer("--seed", least=0)] = 0,
     start: Annotated[Literal["home", "neutral"], typer.Option("--start", help="Where all of them start.")] = "home",
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=path)
-    ] = None,
+    out: Out = None,
 ) -> None:
     """Solve for random reachable poses by this library, Pink, mink and OInK, interleaved in one run."""
     for name in robot or ():

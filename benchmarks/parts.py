@@ -14,12 +14,12 @@ from rich.console import Console
 from rich.progress import Progress
 
 from hqp import InvalidInput
-from hqp.commands.command import path
+from hqp.commands.options import integer, path
 from hqp.commands.terminal import console
 from hqp.files.whole import writable
 
 from .registry import select
-from .tables import Row, save, show, terminal
+from .tables import Out, Row, save, show, terminal
 from .ticks.blocks import Blocks, Here, There
 from .ticks.parts import ACCELERATION, KINDS, ORDERS, PLAIN, Kind, Order
 
@@ -49,16 +49,14 @@ def parts(
         list[str] | None,
         typer.Option("--order", help="velocity, acceleration or torque; may be given several times."),
     ] = None,
-    ticks: Annotated[int, typer.Option("--ticks", "-n", min=1, help="Length of a block.")] = 50,
-    rounds: Annotated[int, typer.Option("--rounds", min=1, help="Blocks of each stack.")] = 8,
-    poses: Annotated[int, typer.Option("--poses", min=0, help="Poses of solve_ik in a block; 0 for none.")] = 10,
+    ticks: Annotated[int, integer("--ticks", "-n", least=1, help="Length of a block.")] = 50,
+    rounds: Annotated[int, integer("--rounds", least=1, help="Blocks of each stack.")] = 8,
+    poses: Annotated[int, integer("--poses", least=0, help="Poses of solve_ik in a block; 0 for none.")] = 10,
     against: Annotated[
         Path | None,
         typer.Option("--against", help="Another checkout, whose library takes turns with this one.", parser=path),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=path)
-    ] = None,
+    out: Out = None,
 ) -> None:
     """Time a tick of a Panda with every kind of part, compared with plain tasks, or with another checkout."""
     kinds = [PLAIN, *(kind for kind in select(part, {k.name: k for k in KINDS}, "part") if kind is not PLAIN)]

@@ -8,19 +8,21 @@ from typing import Annotated
 import typer
 
 from hqp import InvalidInput
-from hqp.commands.command import path
+from hqp.commands.options import file, path
 from hqp.commands.terminal import console
 from hqp.files.whole import writable
 
 from .extra import required_packages
 
+#: What the files are called that are written.
+PAGE, FIGURE, ROWS = ("a page", (".md",)), ("a figure", (".png", ".pdf", ".svg")), ("a table", (".csv", ".parquet"))
 Run = Annotated[Path, typer.Argument(help="The folder of a run.", metavar="RUN", parser=path)]
 
 
 def report(
     run: Run,
     out: Annotated[
-        Path, typer.Option("--out", "-o", help="The page; figures go to 'images' beside it.", parser=path)
+        Path, typer.Option("--out", "-o", help="The page; figures go to 'images' beside it.", parser=file(*PAGE))
     ] = Path("out/benchmarks/report/benchmark-results.md"),
 ) -> None:
     """Write a run as a Markdown page with figures."""
@@ -35,14 +37,16 @@ def report(
     printer = console(120)
     if missing := len(store.missing()):
         printer.print(f"the run is not finished: {missing} of {len(store.plan.cells())} cells are missing")
-    for file in write(store, out, images):
-        printer.print(str(file), markup=False, soft_wrap=True)
+    for written in write(store, out, images):
+        printer.print(str(written), markup=False, soft_wrap=True)
 
 
 def plot(
     run: Run,
     figure: Annotated[str, typer.Argument(help="profiles, growth, accuracy, or tails.")],
-    out: Annotated[Path, typer.Option("--out", "-o", help="A PNG, PDF or SVG file.", parser=path)] = Path("plot.png"),
+    out: Annotated[Path, typer.Option("--out", "-o", help="A PNG, PDF or SVG file.", parser=file(*FIGURE))] = Path(
+        "plot.png"
+    ),
 ) -> None:
     """Draw one figure of a run."""
     required_packages()
@@ -51,8 +55,6 @@ def plot(
 
     if figure not in FIGURES:
         raise InvalidInput(f"unknown figure {figure!r}; there are {', '.join(FIGURES)}")
-    if out.suffix not in (".png", ".pdf", ".svg"):
-        raise InvalidInput(f"--out {str(out)!r}: give a file that ends in .png, .pdf or .svg")
     rows = Store.open(run).table()
     writable(out.parent, [out.name])
     FIGURES[figure](rows, out)
@@ -60,17 +62,15 @@ def plot(
 
 def export(
     run: Run,
-    out: Annotated[Path, typer.Argument(help="A CSV or Parquet file.", metavar="FILE", parser=path)],
+    out: Annotated[Path, typer.Argument(help="A CSV or Parquet file.", metavar="FILE", parser=file(*ROWS))],
 ) -> None:
     """Write all rows of a run into one file."""
     required_packages()
     from .sweep.store import Store
 
-    if out.suffix not in (".csv", ".parquet"):
-        raise InvalidInput(f"{str(out)!r}: give a file that ends in .csv or .parquet")
     rows = Store.open(run).table()
     writable(out.parent, [out.name])
-    if out.suffix == ".csv":
+    if out.suffix.lower() == ".csv":
         rows.assign(gaps=[" ".join(map(repr, map(float, gaps))) for gaps in rows["gaps"]]).to_csv(out, index=False)
     else:
         rows.to_parquet(out, index=False)

@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
 from hqp import InvalidInput
-from hqp.commands.command import path
+from hqp.commands.options import integer, path
 from hqp.commands.terminal import console
 from hqp.files.whole import writable
 
@@ -31,9 +31,9 @@ def run(
         list[str] | None, typer.Option("--method", "-m", help="Only these: a name or a pattern, as in 'cascade:*'.")
     ] = None,
     setting: Annotated[list[str] | None, typer.Option("--setting", "-s", help="Only these.")] = None,
-    draws: Annotated[int | None, typer.Option("--draws", min=1, help="Problems of each family.")] = None,
-    seed: Annotated[int | None, typer.Option("--seed", min=0)] = None,
-    jobs: Annotated[int, typer.Option("--jobs", "-j", help="Processes; -1 for one a core.")] = 1,
+    draws: Annotated[int | None, integer("--draws", least=1, help="Problems of each family.")] = None,
+    seed: Annotated[int | None, integer("--seed", least=0)] = None,
+    jobs: Annotated[int, integer("--jobs", "-j", help="Processes; -1 for one a core.")] = 1,
     dask: Annotated[
         str | None,
         typer.Option("--dask", help="Address of a Dask scheduler, as in tcp://10.0.0.1:8786.", metavar="ADDRESS"),
@@ -101,12 +101,14 @@ def run(
 def _worked(plan: object, cells: Sequence[object], jobs: int, dask: str | None) -> Iterator[tuple[object, object]]:
     """Measure the cells: in this process, in several, or on a cluster."""
     from hqp import Solver
+    from hqp.certificate import judging
 
     from .sweep import workers
 
     if not cells:
         return iter(())
     Solver("native")  # compiled once, not by every process
+    judging.warm_up()
     if dask is not None:
         return workers.cluster(plan, cells, dask)
     if jobs != 1:

@@ -8,7 +8,10 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 
+from hqp.commands.options import file
 from hqp.commands.terminal import console
+from hqp.files.names import PICTURE
+from hqp.files.whole import writable
 from tasks import Controller, simulate
 
 from .singular_scenes import DEFAULTS, METHODS, Run, Scene, scenes
@@ -37,9 +40,13 @@ def run(scene: Scene, method: str) -> Run:
 
 
 def singularities(
-    picture: Annotated[Path | None, typer.Option(help="Draw the runs into this file.")] = None,
+    picture: Annotated[
+        Path | None, typer.Option("--picture", help="Draw the runs into this PNG.", parser=file(*PICTURE))
+    ] = None,
 ) -> None:
     """Drive a planar arm, a UR5 and a Panda through singularities by every remedy, and compare."""
+    if picture is not None:
+        writable(picture.parent, [picture.name])
     done = {scene.name: [run(scene, method) for method in METHODS] for scene in scenes()}
     printer = console(130)
     for name, runs in done.items():

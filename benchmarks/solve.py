@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import numpy as np
@@ -11,7 +10,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from hqp import InvalidInput
-from hqp.commands.command import path
+from hqp.commands.options import integer, real
 from hqp.commands.terminal import console
 from hqp.files.whole import writable
 
@@ -20,7 +19,7 @@ from .methods import METHODS, required
 from .race import COLD, FEW, ONE_SHOT, REPETITIONS, race, raced
 from .ratios import table, yardstick
 from .registry import select
-from .tables import Row, save, show, terminal
+from .tables import Out, Row, save, show, terminal
 
 #: How far the targets move between two ticks, as a share of their standard deviation.
 SHARES = (0.0, 0.02, 0.1)
@@ -34,15 +33,13 @@ def solve(
         list[str] | None,
         typer.Option("--method", "-m", help="Only this one, or any backend; may be given several times."),
     ] = None,
-    seeds: Annotated[int, typer.Option("--seeds", min=1, help="Seeds of each family.")] = 8,
-    draws: Annotated[int, typer.Option("--draws", min=1, help="Problems of each seed.")] = 8,
+    seeds: Annotated[int, integer("--seeds", least=1, help="Seeds of each family.")] = 8,
+    draws: Annotated[int, integer("--draws", least=1, help="Problems of each seed.")] = 8,
     moved: Annotated[
         list[float] | None,
-        typer.Option("--moved", min=0.0, help="By what share targets move; may be given several times."),
+        real("--moved", least=0.0, help="By what share targets move; may be given several times."),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=path)
-    ] = None,
+    out: Out = None,
 ) -> None:
     """Time solvers on problems of controllers: cold, in one shot, and warm after the targets have moved."""
     families = select(family, CONTROL, "family")

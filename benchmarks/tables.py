@@ -5,11 +5,20 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Annotated
 
+import typer
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from hqp.commands.options import file
+from hqp.files.names import TABLE, check_name
+
+#: The option that names the file of a table.
+Out = Annotated[
+    Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=file(*TABLE))
+]
 #: One row: what stands under each column.
 Row = dict[str, str]
 #: The columns that hold words, and those that are in the title of what is printed.
@@ -46,7 +55,8 @@ def markdown(rows: Sequence[Row]) -> str:
 
 
 def save(path: Path, rows: Iterable[Row]) -> None:
-    """Write all rows into one CSV file; missing values are left empty."""
+    """Write all rows into one file, called .csv; missing values are left empty."""
+    check_name(path, *TABLE)
     rows = list(rows)
     columns = dict.fromkeys(column for row in rows for column in row)
     with path.open("w", newline="") as file:

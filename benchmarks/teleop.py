@@ -12,12 +12,12 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from hqp.commands.command import path
+from hqp.commands.options import integer, path, real
 from hqp.commands.terminal import console
 from hqp.files.whole import writable
 
 from .registry import select
-from .tables import Row, save, show, terminal
+from .tables import Out, Row, save, show, terminal
 from .teleoperation.cost import cost, timed
 from .teleoperation.loop import Run, drive
 from .teleoperation.measure import THRESHOLD, measure
@@ -52,21 +52,19 @@ def teleop(
         list[str] | None, typer.Option("--method", "-m", help="Only this row; may be given several times.")
     ] = None,
     gain: Annotated[
-        list[float] | None, typer.Option("--gain", min=0.1, help="Of all tasks but the posture [1/s] (default: 20).")
+        list[float] | None, real("--gain", least=0.1, help="Of all tasks but the posture [1/s] (default: 20).")
     ] = None,
     dt: Annotated[
-        list[float] | None, typer.Option("--dt", min=1e-4, max=0.1, help="Length of a tick [s] (default: 0.005).")
+        list[float] | None, real("--dt", least=1e-4, most=0.1, help="Length of a tick [s] (default: 0.005).")
     ] = None,
     seconds: Annotated[
-        float | None, typer.Option("--seconds", min=0.1, max=600.0, help="Length of each motion (default: its own).")
+        float | None, real("--seconds", least=0.1, most=600.0, help="Length of each motion (default: its own).")
     ] = None,
-    rounds: Annotated[int, typer.Option("--rounds", min=1, help="How often it is run through, for the times.")] = 3,
+    rounds: Annotated[int, integer("--rounds", least=1, help="How often it is run through, for the times.")] = 3,
     targets: Annotated[
         bool, typer.Option("--targets", help="Hold the default stack against its targets; fail where it misses one.")
     ] = False,
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=path)
-    ] = None,
+    out: Out = None,
     plot: Annotated[
         Path | None, typer.Option("--plot", help="Draw a picture of each scene into this folder.", parser=path)
     ] = None,

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
-from pathlib import Path
 from typing import Annotated
 
 import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from hqp.commands.command import path
+from hqp.commands.options import integer
 from hqp.commands.terminal import console
 from hqp.files.whole import writable
 
@@ -21,7 +20,7 @@ from .standing.scenes import StandingScene
 from .standing.table import LEGEND
 from .standing.table import measured as standing
 from .strictness import STATES, lost_by
-from .tables import Row, save, show, terminal
+from .tables import Out, Row, save, show, terminal
 from .teleoperation.setups import Peer
 from .ticks.apart import Apart, check_apart
 from .ticks.driver import Driver
@@ -43,8 +42,8 @@ def tick(
     scene: Annotated[
         list[str] | None, typer.Option("--scene", "-s", help="Only this one; may be given several times.")
     ] = None,
-    ticks: Annotated[int, typer.Option("--ticks", "-n", min=1, help="Length of each motion.")] = 2000,
-    rounds: Annotated[int, typer.Option("--rounds", min=1, help="How often it is run through.")] = 5,
+    ticks: Annotated[int, integer("--ticks", "-n", least=1, help="Length of each motion.")] = 2000,
+    rounds: Annotated[int, integer("--rounds", least=1, help="How often it is run through.")] = 5,
     placo: Annotated[
         str | None, typer.Option("--placo", help="A Python that has placo, which needs an environment of its own.")
     ] = None,
@@ -54,9 +53,7 @@ def tick(
     drake: Annotated[
         str | None, typer.Option("--drake", help="A Python that has Drake, for the table of strictness.")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option("--out", "-o", help="Also write the rows to this CSV file.", parser=path)
-    ] = None,
+    out: Out = None,
 ) -> None:
     """Time one tick of a controller, whole and from Python, against other libraries on the same motion."""
     chosen = select(scene, {s.name: s for s in (*SCENES, *STANDING)}, "scene")

@@ -16,7 +16,8 @@ T = TypeVar("T")
 
 #: What the counters of compiled solvers hold.
 LARGEST_COUNT = 2**31 - 1
-#: A number as files and command lines spell it.
+#: An integer, and a number, as files and command lines spell them.
+INTEGER = re.compile(r"[+-]?\d{1,999}", re.ASCII)
 SPELLED = re.compile(r"[+-]?((\d+(\.\d*)?|\.\d+)(e[+-]?\d+)?|inf(inity)?|nan)", re.ASCII | re.IGNORECASE)
 
 
@@ -37,6 +38,11 @@ def real_number(value: object, what: str) -> float:
         except OverflowError:  # an int of more than 308 digits
             pass
     raise InvalidInput(f"{what} = {brief(value)} must be a real number")
+
+
+def spelled_integer(word: str) -> int | None:
+    """The integer that a word of a command line spells, or None; ``1_0`` and ``1.0`` are none."""
+    return int(word) if INTEGER.fullmatch(word) else None
 
 
 def spelled_number(word: str) -> float | None:

@@ -49,6 +49,7 @@ from .obstacles.avoidance import AvoidanceTask
 from .obstacles.collision import CollisionLimit
 from .obstacles.distance import DistanceLimit
 from .obstacles.links import LinkCapsule, link_capsules, planar_links
+from .obstacles.scene import scene_solids
 from .obstacles.self_collision import SelfCollisionLimit
 from .obstacles.shapes import Capsule, Sphere
 from .obstacles.solids import Box, Polyhedron
@@ -196,6 +197,7 @@ __all__ = [
     "manipulability",
     "planar_links",
     "quintic",
+    "scene_solids",
     "simulate",
     "skeleton",
     "solve_ik",

@@ -110,8 +110,16 @@ def test_a_file_that_exists_is_replaced_by_force_alone(
     ("arguments", "said"),
     [
         (["FULL"], "'TARGET'"),
-        (["FULL", "h.json"], "'h.json' ends with none of .npz, .dat, .txt, .lexls; --to npz or --to lexls tells"),
+        (
+            ["FULL", "h.json"],
+            "'h.json' ends with none of .npz, .dat, .txt, .lexls; if it has no suffix, --to npz or --to lexls tells",
+        ),
         (["FULL", "h.dat", "--to", "xml"], "'--to'"),
+        (["FULL", "h.dat", "--to", "npz"], "path = 'h.dat'; a file of arrays is called .npz, or has no suffix"),
+        (
+            ["FULL", "h.npz", "--to", "lexls"],
+            "a hierarchy as text is called .dat, .txt or .lexls, or has no suffix",
+        ),
         (["FULL", ""], "'' ends with none of .npz"),
         (["FULL", "missing/h.dat"], "cannot write "),
         (["missing.npz", "h.dat"], "cannot read "),

@@ -130,7 +130,7 @@ def test_the_robot_is_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
         (["ur5", "--position", "0,0,0,0"], "--position 0,0,0,0: 4 numbers; give 3 numbers"),
         (["ur5", "--position", "left"], "--position left: 'left' is no number; give 3 numbers"),
         (["ur5", "--position", "0,0_1,0"], "--position 0,0_1,0: '0_1' is no number"),
-        (["ur5", *PLACE, "--tolerance", "1_0"], "'1_0' is not a valid float"),
+        (["ur5", *PLACE, "--tolerance", "1_0"], "'1_0' is no number"),
         (["ur5", "--position"], "--position"),
         (["ur5"], "--position"),
         ([*PLACE], "ROBOT"),
@@ -144,9 +144,9 @@ def test_the_robot_is_drawn(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
         (["ur5", *PLACE, "--tolerance", "-1"], "tolerance = -1.0 must be positive"),
         (["ur5", *PLACE, "--tolerance", "nan"], "tolerance = nan must be positive"),
         (["ur5", *PLACE, "--plot", ""], "it is empty"),
-        (["ur5", *PLACE, "--plot", "a.jpg"], "--plot a.jpg: the picture is a PNG; name a file that ends with .png"),
+        (["ur5", *PLACE, "--plot", "a.jpg"], "'--plot': 'a.jpg'; a picture is called .png"),
         (["ur5", *PLACE, "--plot", "/dev/null/here/a.png"], "cannot write to the folder '/dev/null/here': "),
-        (["ur5", *PLACE, "--plot", "."], "the picture is a PNG"),
+        (["ur5", *PLACE, "--plot", "."], "'.'; a picture is called .png"),
     ],
 )
 def test_wrong_input_is_one_line_and_exit_code_2(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import errno
 import gc
 import os
@@ -15,6 +16,8 @@ import numba
 import pytest
 from numba.core import compiler_machinery
 
+import hqp
+import tasks
 from hqp import Solver, collector
 from hqp.backends import native
 from hqp.kernels import compile as compiling
@@ -141,6 +144,7 @@ from helper import factor
 @stamp
 @entry
 def scaled(number):
+    '''With a docstring: without it the bytecode is another.'''
     return factor() * number
 
 @stamp
@@ -164,14 +168,14 @@ CALL = "from kernels import scaled, shifted; print(scaled(10), shifted(10))"
 
 @pytest.mark.parametrize("hook", [True, False])
 def test_another_kernel_changed_is_compiled_anew_though_numba_may_not_see_it(hook: bool, tmp_path: Path) -> None:
-    """With the stamp, what is kept is found as long as nothing changed; without a place for it nothing is kept."""
+    """With the stamp, what is kept is found as long as nothing changed, by ``python -OO`` too; else nothing is."""
     (tmp_path / "kernels.py").write_text(KERNELS)
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "cache"), "NUMBA_DEBUG_CACHE": "1"}
-    for factor, found in (3, False), (3, hook), (4, False):
+    for factor, found, how in (3, False, "-B"), (3, hook, "-BOO"), (4, False, "-BOO"), (4, hook, "-B"):
         (tmp_path / "helper.py").write_text(HELPER.format(factor=factor))
         script = f"import sys; sys.path.insert(0, {str(tmp_path)!r})\n{'' if hook else WITHOUT_THE_HOOK}\n{CALL}"
         done = subprocess.run(
-            [sys.executable, "-B", "-c", script], env=environment, capture_output=True, text=True, check=True
+            [sys.executable, how, "-c", script], env=environment, capture_output=True, text=True, check=True
         )
         *kept, answers = done.stdout.splitlines()
         assert answers == f"{10 * factor} {10 + factor}"
@@ -180,6 +184,17 @@ def test_another_kernel_changed_is_compiled_anew_though_numba_may_not_see_it(hoo
         told = done.stderr.splitlines()
         assert len(told) == (not hook)
         assert all(line.startswith("kernels are compiled anew by every process: Numba ") for line in told)
+
+
+def test_kernels_are_the_same_where_python_leaves_out_assertions() -> None:
+    """For what is kept of them is the same file, see above."""
+    folders = [Path(package.__file__).parent for package in (hqp, tasks)]
+    sources = [path for home in folders for glob in ("kernels.py", "kernels/*.py") for path in home.rglob(glob)]
+    assert len(sources) > 50
+    for path in sources:
+        words = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+        assert not any(isinstance(node, ast.Assert) for node in words), path
+        assert not any(isinstance(node, ast.Name) and node.id == "__debug__" for node in words), path
 
 
 @pytest.mark.parametrize("missing", compiling.PRIVATE)
@@ -221,3 +236,41 @@ def test_a_full_disk_does_not_stop_it(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_its_code_is_ready_when_the_first_solver_is_made() -> None:
     Solver("native")
     assert native.warm_up() is False
+
+
+#: Work for several processes, and what of the kernels is ready before it is given to them, and after.
+SHARED_OUT = """
+import joblib
+from hqp.kernels.compile import entries
+
+def ready():
+    return {{repr(kernel) for package in ("hqp", "tasks") for kernel in entries(package) if kernel.signatures}}
+
+class Watched(joblib.Parallel):
+    def __call__(self, work):
+        before.append(ready())
+        return super().__call__(work)
+
+before, joblib.Parallel = [], Watched
+{work}
+assert before[0]
+print(sorted(ready() - before[0]))
+"""
+WORK = {
+    "validate": "from hqp.validation.results import run; run(['native'], 1, 0, 1)",
+    "thesis": """
+from dataclasses import replace
+from pathlib import Path
+from tasks.thesis import report, scenarios
+scenarios.SCENARIOS = {key: replace(one, duration=3.0) for key, one in scenarios.SCENARIOS.items()}
+report.report(["4.2", "4.3"], None, Path(folder), processes=1)
+""",
+}
+
+
+@pytest.mark.parametrize("name", WORK)
+def test_processes_that_share_work_have_nothing_to_compile(name: str, tmp_path: Path) -> None:
+    """Each would do so, and tell it, while the first one did it for all."""
+    code = f"folder = {str(tmp_path)!r}\n" + SHARED_OUT.format(work=WORK[name])
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"

@@ -121,6 +121,16 @@ def with_a_ball(robot: Any) -> Any:
 
 
 @cache
+def beside_a_table() -> Any:
+    """A robot in a scene."""
+    import mujoco
+
+    scene = """<mujoco><worldbody><body name="table"><geom size="0.1"/></body>
+    <body name="arm" pos="1 0 0"><joint axis="0 0 1"/><geom size="0.1" pos="0.2 0 0"/></body></worldbody></mujoco>"""
+    return load_robot(mujoco.MjModel.from_xml_string(scene))
+
+
+@cache
 def record() -> Record:
     return simulate(controller(), [0.4, 0.3, 0.2], duration=0.05)
 
@@ -284,6 +294,7 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "Reconstructed": made(tasks.Reconstructed, p, 0.1, above=new(position, name="above")),
         "RollingTask": made(tasks.RollingTask, 0.1, normal=[0.0, 0.0, 1.0], floor=0.0, **framed),
         "RotationSetpoint": made(tasks.RotationSetpoint, np.eye(3)),
+        "scene_solids": made(tasks.scene_solids, new(beside_a_table), names=["table"]),
         "SelfCollisionLimit": made(
             tasks.SelfCollisionLimit, pairs=[("link0", "link3")], without=(), margin=0.01, gain=1.0, rows=2, name="own"
         ),

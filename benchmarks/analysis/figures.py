@@ -184,7 +184,9 @@ def _figure(path: Path, size: tuple[float, float], rows: int, columns: int) -> I
             axes.grid(color="#e6e6e6")
             axes.spines[["top", "right"]].set_visible(False)
         # Nothing in a picture of pixels but what it shows: the same numbers make the same file.
-        pixels = {"metadata": {"Software": None}, "pil_kwargs": {"optimize": True}} if path.suffix == ".png" else {}
+        pixels = (
+            {"metadata": {"Software": None}, "pil_kwargs": {"optimize": True}} if path.suffix.lower() == ".png" else {}
+        )
         figure.savefig(path, dpi=110, **pixels)
 
 

@@ -10,7 +10,8 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 
-from hqp.commands.command import path, run
+from hqp.commands.command import run
+from hqp.commands.options import path
 from hqp.files.whole import writable
 
 from . import standing

@@ -9,7 +9,6 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 from types import FrameType
 from typing import Any
 
@@ -48,27 +47,6 @@ def run(app: Callable[..., Any], name: str, arguments: Sequence[str] | None = No
     except OSError:  # as was told
         _silence(sys.stdout)
     return code if isinstance(code, int) else 0
-
-
-def path(text: str) -> Path:
-    """What follows ``--out``; an empty word is refused, for it would mean the current folder."""
-    if not str(text):
-        import typer
-
-        raise typer.BadParameter("it is empty; the current folder is '.'")
-    return Path(text)
-
-
-def number(text: str | float) -> float:
-    """What follows an option that takes a number; a default is one already."""
-    import typer
-
-    from ..checks import spelled_number
-
-    value = spelled_number(text) if isinstance(text, str) else text
-    if value is None:
-        raise typer.BadParameter(f"{text!r} is not a valid float.")
-    return value
 
 
 def _ended(name: str, error: BaseException) -> int:

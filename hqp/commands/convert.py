@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..lexls import Problem
 
 #: What the end of a name says of the format.
-SUFFIXES = {".npz": "npz", ".dat": "lexls", ".txt": "lexls", ".lexls": "lexls"}
+FORMATS = {".npz": "npz", ".dat": "lexls", ".txt": "lexls", ".lexls": "lexls"}
 
 
 def convert(
@@ -27,7 +27,7 @@ def convert(
         str, typer.Argument(help="The file to write: .npz; .dat, .txt or .lexls for text.", metavar="TARGET")
     ],
     to: Annotated[
-        Literal["npz", "lexls"] | None, typer.Option("--to", help="The format of TARGET, whatever it is called.")
+        Literal["npz", "lexls"] | None, typer.Option("--to", help="The format of a TARGET without a suffix.")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace TARGET if it exists.")] = False,
 ) -> None:
@@ -61,11 +61,12 @@ def _format(target: str) -> str:
     from ..errors import InvalidInput
 
     suffix = Path(target).suffix.lower()
-    if suffix not in SUFFIXES:
+    if suffix not in FORMATS:
         raise InvalidInput(
-            f"{target!r} ends with none of {', '.join(SUFFIXES)}; --to npz or --to lexls tells the format"
+            f"{target!r} ends with none of {', '.join(FORMATS)}; if it has no suffix, --to npz or --to lexls tells the"
+            " format"
         )
-    return SUFFIXES[suffix]
+    return FORMATS[suffix]
 
 
 def _not_in_npz(problem: Problem) -> Iterator[str]:

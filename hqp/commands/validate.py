@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .command import path
+from .options import integer, path
 from .terminal import console
 
 OUTSIDE_ITS_CLASS = 1
@@ -16,16 +16,16 @@ OUTSIDE_ITS_CLASS = 1
 def validate(
     count: Annotated[
         int,
-        typer.Option(
-            "--count", "-n", min=1, help="Random stacks a case; a fifteenth as many at every σ, a fifth at each size."
+        integer(
+            "--count", "-n", least=1, help="Random stacks a case; a fifteenth as many at every σ, a fifth at each size."
         ),
     ] = 20,
     backend: Annotated[
         list[str] | None,
         typer.Option("--backend", "-b", help="Only this one; may be given several times.", metavar="NAME"),
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the random stacks.")] = 0,
-    jobs: Annotated[int, typer.Option("--jobs", "-j", help="Processes; -1 for one a core.")] = -1,
+    seed: Annotated[int, integer("--seed", least=0, help="Seed of the random stacks.")] = 0,
+    jobs: Annotated[int, integer("--jobs", "-j", help="Processes; -1 for one a core.")] = -1,
     cases: Annotated[bool, typer.Option("--cases", help="Print one row a case, not one a backend.")] = False,
     out: Annotated[
         Path | None,

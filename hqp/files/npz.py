@@ -36,6 +36,7 @@ def save(path: str | os.PathLike[str], hierarchy: Hierarchy, x_ref: ArrayLike | 
     Parameters
     ----------
     path : str or path
+        The file, such as ``"hard.npz"``.
     hierarchy : Hierarchy
         Its numbers may be such that no solver takes them. Of labels the texts are kept, not what `bound` may be.
     x_ref : array, shape (n,), optional
@@ -44,7 +45,8 @@ def save(path: str | os.PathLike[str], hierarchy: Hierarchy, x_ref: ArrayLike | 
     Raises
     ------
     InvalidInput
-        If the file cannot be written, x_ref has the wrong shape, or n is more than 10 000 and than all numbers.
+        If the file has another suffix than .npz or cannot be written, x_ref has the wrong shape, or n is more than
+        10 000 and than all numbers.
     """
     import json
 

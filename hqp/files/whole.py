@@ -6,7 +6,7 @@ import math
 import os
 import zipfile
 import zlib
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -16,7 +16,8 @@ from uuid import uuid4
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput, brief
+from ..errors import InvalidInput
+from .names import ARRAYS, check_name, name_of
 
 #: How a zip archive begins.
 _ARCHIVE = b"PK\x03\x04"
@@ -40,8 +41,9 @@ def write_arrays(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]
     Raises
     ------
     InvalidInput
-        If the file cannot be written.
+        If the file has another suffix than .npz, or cannot be written.
     """
+    check_name(path, *ARRAYS)
     small = sum(array.nbytes for array in arrays.values()) < MOST_UNPACKED // 2
     method = zipfile.ZIP_DEFLATED if compressed and small else zipfile.ZIP_STORED
     with _whole_or_nothing(path) as part, zipfile.ZipFile(part, "w", method) as archive:
@@ -50,14 +52,22 @@ def write_arrays(path: str | os.PathLike[str], arrays: Mapping[str, NDArray[Any]
                 np.lib.format.write_array(stream, array, allow_pickle=False)
 
 
-def write_lines(path: str | os.PathLike[str], lines: Iterable[str]) -> None:
+def write_lines(path: str | os.PathLike[str], lines: Iterable[str], what: str, suffixes: Collection[str]) -> None:
     """Write lines of text to a file, which appears whole or not at all, the same on every system.
+
+    Parameters
+    ----------
+    path : str or path
+    lines : iterable of str
+    what, suffixes : str, collection of str
+        What the text is, as in "a page", and how a file of it may end.
 
     Raises
     ------
     InvalidInput
-        If the file cannot be written.
+        If the name of the file ends otherwise, or it cannot be written.
     """
+    check_name(path, what, suffixes)
     with _whole_or_nothing(path) as part, open(part, "w", encoding="utf-8", newline="\n") as stream:
         stream.writelines(f"{line}\n" for line in lines)
 
@@ -121,7 +131,7 @@ def is_archive(path: str | os.PathLike[str]) -> bool:
         If the file cannot be read.
     """
     with bytes_of(path, "file") as stream:
-        return stream.read(len(_ARCHIVE)) == _ARCHIVE or Path(path).suffix == ".npz"
+        return stream.read(len(_ARCHIVE)) == _ARCHIVE or name_of(path).suffix.lower() == ".npz"
 
 
 @contextmanager
@@ -138,8 +148,7 @@ def _blamed(path: str | os.PathLike[str], what: str) -> Iterator[Path]:
 
 
 def _as_path(path: str | os.PathLike[str]) -> Path:
-    if not (isinstance(path, str | os.PathLike) and Path(path).name):
-        raise InvalidInput(f"path = {brief(path)} must be the name of a file")
+    name_of(path)
     try:
         file = Path(os.path.realpath(path))  # a link stays a link: what it leads to is meant
     except ValueError as error:  # a name that no file can have

@@ -81,11 +81,24 @@ def stamp(kernel):
         return kernel
     home = _home(Path(kernel.py_func.__code__.co_filename))
     index._source_stamp = _sources(Path(__file__).parents[1]) + _sources(home)
+    _forget_bytecode(kernel._cache)
     package = kernel.py_func.__module__.partition(".")[0]
     if package != home.name and (home / "__init__.py").exists():  # the cache names modules: a file for each import name
         index._index_path = str(Path(index._index_path).with_name(f"{package}.{index._index_name}"))
         index._data_name_pattern = f"{package}.{index._data_name_pattern}"
     return kernel
+
+
+def _forget_bytecode(cache):
+    """Leave the bytecode, which ``python -OO`` changes, out of the keys of Numba's cache: the stamp has all sources."""
+    complete = getattr(cache, "_index_key", None)
+    if complete is not None:
+
+        def key(signature, codegen):
+            *others, (_, closed_over) = complete(signature, codegen)
+            return (*others, closed_over)
+
+        cache._index_key = key
 
 
 def _home(place):

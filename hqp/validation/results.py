@@ -86,10 +86,12 @@ def run(names: Sequence[str], count: int, seed: int, jobs: int, kinds: Sequence[
     from rich.console import Console
     from rich.progress import track
 
+    from ..certificate import judging
     from ..solver import Solver
 
     for name in names:
         Solver(name)  # what has to be compiled is compiled once, not by every process
+    judging.warm_up()
     near, whole = max(1, count // CASE_STACKS_A_POINT), max(1, count // CASE_STACKS_A_HIERARCHY)
     work = [
         delayed(call)(*arguments, **options)

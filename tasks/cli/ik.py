@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 from typer.core import TyperCommand
 
-from hqp.commands import command
+from hqp.commands.options import file, integer, real
 from hqp.commands.terminal import console
+from hqp.files.names import PICTURE
 
 from .robot_options import Base, Body, Lock
 
@@ -69,14 +70,13 @@ def ik(
         Literal["home", "neutral", "random"],
         typer.Option("--start", help="Configuration to start from, and the posture to keep."),
     ] = "home",
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of all that is random.")] = 0,
-    iterations: Annotated[int, typer.Option("--iterations", min=1, help="Most iterations, restarts included.")] = 300,
+    seed: Annotated[int, integer("--seed", least=0, help="Seed of all that is random.")] = 0,
+    iterations: Annotated[int, integer("--iterations", least=1, help="Most iterations, restarts included.")] = 300,
     tolerance: Annotated[
         float | None,
-        typer.Option(
+        real(
             "--tolerance",
             help="Error that counts as none [m], [rad] (default: 1e-4, 1e-3).",
-            parser=command.number,
             metavar="T",
         ),
     ] = None,
@@ -85,7 +85,9 @@ def ik(
     body: Body = None,
     plot: Annotated[
         Path | None,
-        typer.Option("--plot", help="Draw the robot at the answer, to this PNG.", parser=command.path, metavar="FILE"),
+        typer.Option(
+            "--plot", help="Draw the robot at the answer, to this PNG.", parser=file(*PICTURE), metavar="FILE"
+        ),
     ] = None,
 ) -> None:
     """Solve inverse kinematics for a pose of a frame.
@@ -93,7 +95,6 @@ def ik(
     The joints stay inside their ranges; position has priority over orientation, and orientation over posture. Exit
     code 1 if the pose is out of reach: the nearest is printed, and what stops it.
     """
-    from hqp import InvalidInput
     from hqp.files.whole import writable
 
     from ..base.checks import finite
@@ -106,8 +107,6 @@ def ik(
     place = finite(_numbers("--position", position, (3,)), "--position")
     rotation = None if orientation is None else _rotation(orientation)
     if plot is not None:
-        if plot.suffix.lower() != ".png":
-            raise InvalidInput(f"--plot {plot}: the picture is a PNG; name a file that ends with .png")
         writable(plot.parent, [plot.name])
     machine = load_robot(robot, base=base, body=body or None, lock=lock or ())
     begin = _begin(machine, start, seed)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from hqp.commands import command
+from hqp.commands.options import integer, path, real
 
 from .robot_options import Base, Body, Lock
 
@@ -20,11 +20,9 @@ def live(
     lock: Lock = None,
     base: Base = None,
     body: Body = None,
-    tick: Annotated[
-        float, typer.Option("--dt", help="Time between two ticks [s].", parser=command.number, metavar="DT")
-    ] = TICK,
+    tick: Annotated[float, real("--dt", help="Time between two ticks [s].", metavar="DT")] = TICK,
     certify: Annotated[
-        int, typer.Option("--certify", min=0, help="Certify and explain every N-th tick; 0: none.", metavar="N")
+        int, integer("--certify", least=0, help="Certify and explain every N-th tick; 0: none.", metavar="N")
     ] = 25,
     host: Annotated[
         str,
@@ -36,10 +34,10 @@ def live(
     ] = "127.0.0.1",
     port: Annotated[
         int,
-        typer.Option("--port", min=1, max=65535, help="Port to listen on, or the next that is free.", metavar="PORT"),
+        integer("--port", least=1, most=65535, help="Port to listen on, or the next that is free.", metavar="PORT"),
     ] = 8080,
     folder: Annotated[
-        Path, typer.Option("--out", "-o", help="Where recordings are saved.", metavar="DIR", parser=command.path)
+        Path, typer.Option("--out", "-o", help="Where recordings are saved.", metavar="DIR", parser=path)
     ] = Path("."),
 ) -> None:
     """Move a robot in the browser, simulated.

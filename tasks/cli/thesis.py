@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from hqp.commands.command import path
+from hqp.commands.options import integer, path
 
 
 def thesis(
@@ -43,7 +43,7 @@ def thesis(
         ),
     ] = "png",
     animate: Annotated[bool, typer.Option("--animate", help="Write each figure as a GIF, too.")] = False,
-    jobs: Annotated[int, typer.Option("--jobs", "-j", help="Processes; -1 for one a core.")] = -1,
+    jobs: Annotated[int, integer("--jobs", "-j", help="Processes; -1 for one a core.")] = -1,
 ) -> None:
     """Reproduce the figures of the thesis, and check its claims.
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import os
-from pathlib import Path
 
 import numpy as np
 
 from hqp import InvalidInput
+from hqp.files.names import PAGE, check_name
 from hqp.files.whole import write_lines
 
 from ..base.checks import Array, positive_scalar
@@ -15,8 +15,6 @@ from ..robots.robot import Robot
 from .figure import figure
 from .stage import look, open_stage
 
-#: What a page is called: browsers show a file of another name as text, or not at all.
-SUFFIXES = (".html", ".htm")
 #: Pictures a second, at most: what a fast screen shows.
 MOST_RATE = 240.0
 
@@ -38,11 +36,10 @@ def save_page(path: str | os.PathLike[str], robot: Robot, t: Array, q: Array, ra
     Raises
     ------
     InvalidInput
-        If the configurations do not fit the robot, there are none, the rate is above `MOST_RATE`, the file has another
-        suffix than those of a page, or it cannot be written.
+        If the configurations do not fit the robot, there are none, the rate is above `MOST_RATE`, the file is not
+        called .html or .htm, or it cannot be written.
     """
-    if Path(path).suffix.lower() not in SUFFIXES:
-        raise InvalidInput(f"path = {str(path)!r}; a page is called {' or '.join(SUFFIXES)}")
+    check_name(path, *PAGE)  # before the pictures, which take long
     rate = positive_scalar(rate, "rate", unit="1/s")
     if rate > MOST_RATE:
         raise InvalidInput(f"rate = {rate:g} 1/s; it must be at most {MOST_RATE:g}, as fast as a screen")
@@ -61,4 +58,4 @@ def save_page(path: str | os.PathLike[str], robot: Robot, t: Array, q: Array, ra
         page = recording.as_html()
     finally:
         server.stop()
-    write_lines(path, page.splitlines())
+    write_lines(path, page.splitlines(), *PAGE)

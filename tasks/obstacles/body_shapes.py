@@ -49,6 +49,8 @@ class Shapes:
             shape.geometry.computeLocalAABB()
         self._centres = [np.array(shape.geometry.aabb_center) for shape in shapes]
         self._radii = np.array([shape.geometry.aabb_radius for shape in shapes])
+        for k in np.flatnonzero(np.isinf(self._radii)):  # a half space; Coal puts its centre at infinity
+            self._centres[k][:] = 0.0
         self._watch()
 
     def _watch(self) -> None:

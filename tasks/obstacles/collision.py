@@ -28,6 +28,7 @@ class CollisionLimit(ShapesLimit):
     Parameters
     ----------
     obstacles : sequence of Box and Polyhedron
+        Those of an MJCF scene are found by :func:`scene_solids`.
     bodies : names, optional
         Frames of the bodies that are kept away (default: all that move).
     margin : float

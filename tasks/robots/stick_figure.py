@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from hqp.files.names import PICTURE, check_name
+
 from ..base.checks import Array
 from .skeleton import skeleton
 
@@ -35,7 +37,7 @@ def stick_figure(
     Parameters
     ----------
     path : Path
-        The picture, a PNG.
+        The picture, called .png.
     robot : PinocchioRobot
     q : array, shape (nq,)
     frame : str, optional
@@ -44,7 +46,13 @@ def stick_figure(
         The target [m].
     rotation : array, shape (3, 3), optional
         Its axes.
+
+    Raises
+    ------
+    InvalidInput
+        If the file is called otherwise.
     """
+    check_name(path, *PICTURE)
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -146,7 +146,7 @@ class Record:
         Raises
         ------
         InvalidInput
-            If the file cannot be written.
+            If the file has another suffix than .npz, or cannot be written.
         """
         # Names are free text and status an enumeration: both go into the head, as JSON.
         kinds = list(dict.fromkeys(self.status))

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import hqp
+from hqp.certificate import judging
 from hqp.checks import whole_number
 from hqp.commands.terminal import console
 from hqp.files.whole import writable
@@ -17,7 +18,7 @@ from .laws import NAMES
 from .measuring import measure, to_csv
 from .pictures import Picture, make, pictures, refusals, subjects
 from .run_result import RunResult
-from .runs import Job, run
+from .runs import Job, controller, run
 from .scenarios import ASSUMPTIONS
 from .store import Drawn, Store
 from .studies import Study
@@ -83,7 +84,7 @@ def report(
 
     missing = [job for job in dict.fromkeys(job for picture in shown for job in picture.needed) if job not in store]
     if missing:
-        hqp.Solver(chosen)  # what has to be compiled is compiled once, not by every process
+        _compile(missing)
     parallel = Parallel(n_jobs=processes, return_as="generator")
     with _progress() as progress:
         _simulate_all(missing, store, parallel, progress)
@@ -112,6 +113,13 @@ def _check(laws: Collection[str], form: str, processes: int) -> None:
     unknown = [law for law in laws if law not in NAMES]
     if unknown or not laws:
         raise hqp.InvalidInput(f"law {unknown[0] if unknown else ''!r} is unknown; available: {', '.join(NAMES)}")
+
+
+def _compile(jobs: Sequence[Job]) -> None:
+    """Compile here, once, what every process would compile for itself."""
+    for job in jobs:
+        controller(job)
+    judging.warm_up()
 
 
 def _simulate_all(missing: Sequence[Job], store: Store, parallel: Any, progress: Progress) -> None:

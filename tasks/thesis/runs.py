@@ -70,20 +70,25 @@ def jobs_of(scenario: Scenario, backend: str, laws: Collection[str] = NAMES) -> 
     return jobs
 
 
-def run(job: Job) -> Record:
-    """Simulate one job.
+def controller(job: Job) -> Controller:
+    """The controller of one job; whatever it needs is compiled by then.
 
     Raises
     ------
     UnknownBackend
         If the backend cannot run here.
     """
-    scenario, law = job.scenario, job.law
+    law = job.law
     stack = law.closed_stack if job.closed_form and law.closed_stack is not None else law.stack
-    arm, declared = scenario.arm, stack(scenario)
-    controller = Controller(arm, declared, order="acceleration", dt=job.tick, backend=job.backend, damping=None)
+    arm, declared = job.scenario.arm, stack(job.scenario)
+    return Controller(arm, declared, order="acceleration", dt=job.tick, backend=job.backend, damping=None)
+
+
+def run(job: Job) -> Record:
+    """Simulate one job, with its :func:`controller`."""
+    scenario, law = job.scenario, job.law
     return simulate(
-        controller,
+        controller(job),
         scenario.q0,
         duration=scenario.duration,
         speed_cap=SPEED_CAP,

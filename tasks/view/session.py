@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from hqp import HqpError, InvalidInput
+from hqp.files.names import PAGE, misnamed, name_of
 
 from ..base.checks import Array, positive_scalar
 from ..control.controller import Controller
@@ -154,19 +155,19 @@ class Session:
             self.message = "nothing was recorded" if record is None else f"recorded: {record!r}"
 
     def save(self, path: str | os.PathLike[str]) -> Record:
-        """End a recording, and write its record: as a page if the name ends in .html, otherwise as .npz.
+        """End a recording, and write its record: as a page if the name ends in .html or .htm, otherwise as .npz.
 
         Raises
         ------
         InvalidInput
-            If nothing was recorded, or the file cannot be written.
+            If nothing was recorded, or the file has another suffix than these, or cannot be written.
         """
         if self.motion.recording:
             self.record(False)
         record = self.motion.record
         if record is None:
             raise InvalidInput("nothing was recorded that could be saved; record first")
-        if os.fspath(path).endswith(".html"):
+        if misnamed(name_of(path), *PAGE) is None:
             record.save_html(path)
         else:
             record.save(path)

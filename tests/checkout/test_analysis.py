@@ -276,8 +276,8 @@ def test_a_run_compared_with_itself_has_not_changed(small: Path) -> None:
     [
         (("report", "nowhere"), "'nowhere' holds no run; 'python -m benchmarks run' makes one"),
         (("plot", "nowhere", "nonsense"), "unknown figure 'nonsense'; there are profiles, growth, accuracy, tails"),
-        (("plot", "nowhere", "growth", "-o", "x.txt"), "'x.txt': give a file that ends in .png, .pdf or .svg"),
-        (("export", "nowhere", "rows.json"), "'rows.json': give a file that ends in .csv or .parquet"),
+        (("plot", "nowhere", "growth", "-o", "x.txt"), "'x.txt'; a figure is called .png, .pdf or .svg"),
+        (("export", "nowhere", "rows.json"), "'rows.json'; a table is called .csv or .parquet"),
         (("compare", "nowhere", "nowhere"), "'nowhere' is neither the folder of a run nor a commit"),
         (("compare", "a", "b", "--plan", "nonsense"), "unknown plan 'nonsense'; there are full, smoke"),
         (("compare", "a", "b", "--by", "nonsense"), "'--by'"),

@@ -9,13 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command import called, refused, run
+from spelling import Option, numeric
 
+from benchmarks.__main__ import app
 from benchmarks.families.control import CONTROL
 from benchmarks.methods import METHODS, required
 from benchmarks.methods.daqp_direct import DAQP_COST, DAQP_ROWS, TOLERANCES
 from benchmarks.race import COLD, ONE_SHOT, RACED, Timing, race, raced
 from benchmarks.ratios import table, yardstick
 from benchmarks.standing.scenes import SCENES as STANDING
+from benchmarks.tables import save
 from benchmarks.tick import PEERS, _drivers
 from benchmarks.ticks.interleaved import measure as measure_ticks
 from benchmarks.ticks.redundancy import STACKS
@@ -135,7 +138,7 @@ def test_a_race_of_chosen_ones() -> None:
         (("--draws", "0"), "'--draws'"),
         (("--moved", "-1"), "'--moved'"),
         (("--moved", "inf"), "--moved inf: give finite shares"),
-        (("--out", "."), "cannot write '.': Is a directory"),
+        (("--out", "."), "'.'; a table is called .csv"),
     ],
 )
 def test_wrong_input_of_a_race_is_one_line(arguments: tuple[str, ...], said: str) -> None:
@@ -214,7 +217,7 @@ def test_peers_are_asked_for_the_same_motion(peer: str) -> None:
         (("--placo", "/bin/false"), "--placo /bin/false: it ended without a word"),
         (("--tsid", "/nowhere/python"), "--tsid /nowhere/python: No such file or directory"),
         (("--drake", "/bin/false"), "--drake /bin/false: it ended without a word"),
-        (("--out", "."), "cannot write '.': Is a directory"),
+        (("--out", "."), "'.'; a table is called .csv"),
     ],
 )
 def test_wrong_input_of_a_tick_is_one_line(arguments: tuple[str, ...], said: str) -> None:
@@ -278,9 +281,26 @@ def test_a_peer_stands_where_ours_stands(peer: str) -> None:
         (("-a", "0"), "'--attempts'"),
         (("-b", "0"), "'--budget'"),
         (("-n", "0"), "'--count'"),
-        (("--out", "."), "cannot write '.': Is a directory"),
+        (("--out", "."), "'.'; a table is called .csv"),
     ],
 )
 def test_wrong_input_of_the_poses_is_one_line(arguments: tuple[str, ...], said: str) -> None:
     pytest.importorskip("pinocchio")
     refused(called("ik", *arguments), said)
+
+
+@pytest.mark.parametrize("option", numeric(app), ids=lambda own: f"{own.command} {own.name}")
+def test_what_spells_no_number_or_one_too_large_is_one_line(option: Option) -> None:
+    for word in option.wrong():
+        done = called(option.command, f"{option.name}={word}")
+        refused(done, option.name)
+        assert repr(word) in done.stderr or f" {word} must be at least" in done.stderr
+
+
+@pytest.mark.parametrize("command", ["compile", "ik", "parts", "solve", "teleop", "tick"])
+def test_a_table_is_called_as_one(command: str, tmp_path: Path) -> None:
+    for name in "rows.png", "rows":
+        refused(called(command, "-o", str(tmp_path / name)), "a table is called .csv")
+    with pytest.raises(InvalidInput, match=r"a table is called \.csv"):
+        save(tmp_path / "rows.png", [{"name": "one"}])
+    assert list(tmp_path.iterdir()) == []

@@ -65,7 +65,7 @@ def test_a_few_ticks_of_two_checkouts_fill_the_table(tmp_path: Path) -> None:
         (("--rounds", "0"), "'--rounds'"),
         (("--poses", "-1"), "'--poses'"),
         (("--against", "/nowhere"), "'/nowhere' is no checkout of this library"),
-        (("--out", "."), "cannot write '.': Is a directory"),
+        (("--out", "."), "'.'; a table is called .csv"),
     ],
 )
 def test_wrong_input_of_the_parts_is_one_line(arguments: tuple[str, ...], said: str) -> None:

@@ -320,7 +320,7 @@ def test_a_short_run_fills_tables_csv_and_pictures(tmp_path: Path) -> None:
         (("-s", "nonsense"), "unknown scene 'nonsense'; there are figure eight, tremor, stretched, out of reach"),
         (("--seconds", "0"), "'--seconds'"),
         (("--rounds", "0"), "'--rounds'"),
-        (("--out", "."), "cannot write '.': Is a directory"),
+        (("--out", "."), "'.'; a table is called .csv"),
         (("--out", ""), "'--out' / '-o': it is empty"),
         (("--plot", "/dev/null/here"), "cannot write to the folder '/dev/null/here': "),
     ],

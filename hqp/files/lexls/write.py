@@ -44,9 +44,10 @@ def write(
     Raises
     ------
     InvalidInput
-        If the file cannot be written, the hierarchy has no level or a number that no solver takes, or an array has
-        the wrong shape.
+        If the file has another suffix than .dat, .txt and .lexls, or cannot be written, the hierarchy has no level or a
+        number that no solver takes, or an array has the wrong shape.
     """
+    from ..names import HIERARCHY
     from ..whole import write_lines
 
     h = as_lexls(hierarchy, x_ref)
@@ -56,7 +57,7 @@ def write(
         for field, point in zip(POINTS, (solution_guess, solution), strict=True)
         if point is not None
     }
-    write_lines(path, _lines(h, sides, points))
+    write_lines(path, _lines(h, sides, points), *HIERARCHY)
 
 
 def as_lexls(hierarchy: Hierarchy, x_ref: ArrayLike | None = None) -> Hierarchy:

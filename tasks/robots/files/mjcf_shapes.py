@@ -1,9 +1,9 @@
-"""Collision and visual shapes of an MJCF: its compiled geoms on the bodies of a model."""
+"""Collision and visual shapes of an MJCF: its compiled geoms on the bodies of a model, and those that stand beside."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -45,6 +45,31 @@ def mjcf_geometry(model: pin.Model, mj: mujoco.MjModel, what: str) -> pin.Geomet
             if frozenset((first, carriers[j])) not in excluded:
                 geometry.addCollisionPair(pin.CollisionPair(i, j))
     return geometry
+
+
+class Standing(NamedTuple):
+    """A geom that nothing moves: its name and that of its body, its shape as :func:`_form` tells it, and its pose."""
+
+    name: str
+    body: str
+    kind: str
+    sizes: Any
+    at: Any
+
+
+def standing(model: pin.Model, mj: mujoco.MjModel) -> list[Standing]:
+    """The geoms that collide, of the world and of the bodies beside the model that no joint and no hand moves."""
+    data = mujoco.MjData(mj)
+    mujoco.mj_kinematics(mj, data)
+    found = []
+    for i in range(mj.ngeom):
+        body = int(mj.geom_bodyid[i])
+        beside = not body or not model.existBodyName(body_name(mj, body))
+        if beside and mj.body_weldid[body] == 0 and (mj.geom_contype[i] or mj.geom_conaffinity[i]):
+            at = np.eye(4)
+            at[:3, :3], at[:3, 3] = data.geom_xmat[i].reshape(3, 3), data.geom_xpos[i]
+            found.append(Standing(_label(mj, i), body_name(mj, body), *_form(mj, i), at))
+    return found
 
 
 def mjcf_visuals(model: pin.Model, mj: mujoco.MjModel) -> pin.GeometryModel:
@@ -94,19 +119,28 @@ def _mesh(mj: mujoco.MjModel, i: int) -> Any:
 
 
 def _shape(mj: mujoco.MjModel, i: int, what: str) -> Any:
+    kind, sizes = _form(mj, i)
+    if kind == "hull":
+        return hull(sizes, what)
+    if kind in ("", "Halfspace"):
+        kind = GEOM(mj.geom_type[i]).name.removeprefix("mjGEOM_").lower()
+        raise InvalidInput(f"{what} is a {kind}, which no body of a robot carries")
+    return shape_of(kind, *sizes)
+
+
+def _form(mj: mujoco.MjModel, i: int) -> tuple[str, Any]:
+    """The name of Coal for the shape of a geom, and its sizes; "hull" and its points; "" if it is not convex."""
     kind, (a, b, c) = GEOM(mj.geom_type[i]), (float(size) for size in mj.geom_size[i])
     if kind == GEOM.mjGEOM_MESH:
         mesh = int(mj.geom_dataid[i])
         first = int(mj.mesh_vertadr[mesh])
-        return hull(np.array(mj.mesh_vert[first : first + int(mj.mesh_vertnum[mesh])], dtype=np.float64), what)
-    simple = {
+        return "hull", np.array(mj.mesh_vert[first : first + int(mj.mesh_vertnum[mesh])], dtype=np.float64)
+    simple: dict[Any, tuple[str, Any]] = {
         GEOM.mjGEOM_SPHERE: ("Sphere", (a,)),
         GEOM.mjGEOM_CAPSULE: ("Capsule", (a, 2.0 * b)),
         GEOM.mjGEOM_CYLINDER: ("Cylinder", (a, 2.0 * b)),
         GEOM.mjGEOM_ELLIPSOID: ("Ellipsoid", (a, b, c)),
         GEOM.mjGEOM_BOX: ("Box", (2.0 * a, 2.0 * b, 2.0 * c)),
+        GEOM.mjGEOM_PLANE: ("Halfspace", (np.array([0.0, 0.0, 1.0]), 0.0)),
     }
-    if kind not in simple:
-        raise InvalidInput(f"{what} is a {kind.name.removeprefix('mjGEOM_').lower()}, which no body of a robot carries")
-    name, sizes = simple[kind]
-    return shape_of(name, *sizes)
+    return simple.get(kind, ("", ()))
