@@ -34,7 +34,7 @@ def joints(model: Any) -> list[tuple[Any, str]]:
     return list(zip(list(model.joints)[1:], list(model.names)[1:], strict=True))
 
 
-def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) -> mujoco.MjSpec:
+def specification_of(robot: Any, mujoco: Any, contacts: Sequence[Contact] = ()) -> mujoco.MjSpec:
     """The same robot as a MuJoCo model: one body per joint, or one for successive joints without mass between them.
 
     MuJoCo allows no body without mass: the joint of such a link is added to the next body that has mass.
@@ -46,7 +46,7 @@ def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
     """
     import pinocchio as pin
 
-    specification = mujoco.MjSpec()
+    model, specification = robot.model, mujoco.MjSpec()
     specification.option.gravity = model.gravity.linear
     specification.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
     # If numbers diverge, MuJoCo silently resets the robot to its start; the run must stop instead.
@@ -75,14 +75,12 @@ def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
             _add_joint(body, model, i, at, mujoco)
         bodies.append(body)
     for contact in contacts:
-        frame = model.frames[model.getFrameId(contact.frame)]
-        if frame.parentJoint and bodies[frame.parentJoint] is bodies[model.parents[frame.parentJoint]]:
-            raise InvalidInput(
-                f"MujocoPlant: {contact.full_name()}: frame {contact.frame!r} is on a link without mass that"
-                " moves, which MuJoCo does not have; it must be on one with mass"
-            )
+        body, frame = (
+            carrier(specification, robot, contact.frame, contact.full_name()),
+            model.frames[robot.frame_index(contact.frame)],
+        )
         for k, point in enumerate(contact.shape.points):
-            bodies[frame.parentJoint].add_geom(
+            body.add_geom(
                 name=point_name(contact, k),
                 type=mujoco.mjtGeom.mjGEOM_SPHERE,
                 size=[RADIUS, 0.0, 0.0],
@@ -92,6 +90,24 @@ def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
                 conaffinity=0,
             )
     return specification
+
+
+def carrier(specification: Any, robot: Any, frame: str, what: str) -> Any:
+    """The body that carries a frame of the robot.
+
+    Raises
+    ------
+    InvalidInput
+        If it is on a link without mass that moves.
+    """
+    joint = int(robot.model.frames[robot.frame_index(frame)].parentJoint)
+    body = specification.body(body_name(robot.model, joint)) if joint else specification.worldbody
+    if body is None:
+        raise InvalidInput(
+            f"MujocoPlant: {what}: frame {frame!r} is on a link without mass that"
+            " moves, which MuJoCo does not have; it must be on one with mass"
+        )
+    return body
 
 
 def body_name(model: Any, index: int) -> str:
@@ -142,3 +158,15 @@ def quaternion(rotation: Array) -> Array:
 
     x, y, z, w = pin.Quaternion(rotation).coeffs()
     return np.array([w, x, y, z])
+
+
+def base_rotation(q: Array) -> Array:
+    """The rotation matrix of a floating base, from the quaternion (x, y, z, w) in q."""
+    x, y, z, w = q[3:7] / np.linalg.norm(q[3:7])
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
