@@ -83,7 +83,7 @@ def specification_of(robot: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
             body.add_geom(
                 name=point_name(contact, k),
                 type=mujoco.mjtGeom.mjGEOM_SPHERE,
-                size=[RADIUS, 0.0, 0.0],
+                size=[RADIUS + (contact.radius or 0.0), 0.0, 0.0],
                 pos=frame.placement.act(point),
                 mass=0.0,
                 contype=1,

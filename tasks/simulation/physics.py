@@ -268,7 +268,7 @@ class MujocoPlant(Live):
         """Name of a contact -> positions of its k points in the world, shape (k, 3) [m]."""
         self._mujoco.mj_kinematics(self.model, self.data)
         found = zip(self.contacts, self._points, strict=True)
-        return {contact.name: self.data.geom_xpos[points].copy() for contact, points in found}
+        return {each.name: self.data.geom_xpos[points] - [0.0, 0.0, each.radius or 0.0] for each, points in found}
 
     def creep(self, q: Array, duration: float = 10.0) -> float:
         """How far the points of the contacts creep along the ground, at most, while all joints are locked at q [m].

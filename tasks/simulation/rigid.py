@@ -56,7 +56,7 @@ class RigidContactPlant(Live):
     ------
     InvalidInput
         If the robot is not of that kind, has joints that follow others, or a contact does not belong to it, is a line,
-        or has a surface that moves; or a loop does not, or does not say which orientation it holds.
+        rolls, or has a surface that moves; or a loop does not, or does not say which orientation it holds.
     """
 
     contacts: tuple[Contact, ...] = structure()
@@ -90,6 +90,8 @@ class RigidContactPlant(Live):
         for contact in self.contacts:
             check_frame(robot, contact.frame, f"{contact.full_name()}: frame")
             check_still(contact, "RigidContactPlant")
+            if contact.radius is not None:
+                raise InvalidInput(f"{contact.full_name()}: rolls; a RigidContactPlant takes contacts that stay")
             if contact.shape.motions not in KINDS:
                 raise InvalidInput(f"{contact.full_name()}: is a line; a RigidContactPlant takes points and planes")
         self.loops = loops_of(robot, loops, "RigidContactPlant")
