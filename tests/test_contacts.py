@@ -575,6 +575,7 @@ REFUSED = {
     "wrench = True takes a plane": lambda: Contact("foot", wrench=True),
     "both frames are 'foot'": lambda: Loop("foot", "foot"),
     "a target is for the forces of one contact": lambda: ForceTask([1.0]),
+    "joint damping = -1": lambda: Dynamics(joint_damping=-1.0),
 }
 
 
