@@ -456,7 +456,7 @@ def test_an_inertia_without_a_mass_is_not_lost(tmp_path: Path) -> None:
 def test_what_a_base_has_in_one_direction_alone_is_refused(tmp_path: Path) -> None:
     model = legged(tmp_path).model.copy()
     model.damping = np.array([1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    with pytest.raises(InvalidInput, match=r"of the base \[1\.0, 2\.0, .* must be the same"):
+    with pytest.raises(InvalidInput, match=r"of joint 'root_joint' \[1\.0, 2\.0, .* must be the same"):
         MujocoPlant(PinocchioRobot(model))
 
 

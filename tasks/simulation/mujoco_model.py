@@ -19,9 +19,23 @@ if TYPE_CHECKING:
 
 
 def known(joint: Any) -> bool:
-    """Whether MuJoCo has such a joint: revolute or prismatic, with one position and one velocity; or a free base."""
-    kind = joint.shortname().removeprefix("JointModel")
-    return bool(joint.nq == joint.nv == 1 and kind.startswith(("R", "P"))) or free(joint)
+    """Whether MuJoCo has such a joint: a hinge, with or without ends, a slide, a ball, or a floating base."""
+    single = joint.nq == joint.nv == 1 and _kind(joint).startswith(("R", "P"))
+    return bool(single or unbounded(joint) or ball(joint) or free(joint))
+
+
+def unbounded(joint: Any) -> bool:
+    """Whether a joint turns without end, its position the cosine and sine of an angle."""
+    return _kind(joint).startswith(("RUB", "RevoluteUnbounded"))
+
+
+def ball(joint: Any) -> bool:
+    """Whether a joint is a ball, its position a quaternion."""
+    return _kind(joint) == "Spherical"
+
+
+def _kind(joint: Any) -> str:
+    return str(joint.shortname()).removeprefix("JointModel")
 
 
 def free(joint: Any) -> bool:
@@ -42,7 +56,8 @@ def specification_of(robot: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
     Raises
     ------
     InvalidInput
-        If a contact is on such a link, or the base has an armature or a damping that differs by direction.
+        If a contact or a ball is on such a link, or a base or a ball has an armature or a damping that differs by
+        direction.
     """
     import pinocchio as pin
 
@@ -61,6 +76,10 @@ def specification_of(robot: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
             place = model.jointPlacements[first] * before[0][1].inverse()
         own = [*before, (index, pin.SE3.Identity())]
         if not inertia.toDynamicParameters().any() and len(children[index]) == 1:
+            if ball(model.joints[index]):
+                raise InvalidInput(
+                    f"MujocoPlant: the ball {model.names[index]!r} moves a link without mass, which MuJoCo has not"
+                )
             waiting[index] = own
             bodies.append(bodies[parent])
             continue
@@ -125,18 +144,20 @@ def point_name(contact: Contact, k: int) -> str:
 
 def _add_joint(body: Any, model: Any, index: int, at: Any, mujoco: Any) -> None:
     """Add joint `index` of the model to a MuJoCo body, at the placement `at` on it."""
-    joint = model.joints[index]
-    if free(joint):
-        armature, damping = (_same(numbers[joint.idx_v :][:6]) for numbers in (model.armature, model.damping))
-        kind = mujoco.mjtJoint.mjJNT_FREE
-        body.add_joint(name=model.names[index], type=kind, armature=armature, damping=[damping, 0.0, 0.0])
+    joint, name = model.joints[index], model.names[index]
+    if free(joint) or ball(joint):
+        own = slice(joint.idx_v, joint.idx_v + joint.nv)
+        armature, damping = (_same(numbers[own], name) for numbers in (model.armature, model.damping))
+        kind = mujoco.mjtJoint.mjJNT_FREE if free(joint) else mujoco.mjtJoint.mjJNT_BALL
+        place = {} if free(joint) else {"pos": at.translation}
+        body.add_joint(name=name, type=kind, armature=armature, damping=[damping, 0.0, 0.0], **place)
         return
     motion = joint.createData()
     joint.calc(motion, np.zeros(model.nq))
     subspace = np.array(motion.S).reshape(6)  # linear, angular: one of them is the axis
     slides = bool(subspace[:3].any())
     body.add_joint(
-        name=model.names[index],
+        name=name,
         type=mujoco.mjtJoint.mjJNT_SLIDE if slides else mujoco.mjtJoint.mjJNT_HINGE,
         pos=at.translation,
         axis=at.rotation @ (subspace[:3] if slides else subspace[3:]),
@@ -145,10 +166,12 @@ def _add_joint(body: Any, model: Any, index: int, at: Any, mujoco: Any) -> None:
     )
 
 
-def _same(numbers: Array) -> float:
-    """The armature or damping of a floating base, for which MuJoCo has one number."""
+def _same(numbers: Array, name: str) -> float:
+    """The armature or damping of a floating base or a ball, for which MuJoCo has one number."""
     if np.ptp(numbers):
-        raise InvalidInput(f"MujocoPlant: armature or damping of the base {numbers.tolist()}; all must be the same")
+        raise InvalidInput(
+            f"MujocoPlant: armature or damping of joint {name!r} {numbers.tolist()}; all must be the same"
+        )
     return float(numbers[0])
 
 
@@ -158,15 +181,3 @@ def quaternion(rotation: Array) -> Array:
 
     x, y, z, w = pin.Quaternion(rotation).coeffs()
     return np.array([w, x, y, z])
-
-
-def base_rotation(q: Array) -> Array:
-    """The rotation matrix of a floating base, from the quaternion (x, y, z, w) in q."""
-    x, y, z, w = q[3:7] / np.linalg.norm(q[3:7])
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )

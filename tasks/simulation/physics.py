@@ -11,8 +11,7 @@ The model of the controller is the same without the damping D: feedback has to c
 armature A of a floating base, which only an MJCF can have, MuJoCo adds along the axes of the world, and Pinocchio along
 those of the base: there they differ by :math:`A\,\omega \times v`, too.
 
-For a floating base, Pinocchio has the position, the quaternion (x, y, z, w), and both velocities along the axes of the
-base. MuJoCo has the quaternion (w, x, y, z), and the linear velocity along the axes of the world.
+States are handed over as :mod:`.places` says.
 """
 
 from __future__ import annotations
@@ -37,7 +36,8 @@ from ..robots.robot import Robot, base, check_frame, check_joints, on_pinocchio
 from .closing import close, loop_forces, loops_of
 from .ground import Ground
 from .motion import check_names, check_still, told
-from .mujoco_model import base_rotation, body_name, free, joints, known, point_name, specification_of
+from .mujoco_model import body_name, free, joints, known, point_name, specification_of
+from .places import StatePlaces
 
 if TYPE_CHECKING:
     import mujoco
@@ -65,7 +65,7 @@ class MujocoPlant(Live):
     Parameters
     ----------
     robot : PinocchioRobot
-        With a fixed or floating base, and one position per joint.
+        With a fixed or floating base, and joints that turn about one axis, slide along one, or are balls.
     contacts : list of Contact
         Contacts whose points touch the ground; their surfaces must be level.
     ground : Ground, optional
@@ -123,7 +123,6 @@ class MujocoPlant(Live):
         self._robot = _checked(robot, self.contacts)
         self.loops = loops_of(robot, loops, "MujocoPlant")
         check_names(self.contacts, self.loops)
-        model: Any = self._robot.model
         specification = specification_of(self._robot, mujoco, self.contacts)
         close(specification, self.loops, self._robot, self.step, mujoco)
         if self.contacts:
@@ -135,9 +134,8 @@ class MujocoPlant(Live):
             raise InvalidInput(f"MujocoPlant: MuJoCo refuses {robot!r}: {error}") from None
         self.data = mujoco.MjData(self.model)
         self._base = base(robot)
-        named = [self.model.joint(name) for _, name in joints(model)][1 if self._base else 0 :]
-        self.dofs = np.array([joint.dofadr[0] for joint in named], dtype=np.intp)
-        self._places = np.array([joint.qposadr[0] for joint in named], dtype=np.intp)
+        self._places = StatePlaces(self._robot, self.model)
+        self.dofs = self._places.dofs
         names = [[point_name(contact, k) for k in range(len(contact.shape.points))] for contact in self.contacts]
         self._points = [np.array([self.model.geom(name).id for name in each], dtype=np.intp) for each in names]
         self._laid = not self.contacts or self.ground.height is not None
@@ -195,21 +193,11 @@ class MujocoPlant(Live):
         self._put(q, v)
 
     def _put(self, q: Array, v: Array) -> None:
-        data = self.data
-        if self._base:
-            data.qpos[:3], data.qpos[3], data.qpos[4:7] = q[:3], q[6], q[3:6]
-            data.qvel[:3], data.qvel[3:6] = base_rotation(q) @ v[:3], v[3:6]
-            q, v = q[7:], v[6:]
-        data.qpos[self._places], data.qvel[self.dofs] = q, v
+        self._places.put(self.data, q, v)
 
     def state(self) -> tuple[Array, Array]:
         """The state of the robot: q and v of its Pinocchio model."""
-        data = self.data
-        q, v = data.qpos[self._places].copy(), data.qvel[self.dofs].copy()
-        if not self._base:
-            return q, v
-        q = np.concatenate([data.qpos[:3], data.qpos[4:7], data.qpos[3:4], q])
-        return q, np.concatenate([data.qvel[:3] @ base_rotation(q), data.qvel[3:6], v])
+        return self._places.take(self.data)
 
     def push(self, frame: str, force: ArrayLike, duration: float, *, start: float | None = None) -> None:
         """Push a frame at its origin for a time, which need not begin or end with a tick of the controller.
@@ -329,7 +317,9 @@ def _checked(robot: Robot, contacts: tuple[Contact, ...]) -> Any:
         raise InvalidInput(f"robot = {brief(robot)}; the physics need the model of a PinocchioRobot")
     other = [name for joint, name in joints(robot.model) if not known(joint)]
     if other:
-        raise InvalidInput(f"MujocoPlant: joint {other[0]!r} of {robot!r} must turn about one axis, or slide along it")
+        raise InvalidInput(
+            f"MujocoPlant: joint {other[0]!r} of {robot!r} must turn about one axis, or slide along it, or be a ball"
+        )
     if any(free(joint) for joint, _ in joints(robot.model)[1:]) or (
         base(robot) and not robot.model.jointPlacements[1].isIdentity()
     ):
