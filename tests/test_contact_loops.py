@@ -78,9 +78,7 @@ class Walker(NamedTuple):
             c, s = 1.0 - np.cos(3.0 * t), np.sin(3.0 * t)
             return place + way * c, 3.0 * way * s, 9.0 * way * (1.0 - c)
 
-        standing = Dynamics() + self.feet[0]
-        for part in (*self.feet[1:], *self.loops):
-            standing = standing + part
+        standing = sum((*self.loops, *self.feet), Dynamics())
         stack = standing >> JointTorqueLimit() + JointLimits() >> CenterOfMassTask(sway, gain=5.0)
         upright = OrientationTask(np.eye(3), frame="trunk", gain=8.0)
         rest = upright >> PostureTask(self.q, gain=4.0) + ForceTask(weight=1e-2)
