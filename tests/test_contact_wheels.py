@@ -52,6 +52,10 @@ def wheels() -> tuple[Contact, ...]:
     return tuple(Contact(name, radius=RADIUS, friction=0.6) for name in WHEELS)
 
 
+def test_it_is_written_as_it_was_made() -> None:
+    assert repr(wheels()[0]) == "Contact('fl', radius=0.1, friction=0.6)"
+
+
 def drive(feet: tuple[Contact, ...]) -> Controller:
     """The cart speeds up to 0.3 m/s and goes on, its mast upright."""
 

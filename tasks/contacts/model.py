@@ -185,6 +185,8 @@ class ContactModel(Part):
 
     def __repr__(self) -> str:
         parts = [repr(self.frame)]
+        if self.radius is not None:
+            parts.append(f"radius={self.radius:g}")
         if self.friction is not None:
             parts.append(f"friction={self.friction:g}")
         if self.name != self.frame:
