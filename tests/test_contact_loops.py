@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
-from contact_scenes import DT, advanced
+from contact_scenes import DT, advanced, humanoid
 
 from hqp import InvalidInput
 from tasks import (
@@ -24,6 +24,7 @@ from tasks import (
     MujocoPlant,
     OrientationTask,
     PinocchioRobot,
+    PositionTask,
     PostureTask,
     RigidContactPlant,
     load_robot,
@@ -204,6 +205,29 @@ def test_what_holds_an_arm_from_the_world_bears_it_in_physics(held: str) -> None
     plane = [0, 2, 4] if len(asked) == 6 else [0, 2]  # all that three joints in a plane can tell
     assert np.abs(asked[plane]).min() > 0.01
     np.testing.assert_allclose(found[plane], asked[plane], atol=0.01 * np.abs(asked).max())
+
+
+def test_hands_that_hold_one_thing_bear_an_arm_in_physics() -> None:
+    """A loop that is given, with its orientation: a forearm without motors hangs on the other hand, by all six."""
+    scene = humanoid()
+    state = scene.robot.at(scene.q, scene.v)
+    a, b = state.frame("left_rubber_hand"), state.frame("right_rubber_hand")
+    held = {"at_b": b.rotation.T @ (a.position - b.position), "rotation": b.rotation.T @ a.rotation}
+    hands = Loop("left_rubber_hand", "right_rubber_hand", turns=False, name="hands", **held)
+    limp = [name.startswith(("right_wrist", "right_elbow")) for name in scene.robot.joint_names]
+    weak = JointTorqueLimit(np.where(limp, 0.0, scene.robot.torque_limit))
+    standing = Dynamics() + scene.feet[0] + scene.feet[1] + hands >> weak + JointLimits()
+    com = CenterOfMassTask(scene.com, gain=6.0)
+    reach = PositionTask(a.position + np.array([0.05, 0.0, 0.05]), frame="left_rubber_hand", gain=5.0)
+    controller = Controller(scene.robot, standing >> com >> reach >> scene.rest(), order="torque", dt=DT)
+    plant = MujocoPlant(scene.robot, contacts=scene.feet, loops=[hands])
+    record = simulate(controller, scene.q, duration=1.0, plant=plant)
+    assert record.stopped is None
+    asked = record.forces["hands"][-1]
+    assert np.linalg.norm(asked[:3]) > 5.0
+    assert np.linalg.norm(asked[3:]) > 1.0
+    np.testing.assert_allclose(plant.forces["hands"], asked, atol=0.05)
+    assert np.abs(LoopMotion(hands).error(scene.robot.at(record.q[-1]), 0.0)).max() < 1e-4
 
 
 def test_plants_close_what_they_are_told_to() -> None:

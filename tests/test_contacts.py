@@ -69,7 +69,8 @@ def from_forces(robot, q, step, contacts):
             _, J, turning = point_jacobian(robot, q, contact.frame, contact.shape.centre)
             total += J.T @ given[:3] + turning.T @ given[3:]
             continue
-        for point, f in zip(contact.shape.points, given, strict=True):
+        lowest = (contact.radius or 0.0) * robot.at(q).frame(contact.frame).rotation.T @ contact.normal
+        for point, f in zip(contact.shape.points - lowest, given, strict=True):
             total += point_jacobian(robot, q, contact.frame, point)[1].T @ f
     return total
 
