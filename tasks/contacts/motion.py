@@ -59,9 +59,14 @@ class ContactMotion(LoopTask):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         check_frame(robot, self.contact.frame, f"{self.contact.full_name()}: frame")
-        if self.at_rest(robot).frame(self.contact.frame).rotation.ndim == 1:
+        frame = self.at_rest(robot).frame(self.contact.frame)
+        if frame.rotation.ndim == 1:
             raise InvalidInput(
                 f"{self.contact.full_name()}: {robot!r} moves in the plane; contacts take robots in space"
+            )
+        if not (np.any(frame.linear) or np.any(frame.angular)):
+            raise InvalidInput(
+                f"{self.contact.full_name()}: no joint of {robot!r} moves it; its forces would do nothing"
             )
         self.check_gain(order, dt)
 
