@@ -261,6 +261,36 @@ def lifted(plant_of):
     return record, here.feet
 
 
+@pytest.mark.parametrize("told", [True, False])
+def test_damping_that_is_told_is_no_disturbance(told: bool) -> None:
+    """Files of MuJoCo tell of viscous damping: with it in the motion equation a robot goes where it is told."""
+    here = quadruped()
+    here.robot.model.damping[6:] = 1.0
+    motion = Dynamics(joint_damping=here.robot.model.damping if told else None)
+    standing = motion + here.feet[0] + here.feet[1] + here.feet[2] + here.feet[3] >> JointTorqueLimit() + JointLimits()
+    low = CenterOfMassTask(stops(here.com, (0.4, here.com - [0.0, 0.0, 0.06])), gain=6.0)
+    controller = Controller(here.robot, standing >> low >> here.rest("base"), order="torque", dt=DT)
+    record = simulate(controller, here.q, duration=0.4, plant=MujocoPlant(here.robot, contacts=here.feet))
+    assert record.stopped is None
+    off = np.linalg.norm(record.errors["center of mass"], axis=1).max()
+    assert off < 1e-3 if told else off > 3e-3
+    q, v = record.q[-40], record.v[-40]
+    step = controller(q, v, float(record.t[-40]))
+    needed = pin.rnea(here.robot.model, here.robot.model.createData(), q, v, step.a) + here.robot.model.damping * v
+    lacking = needed[6:] - step.tau - pushed(here, q, step)
+    assert (np.abs(lacking).max() < 1e-9) == told
+
+
+def pushed(here: Scene, q: np.ndarray, step) -> np.ndarray:
+    """The joint torques that the contact forces of a step give."""
+    model, data = here.robot.model, here.robot.model.createData()
+    pin.computeJointJacobians(model, data, q)
+    pin.updateFramePlacements(model, data)
+    frames = [(here.robot.frame_index(foot.frame), step.forces[foot.name][0]) for foot in here.feet]
+    total = sum(pin.getFrameJacobian(model, data, i, pin.LOCAL_WORLD_ALIGNED)[:3].T @ f for i, f in frames)
+    return np.asarray(total)[6:]
+
+
 def test_an_arm_presses_a_table() -> None:
     robot = load_robot("panda", lock=["panda_finger_joint1"], acceleration_limit=50.0)
     tip = robot.at(robot.home, np.zeros(7)).frame()
@@ -426,7 +456,7 @@ def test_an_inertia_without_a_mass_is_not_lost(tmp_path: Path) -> None:
 def test_what_a_base_has_in_one_direction_alone_is_refused(tmp_path: Path) -> None:
     model = legged(tmp_path).model.copy()
     model.damping = np.array([1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
-    with pytest.raises(InvalidInput, match=r"of the base \[1\.0, 2\.0, .* must be the same"):
+    with pytest.raises(InvalidInput, match=r"of joint 'root_joint' \[1\.0, 2\.0, .* must be the same"):
         MujocoPlant(PinocchioRobot(model))
 
 

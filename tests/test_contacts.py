@@ -69,7 +69,8 @@ def from_forces(robot, q, step, contacts):
             _, J, turning = point_jacobian(robot, q, contact.frame, contact.shape.centre)
             total += J.T @ given[:3] + turning.T @ given[3:]
             continue
-        for point, f in zip(contact.shape.points, given, strict=True):
+        lowest = (contact.radius or 0.0) * robot.at(q).frame(contact.frame).rotation.T @ contact.normal
+        for point, f in zip(contact.shape.points - lowest, given, strict=True):
             total += point_jacobian(robot, q, contact.frame, point)[1].T @ f
     return total
 
@@ -575,6 +576,7 @@ REFUSED = {
     "wrench = True takes a plane": lambda: Contact("foot", wrench=True),
     "both frames are 'foot'": lambda: Loop("foot", "foot"),
     "a target is for the forces of one contact": lambda: ForceTask([1.0]),
+    "joint damping = -1": lambda: Dynamics(joint_damping=-1.0),
 }
 
 
@@ -591,11 +593,13 @@ def test_refuses_stacks_and_robots_that_do_not_fit() -> None:
     posture = PostureTask(scene.q, gain=4.0)
     bare = load_robot("g1", torque_limit=np.full(robot.nv, np.inf))
     rough = Contact(FEET[0], points=SOLE)
-    arm = load_robot("panda")
+    arm, fixed = load_robot("panda"), Contact("panda_link0", friction=0.5)
     cases = {
         r"the stack has no Dynamics\(\)": (robot, left + right >> posture),
         "has no torque limit of its own": (bare, Dynamics() + left >> JointTorqueLimit() >> posture),
         "needs its friction": (robot, Dynamics() + rough >> posture),
+        "'universe': no joint of": (robot, Dynamics() + left + Contact("universe", friction=0.5) >> posture),
+        "'panda_link0': no joint of": (arm, Dynamics() + fixed >> PostureTask(arm.home, gain=1.0)),
         "is no frame of": (arm, Dynamics() + left >> PostureTask(arm.home, gain=1.0)),
         "is not in the stack": (robot, Dynamics() + left >> ForceTask([1.0], contact=right)),
         "floating base": (robot, TorqueTask() + posture),

@@ -44,7 +44,11 @@ CHANGES: dict[str, dict[str, Any]] = {
         "damping_ratio": 2.0,
         "weight": 3.0,
     },
-    "dynamics": {"wrenches": {"torso_link": [30.0, 0.0, 0.0, 0.0, 0.0, 0.0]}, "weight": 2.0},
+    "dynamics": {
+        "wrenches": {"torso_link": [30.0, 0.0, 0.0, 0.0, 0.0, 0.0]},
+        "joint_damping": 0.7,
+        "weight": 2.0,
+    },
     "loop": {
         "at": (0.02, 0.0, 0.0),
         "at_b": (0.0, 0.03, 0.0),

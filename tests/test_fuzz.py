@@ -269,7 +269,7 @@ def calls(folder: Path) -> dict[str, Callable[[], Call]]:
         "MinimumMotionTask": made(tasks.MinimumMotionTask, 1.0, gain=1.0, name="own"),
         "MinimumTorqueTask": made(tasks.MinimumTorqueTask, torque_range=(-1.0, 1.0), weight=1.0, name="own"),
         "MinorAxisTask": made(tasks.MinorAxisTask, p, gain=1.0, weight=1.0, name="own"),
-        "MujocoPlant": made(tasks.MujocoPlant, spatial_robot, contacts=[], ground=None, step=0.001),
+        "MujocoPlant": made(tasks.MujocoPlant, spatial_robot, contacts=[], ground=None, loops=[], step=0.001),
         "OmniwheelTask": made(
             tasks.OmniwheelTask, 0.1, axle=[0.0, 1.0, 0.0], rollers=0.5, normal=[0.0, 0.0, 1.0], floor=0.0, **framed
         ),

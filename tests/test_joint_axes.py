@@ -207,6 +207,45 @@ def test_physics_of_several_joints_in_one_body(tmp_path):
         np.testing.assert_allclose(data.qacc[plant.dofs], expected, rtol=1e-9, atol=1e-9)
 
 
+BALLS = """<mujoco><worldbody><body name="base" pos="0 0 1"><freejoint/><geom size=".1" mass="2"/>
+  <body name="leg" pos="0 .1 0" euler="10 20 30">
+    <joint name="hip" type="ball" pos=".02 0 .1" damping=".3" armature=".02"/>
+    <geom type="capsule" fromto="0 0 0 .1 0 -.3" size=".03" mass="1"/><body name="shin" pos="0 0 -.5"><joint name="k"/>
+    <geom type="box" size=".05 .02 .2" mass=".7"/></body></body></body></worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("kind", ["without end", "balls"])
+def test_physics_of_joints_without_end_and_of_balls(kind):
+    """States come back as they were, and torques accelerate the robot as its model says."""
+    mujoco = pytest.importorskip("mujoco")
+    robot = load_robot("kinova") if kind == "without end" else load_robot(mujoco.MjModel.from_xml_string(BALLS))
+    assert robot.nq != robot.nv
+    plant, rng = MujocoPlant(robot), np.random.default_rng(0)
+    still, first = robot.integrate(robot.home, np.zeros(robot.nv)), robot.base
+    for _ in range(3):
+        q, v = robot.integrate(still, rng.uniform(-2.0, 2.0, robot.nv)), rng.uniform(-1.0, 1.0, robot.nv)
+        tau = rng.uniform(-1.0, 1.0, robot.nv - first)
+        plant.set_state(q, v)
+        there = plant.state()
+        np.testing.assert_allclose(robot.difference(q, there[0]), 0.0, atol=1e-12)
+        np.testing.assert_allclose(there[1], v, atol=1e-12)
+        plant.data.qfrc_applied[plant.dofs] = tau
+        mujoco.mj_forward(plant.model, plant.data)
+        forces = np.concatenate([np.zeros(first), tau]) - robot.model.damping * v
+        expected = np.linalg.solve(robot.mass_matrix(q), forces - robot.bias(q, v))
+        np.testing.assert_allclose(plant.data.qacc[plant.dofs], expected[first:], rtol=1e-9, atol=1e-9)
+        after = plant.advance(q, v, tau, 1e-6)
+        np.testing.assert_allclose(robot.difference(q, after[0]), 1e-6 * v, atol=1e-9)
+
+
+def test_a_ball_on_a_link_without_mass_is_refused_in_physics():
+    mujoco = pytest.importorskip("mujoco")
+    text = BALLS.replace('armature=".02"/>', '/><joint name="slide" type="slide" axis="0 0 1"/>')
+    robot = load_robot(mujoco.MjModel.from_xml_string(text))
+    with pytest.raises(InvalidInput, match="the ball 'hip' moves a link without mass"):
+        MujocoPlant(robot)
+
+
 # Units.
 
 

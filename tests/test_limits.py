@@ -15,11 +15,13 @@ from tasks import (
     Controller,
     JointAccelerationLimit,
     JointPositionLimit,
+    JointTorqueLimit,
     JointVelocityLimit,
     OrientationTask,
     PlanarArm,
     PositionTask,
     PostureTask,
+    load_robot,
     simulate,
 )
 from tasks.limits.limit import JointLimit
@@ -225,6 +227,24 @@ def run(seed, order, duration):
         note("acceleration, over a tick", np.abs(v - before) - dt * arm.acceleration_limit)
     note("joints that stay outside", ~inside)
     return worst, unsolved
+
+
+def test_the_limits_of_a_robot_may_be_given_as_they_are() -> None:
+    """Of a base that floats they are infinite; changed for some joints, they are limits still."""
+    robot = load_robot("go2", acceleration_limit=100.0)
+    own = JointVelocityLimit() + JointAccelerationLimit()
+    given = JointVelocityLimit(robot.velocity_limit) + JointAccelerationLimit(robot.acceleration_limit)
+    state = robot.at(robot.home, np.zeros(robot.nv))
+    rows = [stack.build(robot, "acceleration", 0.01).fill(state, 0.0) for stack in (own, given)]
+    np.testing.assert_array_equal(rows[0].lower, rows[1].lower)
+    np.testing.assert_array_equal(rows[0].upper, rows[1].upper)
+    weak = np.where(np.arange(robot.nv) == 8, 0.0, robot.torque_limit)
+    np.testing.assert_array_equal(JointTorqueLimit(weak).largest(robot), weak)
+    for kind in JointVelocityLimit, JointAccelerationLimit, JointTorqueLimit:
+        with pytest.raises(InvalidInput, match="limit"):
+            kind(np.inf)
+        with pytest.raises(InvalidInput, match="limit"):
+            kind([1.0, -np.inf])
 
 
 @pytest.mark.parametrize("order", ["velocity", "acceleration"])

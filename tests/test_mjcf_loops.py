@@ -92,3 +92,31 @@ def test_what_is_wrong_is_refused_in_words() -> None:
     nameless = FOUR_BARS.format(LOOPS["sites"]).replace('name="two"', "")
     with pytest.raises(InvalidInput, match="give it a name"):
         load_robot(mujoco.MjModel.from_xml_string(nameless))
+
+
+ACTUATED = '</equality><actuator><motor joint="a"/></actuator>'
+
+
+def test_joints_of_a_chain_on_which_no_actuator_acts_are_told() -> None:
+    """Their torques would be counted as a motor's, and nothing else in the file says that they have none."""
+    text = FOUR_BARS.format(LOOPS["points"])
+    told = load_robot(mujoco.MjModel.from_xml_string(text.replace("</equality>", ACTUATED))).left_out
+    assert told == ("that no actuator drives the joints b, c (a torque_limit of 0 of each says so)",)
+    assert load_robot(mujoco.MjModel.from_xml_string(text)).left_out == ()
+    pulled = (
+        '</equality><tendon><fixed name="t"><joint joint="b" coef="1"/></fixed></tendon><actuator><motor tendon="t"/>'
+    )
+    both = text.replace("</equality>", f'{pulled}<motor joint="a"/></actuator>')
+    told = load_robot(mujoco.MjModel.from_xml_string(both)).left_out
+    assert told == ("that no actuator drives the joints c (a torque_limit of 0 of each says so)",)
+
+
+def test_a_limit_of_a_ball_is_of_all_its_axes() -> None:
+    text = FOUR_BARS.format(LOOPS["points"]).replace('<joint name="b"/>', '<joint name="b" type="ball"/>')
+    robot = load_robot(
+        mujoco.MjModel.from_xml_string(text), torque_limit={"b": 0.0, "a": 9.0}, acceleration_limit={"b": 5.0}
+    )
+    np.testing.assert_array_equal(robot.torque_limit, [9.0, 0.0, 0.0, 0.0, np.inf])
+    np.testing.assert_array_equal(robot.acceleration_limit, [np.inf, 5.0, 5.0, 5.0, np.inf])
+    one = load_robot(mujoco.MjModel.from_xml_string(text), torque_limit={"b[1]": 3.0})
+    np.testing.assert_array_equal(one.torque_limit, [np.inf, np.inf, 3.0, np.inf, np.inf])

@@ -132,12 +132,17 @@ def per_row(value: Array, rows: int, what: str, of: str = "row") -> Array:
 
 def per_joint(value: ArrayLike, joints: int, what: str, *, unit: str, zero_holds: bool = False) -> Array:
     """`value` for each joint: positive, or 0 if `zero_holds`; an array may be infinite for a joint without limit."""
+    return np.array(per_row(limits(value, what, unit=unit, zero_holds=zero_holds), joints, what, "joint"))
+
+
+def limits(value: ArrayLike, what: str, *, unit: str, zero_holds: bool = False) -> Array:
+    """`value` as positive numbers, or 0 if `zero_holds`; an array may be infinite for a joint without limit."""
     array = numbers(value, what)
     free = (array == np.inf) & (array.ndim > 0)
     checked = not_negative if zero_holds else positive
-    limits = np.array(per_row(checked(np.where(free, 1.0, array), what, unit=unit), joints, what, "joint"))
-    limits[free] = np.inf
-    return limits
+    if not free.any():
+        return checked(array, what, unit=unit)
+    return np.where(free, np.inf, checked(np.where(free, 1.0, array), what, unit=unit))
 
 
 def pair(value: tuple[T, T], what: str, of: str) -> tuple[T, T]:

@@ -74,7 +74,7 @@ class _Balance(Part):
 
         told: list[Any] = []
         for contact in self.contacts:
-            slot, points = contact.slot(shared), contact.shape.points
+            slot, points = contact.slot(shared), contact.touching(shared)
             told += [slot.numbers, shared.blocks.frame(contact.frame), slot.axes, points, len(points)]
         return len(self.contacts), Table(*told)
 

@@ -17,12 +17,18 @@ from __future__ import annotations
 
 from hqp import InvalidInput
 
+from ..robots.robot import base
 from ..rows.expansion import Companions, Setting
 from ..rows.part import Part
 from .forces import ForceBounds
 from .friction import Friction
 from .model import ContactModel
 from .motion import ContactMotion
+
+#: Velocities of a base that moves in the plane.
+PLANAR = 3
+#: A normal counts as upright from this height of its unit vector on.
+UPRIGHT = 1.0 - 1e-6
 
 
 class Contact(ContactModel):
@@ -37,6 +43,9 @@ class Contact(ContactModel):
         Instead of `points`: lengths of a rectangle along x and y of the frame [m]; forces act at its corners.
     line : float, optional
         Instead of `points`: length of a line along x of the frame [m]. Without any of these the contact is a point.
+    radius : float, optional
+        Instead of `points`: of a ball, or a wheel that stands upright, about `centre`, which rolls on the world without
+        slip [m]. It touches at its lowest point along the normal, whichever that is.
     centre : array, shape (3,)
         Origin of the points, rectangle or line, in the coordinates of the frame [m].
     friction : float, optional
@@ -68,7 +77,8 @@ class Contact(ContactModel):
     Raises
     ------
     InvalidInput
-        If a number or the points are invalid; with a robot, if it has no such frame.
+        If a number or the points are invalid, or something that rolls is given points or a surface; with a robot, if it
+        has no such frame, or its base moves in the plane and it would stand on a contact with forces.
 
     Examples
     --------
@@ -88,6 +98,11 @@ class Contact(ContactModel):
             if self.friction is None:
                 raise InvalidInput(
                     f"{self.full_name()}: needs its friction, as in Contact({self.frame!r}, friction=0.6)"
+                )
+            if base(setting.robot) == PLANAR and self.surface is None and abs(self.normal[2]) > UPRIGHT:
+                raise InvalidInput(
+                    f"{self.full_name()}: its friction hangs on the weight of {setting.robot!r}, which a base in the"
+                    " plane does not tell; load it with base='floating'"
                 )
             limits = (Friction(self),)
         return Companions(here, top=(ForceBounds(self),), limits=limits, below=below, block=self.block())

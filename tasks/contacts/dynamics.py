@@ -3,6 +3,7 @@ r"""The motion equation, which couples accelerations and contact forces.
 .. math:: M(q)\, a + b(q, v) = S^T \tau + G^T f + \textstyle\sum_k J_k^T w_k,
 
 with the joint torques tau, which are not bounded here, the forces f of all contacts, and measured wrenches :math:`w_k`.
+If the viscous damping D of the joints is given, :math:`D v` is part of b.
 No motor drives a floating base: its rows,
 
 .. math:: (M_u, -G_u^T)\, (a, f) = -b_u + \dots,
@@ -21,7 +22,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
-from ..base.checks import Array, fill, numbers
+from ..base.checks import Array, fill, not_negative, numbers, per_row
 from ..base.live import number
 from ..base.telling import tell
 from ..robots.robot import Robot, base, check_dynamics, check_frame, check_motors, joint_names, joint_units
@@ -44,6 +45,9 @@ class Dynamics(Part):
     ----------
     wrenches : dict of frame to array, shape (6,), or to a function of time that gives one, optional
         Measured force [N] and moment [N m] on the robot at the origin of each frame, in the axes of the world.
+    joint_damping : float or array, shape (nv,), optional
+        D, viscous damping of the joints [N m s/rad], [N s/m], as ``robot.model.damping``; one number is for all joints
+        but the base (default: none, feedback compensates what there is).
     weight : float or array, shape (base,)
         Weight of the rows inside their level.
     name : str
@@ -51,8 +55,8 @@ class Dynamics(Part):
     Raises
     ------
     InvalidInput
-        If a wrench does not have six numbers; with a robot, if the robot has no motion equation or no such frame, or
-        the order is velocity.
+        If a wrench does not have six numbers, or damping is negative; with a robot, if the robot has no motion equation
+        or no such frame, there is not one damping a joint, or the order is velocity.
 
     Examples
     --------
@@ -68,17 +72,30 @@ class Dynamics(Part):
         self,
         wrenches: Mapping[str, ArrayLike | Sensor] | None = None,
         *,
+        joint_damping: ArrayLike | None = None,
         weight: ArrayLike = 1.0,
         name: str = "dynamics",
     ) -> None:
         self.name = of_type(name, str, "name of a Dynamics")
-        self.weight, self.wrenches = weight, wrenches
+        self.weight, self.wrenches, self.joint_damping = weight, wrenches, joint_damping
 
     @number
     def wrenches(self, value: Mapping[str, ArrayLike | Sensor] | None) -> dict[str, Sensor]:
         """External wrenches on the robot, by frame."""
         given = of_type({} if value is None else value, Mapping, f"{self.full_name()}: wrenches")
         return {frame: self._sensor(frame, wrench) for frame, wrench in given.items()}
+
+    @number
+    def joint_damping(self, value: ArrayLike | None) -> Array | None:
+        """Viscous damping of the joints, shape () or (nv,) [N m s/rad], [N s/m]; None for none."""
+        return None if value is None else not_negative(value, f"{self.full_name()}: joint damping", unit="N m s/rad")
+
+    def _damping(self, robot: Robot) -> Array:
+        """D of every velocity, shape (nv,)."""
+        if self.joint_damping is None:
+            return np.zeros(robot.nv)
+        D = per_row(self.joint_damping, robot.nv, f"{self.full_name()}: joint damping", "joint")
+        return D if self.joint_damping.ndim else np.where(np.arange(robot.nv) < base(robot), 0.0, D)
 
     def _sensor(self, frame: str, wrench: ArrayLike | Sensor) -> Sensor:
         sample = numbers(wrench(0.0) if callable(wrench) else wrench, f"{self.full_name()}: wrench at {frame!r}")
@@ -107,6 +124,7 @@ class Dynamics(Part):
                 " 'acceleration', or the contacts be without Dynamics()"
             )
         check_dynamics(robot, self.full_name())
+        self._damping(robot)
         for frame in self.wrenches:
             check_frame(robot, frame, f"{self.full_name()}: wrench at")
 
@@ -119,13 +137,15 @@ class Dynamics(Part):
         from ..base.loops import Call
         from ..rows.plan import Plan
         from .bearing import bearing_calls
-        from .kernels.dynamics import add_wrench, write_dynamics
+        from .kernels.dynamics import add_damping, add_wrench, write_dynamics
 
         shared = site.shared
         M, b = shared.blocks.mass_matrix(), shared.blocks.bias()
         moves: list[Move] = []
         acting = shared.given.setdefault(id(self), [])
         acting.clear()
+        if self.joint_damping is not None:
+            acting.append(Call(add_damping, shared.n, self._damping(shared.robot), shared.v, b))
         for frame, sensor in self.wrenches.items():
             wrench = np.zeros(6)
             moves.append(_kept_up(wrench, sensor, f"{self.full_name()}: wrench at {frame!r}"))

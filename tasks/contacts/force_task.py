@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
-from ..base.checks import Array, numbers, positive
+from ..base.checks import Array, positive
 from ..base.live import number, structure
 from ..robots.robot import Robot
 from ..rows.expansion import Companions, Setting
@@ -262,7 +262,7 @@ class PressureRows(_ForceRows):
         contact, unknowns, shape = self.contact, site.shared.unknowns, self.contact.shape
         assert site.A is not None
         site.A[:] = 0.0
-        points = numbers([shape.centre] if contact.wrench else shape.points, "points")
+        points = shape.centre[None] if contact.wrench else contact.touching(site.shared)
         target = np.zeros((3, 2))
         moves = site.keep_up(self.task, "target", *target)
         told = contact.wrench, len(points), points, target, unknowns.n, unknowns.of(contact).start

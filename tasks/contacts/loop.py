@@ -230,5 +230,5 @@ class LoopMotion(LoopTask):
         where = shared.unknowns.of(loop) if loop in shared.unknowns else slice(shared.n, shared.n)
         G = shared.wrenches[where.start - shared.n : where.stop - shared.n]
         call = Call(write_loop, site.law(self), *blocks, loop.at, loop.at_b, kept, shared.work, G, len(G))
-        shared.given.setdefault(id(loop), [])[:] = [call]  # other parts read G from it
+        shared.given.setdefault(id(self), [])[:] = [call]  # other parts read G from it
         return Plan()

@@ -30,15 +30,17 @@ def keep_map(contact: ContactModel, shared: Workspace) -> tuple[Move, ...]:
     known.clear()
     G = wrench_map(contact, shared)
     count = len(shape.points) if contact in shared.unknowns else 0
+    touching = contact.touching(shared)
     told = (
         shared.n,
         shared.blocks.frame(contact.frame),
         contact.wrench and bool(count),
         count,
-        shape.points,
-        shape.centre,
+        touching,
+        shape.centre if contact.radius is None else touching,
     )
-    known.append(Call(write_contact_map, *told, slot.surface, contact.normal, shape.along, slot.axes, G))
+    rolls = shape.centre, np.array([contact.radius or 0.0])
+    known.append(Call(write_contact_map, *told, slot.surface, contact.normal, shape.along, slot.axes, G, *rolls))
     return () if contact.surface is None else contact.surface.kept_up(slot.surface)
 
 

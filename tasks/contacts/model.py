@@ -36,6 +36,7 @@ class ContactModel(Part):
     faces: int = structure()
     wrench: bool = structure()
     may_slip: bool = structure()
+    radius: float | None = structure()
 
     def __init__(
         self,
@@ -44,6 +45,7 @@ class ContactModel(Part):
         points: ArrayLike | None = None,
         plane: ArrayLike | None = None,
         line: float | None = None,
+        radius: float | None = None,
         centre: ArrayLike = (0.0, 0.0, 0.0),
         friction: float | None = None,
         normal: ArrayLike = (0.0, 0.0, 1.0),
@@ -70,6 +72,12 @@ class ContactModel(Part):
         self.wrench = truth(wrench, "wrench")
         if self.wrench and plane is None:
             raise InvalidInput(f"{self.full_name()}: wrench = True takes a plane=(length along x, length along y) in m")
+        self.radius = None if radius is None else positive_scalar(radius, f"{self.full_name()}: radius", unit="m")
+        if self.radius is not None and (surface, points, plane, line) != (None, None, None, None):
+            raise InvalidInput(
+                f"{self.full_name()}: what rolls, radius = {self.radius:g} m, touches the world at one point; it takes"
+                " no points, plane, line or surface"
+            )
         self.friction, self.normal, self.torsion = friction, normal, torsion
         self.least, self.largest = least, largest
         self.gain, self.damping_ratio, self.weight = gain, damping_ratio, weight
@@ -148,6 +156,10 @@ class ContactModel(Part):
         slot: Slot = shared.kept(self, lambda: Slot(1 if self.wrench else len(self.shape.points)))
         return slot
 
+    def touching(self, shared: Workspace) -> Array:
+        """Where it touches in the coordinates of the frame, shape (k, 3) [m]: of what rolls, at the present tick."""
+        return self.shape.points if self.radius is None else self.slot(shared).lowest
+
     # Quantities computed from its forces.
 
     def forces(self, f: Array, axes: Array) -> Array:
@@ -166,12 +178,15 @@ class ContactModel(Part):
         if not total > 0.0:
             return np.full(3, np.nan)
         if not self.wrench:
-            return np.asarray(n @ self.shape.points / total)
+            down = 0.0 if self.radius is None else self.radius * (axes[6:9] @ axes[9:].reshape(3, 3))
+            return np.asarray(n @ self.shape.points / total - down)
         arm = np.array([-f[4], f[3], 0.0]) / total  # along t1 and t2
         return np.asarray(self.shape.centre + arm @ axes[:9].reshape(3, 3) @ axes[9:].reshape(3, 3))
 
     def __repr__(self) -> str:
         parts = [repr(self.frame)]
+        if self.radius is not None:
+            parts.append(f"radius={self.radius:g}")
         if self.friction is not None:
             parts.append(f"friction={self.friction:g}")
         if self.name != self.frame:

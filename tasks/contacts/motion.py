@@ -1,4 +1,7 @@
-"""The motion that a contact constrains: its centre stays in place on the surface, and its frame does not turn there."""
+"""The motion that a contact constrains: its centre stays in place on the surface, and its frame does not turn there.
+
+What rolls touches with another point at every moment: that one has no velocity, and no place to go back to.
+"""
 
 from __future__ import annotations
 
@@ -56,9 +59,14 @@ class ContactMotion(LoopTask):
 
     def check(self, robot: Robot, order: Order, dt: float | None) -> None:
         check_frame(robot, self.contact.frame, f"{self.contact.full_name()}: frame")
-        if self.at_rest(robot).frame(self.contact.frame).rotation.ndim == 1:
+        frame = self.at_rest(robot).frame(self.contact.frame)
+        if frame.rotation.ndim == 1:
             raise InvalidInput(
                 f"{self.contact.full_name()}: {robot!r} moves in the plane; contacts take robots in space"
+            )
+        if not (np.any(frame.linear) or np.any(frame.angular)):
+            raise InvalidInput(
+                f"{self.contact.full_name()}: no joint of {robot!r} moves it; its forces would do nothing"
             )
         self.check_gain(order, dt)
 
@@ -77,8 +85,10 @@ class ContactMotion(LoopTask):
         moves = keep_map(self.contact, shared)
         if self.contact not in shared.unknowns:  # with forces, their bounds advance the slot
             moves = (*moves, slot.move)
-        told: list[Any] = [site.law(self), slot.numbers, block, shape.centre, slot.surface, slot.axes]
-        return Plan((Call(write_contact_motion, *told, len(shape.turning), shape.along, shared.work),), moves)
+        rolls = self.contact.radius is not None
+        centre = self.contact.touching(shared) if rolls else shape.centre
+        told: list[Any] = [site.law(self), slot.numbers, block, centre, slot.surface, slot.axes]
+        return Plan((Call(write_contact_motion, *told, len(shape.turning), shape.along, shared.work, rolls),), moves)
 
     def __repr__(self) -> str:
         return f"motion of {self.contact!r}"

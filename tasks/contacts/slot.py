@@ -66,6 +66,8 @@ class Slot:
         frame, row by row.
     surface : array
         Pose and velocity of the surface.
+    lowest : array, shape (1, 3)
+        Of what rolls: where it touches at the last tick, in the coordinates of the frame [m].
     """
 
     def __init__(self, points: int) -> None:
@@ -75,6 +77,7 @@ class Slot:
         self.axes = np.concatenate([np.eye(3).ravel()] * 2)
         self.surface = np.zeros(at.SURFACE_SIZE)
         self.surface[at.R : at.R + 9] = np.eye(3).ravel()
+        self.lowest = np.zeros((1, 3))
         self._ramp: Ramp | None = None
 
     @property

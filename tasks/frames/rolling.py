@@ -120,7 +120,7 @@ class WheelTask(FrameTask, LoopTask):
         if setting.order == "acceleration" and setting.has_dynamics and base(setting.robot):
             raise InvalidInput(
                 f"{self.full_name()}: a wheel on the ground is driven by forces, which are no unknowns of it; beside"
-                " Dynamics() it takes a robot with a fixed base"
+                f" Dynamics() it is a Contact({self.frame!r}, radius={self.radius:g}, friction=0.6)"
             )
         return super().companions(setting)
 

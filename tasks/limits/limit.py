@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
-from ..base.checks import Array, not_negative, numbers, per_row, positive
+from ..base.checks import Array, limits, numbers, per_row
 from ..base.live import number
 from ..robots.robot import Quantity, Robot, joint_names, joint_units, limit_of
 from ..rows.part import PER, Order, Part
@@ -77,7 +77,8 @@ class SymmetricLimit(JointLimit):
     Parameters
     ----------
     limit : float or array, shape (nv,), optional
-        Positive; None for the robot's own. A velocity of 0 holds the joint.
+        Positive, in an array infinite for a joint without limit; None for the robot's own. A velocity of 0 holds the
+        joint.
     name : str, optional
 
     Raises
@@ -95,8 +96,9 @@ class SymmetricLimit(JointLimit):
     @number
     def limit(self, value: ArrayLike | None) -> Array | None:
         """The largest value in each joint, shape () or (nv,), in the unit of the class; None for the robot's own."""
-        checked = not_negative if self.zero_holds else positive
-        return None if value is None else checked(value, f"{self.full_name()}: limit", unit=self.unit)
+        if value is None:
+            return None
+        return limits(value, f"{self.full_name()}: limit", unit=self.unit, zero_holds=self.zero_holds)
 
     def ends(self, robot: Robot) -> Array:
         largest = self.largest(robot)

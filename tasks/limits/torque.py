@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
-from ..base.checks import Array, not_negative, numbers, pair, per_row
+from ..base.checks import Array, limits, not_negative, numbers, pair, per_row
 from ..base.live import number
 from ..robots.robot import Robot, base, check_dynamics, joint_names, joint_units, limit_of
 from ..rows.part import Order, Part
@@ -46,8 +46,8 @@ class JointTorqueLimit(Part):
     Parameters
     ----------
     limit : float or array, shape (nv,), optional
-        [N m], of a sliding joint [N], 0 of a joint without a motor; one number is for all joints that have a motor, and
-        None for the robot's own.
+        [N m], of a sliding joint [N], 0 of a joint without a motor, infinite of one without limit; one number is for
+        all joints that have a motor, and None for the robot's own.
     speeds : pair of float or array, shape (nv,), optional
         Joint speeds [rad/s], [m/s] up to which a motor gives all of its torque in the direction in which it turns, and
         from which on none; between them it falls in proportion. Against its direction, braking, it gives all.
@@ -89,7 +89,9 @@ class JointTorqueLimit(Part):
     @number
     def limit(self, value: ArrayLike | None) -> Array | None:
         """The largest torque of each joint [N m], [N], shape () or (nv,), 0 without a motor; None for the robot's."""
-        return None if value is None else not_negative(value, f"{self.full_name()}: limit", unit="N m")
+        if value is None:
+            return None
+        return limits(value, f"{self.full_name()}: limit", unit="N m", zero_holds=True)
 
     @number
     def speeds(self, value: tuple[ArrayLike, ArrayLike] | None) -> tuple[Array, Array] | None:

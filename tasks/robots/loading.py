@@ -126,7 +126,7 @@ def _take_home(robot: PinocchioRobot, entry: Entry) -> None:
 def _tell_left_out(described: Description, what: str) -> None:
     if described.closures:
         names = ", ".join(closure.name for closure in described.closures)
-        tell(f"{what}: closed chains are closed by a stack alone, by Loop.of(robot): {names}")
+        tell(f"{what}: closed chains are closed in a stack by Loop.of(robot): {names}")
     if described.left_out:
         tell(f"{what}: left out of the robot: {', '.join(described.left_out)}")
 

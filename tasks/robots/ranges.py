@@ -187,9 +187,12 @@ def largest(
 
 
 def _named(own: Sequence[JointAxis], given: Mapping[str, Any], what: str) -> Iterator[tuple[int, Any]]:
+    """Of each value given for a joint, the axes that it is for: all of a joint with several, as of a ball."""
     names = [axis.name for axis in own]
     for name, value in given.items():
-        yield joint_index(names, name, f"{what} joint"), value
+        several = [i for i, axis in enumerate(own) if axis.joint == name != axis.name]
+        for i in several or [joint_index(names, name, f"{what} joint")]:
+            yield i, value
 
 
 def within(

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from hqp import Label
 
 from .plan import Plan
+
+if TYPE_CHECKING:
+    from ..base.loops import Call
 
 #: Up to so many rows all names are shown; of more, the first and the last.
 FEW = 4
@@ -42,9 +46,17 @@ class WrittenPart:
     why: str = ""
 
     @classmethod
-    def of(cls, level: int, part: str, rows: tuple[Label, ...], plan: Plan, shared: tuple[str, ...]) -> WrittenPart:
-        """From the plan of a part, and the loops that write the rows of several parts."""
-        loops = tuple(call.kernel.__name__ for call in plan.calls)
+    def of(
+        cls,
+        level: int,
+        part: str,
+        rows: tuple[Label, ...],
+        plan: Plan,
+        shared: tuple[str, ...],
+        before: Sequence[Call] = (),
+    ) -> WrittenPart:
+        """From the plan of a part, the loops that write rows of several parts, and those of it that run before all."""
+        loops = tuple(call.kernel.__name__ for call in (*before, *plan.calls))
         return cls(level, part, rows, loops + shared, plan.python is not None, plan.why)
 
     @property

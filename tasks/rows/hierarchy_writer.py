@@ -321,9 +321,17 @@ class HierarchyWriter:
     def describe(self) -> Description:
         """Who writes the rows of each part, and why Python does where it does."""
         robot, order, envelope = self._robot, self._order, self.shared.envelope
+        given = self.shared.given
         return Description(
             tuple(
-                WrittenPart.of(level, part.full_name(), tuple(part.labels(robot, order)), plan, envelope.loops(site))
+                WrittenPart.of(
+                    level,
+                    part.full_name(),
+                    tuple(part.labels(robot, order)),
+                    plan,
+                    envelope.loops(site),
+                    given.get(id(part), ()),
+                )
                 for level, (part, plan), (_, site) in zip(self.places.levels, self.plans, self._views, strict=True)
             )
         )

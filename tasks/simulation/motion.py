@@ -12,6 +12,7 @@ from hqp.arrays import real_array
 
 from ..base.checks import Array, finite, positive_scalar
 from ..contacts.contact import Contact
+from ..contacts.loop import Loop
 from ..control.step import Step
 from ..robots.robot import Robot, base, check_joints
 from ..targets.turns import stands_still
@@ -87,14 +88,14 @@ def check_still(contact: Contact, what: str) -> None:
         raise InvalidInput(f"{what}: {contact.full_name()}: its surface moves, {surface!r}; it must stand still")
 
 
-def check_names(contacts: Sequence[Contact]) -> None:
-    """Refuse contacts with the same name, because forces are identified by it.
+def check_names(contacts: Sequence[Contact], loops: Sequence[Loop] = ()) -> None:
+    """Refuse contacts and loops with the same name, because forces are identified by it.
 
     Raises
     ------
     InvalidInput
     """
-    names = [contact.name for contact in contacts]
+    names = [part.name for part in (*contacts, *loops)]
     for name in names:
         if names.count(name) > 1:
             raise InvalidInput(f"contacts: two of them are called {name!r}; give them names of their own")

@@ -19,9 +19,23 @@ if TYPE_CHECKING:
 
 
 def known(joint: Any) -> bool:
-    """Whether MuJoCo has such a joint: revolute or prismatic, with one position and one velocity; or a free base."""
-    kind = joint.shortname().removeprefix("JointModel")
-    return bool(joint.nq == joint.nv == 1 and kind.startswith(("R", "P"))) or free(joint)
+    """Whether MuJoCo has such a joint: a hinge, with or without ends, a slide, a ball, or a floating base."""
+    single = joint.nq == joint.nv == 1 and _kind(joint).startswith(("R", "P"))
+    return bool(single or unbounded(joint) or ball(joint) or free(joint))
+
+
+def unbounded(joint: Any) -> bool:
+    """Whether a joint turns without end, its position the cosine and sine of an angle."""
+    return _kind(joint).startswith(("RUB", "RevoluteUnbounded"))
+
+
+def ball(joint: Any) -> bool:
+    """Whether a joint is a ball, its position a quaternion."""
+    return _kind(joint) == "Spherical"
+
+
+def _kind(joint: Any) -> str:
+    return str(joint.shortname()).removeprefix("JointModel")
 
 
 def free(joint: Any) -> bool:
@@ -34,7 +48,7 @@ def joints(model: Any) -> list[tuple[Any, str]]:
     return list(zip(list(model.joints)[1:], list(model.names)[1:], strict=True))
 
 
-def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) -> mujoco.MjSpec:
+def specification_of(robot: Any, mujoco: Any, contacts: Sequence[Contact] = ()) -> mujoco.MjSpec:
     """The same robot as a MuJoCo model: one body per joint, or one for successive joints without mass between them.
 
     MuJoCo allows no body without mass: the joint of such a link is added to the next body that has mass.
@@ -42,11 +56,12 @@ def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
     Raises
     ------
     InvalidInput
-        If a contact is on such a link, or the base has an armature or a damping that differs by direction.
+        If a contact or a ball is on such a link, or a base or a ball has an armature or a damping that differs by
+        direction.
     """
     import pinocchio as pin
 
-    specification = mujoco.MjSpec()
+    model, specification = robot.model, mujoco.MjSpec()
     specification.option.gravity = model.gravity.linear
     specification.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
     # If numbers diverge, MuJoCo silently resets the robot to its start; the run must stop instead.
@@ -61,6 +76,10 @@ def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
             place = model.jointPlacements[first] * before[0][1].inverse()
         own = [*before, (index, pin.SE3.Identity())]
         if not inertia.toDynamicParameters().any() and len(children[index]) == 1:
+            if ball(model.joints[index]):
+                raise InvalidInput(
+                    f"MujocoPlant: the ball {model.names[index]!r} moves a link without mass, which MuJoCo has not"
+                )
             waiting[index] = own
             bodies.append(bodies[parent])
             continue
@@ -75,23 +94,39 @@ def specification_of(model: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
             _add_joint(body, model, i, at, mujoco)
         bodies.append(body)
     for contact in contacts:
-        frame = model.frames[model.getFrameId(contact.frame)]
-        if frame.parentJoint and bodies[frame.parentJoint] is bodies[model.parents[frame.parentJoint]]:
-            raise InvalidInput(
-                f"MujocoPlant: {contact.full_name()}: frame {contact.frame!r} is on a link without mass that"
-                " moves, which MuJoCo does not have; it must be on one with mass"
-            )
+        body, frame = (
+            carrier(specification, robot, contact.frame, contact.full_name()),
+            model.frames[robot.frame_index(contact.frame)],
+        )
         for k, point in enumerate(contact.shape.points):
-            bodies[frame.parentJoint].add_geom(
+            body.add_geom(
                 name=point_name(contact, k),
                 type=mujoco.mjtGeom.mjGEOM_SPHERE,
-                size=[RADIUS, 0.0, 0.0],
+                size=[RADIUS + (contact.radius or 0.0), 0.0, 0.0],
                 pos=frame.placement.act(point),
                 mass=0.0,
                 contype=1,
                 conaffinity=0,
             )
     return specification
+
+
+def carrier(specification: Any, robot: Any, frame: str, what: str) -> Any:
+    """The body that carries a frame of the robot.
+
+    Raises
+    ------
+    InvalidInput
+        If it is on a link without mass that moves.
+    """
+    joint = int(robot.model.frames[robot.frame_index(frame)].parentJoint)
+    body = specification.body(body_name(robot.model, joint)) if joint else specification.worldbody
+    if body is None:
+        raise InvalidInput(
+            f"MujocoPlant: {what}: frame {frame!r} is on a link without mass that"
+            " moves, which MuJoCo does not have; it must be on one with mass"
+        )
+    return body
 
 
 def body_name(model: Any, index: int) -> str:
@@ -109,18 +144,20 @@ def point_name(contact: Contact, k: int) -> str:
 
 def _add_joint(body: Any, model: Any, index: int, at: Any, mujoco: Any) -> None:
     """Add joint `index` of the model to a MuJoCo body, at the placement `at` on it."""
-    joint = model.joints[index]
-    if free(joint):
-        armature, damping = (_same(numbers[joint.idx_v :][:6]) for numbers in (model.armature, model.damping))
-        kind = mujoco.mjtJoint.mjJNT_FREE
-        body.add_joint(name=model.names[index], type=kind, armature=armature, damping=[damping, 0.0, 0.0])
+    joint, name = model.joints[index], model.names[index]
+    if free(joint) or ball(joint):
+        own = slice(joint.idx_v, joint.idx_v + joint.nv)
+        armature, damping = (_same(numbers[own], name) for numbers in (model.armature, model.damping))
+        kind = mujoco.mjtJoint.mjJNT_FREE if free(joint) else mujoco.mjtJoint.mjJNT_BALL
+        place = {} if free(joint) else {"pos": at.translation}
+        body.add_joint(name=name, type=kind, armature=armature, damping=[damping, 0.0, 0.0], **place)
         return
     motion = joint.createData()
     joint.calc(motion, np.zeros(model.nq))
     subspace = np.array(motion.S).reshape(6)  # linear, angular: one of them is the axis
     slides = bool(subspace[:3].any())
     body.add_joint(
-        name=model.names[index],
+        name=name,
         type=mujoco.mjtJoint.mjJNT_SLIDE if slides else mujoco.mjtJoint.mjJNT_HINGE,
         pos=at.translation,
         axis=at.rotation @ (subspace[:3] if slides else subspace[3:]),
@@ -129,10 +166,12 @@ def _add_joint(body: Any, model: Any, index: int, at: Any, mujoco: Any) -> None:
     )
 
 
-def _same(numbers: Array) -> float:
-    """The armature or damping of a floating base, for which MuJoCo has one number."""
+def _same(numbers: Array, name: str) -> float:
+    """The armature or damping of a floating base or a ball, for which MuJoCo has one number."""
     if np.ptp(numbers):
-        raise InvalidInput(f"MujocoPlant: armature or damping of the base {numbers.tolist()}; all must be the same")
+        raise InvalidInput(
+            f"MujocoPlant: armature or damping of joint {name!r} {numbers.tolist()}; all must be the same"
+        )
     return float(numbers[0])
 
 

@@ -2,8 +2,8 @@ r"""A plant that is moved by the physics of MuJoCo instead of the model of the c
 
 The robot is converted joint by joint: placements, axes, masses, inertias, armatures and viscous damping of its
 Pinocchio model. Joints that the model holds, such as locked fingers, become part of the links that carry them. Links do
-not collide; only the points of contacts touch the ground. Joints have no ranges and no dry friction. In free space the
-motion is
+not collide; only the points of contacts touch the ground. Joints have no ranges and no dry friction. Closed chains of
+the robot's file are closed. In free space, without them, the motion is
 
 .. math:: M(q)\,\dot v + b(q, v) + D\,v = \tau.
 
@@ -11,8 +11,7 @@ The model of the controller is the same without the damping D: feedback has to c
 armature A of a floating base, which only an MJCF can have, MuJoCo adds along the axes of the world, and Pinocchio along
 those of the base: there they differ by :math:`A\,\omega \times v`, too.
 
-For a floating base, Pinocchio has the position, the quaternion (x, y, z, w), and both velocities along the axes of the
-base. MuJoCo has the quaternion (w, x, y, z), and the linear velocity along the axes of the world.
+States are handed over as :mod:`.places` says.
 """
 
 from __future__ import annotations
@@ -32,10 +31,13 @@ from hqp.errors import brief
 from ..base.checks import Array, finite, finite_scalar, positive_scalar
 from ..base.live import Live, number, structure
 from ..contacts.contact import Contact
+from ..contacts.loop import Loop
 from ..robots.robot import Robot, base, check_frame, check_joints, on_pinocchio
+from .closing import close, loop_forces, loops_of
 from .ground import Ground
 from .motion import check_names, check_still, told
 from .mujoco_model import body_name, free, joints, known, point_name, specification_of
+from .places import StatePlaces
 
 if TYPE_CHECKING:
     import mujoco
@@ -63,11 +65,13 @@ class MujocoPlant(Live):
     Parameters
     ----------
     robot : PinocchioRobot
-        With a fixed or floating base, and one position per joint.
+        With a fixed or floating base, and joints that turn about one axis, slide along one, or are balls.
     contacts : list of Contact
         Contacts whose points touch the ground; their surfaces must be level.
     ground : Ground, optional
         Its height, its friction, and how contacts are modelled.
+    loops : list of Loop, optional
+        Closed chains (default: those in the file of the robot, :meth:`tasks.Loop.of`).
     step : float
         The longest step of the physics [s]; a tick of the controller is divided into equal steps.
 
@@ -80,8 +84,8 @@ class MujocoPlant(Live):
     Raises
     ------
     InvalidInput
-        If the robot is not of that kind, a contact does not belong to it, or its surface moves or is not level, or
-        MuJoCo refuses the robot, as for impossible inertias.
+        If the robot is not of that kind, a contact or loop does not belong to it, a surface moves or is not level, a
+        loop does not say which orientation it holds, or MuJoCo refuses the robot, as for impossible inertias.
     MissingPackage
         If MuJoCo is not installed.
     """
@@ -89,6 +93,7 @@ class MujocoPlant(Live):
     model: mujoco.MjModel
     data: mujoco.MjData
     contacts: tuple[Contact, ...] = structure()
+    loops: tuple[Loop, ...] = structure()
     ground: Ground = structure()
 
     @number
@@ -97,7 +102,13 @@ class MujocoPlant(Live):
         return positive_scalar(value, "step", unit="s")
 
     def __init__(
-        self, robot: Robot, *, contacts: Iterable[Contact] = (), ground: Ground | None = None, step: float = 5e-4
+        self,
+        robot: Robot,
+        *,
+        contacts: Iterable[Contact] = (),
+        ground: Ground | None = None,
+        loops: Iterable[Loop] | None = None,
+        step: float = 5e-4,
     ) -> None:
         try:
             import mujoco
@@ -109,10 +120,11 @@ class MujocoPlant(Live):
         self.contacts = tuple(
             of_type(contact, Contact, "a contact") for contact in listed(contacts, "contacts", "Contact")
         )
-        check_names(self.contacts)
         self._robot = _checked(robot, self.contacts)
-        model: Any = self._robot.model
-        specification = specification_of(model, mujoco, self.contacts)
+        self.loops = loops_of(robot, loops, "MujocoPlant")
+        check_names(self.contacts, self.loops)
+        specification = specification_of(self._robot, mujoco, self.contacts)
+        close(specification, self.loops, self._robot, self.step, mujoco)
         if self.contacts:
             self.ground.check_step(self.step)
             self.ground.lay(specification, mujoco)
@@ -122,9 +134,8 @@ class MujocoPlant(Live):
             raise InvalidInput(f"MujocoPlant: MuJoCo refuses {robot!r}: {error}") from None
         self.data = mujoco.MjData(self.model)
         self._base = base(robot)
-        named = [self.model.joint(name) for _, name in joints(model)][1 if self._base else 0 :]
-        self.dofs = np.array([joint.dofadr[0] for joint in named], dtype=np.intp)
-        self._places = np.array([joint.qposadr[0] for joint in named], dtype=np.intp)
+        self._places = StatePlaces(self._robot, self.model)
+        self.dofs = self._places.dofs
         names = [[point_name(contact, k) for k in range(len(contact.shape.points))] for contact in self.contacts]
         self._points = [np.array([self.model.geom(name).id for name in each], dtype=np.intp) for each in names]
         self._laid = not self.contacts or self.ground.height is not None
@@ -182,21 +193,11 @@ class MujocoPlant(Live):
         self._put(q, v)
 
     def _put(self, q: Array, v: Array) -> None:
-        data = self.data
-        if self._base:
-            data.qpos[:3], data.qpos[3], data.qpos[4:7] = q[:3], q[6], q[3:6]
-            data.qvel[:3], data.qvel[3:6] = _rotation(q) @ v[:3], v[3:6]
-            q, v = q[7:], v[6:]
-        data.qpos[self._places], data.qvel[self.dofs] = q, v
+        self._places.put(self.data, q, v)
 
     def state(self) -> tuple[Array, Array]:
         """The state of the robot: q and v of its Pinocchio model."""
-        data = self.data
-        q, v = data.qpos[self._places].copy(), data.qvel[self.dofs].copy()
-        if not self._base:
-            return q, v
-        q = np.concatenate([data.qpos[:3], data.qpos[4:7], data.qpos[3:4], q])
-        return q, np.concatenate([data.qvel[:3] @ _rotation(q), data.qvel[3:6], v])
+        return self._places.take(self.data)
 
     def push(self, frame: str, force: ArrayLike, duration: float, *, start: float | None = None) -> None:
         """Push a frame at its origin for a time, which need not begin or end with a tick of the controller.
@@ -228,7 +229,7 @@ class MujocoPlant(Live):
             raise InvalidInput(
                 f"push: it would end at {begin + seconds:g} s, and the clock of the plant stands at {self.time:g} s"
             )
-        found = self._robot.model.frames[self._robot.model.getFrameId(frame)]
+        found = self._robot.model.frames[self._robot.frame_index(frame)]
         name = body_name(self._robot.model, found.parentJoint)
         body = self._mujoco.mj_name2id(self.model, self._mujoco.mjtObj.mjOBJ_BODY, name)
         if body < 0:
@@ -239,21 +240,23 @@ class MujocoPlant(Live):
     def forces(self) -> dict[str, Array]:
         """Name of a contact -> forces of the ground on its k points in the last physics step, shape (k, 3) [N].
 
-        They are along the axes of the world.
+        And name of a loop -> force on its first frame, shape (3,) [N], or force and moment (6,), [N] and [N m]. All are
+        along the axes of the world.
         """
         every, wrench = np.zeros((self.model.ngeom, 3)), np.zeros(6)
         for i in range(self.data.ncon):
             contact = self.data.contact[i]
             self._mujoco.mj_contactForce(self.model, self.data, i, wrench)
             every[contact.geom2] += wrench[:3] @ contact.frame.reshape(3, 3)  # geom1 is the ground
-        return {contact.name: every[points] for contact, points in zip(self.contacts, self._points, strict=True)}
+        ground = {contact.name: every[points] for contact, points in zip(self.contacts, self._points, strict=True)}
+        return ground | loop_forces(self.model, self.data, self.loops, self._mujoco)
 
     @property
     def points(self) -> dict[str, Array]:
         """Name of a contact -> positions of its k points in the world, shape (k, 3) [m]."""
         self._mujoco.mj_kinematics(self.model, self.data)
         found = zip(self.contacts, self._points, strict=True)
-        return {contact.name: self.data.geom_xpos[points].copy() for contact, points in found}
+        return {each.name: self.data.geom_xpos[points] - [0.0, 0.0, each.radius or 0.0] for each, points in found}
 
     def creep(self, q: Array, duration: float = 10.0) -> float:
         """How far the points of the contacts creep along the ground, at most, while all joints are locked at q [m].
@@ -314,7 +317,9 @@ def _checked(robot: Robot, contacts: tuple[Contact, ...]) -> Any:
         raise InvalidInput(f"robot = {brief(robot)}; the physics need the model of a PinocchioRobot")
     other = [name for joint, name in joints(robot.model) if not known(joint)]
     if other:
-        raise InvalidInput(f"MujocoPlant: joint {other[0]!r} of {robot!r} must turn about one axis, or slide along it")
+        raise InvalidInput(
+            f"MujocoPlant: joint {other[0]!r} of {robot!r} must turn about one axis, or slide along it, or be a ball"
+        )
     if any(free(joint) for joint, _ in joints(robot.model)[1:]) or (
         base(robot) and not robot.model.jointPlacements[1].isIdentity()
     ):
@@ -329,15 +334,3 @@ def _checked(robot: Robot, contacts: tuple[Contact, ...]) -> Any:
                 " world; the ground is level, and it must be [0, 0, 1]"
             )
     return robot
-
-
-def _rotation(q: Array) -> Array:
-    """The rotation matrix of a floating base, from the quaternion (x, y, z, w) in q."""
-    x, y, z, w = q[3:7] / np.linalg.norm(q[3:7])
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )

@@ -1,6 +1,6 @@
-r"""A plant with the constrained dynamics of Pinocchio: its contacts hold with any force that is needed.
+r"""A plant with the constrained dynamics of Pinocchio: its contacts and loops hold with any force that is needed.
 
-With the torques tau, and the Jacobian :math:`J_c` and error e of the contacts that hold,
+With the torques tau, and the Jacobian :math:`J_c` and error e of what holds,
 
 .. math:: M a + b = S^T \tau + J_c^T f, \quad J_c a + \dot J_c v = -2 K J_c v + K^2 e.
 
@@ -23,7 +23,9 @@ from hqp.errors import brief
 from ..base.checks import Array, function, positive_scalar, suggestion
 from ..base.live import Live, number, structure
 from ..contacts.contact import Contact
+from ..contacts.loop import Loop
 from ..robots.robot import Robot, base, check_frame, on_pinocchio
+from .closing import ends, loops_of
 from .motion import check_names, check_still, told
 
 #: Proximal parameter [1/kg], which makes forces unique if contacts are redundant.
@@ -43,19 +45,22 @@ class RigidContactPlant(Live):
     holding : callable, optional
         Returns the names of the contacts that hold, called every tick, such as ``lambda: controller.loaded``. A contact
         is held where it is when it begins to hold (default: all contacts, always).
+    loops : list of Loop, optional
+        Closed chains (default: those in the file of the robot, :meth:`tasks.Loop.of`).
     step : float
         The longest step of integration [s].
     gain : float
-        K [1/s], the rate at which errors of the contacts decay.
+        K [1/s], the rate at which errors of the contacts and loops decay.
 
     Raises
     ------
     InvalidInput
         If the robot is not of that kind, has joints that follow others, or a contact does not belong to it, is a line,
-        or has a surface that moves.
+        rolls, or has a surface that moves; or a loop does not, or does not say which orientation it holds.
     """
 
     contacts: tuple[Contact, ...] = structure()
+    loops: tuple[Loop, ...] = structure()
     gain: float = structure()
 
     @number
@@ -69,6 +74,7 @@ class RigidContactPlant(Live):
         contacts: Iterable[Contact],
         *,
         holding: Callable[[], Collection[str]] | None = None,
+        loops: Iterable[Loop] | None = None,
         step: float = 5e-4,
         gain: float = 20.0,
     ) -> None:
@@ -84,26 +90,29 @@ class RigidContactPlant(Live):
         for contact in self.contacts:
             check_frame(robot, contact.frame, f"{contact.full_name()}: frame")
             check_still(contact, "RigidContactPlant")
+            if contact.radius is not None:
+                raise InvalidInput(f"{contact.full_name()}: rolls; a RigidContactPlant takes contacts that stay")
             if contact.shape.motions not in KINDS:
                 raise InvalidInput(f"{contact.full_name()}: is a line; a RigidContactPlant takes points and planes")
-        check_names(self.contacts)
+        self.loops = loops_of(robot, loops, "RigidContactPlant")
+        check_names(self.contacts, self.loops)
         self._holding = None if holding is None else function(holding, "holding")
         self.step = step
         self.gain = positive_scalar(gain, "gain", unit="1/s")
         self._data = self._robot.model.createData()
         self._free = np.zeros(base(robot))
         self._held: dict[str, Any] = {}
-        self._models: Any = pin.StdVec_RigidConstraintModel()
-        self._datas: Any = pin.StdVec_RigidConstraintData()
+        self._models: Any = None
+        self._datas: Any = None
         self._proximal = pin.ProximalSettings(1e-12, PROXIMAL, 20)
-        pin.initConstraintDynamics(self._robot.model, self._data, self._models, self._datas)
+        self._constrain({})
 
     def __getstate__(self) -> dict[str, Any]:
         """What defines it, and the contacts that hold; the work memory of Pinocchio is made anew."""
         return {
             "robot": self._robot,
             "contacts": self.contacts,
-            "options": {"holding": self._holding, "step": self.step, "gain": self.gain},
+            "options": {"holding": self._holding, "loops": self.loops, "step": self.step, "gain": self.gain},
             "held": self._held,
         }
 
@@ -131,10 +140,11 @@ class RigidContactPlant(Live):
     def forces(self) -> dict[str, Array]:
         """Name of a contact that holds -> force [N] and moment [N m] of the world on the robot in the last step, (6,).
 
-        They act at the centre of the contact, along the axes of its frame; the moment of a point contact is 0.
+        They act at the centre of the contact, along the axes of its frame; the moment of a point contact is 0. And name
+        of a loop -> force and moment on its first frame, at its point, along the axes of that frame.
         """
-        found = zip(self._held, self._datas, strict=True)
-        return {name: np.array(data.contact_force.vector) for name, data in found}
+        names = [*self._held, *(loop.name for loop in self.loops)]
+        return {name: np.array(data.contact_force.vector) for name, data in zip(names, self._datas, strict=True)}
 
     def _hold(self, q: Array) -> None:
         """Update the constraints to the contacts that must hold now; a new one is held where it is at q."""
@@ -146,12 +156,14 @@ class RigidContactPlant(Live):
         self._constrain({name: self._held.get(name) or self._place(contact) for name, contact in wanted.items()})
 
     def _constrain(self, held: dict[str, Any]) -> None:
-        """Hold the contacts of these names at these places."""
+        """Hold the contacts of these names at these places, and close the loops."""
         pin, model, self._held = self._pin, self._robot.model, held
         self._models, self._datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
-        contacts = {contact.name: contact for contact in self.contacts}
-        for name, there in held.items():
-            constraint = self._constraint(contacts[name], there)
+        own = {contact.name: contact for contact in self.contacts}
+        pairs = [(own[name].shape.motions, [self._mounted(own[name]), (0, there)]) for name, there in held.items()]
+        pairs += [(3 if loop.turns else 6, ends(self._robot, loop)) for loop in self.loops]
+        for motions, places in pairs:
+            constraint = self._constraint(motions, places)
             self._models.append(constraint)
             self._datas.append(constraint.createData())
         pin.initConstraintDynamics(model, self._data, self._models, self._datas)
@@ -173,7 +185,7 @@ class RigidContactPlant(Live):
 
     def _mounted(self, contact: Contact) -> tuple[int, Any]:
         """The joint that moves a contact, and the pose of its centre on it."""
-        frame = self._robot.model.frames[self._robot.model.getFrameId(contact.frame)]
+        frame = self._robot.model.frames[self._robot.frame_index(contact.frame)]
         return int(frame.parentJoint), frame.placement * self._pin.SE3(np.eye(3), contact.shape.centre)
 
     def _place(self, contact: Contact) -> Any:
@@ -181,11 +193,11 @@ class RigidContactPlant(Live):
         joint, here = self._mounted(contact)
         return self._data.oMi[joint] * here
 
-    def _constraint(self, contact: Contact, there: Any) -> Any:
-        pin, (joint, here) = self._pin, self._mounted(contact)
-        kind = getattr(pin.ContactType, KINDS[contact.shape.motions])
-        model = self._robot.model
-        constraint = pin.RigidConstraintModel(kind, model, joint, here, 0, there, pin.ReferenceFrame.LOCAL)
+    def _constraint(self, motions: int, places: list[tuple[int, Any]]) -> Any:
+        """That two places coincide, each told by a joint, 0 for the world, and a pose on it."""
+        pin, model, (first, second) = self._pin, self._robot.model, places
+        kind = getattr(pin.ContactType, KINDS[motions])
+        constraint = pin.RigidConstraintModel(kind, model, *first, *second, pin.ReferenceFrame.LOCAL)
         constraint.m_baumgarte_parameters.Kp = self.gain**2
         constraint.m_baumgarte_parameters.Kd = 2.0 * self.gain
         return constraint

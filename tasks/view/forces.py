@@ -64,7 +64,7 @@ class ContactForces:
                 bear = np.linalg.norm(forces, axis=1) > LEAST * self._weight
                 acting += [np.stack([p, p + self._scale * f]) for p, f in zip(at[bear], forces[bear], strict=True)]
                 if bear.any():
-                    points.append(self._in_world(contact, contact.shape.points))
+                    points.append(self._touching(contact))
         _draw(self._arrows, np.array(acting))
         _draw(self._polygon, around(np.concatenate(points)) if points else np.zeros(0))
 
@@ -74,10 +74,13 @@ class ContactForces:
             return np.zeros((0, 3)), np.zeros((0, 3))
         forces = step.forces[contact.name]
         if forces.ndim == 2:
-            return self._in_world(contact, contact.shape.points), forces
+            return self._touching(contact), forces
         where = step.cop[contact.name]
         pressed = bool(np.isfinite(where).all())
         return self._in_world(contact, where[None]), forces[None, :3] if pressed else np.zeros((1, 3))
+
+    def _touching(self, contact: Contact) -> Array:
+        return self._in_world(contact, contact.shape.points) - (contact.radius or 0.0) * contact.normal
 
     def _in_world(self, contact: Contact, points: Array) -> Array:
         from viser.transforms import SO3

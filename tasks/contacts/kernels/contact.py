@@ -19,11 +19,12 @@ from .layout import CHANGE, SURFACE_SIZE, P, R, V
 
 #: Table of the map: number of joint velocities; block of the frame; whether forces are one wrench; number of points,
 #: the points in the frame, their centre; the surface, its normal, a direction of the frame for t1 (0: none). Out: S by
-#: columns and the rotation of the frame by rows (18,); G.
-N, BLOCK, WRENCH, COUNT, POINTS, CENTRE, SURFACE, NORMAL, ALONG, AXES, MAP = range(11)
+#: columns and the rotation of the frame by rows (18,); G. Of what rolls: its middle in the frame, and its radius (1,),
+#: which is 0 of what does not; its only point, which is its centre, too, is then written.
+N, BLOCK, WRENCH, COUNT, POINTS, CENTRE, SURFACE, NORMAL, ALONG, AXES, MAP, MIDDLE, RADIUS = range(13)
 #: Table of the motion: the table of its law, the slot; block of the frame, centre of the points, surface, axes S; how
-#: many rotations it forbids; the direction of a line; work space of 64 numbers.
-LAW, SLOT, M_BLOCK, M_CENTRE, M_SURFACE, M_AXES, TURNS, M_ALONG, WORK = range(9)
+#: many rotations it forbids; the direction of a line; work space of 64 numbers; whether it rolls.
+LAW, SLOT, M_BLOCK, M_CENTRE, M_SURFACE, M_AXES, TURNS, M_ALONG, WORK, ROLLS = range(10)
 
 
 @inner
@@ -73,7 +74,7 @@ def from_origin(block, point, out):
 @entry
 def write_contact_map(here):
     """Write the axes S of the surface and the map G: three rows for each point, or six for one wrench at the centre."""
-    told = ints(here, 0, MAP + 1)
+    told = ints(here, 0, RADIUS + 1)
     n, count, wrench = told[N], told[COUNT], told[WRENCH] != 0
     block, J = floats(told[BLOCK], 0, at.JACOBIAN), floats(told[BLOCK], at.JACOBIAN, 6 * n)
     S, rotation = floats(told[AXES], 0, 9), floats(told[AXES], 9, 9)
@@ -86,6 +87,11 @@ def write_contact_map(here):
     F = at.ROTATION
     for k in range(9):
         rotation[k] = block[F + k]
+    radius = floats(told[RADIUS], 0, 1)[0]
+    if radius > 0.0:
+        middle, lowest = floats(told[MIDDLE], 0, 3), floats(told[CENTRE], 0, 3)
+        for k in range(3):
+            lowest[k] = middle[k] - radius * (S[6] * block[F + k] + S[7] * block[F + 3 + k] + S[8] * block[F + 6 + k])
     places = told[CENTRE] if wrench else told[POINTS]
     for i in range(1 if wrench else count):
         point, G = floats(places, 3 * i, 3), floats(told[MAP], 3 * i * n, 3 * n)
@@ -173,9 +179,10 @@ def turning_axes(block, S, along, turns, axes):
 def write_contact_motion(here):
     """Write the rows that hold the centre of a contact at its place on the surface, and forbid rotations of its frame.
 
-    They are free while the contact is off, and widened by OPEN of its slot.
+    They are free while the contact is off, and widened by OPEN of its slot. What rolls is held along the normal alone,
+    and has no velocity where it touches: that point is fixed to its middle, and is not carried around.
     """
-    told = ints(here, 0, WORK + 1)
+    told = ints(here, 0, ROLLS + 1)
     law = ints(told[LAW], 0, of.LENGTH)
     rows, n, turns = law[of.ROWS], law[of.N], told[TURNS]
     block, J = floats(told[M_BLOCK], 0, at.JACOBIAN), floats(told[M_BLOCK], at.JACOBIAN, 6 * n)
@@ -205,13 +212,18 @@ def write_contact_motion(here):
     if slot[own.TAKEN] == 0.0 and known == known:
         relative_place(block, p, surface, slot)
     held_place(block, p, surface, slot, work)
+    rolls = told[ROLLS] != 0
+    if rolls:
+        high = S[6] * work[0] + S[7] * work[1] + S[8] * work[2]
+        work[0], work[1], work[2] = high * S[6], high * S[7], high * S[8]
     if law[of.DRIFTS] != 0:
         w = block[at.ANGULAR_VELOCITY : at.ANGULAR_VELOCITY + 3]
         for k in range(6):
             work[18 + k] = block[at.LINEAR_DRIFT + k]
         crossed(work[21], work[22], work[23], r0, r1, r2, 1.0, work, 18)
         x, y, z = w[1] * r2 - w[2] * r1, w[2] * r0 - w[0] * r2, w[0] * r1 - w[1] * r0
-        crossed(w[0], w[1], w[2], x, y, z, 1.0, work, 18)
+        if not rolls:
+            crossed(w[0], w[1], w[2], x, y, z, 1.0, work, 18)
     else:
         for k in range(6):
             work[18 + k] = 0.0

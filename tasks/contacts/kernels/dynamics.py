@@ -41,6 +41,21 @@ def add_wrench(here):
     return 0
 
 
+@stamp
+@entry
+def add_damping(here):
+    """Add the torques D v that viscous damping takes to the bias.
+
+    Table: number n of joint velocities, D, v and the bias (n,).
+    """
+    told = ints(here, 0, 4)
+    n = told[0]
+    damping, v, bias = floats(told[1], 0, n), floats(told[2], 0, n), floats(told[3], 0, n)
+    for j in range(n):
+        bias[j] += damping[j] * v[j]
+    return 0
+
+
 #: Table of torques: after the entries of :mod:`tasks.rows.kernels.motion`, of which the matrix is not used, all
 #: unknowns x = (a, f), and the torques.
 X, TORQUES = range(motion.LENGTH, motion.LENGTH + 2)

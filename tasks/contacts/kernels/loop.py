@@ -49,8 +49,9 @@ def moved(block, J, point, n, sign, rows, A, measured, r):
 def cleared(J, other, n, rows, A):
     """Clear columns of joints that carry both frames, which cannot open the loop, and entries that are round-off.
 
-    A row of round-off would count as a row, and take a direction from the levels below: that of a pin across the plane
-    of a planar chain does so.
+    Both points count as one, whatever gap there is: across a gap, as springs of physics leave it, forces on both would
+    turn the whole robot. A row of round-off would count as a row, and take a direction from the levels below: that of a
+    pin across the plane of a planar chain does so.
     """
     longest = 0.0
     for j in range(n):
@@ -111,10 +112,10 @@ def write_loop(here):
     if law[of.DRIFTS] == 0:
         for k in range(rows):
             measured[of.DRIFT * rows + k] = 0.0
+    cleared(floats(told[FIRST], at.JACOBIAN, 6 * n), J, n, rows, A)
     G = floats(told[MAP], 0, told[FORCES] * n)
     for k in range(told[FORCES] * n):
-        G[k] = A[k]
-    cleared(floats(told[FIRST], at.JACOBIAN, 6 * n), J, n, rows, A)
+        G[k] = A[k]  # forces do no work on motions that keep the loop closed, nor do they push the whole robot
     of.moving(told[LAW])
     of.law(told[LAW])
     return 0

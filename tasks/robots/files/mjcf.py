@@ -104,7 +104,7 @@ class _Reader:
         left_out = (
             *self.scene.left_out,
             *open_ends,
-            *unmodelled(self.mj, self.scene, self.joint_names()),
+            *unmodelled(self.mj, self.scene, self.joint_names(), bool(closures)),
             *self._displaced(neutral),
         )
         return Description(self.model, neutral, ties, (), left_out, tuple(closures), self.mj)

@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from ...base.checks import Array
-from .mujoco_numbers import HINGE, SLIDE
+from .mujoco_numbers import FREE, HINGE, SLIDE
 
 #: Transmissions that act on one joint.
 ON_JOINTS = int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT)
@@ -55,6 +55,21 @@ def motor_limits(mj: mujoco.MjModel, joints: Mapping[int, str]) -> list[str]:
         if mj.actuator_trntype[i] in ON_JOINTS and int(mj.actuator_trnid[i, 0]) in joints and _is_limited(mj, i)
     ]
     return list(dict.fromkeys(found))
+
+
+def without_actuators(mj: mujoco.MjModel, joints: Mapping[int, str]) -> list[str]:
+    """The joints (number, name) on which no actuator acts, by itself or by a tendon, if actuators act on others."""
+    driven = set[int]()
+    for i in range(mj.nu):
+        target = int(mj.actuator_trnid[i, 0])
+        if mj.actuator_trntype[i] in ON_JOINTS:
+            driven.add(target)
+        elif mj.actuator_trntype[i] == int(mujoco.mjtTrn.mjTRN_TENDON):
+            first = int(mj.tendon_adr[target])
+            wraps = range(first, first + int(mj.tendon_num[target]))
+            driven |= {int(mj.wrap_objid[k]) for k in wraps if mj.wrap_type[k] == int(mujoco.mjtWrap.mjWRAP_JOINT)}
+    own = [j for j in joints if mj.jnt_type[j] != FREE]
+    return [joints[j] for j in own if j not in driven] if driven.intersection(own) else []
 
 
 def _is_limited(mj: mujoco.MjModel, i: int) -> bool:

@@ -8,12 +8,12 @@ import mujoco
 import numpy as np
 
 from .couplings import moves
-from .motors import motor_limits, other_rotors
+from .motors import motor_limits, other_rotors, without_actuators
 from .mujoco_numbers import dofs
 from .scene import Scene, body_names
 
 
-def unmodelled(mj: mujoco.MjModel, scene: Scene, joints: Mapping[int, str]) -> list[str]:
+def unmodelled(mj: mujoco.MjModel, scene: Scene, joints: Mapping[int, str], closed: bool) -> list[str]:
     """Forces and inertias of MuJoCo that the robot does not have, with what has them.
 
     Parameters
@@ -22,6 +22,8 @@ def unmodelled(mj: mujoco.MjModel, scene: Scene, joints: Mapping[int, str]) -> l
     scene : Scene
     joints : dict of int to str
         The joints of the robot.
+    closed : bool
+        Whether it has closed chains, in which joints without a motor are common.
     """
     bodies = body_names(mj)
     tendons = [t for t in range(mj.ntendon) if moves(mj, t, scene, joints)]
@@ -38,6 +40,9 @@ def unmodelled(mj: mujoco.MjModel, scene: Scene, joints: Mapping[int, str]) -> l
         ("the forces of", ["the medium"] if mj.opt.density or mj.opt.viscosity else []),
     ]
     lines = [f"{thing} {', '.join(names)} (torques do not count them)" for thing, names in told if names]
+    passive = without_actuators(mj, joints) if closed else []
+    if passive:
+        lines.append(f"that no actuator drives the joints {', '.join(passive)} (a torque_limit of 0 of each says so)")
     motors = motor_limits(mj, joints)
     if motors:
         lines.append(f"limits of the motors of the joints {', '.join(motors)} (torque_limit= gives them)")
