@@ -53,14 +53,13 @@ def spelled_number(word: str) -> float | None:
     return float(word) if SPELLED.fullmatch(word) else None
 
 
-def positive_number(value: object, what: str, below: float = math.inf) -> float:
-    """`value` as a float between 0 and `below`, neither included."""
+def positive_number(value: object, what: str, below: float = math.inf, endless: bool = False) -> float:
+    """`value` as a float between 0 and `below`, neither included; if `endless`, infinity is allowed, too."""
     number = real_number(value, what)
-    if 0.0 < number < below:
+    if 0.0 < number < below or (endless and number == math.inf):
         return number
-    raise InvalidInput(
-        f"{what} = {number} must be positive and {'finite' if below == math.inf else f'below {below:g}'}"
-    )
+    allowed = "positive, and may be infinite" if endless else "positive and finite"
+    raise InvalidInput(f"{what} = {number} must be {allowed if below == math.inf else f'positive and below {below:g}'}")
 
 
 def truth(value: object, what: str) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-from .checks import positive_number, real_number, truth, whole_number
+from .checks import positive_number, truth, whole_number
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,7 +42,8 @@ class Settings:
     Raises
     ------
     InvalidInput
-        If a number is not positive and finite, a tolerance not below 1, or a limit not a positive integer.
+        If a number is not positive and finite (the time limit may be infinite), a tolerance is not below 1, or a count
+        is not a positive integer.
 
     Examples
     --------
@@ -72,9 +73,8 @@ class Settings:
             elif field.type == "int":
                 value = whole_number(value, what, least=1)
             else:
-                value = real_number(value, what)
-                if field.name != "time_limit" or value != math.inf:
-                    value = positive_number(value, what, below=1.0 if "tolerance" in field.name else math.inf)
+                below = 1.0 if "tolerance" in field.name else math.inf
+                value = positive_number(value, what, below, endless=field.name == "time_limit")
             object.__setattr__(self, field.name, value)
 
 

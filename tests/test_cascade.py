@@ -207,7 +207,7 @@ def test_an_answer_that_is_off_is_stalled_at_its_level(monkeypatch: pytest.Monke
     monkeypatch.setattr(cascade.Cascade, "_solve_level", off)
     solution = solve(h, backend=BACKEND)
     assert (solution.status, solution.level) == (Status.STALLED, 1)
-    assert "level 1 ('hand'): the answer of proxsuite could not be verified" in solution.message
+    assert "level 1 ('hand'): the certificate refutes the answer of proxsuite" in solution.message
     assert all(level.ok for level in solution.certify(unique=False).levels[:1])
 
 
@@ -265,3 +265,15 @@ def test_no_round_of_descent_is_worse_than_the_one_before(monkeypatch: pytest.Mo
     assert values
     for (problem, before), (following, after) in pairwise(values):
         assert problem is not following or after <= before * (1.0 + 1e-9)
+
+
+def test_a_far_reference_leaves_no_row_beyond_its_bound() -> None:
+    """Rows through zero, and x_ref outside: the step ends at zero, where what a first-order solver leaves is large."""
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        A = rng.standard_normal((int(rng.integers(1, 4)), int(rng.integers(1, 4))))
+        solution = solve(
+            Hierarchy([Level(A, 0.0, np.inf)]), backend=BACKEND, x_ref=-A.T @ rng.uniform(0.1, 3.0, len(A))
+        )
+        assert solution.ok, seed
+        assert solution.certify().ok, seed

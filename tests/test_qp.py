@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import sys
+from dataclasses import Field, fields
+from typing import Any
 
 import numpy as np
 import pytest
@@ -113,6 +116,23 @@ def test_settings_are_checked() -> None:
 def test_settings_take_numbers_where_numbers_are_meant(name: str, value: object) -> None:
     with pytest.raises(InvalidInput, match=f"settings: {name} = "):
         Settings(**{name: value})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("field", [field for field in fields(Settings) if field.type != "bool"], ids=lambda f: f.name)
+@pytest.mark.parametrize("value", [-1, 0, -np.inf, np.nan])
+def test_a_setting_that_is_refused_is_named_with_its_value_and_what_is_allowed(field: Field[Any], value: float) -> None:
+    told = value if field.type == "int" else float(value)
+    with pytest.raises(
+        InvalidInput, match=rf"settings: {field.name} = {re.escape(str(told))} must be (positive|an int)"
+    ):
+        Settings(**{field.name: value})
+    assert getattr(Settings(**{field.name: field.default}), field.name) == field.default
+
+
+def test_only_a_time_limit_may_be_infinite() -> None:
+    with pytest.raises(InvalidInput, match=r"time_limit = -1\.0 must be positive, and may be infinite"):
+        Settings(time_limit=-1)
+    assert Settings(time_limit=np.inf).time_limit == np.inf
 
 
 @pytest.mark.parametrize("name", ["tolerance", "rank_tolerance", "qp_tolerance"])

@@ -6,8 +6,12 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from ..arrays import Array
+from ..certificate import first_failed
 from ..hierarchy import Hierarchy
 from ..solution import NO_COUNTS, Counts, Status
+
+#: What is said of x where a level failed, or stalled.
+EXACT_ABOVE = "x is optimal for the levels above"
 
 
 @dataclass(slots=True, eq=False)
@@ -33,6 +37,26 @@ class Answer:
     message: str = ""
     level: int | None = None
     counts: Counts = NO_COUNTS
+
+
+def certified(answer: Answer, hierarchy: Hierarchy, x_ref: Array, who: str) -> Answer:
+    """The answer, with its status by the certificate: an optimum that this refutes is STALLED, at the level that fails.
+
+    Where the answer of `who` was none, and already a level above the one that it names is refuted, both are told.
+    """
+    failed = first_failed(hierarchy, answer.x, x_ref)
+    if failed is None or (answer.level is not None and answer.level <= failed):
+        return answer
+    message = f"{level_name(hierarchy, failed)}: the certificate refutes the answer of {who}; {EXACT_ABOVE}"
+    if answer.message:
+        message = f"{answer.message.removesuffix(f'; {EXACT_ABOVE}')}; {message}"
+    status = Status.STALLED if answer.status is Status.OPTIMAL else answer.status
+    return Answer(answer.x, status, message, failed, answer.counts)
+
+
+def level_name(hierarchy: Hierarchy, k: int) -> str:
+    """Of a level, the implicit last one included."""
+    return hierarchy.level_name(k) if k < len(hierarchy.levels) else "min ||x - x_ref||"
 
 
 class Backend(Protocol):

@@ -11,7 +11,7 @@ with y_prev = 0, which makes rank-deficient levels strictly convex. Then one equ
 active rows (:mod:`.polish`) takes rho out again, and its answer is checked against the optimality
 conditions. If it does not meet them, the solver is called again and again, warm, until y stops moving
 (a few proximal steps, which cost no accuracy), and the polish of that is kept only if no level gets worse.
-Such a level has no proof, and the certificate decides the status of x.
+In the end the certificate decides the status of x.
 """
 
 from __future__ import annotations
@@ -23,16 +23,15 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array, length
-from ..certificate import first_failed
 from ..errors import HqpError
 from ..hierarchy import Hierarchy
 from ..qp import FlatQP, FlatResult, FlatSolver, Sizes, make_flat_solver
 from ..settings import Settings
 from ..solution import Counts, Status
-from .base import Answer
+from .base import EXACT_ABOVE, Answer, certified, level_name
 from .flat import RowSorting, flat_qp, step_scales
 from .polish import polish
-from .subproblem import LevelProblem, LevelRows, Signs, State, objective
+from .subproblem import LevelProblem, LevelRows, Signs, Standing, State, objective
 
 #: Flat solvers kept for warm starts: sizes change with the active set, and come back.
 MOST_SOLVERS = 64
@@ -42,8 +41,6 @@ CREDIBLE = 1e-5
 LEAK = 1e2
 #: If a solver gives up on a level, it is called again with rho larger by these factors.
 RETREAT = (1e3, 1e6)
-#: What is said of x where a level failed, or stalled.
-EXACT_ABOVE = "x is optimal for the levels above"
 
 
 #: The running :class:`hqp.solution.Counts` of one solve, by the names of its fields.
@@ -92,13 +89,13 @@ class Cascade:
         self.flat.clear()
 
     def solve(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
-        answer, verified = self._descend(hierarchy, x_ref)
-        # Without polish nothing is verified, by choice: then the claim is the named solver's own.
-        return answer if verified or not self.settings.polish else self._judged(hierarchy, x_ref, answer)
+        answer = self._descend(hierarchy, x_ref)
+        # Without polish nothing is exact, by choice: then the claim is the named solver's own.
+        return certified(answer, hierarchy, x_ref, self.solver) if self.settings.polish else answer
 
-    def _descend(self, hierarchy: Hierarchy, x_ref: Array) -> tuple[Answer, bool]:
-        """Level by level; and whether each that needed the named solver was verified."""
-        state, tally, verified = State.start(x_ref.copy()), Tally(int), True
+    def _descend(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
+        """Level by level."""
+        state, tally = State.start(x_ref.copy()), Tally(int)
         last = len(hierarchy.levels)
         for k, rows in enumerate(LevelRows.of(hierarchy, x_ref)):
             try:
@@ -108,29 +105,17 @@ class Cascade:
                     y, pressing = np.zeros(state.Z.shape[1]), np.zeros(len(state.hard), dtype=np.int8)
                 else:
                     settled = self._solve_level(k, rows.problem(state, here, self.settings), tally)
-                    y, pressing, verified = settled.y, settled.pressing, verified and settled.verified
+                    y, pressing = self._landed(rows, state, here, settled)
                 if k == last:
-                    return Answer(state.x + state.Z @ y, counts=Counts(**tally)), verified
+                    return Answer(state.x + state.Z @ y, counts=Counts(**tally))
                 state = rows.freeze(state, here, y, pressing, self.settings)
             except (LevelFailed, np.linalg.LinAlgError) as failure:
-                message = f"{_level_name(hierarchy, k)}: {self.solver} failed ({failure}); {EXACT_ABOVE}"
-                return Answer(state.x, Status.FAILED, message, k, Counts(**tally)), verified
+                message = f"{level_name(hierarchy, k)}: {self.solver} failed ({failure}); {EXACT_ABOVE}"
+                return Answer(state.x, Status.FAILED, message, k, Counts(**tally))
             if not state.Z.size:  # nothing is left to move
                 tally["levels_met"] += last - k
-                return Answer(state.x, counts=Counts(**tally)), verified
+                return Answer(state.x, counts=Counts(**tally))
         raise AssertionError("the implicit last level always comes last")
-
-    def _judged(self, hierarchy: Hierarchy, x_ref: Array, answer: Answer) -> Answer:
-        """The status of an x with a level that was not verified, by the certificate."""
-        failed = first_failed(hierarchy, answer.x, x_ref)
-        if failed is None or (answer.level is not None and answer.level <= failed):
-            return answer
-        said = f"the answer of {self.solver} could not be verified, and the certificate refutes it"
-        message = f"{_level_name(hierarchy, failed)}: {said}; {EXACT_ABOVE}"
-        if answer.message:
-            message = f"{answer.message.removesuffix(f'; {EXACT_ABOVE}')}; {message}"
-        status = Status.STALLED if answer.status is Status.OPTIMAL else answer.status
-        return Answer(answer.x, status, message, failed, answer.counts)
 
     def _solve_level(self, k: int, problem: LevelProblem, tally: Tally) -> Settled:
         """The step y of one level, and the hard rows that press against it."""
@@ -151,6 +136,21 @@ class Cascade:
                 return settled if settled.verified else settled._replace(pressing=np.zeros_like(settled.pressing))
             said = settled.said
         raise LevelFailed(said)
+
+    def _landed(self, rows: LevelRows, state: State, here: Standing, settled: Settled) -> tuple[Array, Signs]:
+        """The step and what presses, polished once more where slacks are round-off to where x was, not to where it is.
+
+        As with a far x_ref: a first-order solver stops so far outside of a bound that ends its step.
+        """
+        there = rows.at(state.x + state.Z @ settled.y, self.settings)
+        finer = np.minimum(here.tolerance, there.tolerance)
+        unseen = (np.abs(there.slack) > finer) & (np.abs(there.slack) <= here.tolerance)
+        if settled.verified and settled.polished and unseen.any():
+            problem = rows.problem(state, here._replace(tolerance=finer), self.settings)
+            done = polish(problem, settled.y, settled.pressing, self.settings.rank_tolerance)
+            if done.verified:
+                return done.y, done.pressing
+        return settled.y, settled.pressing
 
     def _answers(self, k: int, problem: LevelProblem, rho: float, scale: float, tally: Tally) -> Iterator[LevelAnswer]:
         """The named solver's first answer, for the polish to verify, and then that at which y stops moving.
@@ -212,11 +212,6 @@ class Cascade:
                 self.flat.pop(next(iter(self.flat)))
             self.flat[key] = make_flat_solver(self.solver, sizes, self.settings)
         return self.flat[key]
-
-
-def _level_name(hierarchy: Hierarchy, k: int) -> str:
-    """Of a level, the implicit last one included."""
-    return hierarchy.level_name(k) if k < len(hierarchy.levels) else "min ||x - x_ref||"
 
 
 def _nothing_to_do(problem: LevelProblem) -> bool:

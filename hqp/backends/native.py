@@ -221,9 +221,9 @@ class Memory(Workspace):
             JUDGED,
         )
         self.rules, self.passed, self.aims = (self.floats(place) for place in (at.RULES, at.PASSED, at.AIMS))
-        if rows:  # of damping, which the caller has no bounds for
-            self._bounds = np.empty((2, int(self.head[at.ROWS])))
-            self._entries[[at.LOWER, at.UPPER], 0] = [array.ctypes.data for array in self._bounds]
+        if rows:  # of damping, which the caller has no numbers for
+            self._bounds = np.empty((3, int(self.head[at.ROWS])))
+            self._entries[[at.LOWER, at.UPPER, at.WEIGHTS], 0] = [array.ctypes.data for array in self._bounds]
         elif damped:
             self._twin = Memory(structure, settings, damped, rows=True)
             self.head[at.TWIN] = self._twin.share(self._entries)

@@ -95,7 +95,7 @@ def pull(slack: Array, norms: Array, cuts: Sequence[int] = (0,)) -> float:
     r"""The longest step of x that the slacks of any level ask for: :math:`\max |w_i| \|a_i\| / \max \|a_j\|^2`.
 
     It is relative to the longest row of the level, because a shorter one has little influence on x, however large its
-    slack is. Levels of a single row do not count: such a row is met, or cannot move x at all.
+    slack is. Levels of a single row, but for zero rows, do not count: such a row is met, or cannot move x at all.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def pull(slack: Array, norms: Array, cuts: Sequence[int] = (0,)) -> float:
         return 0.0
     longest = np.maximum.reduceat(norms, cuts)
     steps = np.maximum.reduceat(np.abs(slack) * norms, cuts)
-    counts = (longest > 0.0) & [end - begin > 1 for begin, end in pairwise([*cuts, len(norms)])]
+    counts = np.add.reduceat(norms > 0.0, cuts, dtype=np.intp) > 1
     return float(np.divide(steps, longest * longest, out=np.zeros(len(steps)), where=counts).max())
 
 

@@ -97,7 +97,7 @@ def is_needed(here, i):
     Not for callers who need the basis of the sweep.
     """
     head, side, follow = ints(here, 0, at.HEAD), marks(here, at.SIDE), marks(here, at.FOLLOW)
-    if head[at.DAMPED] != 0 or head[at.BASIS] != 0 or late(here):
+    if head[at.BASIS] != 0 or late(here):
         return False
     exchange(here, at.X, at.APPROACH)
     side[i] = follow[i]
@@ -227,10 +227,7 @@ def accepted(here, last):
     """Whether no rank of the proved answer is in doubt, or the certificate accepts it; DOUBT is set to 1 if neither."""
     head = ints(here, 0, at.HEAD)
     head[at.FAILS] = at.UNJUDGED
-    if head[at.DAMPED] == 0:  # the stages of damped levels are judged together, later
-        head[at.DOUBT] = doubtful(here) and not proves(here)
-    else:
-        head[at.DOUBT] = 0
+    head[at.DOUBT] = doubtful(here) and not proves(here)
     return head[at.DOUBT] == 0
 
 
@@ -339,7 +336,7 @@ def play_safe(here, last, exact_above):
         if status == OPTIMAL:  # but it has no proof
             status, level = integer(STALLED), first_contradiction(here, last)
     head[at.HISTORY] = 0
-    if status == STALLED and head[at.DAMPED] == 0 and proves(here):
+    if status == STALLED and proves(here):
         head[at.DOUBT] = 0
         return integer(OPTIMAL), integer(last + 1)
     return status, level

@@ -10,8 +10,9 @@ directions that the level itself adds to V. So its least squares gets one more r
 In the next stage the rows of the level keep their values, with the same directions and the same y. If the guess of that
 stage agrees on all rows down to this level, the sweep therefore continues below it, on top of the same basis; if that
 stage starts at another :math:`x_0`, y is shifted by :math:`V` times the difference.
-Every stage is verified like any hierarchy, with the force of the damping in the balance of its level. If that fails,
-the rows of damping become ordinary rows, and the stage is solved (:mod:`.attempts`) and verified like any hierarchy.
+Every stage is verified like any hierarchy, with the force of the damping in the balance of its level. If that is in
+doubt (:mod:`.doubt`), the rows of damping become ordinary rows, and the compiled certificate judges; if it fails, the
+stage is solved so (:mod:`.attempts`) and verified like any hierarchy.
 """
 
 from __future__ import annotations
@@ -20,10 +21,11 @@ import math
 
 from . import layout as at
 from .active_set import OPTIMAL
-from .attempts import COLD, FEW, PATIENCE, SHARPER, WARM, contested, repair, seed, work_out
+from .attempts import FEW, PATIENCE, SHARPER, contested, repair
 from .compile import entry, inner, integer, stamp
+from .damped_twin import stage_proves, with_rows
 from .damping_rules import DEPENDENT, ERROR, FIXED, by_singular_values, forgiven, lacking, lengths, satisfied, unequal
-from .doubt import SHARPEST, is_even
+from .doubt import SHARPEST, all_even, is_even
 from .dual import late
 from .memory import given, ints, marks, matrix, vector
 from .orthogonal import level_least_squares
@@ -36,57 +38,6 @@ from .verdict import STRICT, judge_multipliers, judge_rows
 UNKNOWN = -1
 #: As :data:`hqp.hierarchy.LARGEST`.
 LARGEST = 1e30
-
-
-@inner
-def with_rows(here, last, level, damping, warm):
-    """Solve the stage of damped `level` in the twin directory, where its rows of damping are ordinary rows.
-
-    Writes ``x`` and ``side``, and returns a status of :mod:`.active_set`. `warm` as of :func:`.attempts.work_out`.
-    """
-    head = ints(here, 0, at.HEAD)
-    there, n, damped = head[at.TWIN], head[at.N], head[at.DAMPED]
-    twin, ptr, which = ints(there, 0, at.HEAD), marks(here, at.PTR), marks(here, at.WHICH)
-    x, x0, side = vector(here, at.X), vector(here, at.X0), marks(here, at.SIDE)
-    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
-    sides, points = marks(there, at.SIDE), vector(there, at.X)
-    low, high, norms = vector(there, at.LO), vector(there, at.HI), vector(there, at.NORM)
-    zero, reference = vector(there, at.X0), vector(there, at.X_REF)
-    lower, upper = vector(there, at.LOWER), vector(there, at.UPPER)
-    for j in range(n):
-        points[j], zero[j], reference[j] = x[j], x0[j], x0[j]
-    r, d = integer(0), integer(0)
-    for k in range(last):
-        for i in range(ptr[k], ptr[k + 1]):
-            sides[r], low[r], high[r], norms[r] = side[i], lo[i], hi[i], norm[i]
-            lower[r] = lo[i] / norm[i] if norm[i] > 0.0 else lo[i]
-            upper[r] = hi[i] / norm[i] if norm[i] > 0.0 else hi[i]
-            r += 1
-        if d < damped and which[d] == k:
-            for j in range(n):
-                norms[r], sides[r] = (damping, EQUALITY) if k == level else (0.0, INACTIVE)
-                low[r] = high[r] = damping * x0[j]
-                lower[r] = upper[r] = x0[j]
-                r += 1
-            d += 1
-    for place in (at.DEADLINE, at.SWEEPS, at.ITERATIONS):
-        twin[place] = head[place]
-    vector(there, at.OPTION)[at.BLUR] = vector(here, at.OPTION)[at.BLUR]
-    seed(there, last)
-    status, _ = work_out(there, last, integer(WARM if warm else COLD), warm)
-    for place in (at.SWEEPS, at.ITERATIONS):
-        head[place] = twin[place]
-    for j in range(n):
-        x[j] = points[j]
-    r, d = integer(0), integer(0)
-    for k in range(last):
-        for i in range(ptr[k], ptr[k + 1]):
-            side[i] = sides[r]
-            r += 1
-        if d < damped and which[d] == k:
-            r += n
-            d += 1
-    return status
 
 
 @inner
@@ -183,7 +134,7 @@ def run_stage(here, slot, last, level, damping, warm, through, c, count, rank):
     known_levels = through if count == UNKNOWN else through + 1
     if not expect(here, slot, last, warm, known_levels) or through < begin:
         through, c, count = begin, integer(0), integer(UNKNOWN)
-    fewest, left, status = m + 1, PATIENCE, OPTIMAL
+    fewest, left, status = m + 1, PATIENCE, integer(OPTIMAL)
     while True:
         faults, blurred, reached, rows = sweep_stage(here, last, level, damping, through, c, count, rank, tau)
         head[at.SWEEPS] += 1
@@ -197,12 +148,12 @@ def run_stage(here, slot, last, level, damping, warm, through, c, count, rank):
         repair(here, last)
         through, c, count = begin, integer(0), integer(UNKNOWN)
     through, c = reached, rows
+    if tau < vector(here, at.OPTION)[at.TAU]:  # smaller than the one set
+        head[at.DOUBT] = 1
+    if faults == 0 and head[at.DOUBT] != 0 and not stage_proves(here, last, level, damping):
+        status = integer(UNEVEN)
     if faults > 0:
-        if level == STRICT:
-            seed(here, last)
-            status, _ = work_out(here, last, integer(WARM if warm else COLD), warm)
-        else:
-            status = with_rows(here, last, level, damping, warm)
+        status = with_rows(here, last, level, damping, warm)
         through, c = begin, integer(0)
     for i in range(ptr[last]):
         known[i] = side[i]
@@ -211,7 +162,10 @@ def run_stage(here, slot, last, level, damping, warm, through, c, count, rank):
 
 @inner
 def freeze_level(here, level):
-    """Freeze equalities and violated rows of a damped level: both bounds become their value at x."""
+    """Freeze equalities and violated rows of a damped level: both bounds become their value at x.
+
+    A row whose two bounds are both within the tolerance is an equality, as in :func:`hqp.certificate.row_states`.
+    """
     ptr, w = marks(here, at.PTR), vector(here, at.W)
     lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
     size, way = lengths(here)
@@ -219,9 +173,9 @@ def freeze_level(here, level):
         if norm[i] == 0.0:
             continue
         value = value_of(i, x, here)
-        over = value - hi[i] > forgiven(here, i, value, hi[i], size, way)
-        under = lo[i] - value > forgiven(here, i, value, lo[i], size, way)
-        if lo[i] == hi[i] or over or under:
+        near = forgiven(here, i, value, min(max(value, lo[i]), hi[i]), size, way)
+        over, under = value - hi[i], lo[i] - value
+        if lo[i] == hi[i] or max(over, under) > near or min(over, under) >= -near:
             lo[i] = hi[i] = value
             w[i] = 0.0
 
@@ -235,8 +189,7 @@ def solve_stages(here):
     start_clock(here)
     if not load(here, False, head[at.TRUSTED] != 0):
         return SUSPECT
-    if not is_even(here):
-        return UNEVEN
+    head[at.DOUBT] = not all_even(here)
     ptr, which = marks(here, at.PTR), marks(here, at.WHICH)
     x, x_ref, x0 = vector(here, at.X), vector(here, at.X_REF), vector(here, at.X0)
     tau, rules, passed = vector(here, at.OPTION)[at.TAU], matrix(here, at.RULES), matrix(here, at.PASSED)
@@ -274,6 +227,8 @@ def solve_stages(here):
         note[0] = damping
         if damping < 1.0 / LARGEST:
             continue
+        if not is_even(here, k, damping):
+            head[at.DOUBT] = 1
         status, through, c = run_stage(here, 2 * d + 1, k + 1, k, damping, warm, through, c, count, rank)
         if status != OPTIMAL:
             return status

@@ -2,7 +2,9 @@
 
 Rows that depend on others in exact arithmetic, as where limits saturate, depend on them only up to round-off, magnified
 by the condition number of the others. Their rank is then arbitrary, but the levels below depend on it: the forces of
-such rows along what projection leaves of them stay unbalanced. So the certificate has to accept the answer.
+such rows along what projection leaves of them stay unbalanced. So the certificate has to accept the answer. It also has
+to where only one can tell a slack from round-off, the forces of the level or the tolerance of the row: then solver and
+certificate see other active rows.
 """
 
 from __future__ import annotations
@@ -11,7 +13,10 @@ import math
 
 from . import layout as at
 from .compile import inner
-from .memory import ints, marks, vector
+from .extent import extent
+from .memory import ints, marks, matrix, vector
+from .orthogonal import NONE
+from .rows import EQUALITY, target
 from .signs import CLEAR
 
 #: Smallest rank tolerance: well-conditioned others leave no larger share of a dependent row, by round-off.
@@ -24,55 +29,104 @@ WEAK = 1e-5
 #: A row that is shorter by this factor than another of its level may disappear in the round-off of that one: forces and
 #: factors go by squares of lengths.
 EVEN = 1e-6
+#: The levels below are balanced if no more than this share of their forces is left: so far the span of the rows above
+#: may turn.
+TURNED = 1e-10
 
 
 @inner
-def note_doubt(here, begin, rank, count, pull):
-    """Set DOUBT to 1 if the dependent rows of an unmet level leave too much of its forces, `pull`, unbalanced.
+def note_doubt(here, hard, rank, own, own_rank, pull, frozen):
+    """Set DOUBT to 1 if a rank or a sign of a level that :mod:`.polish` has solved may be round-off.
 
-    And if a pivot row is :data:`WEAK`. The `count` active rows of the level are in ``ids`` from place `begin` on: first
-    `rank` pivot rows, then dependent ones.
+    That is so if a pivot row is :data:`WEAK`; if the dependent rows of an unmet level leave too much of its forces,
+    `pull`, unbalanced; and if what is left of a row that the level freezes may turn the levels below, :func:`turns`.
+    The `hard` active rows of the levels above are in ``ids``, then the `own` ones, first `rank` and `own_rank` pivots.
     """
-    ids, lengths, w, norm = marks(here, at.IDS), vector(here, at.LENGTHS), vector(here, at.W), vector(here, at.NORM)
-    for r in range(begin, begin + rank):
-        if lengths[r] < WEAK * norm[ids[r]]:
-            ints(here, 0, at.HEAD)[at.DOUBT] = 1
-    left = 0.0
-    for r in range(begin + rank, begin + count):
-        if lengths[r] <= MOST * norm[ids[r]]:
-            left += abs(w[ids[r]]) * lengths[r]
-    if left > CLEAR * pull > 0.0:
-        ints(here, 0, at.HEAD)[at.DOUBT] = 1
+    head, ids, side = ints(here, 0, at.HEAD), marks(here, at.IDS), marks(here, at.SIDE)
+    lengths, w, norm = vector(here, at.LENGTHS), vector(here, at.W), vector(here, at.NORM)
+    for r in range(hard + own_rank):
+        if (r < rank or r >= hard) and lengths[r] < WEAK * norm[ids[r]]:
+            head[at.DOUBT] = 1
+    unbalanced, end = 0.0, frozen + rank + own_rank
+    for r in range(hard + own_rank, hard + own):
+        i = ids[r]
+        if lengths[r] <= MOST * norm[i]:
+            unbalanced += abs(w[i]) * lengths[r]
+        if (pull > 0.0 or side[i] == EQUALITY) and turns(here, i, lengths[r], frozen, end):
+            head[at.DOUBT] = 1
+    if unbalanced > CLEAR * pull > 0.0:
+        head[at.DOUBT] = 1
+
+
+@inner
+def turns(here, i, left, first, end):
+    """Whether the levels below, where dependent row i is an equality, may see another span than V[:end].
+
+    There, inequalities at a bound may have no multiplier. Then, besides equalities and violated rows, row i adds its
+    part along those rows of V[first:end] that were made of inequalities at a bound, and what is left, which has been
+    neglected: the shorter that part, the more it turns.
+    """
+    norm, pivot, L, part = vector(here, at.NORM)[i], marks(here, at.PIVOT), matrix(here, at.L), vector(here, at.SHARE)
+    if left <= NONE * norm or left > MOST * norm:
+        return False
+    size, low, least = extent(vector(here, at.X), here), first, math.inf
+    while low < end and is_free(here, pivot[low], size):
+        low += 1
+    for q in range(low, end):
+        part[q] = L[i][q]
+    for q in range(end - 1, low - 1, -1):
+        if is_free(here, pivot[q], size):
+            row = L[pivot[q]]
+            much = part[q] / row[q]
+            for t in range(low, q):
+                part[t] -= much * row[t]
+        elif abs(part[q]) > SHARPEST * norm:
+            least = min(least, abs(part[q]))
+    return left > min(SHARPEST * norm, TURNED * least)
+
+
+@inner
+def is_free(here, i, size):
+    """Whether active row i is an equality, or violated by more than its tolerance, with an x as long as `size`."""
+    side, bound = (
+        marks(here, at.SIDE)[i],
+        target(marks(here, at.SIDE)[i], vector(here, at.LO)[i], vector(here, at.HI)[i]),
+    )
+    near = vector(here, at.OPTION)[at.TOL] * (abs(bound) + vector(here, at.NORM)[i] * size)
+    return side == EQUALITY or abs(vector(here, at.W)[i]) > near
 
 
 @inner
 def sharpen(here):
-    """Set the rank tolerance to SHARPEST, and DOUBT to 1; False if it is as small already, or was set by the user.
-
-    Neither with damped levels.
-    """
+    """Set the rank tolerance to SHARPEST, and DOUBT to 1; False if it is as small already, or was set by the user."""
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
-    if head[at.DAMPED] != 0 or option[at.TAU] <= SHARPEST or option[at.TAU] > MOST:
+    if option[at.TAU] <= SHARPEST or option[at.TAU] > MOST:
         return False
     option[at.TAU], head[at.DOUBT] = SHARPEST, 1
     return True
 
 
 @inner
-def is_even(here):
-    """Whether the weighted rows of each level are of comparable length, see :data:`EVEN`."""
-    head, ptr, norm = ints(here, 0, at.HEAD), marks(here, at.PTR), vector(here, at.NORM)
-    for k in range(head[at.LEVELS]):
-        shortest, longest = math.inf, 0.0
-        for i in range(ptr[k], ptr[k + 1]):
-            if norm[i] > 0.0:
-                shortest, longest = min(shortest, norm[i]), max(longest, norm[i])
-        if shortest < EVEN * longest:
-            return False
-    return True
+def is_even(here, k, length):
+    """Whether the weighted rows of level k, and one more of this length, if not 0, are comparable: see :data:`EVEN`."""
+    ptr, norm = marks(here, at.PTR), vector(here, at.NORM)
+    shortest, longest = length if length > 0.0 else math.inf, length
+    for i in range(ptr[k], ptr[k + 1]):
+        if norm[i] > 0.0:
+            shortest, longest = min(shortest, norm[i]), max(longest, norm[i])
+    return not shortest < EVEN * longest
+
+
+@inner
+def all_even(here):
+    """Whether the weighted rows of each level are of comparable length."""
+    even = True
+    for k in range(ints(here, 0, at.HEAD)[at.LEVELS]):
+        even = even and is_even(here, k, 0.0)
+    return even
 
 
 @inner
 def doubtful(here):
     """Whether the certificate must judge an answer: a rank is in doubt, or a level has rows of very unequal lengths."""
-    return ints(here, 0, at.HEAD)[at.DOUBT] != 0 or not is_even(here)
+    return ints(here, 0, at.HEAD)[at.DOUBT] != 0 or not all_even(here)

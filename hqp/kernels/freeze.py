@@ -32,7 +32,7 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
     lo, hi, norm, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)
     x, anchor, softness = vector(here, at.X), vector(here, at.ANCHOR), vector(here, at.VALUE)
     multiplier, carried = vector(here, at.MULTIPLIER), vector(here, at.LAMBDA)
-    size, all_frozen = extent(x, here), rank == hard
+    size, all_frozen, clear = extent(x, here), rank == hard, 0.0
     for i in range(ptr[k], ptr[k + 1]):
         kind[i], softness[i] = HARD, 0.0
         if side[i] == INACTIVE:
@@ -55,7 +55,11 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
     for r in range(hard, hard + own):
         i = ids[r]
         goal = target(side[i], lo[i], hi[i])
-        if side[i] == EQUALITY or (pull > 0.0 and abs(w[i]) > tol * (abs(goal) + norm[i] * size)):
+        felt = pull > 0.0 and abs(w[i]) > tol * (abs(goal) + norm[i] * size)
+        counts = pull > 0.0 and norm[i] * abs(w[i]) > clear
+        if counts != felt and (counts or side[i] != EQUALITY):
+            head[at.DOUBT] = 1  # of the level and the row, only one can tell this slack from round-off
+        if side[i] == EQUALITY or felt:
             kind[i] = FROZEN
         else:
             all_frozen, w[i] = False, 0.0

@@ -92,7 +92,7 @@ def levels(here, last, warm):
         if head[at.METRIC] != 0:
             put_back(here, frozen)
         keep(here, k, last)
-        note_doubt(here, hard, own_rank, own, pull)
+        note_doubt(here, hard, rank, own, own_rank, pull, frozen)
         if k < last:
             frozen = freeze(here, k, frozen, hard, rank, own, own_rank, pull)
             advance(here)

@@ -19,7 +19,7 @@ from .memory import ints, marks, matrix, vector
 from .metric import displace, pull_in_metric
 from .orthogonal import NONE, level_least_squares, padded, pivots, separate
 from .rows import EQUALITY, INACTIVE, target, value_of
-from .signs import clear_of_basis
+from .signs import CLEAR, clear_of_basis
 from .working_set import FROZEN, balance
 
 #: A pivot row of which projection leaves a smaller share is not kept from one primal step to the next.
@@ -144,7 +144,7 @@ def judge(here, k, last, frozen, hard, rank, own):
     -------
     faults : int
         Active rows with a multiplier, or a slack, of the wrong sign; inactive rows that are violated; and dependent
-        rows of C that are not at their bound.
+        rows of C that are not at their bound. DOUBT is set if inactive rows would pull, though within their tolerance.
     worst : int
         The active row whose multiplier, or slack, has the most wrong sign, or -1.
     pull : float
@@ -171,7 +171,7 @@ def judge(here, k, last, frozen, hard, rank, own):
         goal = target(side[i], lo[i], hi[i])
         met = met and abs(w[i]) <= tol * (abs(goal) + norm[i] * size)
         pull += norm[i] * abs(w[i])
-    faults, worst = integer(0), integer(-1)
+    faults, worst, unpaid = integer(0), integer(-1), 0.0
     least = wrong = 0.0
     if met:
         pull = 0.0
@@ -206,12 +206,16 @@ def judge(here, k, last, frozen, hard, rank, own):
     for i in range(ptr[k + 1] if k < last else 0):  # at the last level :func:`holds` looks at all rows
         if side[i] == INACTIVE and kind[i] != FROZEN and norm[i] > 0.0:
             value = value_of(i, x, here)
-            near = tol * norm[i] * size
-            faults += value > hi[i] + near + tol * abs(hi[i]) or value < lo[i] - near - tol * abs(lo[i])
+            out = max(value - hi[i], lo[i] - value)
+            if out > 0.0:
+                faults += out > tol * (norm[i] * size + abs(hi[i] if value > hi[i] else lo[i]))
+                unpaid += norm[i] * out if i >= ptr[k] else 0.0
     for r in range(rank, hard):  # rows of C that depend on the pivot rows must be at their bound, too
         i = ids[r]
         goal = target(side[i], lo[i], hi[i])
         faults += abs(value_of(i, x, here) - goal) > tol * (abs(goal) + norm[i] * size)
+    if faults == 0 and unpaid > CLEAR * pull > 0.0:
+        head[at.DOUBT] = 1
     return faults, worst, pull
 
 

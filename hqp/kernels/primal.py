@@ -121,7 +121,7 @@ def primal(here, k, last, frozen, hard, rank, own, own_rank, known):
             if row == left:
                 hard, rank, own, own_rank = polish_again(here, k, last, frozen, rank)
                 faults, worst, pull = judge(here, k, last, frozen, hard, rank, own)
-                circles = head[at.DAMPED] != 0 or faults != 1 or worst != row
+                circles = faults != 1 or worst != row
                 if not circles:
                     faults, head[at.DOUBT] = integer(0), 1
                 break

@@ -58,7 +58,7 @@ def proves(here):
         if head[at.FAILS] != at.PASSES and not every:
             continue
         scale, exact = gradient(here, k, way), True
-        if scale != 0.0 and not (k == levels and not every and determined(here, taken, base)):
+        if scale != 0.0 and not (k == levels and determined(here, taken, base)):
             base, taken = widen(here, taken, k, base, True), integer(k)
             exact, base = balanced(here, k, base, scale)
         told[k][at.ACCEPTED] = exact
@@ -221,11 +221,10 @@ def balanced(here, k, base, scale):
         note_holding(here, k, base, working)
         return True, base
     alone = widen(here, 0, k, integer(0), False)
-    if alone < base:
-        working, left = attempt(here, k, alone, False)
-        exact = left <= STATIONARITY
-        if exact:
-            note_holding(here, k, alone, working)
+    working, left = attempt(here, k, alone, False)
+    exact = left <= STATIONARITY
+    if exact:
+        note_holding(here, k, alone, working)
     forget_parts(here)
     return exact, widen(here, 0, k, integer(0), True)
 

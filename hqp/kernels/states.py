@@ -32,14 +32,14 @@ def measure_rows(here):
     size = length(x, n)
     way = max(size, math.sqrt(away))
     for k in range(head[at.LEVELS]):
-        most, asked = 0.0, 0.0
+        most, asked, rows = 0.0, 0.0, 0
         for i in range(ptr[k], ptr[k + 1]):
             value[i] = value_of(i, x, here) if norm[i] > 0.0 else 0.0
             slack[i] = value[i] - min(max(value[i], lo[i]), hi[i])
-            most = max(most, norm[i])
+            most, rows = max(most, norm[i]), rows + (norm[i] > 0.0)
             if norm[i] > ROUND_OFF * longest * weights[i]:
                 asked = max(asked, abs(slack[i]) * norm[i])
-        if most > 0.0 and ptr[k + 1] - ptr[k] > 1:
+        if rows > 1:
             way = max(way, asked / (most * most))
     return size, way
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
+from .doubt import turns
 from .extent import extent
 from .memory import ints, marks, matrix, vector
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target
@@ -61,14 +62,13 @@ def judge_rows(here, last, damped, damping):
     n, tol, first = head[at.N], option[at.TOL], 1 if head[at.BOXED] != 0 else 0
     col, row_of, ptr, side = marks(here, at.COL), marks(here, at.ROW_OF), marks(here, at.PTR), marks(here, at.SIDE)
     follow, decided, dependent = marks(here, at.FOLLOW), marks(here, at.DECIDED), marks(here, at.KIND)
-    lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
-    w, forces_of, left = vector(here, at.W), vector(here, at.FORCES), vector(here, at.VALUE)
-    B = matrix(here, at.B)
+    cut, lo, hi = marks(here, at.CUT), vector(here, at.LO), vector(here, at.HI)
+    norm, x = vector(here, at.NORM), vector(here, at.X)
+    w, forces_of, left, B = vector(here, at.W), vector(here, at.FORCES), vector(here, at.VALUE), matrix(here, at.B)
     size = extent(x, here)
-    faults = undecided = 0
-    blurred = False
+    faults, undecided, blurred, turned = 0, 0, False, False
     for k in range(last):
-        pull, met, unbalanced = 0.0, True, 0.0
+        pull, met, unbalanced, unpaid = 0.0, True, 0.0, 0.0
         if k == damped:
             pull, met = damping_pulls(here, damping, size)
         for i in range(ptr[k], ptr[k + 1]):
@@ -84,6 +84,8 @@ def judge_rows(here, last, damped, damping):
                 if k < first or dependent[i] == 0:
                     continue
                 unbalanced += abs(w[i]) * left[i]
+                if side[i] == EQUALITY or abs(w[i]) > near + tol * abs(bound):
+                    turned = turned or turns(here, i, left[i], integer(0), cut[k + 1])
             if col[i] >= 0:
                 value = norm[i] * x[col[i]]
             else:
@@ -94,29 +96,31 @@ def judge_rows(here, last, damped, damping):
             if side[i] != INACTIVE:
                 bound = target(side[i], lo[i], hi[i])
                 blurred = blurred or abs(value - bound - w[i]) > near + tol * abs(bound)
-            elif value > hi[i] + tol * abs(hi[i]) + near:
-                follow[i] = UPPER
-                faults += 1
-            elif value < lo[i] - tol * abs(lo[i]) - near:
-                follow[i] = LOWER
-                faults += 1
+                continue
+            out = max(value - hi[i], lo[i] - value)
+            if out > 0.0:
+                unpaid += norm[i] * out
+                if out > near + tol * abs(hi[i] if value > hi[i] else lo[i]):
+                    follow[i] = UPPER if value > hi[i] else LOWER
+                    faults += 1
         forces_of[k] = 0.0 if met else pull
-        if not met and k >= first and unbalanced > CLEAR * pull:
+        clear = CLEAR * pull
+        if turned or (not met and max(unpaid, unbalanced) > clear):
             head[at.DOUBT] = 1
         for i in range(ptr[k], ptr[k + 1]):
             if side[i] == INACTIVE:
                 continue
             if met:
                 w[i] = 0.0
-            if side[i] == EQUALITY:
+            counts = norm[i] * abs(w[i]) > clear
+            if side[i] == EQUALITY and not counts:
                 continue
-            says = w[i] * side[i] * norm[i]
-            if abs(says) <= CLEAR * pull:
+            if counts != (abs(w[i]) > tol * (norm[i] * size + abs(target(side[i], lo[i], hi[i])))):
+                head[at.DOUBT] = 1  # of the level and the row, only one can tell this slack from round-off
+            if not counts:
                 decided[i] = UNDECIDED
                 undecided += 1
-                if abs(w[i]) > tol * (norm[i] * size + abs(target(side[i], lo[i], hi[i]))):
-                    head[at.DOUBT] = 1  # a slack that its row can feel, but made of round-off of the others' forces
-            elif says < 0.0:
+            elif side[i] != EQUALITY and w[i] * side[i] < 0.0:
                 follow[i] = INACTIVE
                 faults += 1
     return faults, undecided, blurred

@@ -1,0 +1,87 @@
+"""OPTIMAL is said only of what the certificate accepts; else the level is named, and those above it are certified.
+
+The draws are at the limits of double precision, where ranks and signs may be round-off: there a solver may stall.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+import pytest
+from hard_draws import DRAWS, damping, far
+
+from hqp import Solution, Solver, Status, available_backends, backend_info, solve
+
+#: Draws whose wrong answers were once called optimal, though signs or ranks were decided by magnified round-off.
+ONCE_WRONG = {
+    "nearly dependent": [86, 341, 439, 846, 849, 979, 1086, 1174, 3944, 5941, 6202],
+    "nearly dependent in many units": [17, 63, 86, 100, 165, 327, 509, 673, 1221, 2207, 3544, 5723],
+}
+#: The share of draws in a long run that may be called optimal though the certificate does not quite accept them.
+RARE = 1e-3
+
+
+def right(solution: Solution) -> bool:
+    """Whether the claim is one that the certificate bears out."""
+    certificate = solution.certify()
+    if solution.ok:
+        return certificate.ok
+    if solution.status is not Status.STALLED or solution.dampings:
+        return bool(solution.message)
+    return solution.level is not None and all(level.ok for level in certificate.levels[: solution.level])
+
+
+def drawn(name: str, seeds: Iterable[int], damped: bool = False) -> tuple[list[int], int]:
+    """The seeds with a wrong claim, and how many answers are optimal; cold, and warm from the draw in other numbers."""
+    wrong, optimal = [], 0
+    for seed in seeds:
+        rng = np.random.default_rng(seed)
+        h = DRAWS[name](rng)
+        x_ref = far(rng, h.n)
+        rules = damping(rng, h) if damped and h.levels else {}
+        solver, before = Solver(damping=rules), h.copy()
+        before.lower[:], before.upper[:] = before.lower + 0.1, before.upper + 0.1
+        cold = solver.solve(h, x_ref)
+        solver.solve(before, x_ref)
+        for solution in cold, solver.solve(h, x_ref):
+            optimal += solution.ok
+            if not right(solution):
+                wrong.append(seed)
+    return wrong, optimal
+
+
+@pytest.mark.parametrize("name", DRAWS)
+def test_what_is_called_optimal_is_certified(name: str) -> None:
+    wrong, optimal = drawn(name, [*range(60), *ONCE_WRONG.get(name, [])])
+    assert wrong == []
+    assert optimal > 90
+
+
+@pytest.mark.parametrize("name", DRAWS)
+def test_so_it_is_with_damped_levels(name: str) -> None:
+    wrong, optimal = drawn(name, range(40), damped=True)
+    assert wrong == []
+    assert optimal > 60
+
+
+@pytest.mark.sweep
+@pytest.mark.parametrize("damped", [False, True])
+@pytest.mark.parametrize("name", DRAWS)
+def test_in_the_long_run(name: str, damped: bool) -> None:
+    wrong, optimal = drawn(name, range(60, 3060), damped)
+    assert len(wrong) <= RARE * optimal, wrong
+
+
+@pytest.mark.parametrize("name", DRAWS)
+@pytest.mark.parametrize("backend", [name for name in available_backends() if name.startswith("cascade:")])
+def test_a_cascade_claims_no_more(backend: str, name: str) -> None:
+    """One that does not polish, or promises nothing, claims what its solver claims."""
+    optimal = 0
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        h = DRAWS[name](rng)
+        solution = solve(h, backend=backend, x_ref=far(rng, h.n))
+        optimal += solution.ok
+        assert right(solution), seed
+    assert optimal > 0 or backend_info(backend).accuracy != "exact"
