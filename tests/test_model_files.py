@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import pickle
+import re
 import subprocess
 import sys
 
@@ -200,6 +201,43 @@ def test_bases(tmp_path):
         )
 
 
+@pytest.mark.parametrize("own", ["floating", "planar"])
+@pytest.mark.parametrize("mounted", [False, True])
+def test_the_base_that_is_asked_for_stands_in_place_of_that_of_the_file(tmp_path, own, mounted):
+    """Not on it: a robot that was to be mounted flew away, and one that was to float had two bases."""
+    names = ("world", "stand", "link0", "link1", "link2")
+    below = [joint("mount", "world", "stand", kind="fixed", at="0 0 1")] if mounted else []
+    carries = joint("free", "stand" if mounted else "world", "link0", kind=own)
+    path = write(tmp_path, *below, carries, *chain({}, {}), links=names if mounted else (names[0], *names[2:]))
+    sizes = {None: None, "fixed": (2, 2, 0), "planar": (6, 5, 3), "floating": (9, 8, 6)}
+    sizes[None] = sizes[own]
+    places = []
+    for base, expected in sizes.items():
+        robot = load_robot(path, base=base, tip="link2")
+        assert (robot.nq, robot.nv, robot.base) == expected, base
+        assert robot.joint_names[0] == (
+            "free[0]" if base in (None, own) else "joint0" if base == "fixed" else "root_joint[0]"
+        )
+        assert robot.left_out == ((f"limits of {own} joint 'free'",) if base in (None, own) else ())
+        places.append(robot.at(robot.neutral).frame().position)
+    np.testing.assert_allclose(places, [places[0]] * 4, atol=1e-12)
+    held = load_robot(path, base="fixed", tip="link2")
+    record = simulate(
+        Controller(held, JointLimits() >> PositionTask([9.0, 9.0, 9.0], gain=1.0), dt=0.01), held.home, duration=0.5
+    )
+    assert (
+        np.linalg.norm(held.at(record.q[-1]).frame("link0").position - held.at(held.home).frame("link0").position)
+        == 0.0
+    )
+
+
+def test_a_thing_that_floats_beside_other_joints_is_no_base(tmp_path):
+    carried = joint("free", "link0", "link2", kind="floating")
+    path = write(tmp_path, joint("joint0", "link0", "link1"), carried, links=3)
+    assert "free[0]" in load_robot(path, base="fixed").joint_names
+    assert load_robot(path, base="floating").nv == 6 + 1 + 6
+
+
 @pytest.mark.parametrize("order", ["velocity", "acceleration"])
 def test_a_planar_base_drives_and_keeps_its_limits(tmp_path, order):
     path = write(tmp_path, *chain({}, {}), links=3)
@@ -325,6 +363,22 @@ def test_what_is_left_out_of_a_urdf_is_said(tmp_path, caplog):
         robot = load_robot(path)
     assert robot.left_out == ("limits of planar joint 'joint1'",)
     assert "left out of the robot: limits of planar joint 'joint1'" in caplog.text
+
+
+@pytest.mark.parametrize("ends", ["lower='-1'", "upper='6.28'", "lower='0' upper='0'"])
+@pytest.mark.parametrize("soft", [False, True])
+def test_a_range_of_a_joint_that_turns_without_end_is_not_dropped_in_silence(tmp_path, ends, soft):
+    path = write(tmp_path, *chain({}, {"kind": "continuous"}, {}), links=4)
+    bounds = f"<limit {'' if soft else ends} velocity='3' effort='9'/>"
+    if soft:
+        ends = ends.replace("er=", "er_limit=").replace("lower", "soft_lower").replace("upper", "soft_upper")
+        bounds += f"<safety_controller {ends} k_velocity='1'/>"
+    head, tail = path.read_text().split('<joint name="joint1"')
+    path.write_text(f'{head}<joint name="joint1"' + re.sub("<limit [^>]*>", bounds, tail, count=1))
+    robot = load_robot(path)
+    told = "range of continuous joint 'joint1' (it turns without end; one of type revolute has a range)"
+    assert robot.left_out == (() if "'0'" in ends else (told,))
+    assert robot.position_limit[:, 1].tolist() == [-np.inf, np.inf]
 
 
 MISSPELT = {
