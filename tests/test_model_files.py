@@ -376,7 +376,7 @@ def test_a_range_of_a_joint_that_turns_without_end_is_not_dropped_in_silence(tmp
     head, tail = path.read_text().split('<joint name="joint1"')
     path.write_text(f'{head}<joint name="joint1"' + re.sub("<limit [^>]*>", bounds, tail, count=1))
     robot = load_robot(path)
-    told = "range of continuous joint 'joint1' (it turns without end; one of type revolute has a range)"
+    told = "ranges of the continuous joints 'joint1' (a joint of type revolute has one)"
     assert robot.left_out == (() if "'0'" in ends else (told,))
     assert robot.position_limit[:, 1].tolist() == [-np.inf, np.inf]
 

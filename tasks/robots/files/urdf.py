@@ -97,14 +97,16 @@ def _named(joint: Element, tag: str) -> str | None:
 
 def _left_out(joints: list[Element]) -> Iterator[str]:
     """Limits of joints that have no single position, and ranges of those that turn without end."""
+    endless = []
     for joint in joints:
         kind, name, limit, soft = joint.get("type"), joint.get("name"), joint.find("limit"), joint.find(SAFETY)
         if kind in BASES and limit is not None:
             yield f"limits of {kind} joint {name!r}"
-        if kind == "continuous":
-            given = [(limit, own) for own, _ in ENDS] + [(soft, own) for _, own in ENDS]
-            if any(element is not None and not _is_zero(element.get(end, "0")) for element, end in given):
-                yield f"range of continuous joint {name!r} (it turns without end; one of type revolute has a range)"
+        ends = [(element, pair[place]) for place, element in enumerate((limit, soft)) for pair in ENDS]
+        if kind == "continuous" and any(own is not None and not _is_zero(own.get(end, "0")) for own, end in ends):
+            endless.append(repr(name))
+    if endless:
+        yield f"ranges of the continuous joints {', '.join(endless)} (a joint of type revolute has one)"
 
 
 def rename_shared(root: Element) -> dict[str, str]:
