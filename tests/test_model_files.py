@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import logging
 import pickle
 import re
@@ -20,6 +21,7 @@ from tasks import (
     JointCouplingTask,
     JointLimits,
     JointPositionLimit,
+    LinearHolonomicTask,
     MujocoPlant,
     PinocchioRobot,
     PositionTask,
@@ -165,6 +167,39 @@ def test_a_range_without_a_position_is_refused_everywhere(tmp_path, kind):
     scalar = load_robot(path, position_limit=(-0.5, 0.5))  # all joints that have one
     others = [robot.joint_names.index(name) for name in ("joint0", "joint2")]
     np.testing.assert_array_equal(np.flatnonzero(np.isfinite(scalar.position_limit[0])), others)
+
+
+@pytest.mark.parametrize("wrong", [[0.0, 0.0, 0.0, 0.0], [0.1, 2.5, 1.0, 0.2], [0.1, 1.0, 1e-2, 0.2]])
+def test_a_posture_that_is_no_configuration_is_refused_by_fresh_and_live_controllers(tmp_path, wrong):
+    """An angle in place of a cosine was read as another angle, and zeros as where the joint is."""
+    robot = load_robot(write(tmp_path, *chain({}, {"kind": "continuous"}, {}), links=4))
+    right = robot.configuration({"joint0": 0.1, "joint1": 2.5})
+    said = "the cosine and sine of joint 'joint1', has norm"
+    for task in (
+        PostureTask(right, gain=1.0),
+        PostureTask(right, joints=["joint1"], gain=1.0),
+        LinearHolonomicTask([[1.0, 1.0, 0.0]], [0.2], q0=right, gain=1.0),
+    ):
+        name = "q0" if isinstance(task, LinearHolonomicTask) else "target"
+        controller = Controller(robot, task, dt=0.01)
+        before = controller(robot.home).v
+        assert before[1] != 0.0
+        with pytest.raises(InvalidInput, match=f"{name}: .*{said}"):
+            setattr(task, name, wrong)
+        assert np.array_equal(controller(robot.home).v, before)
+        fresh = copy.deepcopy(task)
+        setattr(fresh, name, wrong)
+        with pytest.raises(InvalidInput, match=f"{name}: .*{said}"):
+            Controller(robot, fresh, dt=0.01)
+    with pytest.raises(InvalidInput, match=said):
+        solve_ik(robot, PostureTask(wrong, gain=1.0))
+
+
+def test_a_posture_leaves_the_numbers_of_the_base_aside(tmp_path):
+    robot = load_robot(write(tmp_path, *chain({}, {}), links=3), base="floating")
+    target = np.array([0.0] * 7 + [0.2, 0.3])
+    v = Controller(robot, PostureTask(target, gain=1.0), dt=0.01)(robot.home).v
+    np.testing.assert_allclose(v, [0.0] * 6 + [0.2, 0.3], atol=1e-12)
 
 
 def test_home_is_moved_into_limits_by_hand():

@@ -11,7 +11,7 @@ from hqp import InvalidInput
 
 from ..base.checks import Array, finite
 from ..base.live import number
-from ..robots.robot import Robot, joint_names, joint_units, neutral
+from ..robots.robot import Robot, check_configuration, joint_names, joint_units, neutral
 from ..rows.loop_task import LoopTask
 from ..rows.part import Order
 from ..rows.site import Workspace
@@ -153,6 +153,7 @@ class LinearHolonomicTask(LoopTask, TargetTask):
             )
         if self._start(robot).shape != (robot.nq,):
             raise InvalidInput(f"{self.full_name()}: q0 has shape {self._start(robot).shape}; it must be ({robot.nq},)")
+        check_configuration(robot, self._start(robot), f"{self.full_name()}: q0")
         own = np.flatnonzero(self.A.any(axis=0))
         kinds = joint_kinds(Workspace(robot, order, dt), own)[loops.KIND]
         if (kinds == loops.MANIFOLD).any():

@@ -48,6 +48,7 @@ from .answers import (
 )
 from .kinds import on_pinocchio
 from .refusals import (
+    check_configuration,
     check_dynamics,
     check_fixed_base,
     check_frame,
@@ -69,6 +70,7 @@ __all__ = [
     "base",
     "bias",
     "center_of_mass",
+    "check_configuration",
     "check_dynamics",
     "check_fixed_base",
     "check_frame",
