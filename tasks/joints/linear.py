@@ -11,14 +11,14 @@ from hqp import InvalidInput
 
 from ..base.checks import Array, finite
 from ..base.live import number
-from ..robots.robot import Robot, check_configuration, joint_names, joint_units, neutral
+from ..robots.robot import Robot, joint_names, joint_units, neutral
 from ..rows.loop_task import LoopTask
 from ..rows.part import Order
 from ..rows.site import Workspace
 from ..rows.task import TargetTask
 from ..targets.trajectories import Trajectory, as_trajectory
 from .coupling import MIXED
-from .posture import joint_kinds
+from .posture import check_configuration, joint_kinds
 
 if TYPE_CHECKING:
     from ..rows.plan import Plan

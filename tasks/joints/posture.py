@@ -14,15 +14,16 @@ from hqp import InvalidInput
 from hqp.checks import listed
 from hqp.errors import brief
 
+from ..base.checks import Array
 from ..base.live import number, structure
 from ..robots.robot import (
     Robot,
     base,
-    check_configuration,
     check_positioned,
     joint_index,
     joint_names,
     joint_units,
+    on_pinocchio,
     towards,
 )
 from ..rows.loop_task import LoopTask
@@ -198,6 +199,21 @@ class PostureTask(LoopTask, TargetTask):
 
     def _shown(self) -> list[str]:
         return [*super()._shown(), *([] if self.joints is None else [f"joints={list(self.joints)}"])]
+
+
+def check_configuration(robot: Robot, q: Array, what: str) -> None:
+    """Refuse a configuration in which a circle or a quaternion has not norm 1, as in states; a free base is left aside.
+
+    An angle in place of a cosine would be read as another angle, and zeros as where the joint is.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    if on_pinocchio(robot):
+        fault = robot.on_manifold(robot.on_base(robot.neutral, q))[1]
+        if fault is not None:
+            raise InvalidInput(f"{what}: {fault}")
 
 
 def joint_kinds(shared: Workspace, own: NDArray[np.intp]) -> NDArray[np.int64]:

@@ -13,7 +13,6 @@ from hqp.checks import whole_number
 from ..base.checks import Array, suggestion
 from .abilities import Robot
 from .answers import base, bias, frame_names, has_frame, joint_names, limit_of, mass_matrix, neutral, positioned
-from .kinds import on_pinocchio
 
 
 def joint_index(names: Sequence[str], joint: str | int, what: str) -> int:
@@ -49,21 +48,6 @@ def check_positioned(robot: Robot, columns: Iterable[int], what: str) -> None:
                 f"{what} {joint_names(robot)[column]!r} has no single position; it turns without end, or is a"
                 " part of a ball or of a floating or planar base"
             )
-
-
-def check_configuration(robot: Robot, q: Array, what: str) -> None:
-    """Refuse a configuration in which a circle or a quaternion has not norm 1, as in states; a free base is left aside.
-
-    An angle in place of a cosine would be read as another angle, and zeros as where the joint is.
-
-    Raises
-    ------
-    InvalidInput
-    """
-    if on_pinocchio(robot):
-        fault = robot.on_manifold(robot.on_base(robot.neutral, q))[1]
-        if fault is not None:
-            raise InvalidInput(f"{what}: {fault}")
 
 
 def check_frame(robot: Robot, name: str, what: str) -> None:

@@ -48,7 +48,6 @@ from .answers import (
 )
 from .kinds import on_pinocchio
 from .refusals import (
-    check_configuration,
     check_dynamics,
     check_fixed_base,
     check_frame,
@@ -70,7 +69,6 @@ __all__ = [
     "base",
     "bias",
     "center_of_mass",
-    "check_configuration",
     "check_dynamics",
     "check_fixed_base",
     "check_frame",
