@@ -546,6 +546,32 @@ def test_limits_of_motors_that_are_not_read_are_said(folder, motor):
     assert left_out == ("limits of the motors of the joints a (torque_limit= gives them)",)
 
 
+ELSEWHERE = """<mujoco><worldbody><site name="anchor" pos="1 1 1"/><body name="cart"><joint name="a"/>
+<geom size=".1"/><site name="tip" pos=".1 0 0"/><body><joint name="b"/><geom size=".1"/></body></body>
+<body name="cube"><freejoint/><geom size=".1"/><site name="lid"/></body></worldbody>
+<tendon><fixed name="sum"{}><joint joint="a" coef="1"/><joint joint="b" coef="-1"/></fixed>
+<spatial name="rope"><site site="tip"/><site site="anchor"/></spatial></tendon><actuator>{}</actuator></mujoco>"""
+
+
+@pytest.mark.parametrize(
+    ("tendon", "motor", "said"),
+    [
+        ("", '<motor name="m" tendon="sum" gear="9" ctrlrange="-1 1"/>', "actuator m"),
+        ("", '<position name="m" tendon="rope" forcerange="-9 9"/>', "actuator m"),
+        ("", '<motor site="tip" gear="0 0 1 0 0 0" forcerange="-9 9"/>', "actuator number 0"),
+        (' actuatorfrcrange="-9 9"', '<motor tendon="sum"/>', "tendon sum"),
+        ("", '<motor tendon="sum"/>', None),
+        ("", '<motor site="lid" gear="0 0 1 0 0 0" forcerange="-9 9"/>', None),
+    ],
+)
+def test_limits_of_motors_that_are_on_no_joint_are_said(folder, tendon, motor, said):
+    left_out = [
+        line for line in load_robot(written(folder, ELSEWHERE.format(tendon, motor))).left_out if "limits" in line
+    ]
+    told = [] if said is None else [f"limits of the forces of {said} (torques of the joints do not keep them)"]
+    assert left_out == told
+
+
 @pytest.mark.parametrize(
     "motor",
     [

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import logging
 import pickle
+import re
 import subprocess
 import sys
 
@@ -19,6 +21,7 @@ from tasks import (
     JointCouplingTask,
     JointLimits,
     JointPositionLimit,
+    LinearHolonomicTask,
     MujocoPlant,
     PinocchioRobot,
     PositionTask,
@@ -166,6 +169,39 @@ def test_a_range_without_a_position_is_refused_everywhere(tmp_path, kind):
     np.testing.assert_array_equal(np.flatnonzero(np.isfinite(scalar.position_limit[0])), others)
 
 
+@pytest.mark.parametrize("wrong", [[0.0, 0.0, 0.0, 0.0], [0.1, 2.5, 1.0, 0.2], [0.1, 1.0, 1e-2, 0.2]])
+def test_a_posture_that_is_no_configuration_is_refused_by_fresh_and_live_controllers(tmp_path, wrong):
+    """An angle in place of a cosine was read as another angle, and zeros as where the joint is."""
+    robot = load_robot(write(tmp_path, *chain({}, {"kind": "continuous"}, {}), links=4))
+    right = robot.configuration({"joint0": 0.1, "joint1": 2.5})
+    said = "the cosine and sine of joint 'joint1', has norm"
+    for task in (
+        PostureTask(right, gain=1.0),
+        PostureTask(right, joints=["joint1"], gain=1.0),
+        LinearHolonomicTask([[1.0, 1.0, 0.0]], [0.2], q0=right, gain=1.0),
+    ):
+        name = "q0" if isinstance(task, LinearHolonomicTask) else "target"
+        controller = Controller(robot, task, dt=0.01)
+        before = controller(robot.home).v
+        assert before[1] != 0.0
+        with pytest.raises(InvalidInput, match=f"{name}: .*{said}"):
+            setattr(task, name, wrong)
+        assert np.array_equal(controller(robot.home).v, before)
+        fresh = copy.deepcopy(task)
+        setattr(fresh, name, wrong)
+        with pytest.raises(InvalidInput, match=f"{name}: .*{said}"):
+            Controller(robot, fresh, dt=0.01)
+    with pytest.raises(InvalidInput, match=said):
+        solve_ik(robot, PostureTask(wrong, gain=1.0))
+
+
+def test_a_posture_leaves_the_numbers_of_the_base_aside(tmp_path):
+    robot = load_robot(write(tmp_path, *chain({}, {}), links=3), base="floating")
+    target = np.array([0.0] * 7 + [0.2, 0.3])
+    v = Controller(robot, PostureTask(target, gain=1.0), dt=0.01)(robot.home).v
+    np.testing.assert_allclose(v, [0.0] * 6 + [0.2, 0.3], atol=1e-12)
+
+
 def test_home_is_moved_into_limits_by_hand():
     robot = load_robot("panda", lock=["panda_finger_joint1"], position_limit=(-0.5, 0.5))
     assert np.abs(robot.home).max() <= 0.5
@@ -198,6 +234,43 @@ def test_bases(tmp_path):
             dt=0.01,
             damping=None,
         )
+
+
+@pytest.mark.parametrize("own", ["floating", "planar"])
+@pytest.mark.parametrize("mounted", [False, True])
+def test_the_base_that_is_asked_for_stands_in_place_of_that_of_the_file(tmp_path, own, mounted):
+    """Not on it: a robot that was to be mounted flew away, and one that was to float had two bases."""
+    names = ("world", "stand", "link0", "link1", "link2")
+    below = [joint("mount", "world", "stand", kind="fixed", at="0 0 1")] if mounted else []
+    carries = joint("free", "stand" if mounted else "world", "link0", kind=own)
+    path = write(tmp_path, *below, carries, *chain({}, {}), links=names if mounted else (names[0], *names[2:]))
+    sizes = {None: None, "fixed": (2, 2, 0), "planar": (6, 5, 3), "floating": (9, 8, 6)}
+    sizes[None] = sizes[own]
+    places = []
+    for base, expected in sizes.items():
+        robot = load_robot(path, base=base, tip="link2")
+        assert (robot.nq, robot.nv, robot.base) == expected, base
+        assert robot.joint_names[0] == (
+            "free[0]" if base in (None, own) else "joint0" if base == "fixed" else "root_joint[0]"
+        )
+        assert robot.left_out == ((f"limits of {own} joint 'free'",) if base in (None, own) else ())
+        places.append(robot.at(robot.neutral).frame().position)
+    np.testing.assert_allclose(places, [places[0]] * 4, atol=1e-12)
+    held = load_robot(path, base="fixed", tip="link2")
+    record = simulate(
+        Controller(held, JointLimits() >> PositionTask([9.0, 9.0, 9.0], gain=1.0), dt=0.01), held.home, duration=0.5
+    )
+    assert (
+        np.linalg.norm(held.at(record.q[-1]).frame("link0").position - held.at(held.home).frame("link0").position)
+        == 0.0
+    )
+
+
+def test_a_thing_that_floats_beside_other_joints_is_no_base(tmp_path):
+    carried = joint("free", "link0", "link2", kind="floating")
+    path = write(tmp_path, joint("joint0", "link0", "link1"), carried, links=3)
+    assert "free[0]" in load_robot(path, base="fixed").joint_names
+    assert load_robot(path, base="floating").nv == 6 + 1 + 6
 
 
 @pytest.mark.parametrize("order", ["velocity", "acceleration"])
@@ -325,6 +398,22 @@ def test_what_is_left_out_of_a_urdf_is_said(tmp_path, caplog):
         robot = load_robot(path)
     assert robot.left_out == ("limits of planar joint 'joint1'",)
     assert "left out of the robot: limits of planar joint 'joint1'" in caplog.text
+
+
+@pytest.mark.parametrize("ends", ["lower='-1'", "upper='6.28'", "lower='0' upper='0'"])
+@pytest.mark.parametrize("soft", [False, True])
+def test_a_range_of_a_joint_that_turns_without_end_is_not_dropped_in_silence(tmp_path, ends, soft):
+    path = write(tmp_path, *chain({}, {"kind": "continuous"}, {}), links=4)
+    bounds = f"<limit {'' if soft else ends} velocity='3' effort='9'/>"
+    if soft:
+        ends = ends.replace("er=", "er_limit=").replace("lower", "soft_lower").replace("upper", "soft_upper")
+        bounds += f"<safety_controller {ends} k_velocity='1'/>"
+    head, tail = path.read_text().split('<joint name="joint1"')
+    path.write_text(f'{head}<joint name="joint1"' + re.sub("<limit [^>]*>", bounds, tail, count=1))
+    robot = load_robot(path)
+    told = "ranges of the continuous joints 'joint1' (a joint of type revolute has one)"
+    assert robot.left_out == (() if "'0'" in ends else (told,))
+    assert robot.position_limit[:, 1].tolist() == [-np.inf, np.inf]
 
 
 MISSPELT = {

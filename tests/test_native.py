@@ -338,3 +338,20 @@ def test_a_row_that_holds_a_level_by_less_than_a_sign_is_kept_at_its_bound_by_th
     assert solution.certify().ok
     assert (solution.counts.sweeps, solution.counts.iterations) == (2, 0)
     np.testing.assert_allclose(solution.x, [0.0, 0.0, 0.5], atol=1e-12)
+
+
+def test_numbers_as_small_as_can_be_give_numbers() -> None:
+    """A share of the least number of all is 0: rows without a violation joined by it, and x was infinite, or NaN."""
+    rng, least = np.random.default_rng(1), np.nextafter(0.0, 1.0)
+    for _ in range(200):
+        n, solver = int(rng.integers(2, 7)), Solver(BACKEND)
+        rows = [rng.standard_normal((int(rng.integers(1, 5)), n)) for _ in range(int(rng.integers(1, 4)))]
+        for _ in range(5):
+            levels = [Level.bounds(*(least * rng.integers([[-3] * n, [0] * n], [[1] * n, [4] * n])))]
+            for A in rows:
+                lower = least * rng.integers(-4, 5, len(A))
+                free = rng.random(len(A)) < 0.3
+                upper = np.where(free, np.inf, lower + least * rng.integers(0, 3, len(A)))
+                levels.append(Level(np.where(free[:, None], 0.0, A), np.where(free, -np.inf, lower), upper))
+            solution = solver.solve(Hierarchy(levels), least * rng.integers(-3, 4, n))
+            assert np.abs(solution.x).max() <= 1e3 * least

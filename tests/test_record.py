@@ -80,9 +80,8 @@ def test_a_record_comes_back_to_the_last_bit(record, tmp_path):
         {"stopped": Stop(0.1 + 0.2, "diverged at t = 0.3 s: \u03b1", diverged=True)},
         {"stopped": Stop(0.4, "failed", diverged=False)},
         {"status": (Status.FAILED, *[Status.OPTIMAL] * 18, Status.FAILED)},
-        {"status": ()},
-        {"checked_t": np.zeros(0), "ranks": np.zeros((0, 4), dtype=np.int64)},
-        {"t": np.array([np.nan, -0.0, np.inf, 5e-324])},
+        {"checked_t": np.zeros(0), "ranks": np.zeros((0, 4), dtype=np.int64), "shortfalls": (), "certified": 0},
+        {"t": np.array([np.nan, -0.0, np.inf, 5e-324] + [1.0] * 17)},
     ],
     ids=lambda fields: "+".join(fields),
 )
@@ -200,6 +199,49 @@ def test_refuses_a_record_that_lacks_something(record, tmp_path):
                 less.writestr(name, archive.read(name))
     with pytest.raises(InvalidInput, match="is no record, or damaged"):
         Record.load(tmp_path / "less.npz")
+
+
+@pytest.mark.parametrize("name", ["t", "q", "v", "a", "tau", "pose", "manipulability", "status", "ranks", "checked_t"])
+def test_refuses_arrays_of_different_motions(record, tmp_path, name):
+    path = tmp_path / "run.npz"
+    record.save(path)
+    with np.load(path) as file:
+        arrays = dict(file)
+    for other in arrays[name][:-1], np.concatenate([arrays[name], arrays[name][-1:]]):
+        np.savez(path, **(arrays | {name: other}))
+        with pytest.raises(InvalidInput, match=r"entries; it must have \d+, one a|certified = \d+, but"):
+            Record.load(path)
+
+
+@pytest.mark.parametrize("field", ["errors 0", "active 0"])
+def test_refuses_errors_and_sides_of_another_motion(record, tmp_path, field):
+    path = tmp_path / "run.npz"
+    record.save(path)
+    with np.load(path) as file:
+        arrays = dict(file)
+    np.savez(path, **(arrays | {field: arrays[field][1:]}))
+    with pytest.raises(InvalidInput, match=rf"{field.split()[0]} of '.*' has \d+ entries; it must have"):
+        Record.load(path)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("certified", 10_000, "certified = 10000, but"),
+        ("unknowns", "7", "unknowns = '7' must be an integer"),
+        ("unknowns", -5, "unknowns = -5 must be an integer"),
+        ("shortfalls", [], "shortfalls has 0 entries"),
+    ],
+)
+def test_refuses_counts_that_no_motion_has(record, tmp_path, key, value, said):
+    path = tmp_path / "run.npz"
+    record.save(path)
+    with np.load(path) as file:
+        arrays = dict(file)
+    arrays["head"] = np.array(json.dumps(json.loads(str(arrays["head"])) | {key: value}))
+    np.savez(path, **arrays)
+    with pytest.raises(InvalidInput, match=said):
+        Record.load(path)
 
 
 def test_a_device_is_no_file(record, tmp_path):

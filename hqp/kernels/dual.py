@@ -285,7 +285,7 @@ def settle(here, end, frozen, count, delta, rounds, finest):
         if worst == 0.0:
             return count
         for i in range(end):
-            if abs(excess[i]) >= SHARE * worst:
+            if excess[i] != 0.0 and abs(excess[i]) >= SHARE * worst:  # a share of the least number of all is 0
                 if count == most:
                     return integer(-1)
                 side[i] = UPPER if excess[i] > 0.0 else LOWER

@@ -18,7 +18,7 @@ from ..rows.site import Workspace
 from ..rows.task import TargetTask
 from ..targets.trajectories import Trajectory, as_trajectory
 from .coupling import MIXED
-from .posture import joint_kinds
+from .posture import check_configuration, joint_kinds
 
 if TYPE_CHECKING:
     from ..rows.plan import Plan
@@ -153,6 +153,7 @@ class LinearHolonomicTask(LoopTask, TargetTask):
             )
         if self._start(robot).shape != (robot.nq,):
             raise InvalidInput(f"{self.full_name()}: q0 has shape {self._start(robot).shape}; it must be ({robot.nq},)")
+        check_configuration(robot, self._start(robot), f"{self.full_name()}: q0")
         own = np.flatnonzero(self.A.any(axis=0))
         kinds = joint_kinds(Workspace(robot, order, dt), own)[loops.KIND]
         if (kinds == loops.MANIFOLD).any():

@@ -14,8 +14,18 @@ from hqp import InvalidInput
 from hqp.checks import listed
 from hqp.errors import brief
 
+from ..base.checks import Array
 from ..base.live import number, structure
-from ..robots.robot import Robot, base, check_positioned, joint_index, joint_names, joint_units, towards
+from ..robots.robot import (
+    Robot,
+    base,
+    check_positioned,
+    joint_index,
+    joint_names,
+    joint_units,
+    on_pinocchio,
+    towards,
+)
 from ..rows.loop_task import LoopTask
 from ..rows.part import Order, Tick
 from ..rows.task import TargetTask, Task
@@ -24,7 +34,7 @@ from ..targets.turns import stands_still
 
 if TYPE_CHECKING:
     from ..rows.plan import Plan
-    from ..rows.site import Site, Workspace
+    from ..rows.site import Move, Site, Workspace
 
 
 class PostureTask(LoopTask, TargetTask):
@@ -53,7 +63,8 @@ class PostureTask(LoopTask, TargetTask):
     Raises
     ------
     InvalidInput
-        If the target fits neither the joints nor, with a robot, its configurations, or there is no such joint.
+        If the target fits neither the joints nor, with a robot, its configurations, or there is no such joint; or a
+        circle or quaternion in it has not norm 1.
 
     Examples
     --------
@@ -110,13 +121,20 @@ class PostureTask(LoopTask, TargetTask):
         """One loop; Python measures the error of joints whose configurations cannot be subtracted."""
         from ..base.loops import Call
         from ..rows.plan import Plan
+        from ..rows.site import kept_up
         from .kernels import joints as loops
 
         shared, own = site.shared, self.variables(site.shared.robot)
         if site.A is not None:
             site.A[:] = np.eye(shared.n)[own]
         target, steps = np.zeros((3, len(self.target(0.0)[0]))), np.zeros(site.rows)
-        moves, joints = site.keep_up(self, "target", *target), self._joints(shared, own)
+        joints = self._joints(shared, own)
+
+        def put() -> tuple[Move, ...]:
+            self._check_target(shared.robot)
+            return kept_up(self.target, *target)
+
+        moves = site.follow(self, ("target",), put, lambda: (self.target,))
         call = Call(
             loops.write_posture,
             site.law(self),
@@ -170,10 +188,32 @@ class PostureTask(LoopTask, TargetTask):
             )
         if self.joints is not None and size == (rows,):
             check_positioned(robot, self.variables(robot), f"{self.full_name()}: joint")
+        self._check_target(robot)
         super().check(robot, order, dt)
+
+    def _check_target(self, robot: Robot) -> None:
+        """Refuse a target of the size of a configuration that is none."""
+        target = self.target(0.0)[0]
+        if len(target) == robot.nq != robot.nv and stands_still(self.target):
+            check_configuration(robot, target, f"{self.full_name()}: target")
 
     def _shown(self) -> list[str]:
         return [*super()._shown(), *([] if self.joints is None else [f"joints={list(self.joints)}"])]
+
+
+def check_configuration(robot: Robot, q: Array, what: str) -> None:
+    """Refuse a configuration in which a circle or a quaternion has not norm 1, as in states; a free base is left aside.
+
+    An angle in place of a cosine would be read as another angle, and zeros as where the joint is.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    if on_pinocchio(robot):
+        fault = robot.on_manifold(robot.on_base(robot.neutral, q))[1]
+        if fault is not None:
+            raise InvalidInput(f"{what}: {fault}")
 
 
 def joint_kinds(shared: Workspace, own: NDArray[np.intp]) -> NDArray[np.int64]:

@@ -188,15 +188,17 @@ class Record:
             for field in DICTS:
                 arrays[field] = {name: members[f"{field} {i}"] for i, name in enumerate(head["names"].get(field, []))}
             _check_numbers(arrays)
-            kind = [Status(value) for value in head["status"]].__getitem__
-            return cls(
+            kinds, unknowns = [Status(value) for value in head["status"]], head.get("unknowns")
+            loaded = cls(
                 **arrays,
-                status=tuple(map(kind, members["status"].tolist())),
+                status=tuple(kinds[whole_number(place, "status")] for place in members["status"].tolist()),
                 certified=whole_number(head["certified"], "certified"),
                 stopped=None if head["stopped"] is None else Stop(**head["stopped"]),
                 shortfalls=_shortfalls(head.get("shortfalls")),
-                unknowns=head.get("unknowns"),
+                unknowns=None if unknowns is None else whole_number(unknowns, "unknowns", least=1),
             )
+            _check_lengths(loaded)
+            return loaded
 
     def explain(self) -> Account:
         """Explain the whole motion in a few lines: which level was not met, from when to when, and what held it back.
@@ -258,6 +260,25 @@ def _check_numbers(arrays: dict[str, Any]) -> None:
             raise ValueError(f"{name} is of {array.dtype}; it must be numbers")
     if told["t"].ndim != 1 or not len(told["t"]):
         raise ValueError(f"t has shape {told['t'].shape}; it must be (states,)")
+
+
+def _check_lengths(record: Record) -> None:
+    """Refuse arrays that are not of one motion: one entry a state, a tick or a checked tick; raises ValueError."""
+    of = {
+        "state": {"t": record.t, "q": record.q, "v": record.v, "pose": record.pose}
+        | {"manipulability": record.manipulability}
+        | {f"errors of {name!r}": own for name, own in record.errors.items()},
+        "tick": {"a": record.a, "tau": record.tau, "status": record.status}
+        | {f"{field} of {name!r}": own for field in DICTS[1:] for name, own in getattr(record, field).items()},
+        "checked tick": {"ranks": record.ranks, "shortfalls": record.shortfalls},
+    }
+    counts = {"state": len(record.t), "tick": len(record.t) - 1, "checked tick": record.checked}
+    for what, own in of.items():
+        for name, values in own.items():
+            if values is not None and len(values) != counts[what]:
+                raise ValueError(f"{name} has {len(values)} entries; it must have {counts[what]}, one a {what}")
+    if record.certified > record.checked:
+        raise ValueError(f"certified = {record.certified}, but {record.checked} ticks were checked")
 
 
 def _shortfalls(told: Any) -> tuple[tuple[Shortfall, ...], ...] | None:

@@ -12,7 +12,9 @@ import mujoco
 import numpy as np
 
 from ...base.checks import Array
+from .couplings import moves
 from .mujoco_numbers import FREE, HINGE, SLIDE
+from .scene import Scene
 
 #: Transmissions that act on one joint.
 ON_JOINTS = int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT)
@@ -72,9 +74,31 @@ def without_actuators(mj: mujoco.MjModel, joints: Mapping[int, str]) -> list[str
     return [joints[j] for j in own if j not in driven] if driven.intersection(own) else []
 
 
+def limits_elsewhere(mj: mujoco.MjModel, scene: Scene, joints: Mapping[int, str]) -> list[str]:
+    """The actuators of limited force that are on no joint, and the tendons that limit those on them, of the robot."""
+    found = [
+        f"actuator {mj.actuator(i).name or f'number {i}'}"
+        for i in range(mj.nu)
+        if mj.actuator_trntype[i] not in ON_JOINTS and _force_is_limited(mj, i) and _acts_on(mj, i, scene, joints)
+    ]
+    tendons = [t for t in range(mj.ntendon) if mj.tendon_actfrclimited[t] and moves(mj, t, scene, joints)]
+    return found + [f"tendon {mj.tendon(t).name or f'number {t}'}" for t in tendons]
+
+
+def _acts_on(mj: mujoco.MjModel, i: int, scene: Scene, joints: Mapping[int, str]) -> bool:
+    """Whether an actuator that is on no joint acts on the robot: by a tendon, or at a site or body."""
+    what, own = int(mj.actuator_trntype[i]), int(mj.actuator_trnid[i, 0])
+    if what == int(mujoco.mjtTrn.mjTRN_TENDON):
+        return moves(mj, own, scene, joints)
+    body = own if what == int(mujoco.mjtTrn.mjTRN_BODY) else int(mj.site_bodyid[own])
+    return body in scene.bodies
+
+
 def _is_limited(mj: mujoco.MjModel, i: int) -> bool:
-    if mj.jnt_actfrclimited[int(mj.actuator_trnid[i, 0])]:
-        return False
+    return not mj.jnt_actfrclimited[int(mj.actuator_trnid[i, 0])] and _force_is_limited(mj, i)
+
+
+def _force_is_limited(mj: mujoco.MjModel, i: int) -> bool:
     fixed = mj.actuator_gaintype[i] == int(mujoco.mjtGain.mjGAIN_FIXED)
     motor = fixed and mj.actuator_biastype[i] == int(mujoco.mjtBias.mjBIAS_NONE)
     return bool(mj.actuator_forcelimited[i] or (motor and mj.actuator_ctrllimited[i]))

@@ -20,6 +20,9 @@ RANGED = ("revolute", "prismatic")
 #: Ends of a range: attribute of the limit, and of the safety controller.
 ENDS = (("lower", "soft_lower_limit"), ("upper", "soft_upper_limit"))
 
+#: The element that has a soft range.
+SAFETY = "safety_controller"
+
 #: Reads a number of an element, by its name, with a default, and what to call it in messages.
 Number = Callable[[Element, str, str, str], float]
 
@@ -35,10 +38,10 @@ def narrow_ranges(joints: list[Element], number: Number, what: str) -> None:
         If the ends of a soft range are in the wrong order or no numbers, or it lies outside the range of its joint.
     """
     for joint in joints:
-        soft, limit = joint.find("safety_controller"), joint.find("limit")
+        soft, limit = joint.find(SAFETY), joint.find("limit")
         if soft is None or limit is None or joint.get("type") not in RANGED:
             continue
-        own = f"{what}: safety_controller of joint {joint.get('name')!r}"
+        own = f"{what}: {SAFETY} of joint {joint.get('name')!r}"
         given = {end: number(soft, key, "0", own) for end, key in ENDS if key in soft.attrib}
         if not any(given.values()):
             continue

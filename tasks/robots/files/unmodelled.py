@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from .couplings import moves
-from .motors import motor_limits, other_rotors, without_actuators
+from .motors import limits_elsewhere, motor_limits, other_rotors, without_actuators
 from .mujoco_numbers import dofs
 from .scene import Scene, body_names
 
@@ -46,6 +46,9 @@ def unmodelled(mj: mujoco.MjModel, scene: Scene, joints: Mapping[int, str], clos
     motors = motor_limits(mj, joints)
     if motors:
         lines.append(f"limits of the motors of the joints {', '.join(motors)} (torque_limit= gives them)")
+    elsewhere = limits_elsewhere(mj, scene, joints)
+    if elsewhere:
+        lines.append(f"limits of the forces of {', '.join(elsewhere)} (torques of the joints do not keep them)")
     return lines
 
 

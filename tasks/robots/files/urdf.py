@@ -20,7 +20,7 @@ from ..frame_names import KINDS
 from ..ranges import open_ranges
 from .description import BASE_JOINT, BASES, Description
 from .elements import check_elements, what_is_unread
-from .soft_ranges import narrow_ranges
+from .soft_ranges import ENDS, SAFETY, narrow_ranges
 from .ties import Tie
 from .xml import parsed, written
 
@@ -31,7 +31,7 @@ MIMIC = (("multiplier", "1"), ("offset", "0"))
 
 
 def read_urdf(path: Path, base: Base | None, what: str) -> Description:
-    """The robot of a URDF, mounted unless another base is asked for.
+    """The robot of a URDF, on the base that is asked for; else on that of the file, or mounted.
 
     Raises
     ------
@@ -42,17 +42,19 @@ def read_urdf(path: Path, base: Base | None, what: str) -> Description:
     check_elements(root, path, what)
     unread = what_is_unread(root, what)
     joints = root.findall("joint")
+    added = base if _take_base(root, base) else None
     ties = list(_ties(joints, what))
     _check_axes(joints, what)
     _tell_of_zeros(joints, what)
+    left_out = list(_left_out(joints))
     narrow_ranges(joints, _number, what)
     _open(joints, {name for tie in ties for name in (tie.follower, tie.leader)})
     shared = rename_shared(root)
     _drop_pictures(root)
     arguments = [written(root, what)]
-    if base in BASES:
+    if added in BASES:
         taken = {joint.get("name") for joint in joints}
-        arguments += [BASES[base](), next(name for name in _names(BASE_JOINT) if name not in taken)]
+        arguments += [BASES[added](), next(name for name in _names(BASE_JOINT) if name not in taken)]
     try:
         with caught() as lines:
             model = pin.buildModelFromXML(*arguments)
@@ -64,13 +66,47 @@ def read_urdf(path: Path, base: Base | None, what: str) -> Description:
     model.lowerVelocityLimit[:], model.lowerEffortLimit[:] = -model.velocityLimit, -model.effortLimit
     open_ranges(model, what)
     fixed = tuple(str(joint.get("name")) for joint in joints if joint.get("type") == "fixed")
-    left_out = tuple(
-        f"limits of {joint.get('type')} joint {joint.get('name')!r}"
-        for joint in joints
-        if joint.get("type") in ("planar", "floating") and joint.find("limit") is not None
-    )
     names = tuple(shared.get(name, name) for name in fixed)
     return Description(model, np.array(pin.neutral(model)), ties, names, (*left_out, *unread))
+
+
+def _take_base(root: Element, base: Base | None) -> bool:
+    """Hold the joint that is the base of the file, if another base is asked for; whether one is still to be added.
+
+    That joint is the only one that moves on what the root of the tree holds, and floats or is planar.
+    """
+    joints, held = root.findall("joint"), {link.get("name") for link in root.findall("link")}
+    ends = {joint: (_named(joint, "parent"), _named(joint, "child")) for joint in joints}
+    held -= {child for _, child in ends.values()}
+    while (
+        grown := {end for joint, (start, end) in ends.items() if joint.get("type") == "fixed" and start in held} - held
+    ):
+        held |= grown
+    first = [joint for joint, (start, _) in ends.items() if start in held and joint.get("type") != "fixed"]
+    own = first[0].get("type") if len(first) == 1 else None
+    if own in BASES and base not in (None, own):
+        first[0].set("type", "fixed")
+    return own != base
+
+
+def _named(joint: Element, tag: str) -> str | None:
+    """The link that is the parent or the child of a joint."""
+    found = joint.find(tag)
+    return None if found is None else found.get("link")
+
+
+def _left_out(joints: list[Element]) -> Iterator[str]:
+    """Limits of joints that have no single position, and ranges of those that turn without end."""
+    endless = []
+    for joint in joints:
+        kind, name, limit, soft = joint.get("type"), joint.get("name"), joint.find("limit"), joint.find(SAFETY)
+        if kind in BASES and limit is not None:
+            yield f"limits of {kind} joint {name!r}"
+        ends = [(element, pair[place]) for place, element in enumerate((limit, soft)) for pair in ENDS]
+        if kind == "continuous" and any(own is not None and not _is_zero(own.get(end, "0")) for own, end in ends):
+            endless.append(repr(name))
+    if endless:
+        yield f"ranges of the continuous joints {', '.join(endless)} (a joint of type revolute has one)"
 
 
 def rename_shared(root: Element) -> dict[str, str]:
