@@ -7,7 +7,7 @@ rows of damping, which make the optimum unique, the stage is
 
 and w = R y is the point nearest to :math:`\rho` within bounds. Those that are met by B w = c have the multipliers
 :math:`(B B^T)^{-1} (c - B \rho)`. They are guessed to be those of the last solve, and corrected a few times. What is
-found is the optimum: it keeps all bounds, and every multiplier has the right sign. Else the solver is asked.
+found is the optimum: it keeps all bounds and rows, and every multiplier has the right sign. Else the solver is asked.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from .compile import inner, integer
 from .curved_rows import value_at
 from .hand_over import along
 from .memory import ints, marks, matrix, vector
+from .orthogonal import length
 from .symmetric import cholesky
 
 #: How often the bounds that are met are guessed before the solver is asked.
@@ -29,6 +30,8 @@ GUESSES = 6
 REFINED = 3
 #: By this share of its size x may pass a bound, as round-off; it is put back onto it.
 ROUNDING = 1e-13
+#: The share of its size, and of their values, within which x must keep the rows above: a tenth of what a proof allows.
+KEPT = 1e-12
 
 
 @inner
@@ -246,14 +249,32 @@ def arrive(here, d, met, x):
 
 
 @inner
-def keeps_rows(here, x):
-    """Whether x keeps all other inequalities above the curved levels."""
-    lower, upper, col, good = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, plain.COL), True
-    for p in range(marks(here, at.OWN_OF)[ints(here, 0, plain.HEAD)[at.TOP]]):
+def keeps_rows(here, k, above, x):
+    """Whether x keeps the levels above k: inequalities, held rows, and the values of given ones at the x `above`.
+
+    Along Z they do not change, but where x is smaller than `above` by far, what is round-off there is none here.
+    """
+    head, state, reached = ints(here, 0, plain.HEAD), marks(here, at.STATE), vector(here, at.VALUE)
+    lower, upper, col = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, plain.COL)
+    n, row_of, good = head[plain.N], marks(here, plain.ROW_OF), True
+    size = length(x, n)
+    for p in range(marks(here, at.OWN_OF)[k]):
         i = marks(here, at.OWN)[p]
-        if col[i] < 0 and lower[i] != upper[i]:
+        if state[i] == at.HELD:
+            row, value, wanted = matrix(here, at.ROW)[i], 0.0, reached[i]
+            for j in range(n):
+                value += row[j] * x[j]
+            near = KEPT * length(row, n) * size
+        elif state[i] != at.GIVEN or (col[i] >= 0 and lower[i] != upper[i]):
+            continue  # of no matter here; or a bound, which is kept
+        else:
             value = value_at(here, i, x)
-            good = good and lower[i] <= value <= upper[i]
+            if lower[i] != upper[i]:
+                good = good and lower[i] <= value <= upper[i]
+                continue
+            wanted = value_at(here, i, above)
+            near = KEPT * size * (1.0 if col[i] >= 0 else length(matrix(here, plain.A)[row_of[i]], n))
+        good = good and abs(value - wanted) <= near + KEPT * abs(wanted)
     return good
 
 
@@ -271,7 +292,7 @@ def solve_directly(here, k, above):
         if not meet(here, d, met):
             break
         if not (let_go(here, met) or arrive(here, d, met, x)):
-            return keeps_rows(here, x)
+            return keeps_rows(here, k, above, x)
     for j in range(n):
         met[j] = 0
     return False
