@@ -132,10 +132,10 @@ def bound(here, first, end):
 
 
 @inner
-def add_bent(here, d, positive, negative):
-    """Add to E the matrix M = L^-1 Z S Z' L^-T with its eigenvalues made positive, each times the factor of its sign.
+def add_bent(here, d, negative):
+    """Add to E the matrix M = L^-1 Z S Z' L^-T, with its negative eigenvalues multiplied by ``-negative``.
 
-    L is ``metric``. Positive eigenvalues are multiplied by `positive`, negative ones by ``-negative``.
+    L is ``metric``.
     """
     n, basis, L = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), matrix(here, at.METRIC)
     S, U, E, values = matrix(here, at.S), matrix(here, at.U), matrix(here, at.E), vector(here, at.VALUES)
@@ -165,12 +165,14 @@ def add_bent(here, d, positive, negative):
         for p in range(d):
             for q in range(p):
                 M[p][q], M[q][p] = M[q][p], M[p][q]
+    for i in range(d):
+        for j in range(d):
+            E[i][j] += M[i][j]
     eigen(M, U, values, d)
     for p in range(d):
-        size = positive * values[p] if values[p] > 0.0 else -negative * values[p]
         direction = U[p]
-        for i in range(d):
-            row, part = E[i], size * direction[i]
+        for i in range(d if values[p] < 0.0 else 0):
+            row, part = E[i], (1.0 + negative) * -values[p] * direction[i]
             for j in range(d):
                 row[j] += part * direction[j]
 
@@ -206,13 +208,13 @@ def bend(here, k, count, d, above, least, damped):
         for j in range(d):
             E[i][j] = 0.0
     if more > 0.0:
-        add_bent(here, d, 1.0, 1.0)
+        add_bent(here, d, 1.0)
     if pushed and own > 0.0:
         for i in range(n):
             for j in range(n):
                 S[i][j] = kept[i][j]
     if own > 0.0:
-        add_bent(here, d, 1.0, math.sqrt(vector(here, at.SHARES)[k]))
+        add_bent(here, d, math.sqrt(vector(here, at.SHARES)[k]))
     total = 0.0  # the norm again, now of the curvature along Z alone
     for i in range(d):
         for j in range(d):

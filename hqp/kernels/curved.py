@@ -2,8 +2,8 @@ r"""Solves a hierarchy with curved levels in one call: from the first damped lev
 
 How strongly a level is damped is decided in :mod:`.bend`. A stage is a plain hierarchy (:mod:`.stage`): the levels
 above, held at the values that they reached, and this level, with the soft rows of the levels above (:mod:`.hand_over`)
-and rows of damping. The compiled solver is called by its address. If no level is damped, the hierarchy is solved as it
-is given.
+and rows of damping. It is solved directly (:mod:`.direct`), or by the compiled solver, which is called by its address.
+If no level is damped, the hierarchy is solved as it is given.
 """
 
 from __future__ import annotations
@@ -18,12 +18,13 @@ from .brake import lags, note_asked
 from .call import called_on
 from .compile import entry, inner, integer, stamp
 from .curved_rows import demand, gather, kept, measure, norm_of, note_bounds, project, stack_above
+from .direct import solve_directly
 from .hand_over import freeze, hold
 from .lacking import leave_off_above, note_lacking
 from .memory import floats, given, ints, marks, matrix, vector
 from .redundant import least_apart
 from .solver import SUSPECT
-from .stage import write_stage
+from .stage import write_damping, write_stage
 from .trust import crowded, quiet
 
 #: Outcome beside those of the solver: the strict answer is the optimum, and one sweep without iterations has found it.
@@ -84,8 +85,18 @@ def note_last(here):
 @inner
 def solve_stage(here, k):
     """Write the stage of level k and solve it; returns the outcome, and x goes to ``points[k]``."""
-    head, point = ints(here, 0, plain.HEAD), matrix(here, at.POINTS)[k]
-    head[at.STAGE] = k
+    head, point, blocks = ints(here, 0, plain.HEAD), matrix(here, at.POINTS)[k], marks(here, at.BLOCKS)
+    head[at.STAGE], first, damped = k, integer(0), False
+    for block in blocks:
+        damped = write_damping(block, k, first)
+        first += len(matrix(block, at.BASIS))
+    if damped and head[at.QUICK] != 0 and len(blocks) == 1:
+        above = matrix(here, at.POINTS)[k - 1]
+        if k == head[at.OPENED]:
+            above = vector(marks(here, at.DIRECTORIES)[head[plain.LEVELS]], plain.X)
+        if solve_directly(here, k, above):
+            head[at.SWEEPS] += 1
+            return integer(OPTIMAL)
     write_stage(here, k)
     directory = marks(here, at.DIRECTORIES)[k]
     outcome = called_on(head[at.SOLVE], directory, marks(here, at.NUMBERS)[k])
@@ -151,7 +162,9 @@ def prepare(here, k, x):
         strength, ratio = bend(here, k, count, d, above, least, so_far[at.ABOVE_DAMPED])
     fade = min(1.0, max(0.0, (ratio - TRUSTED) / (DOUBTED - TRUSTED))) ** 3
     gate = so_far[at.GATE] = max(so_far[at.GATE], fade)
-    head[at.STACKED], head[at.ACTIVE] = stack_above(here, count, above, free), count
+    head[at.ACTIVE] = count
+    if k + 1 < head[plain.LEVELS]:
+        head[at.STACKED] = stack_above(here, count, above, free)
     first = head[at.FIRST_TASK]  # a level without curvature, a joint held by a posture, say, is not the first task
     head[at.FIRST_TASK] = 1 if first != 0 and of[k + 1] == of[k] else 0
     if strength == 0.0 and (gate == 0.0 or spared) and not opened:

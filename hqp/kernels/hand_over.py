@@ -79,23 +79,28 @@ def combine_nothing(here, k, i):
 
 
 @inner
+def gives_way(here, d):
+    """Whether anything of the level is damped, along its d directions, or pushed by soft rows above."""
+    P, any_damped = matrix(here, at.P), ints(here, 0, plain.HEAD)[at.STIFF] != 0
+    for p in range(d):
+        any_damped = any_damped or P[p][p] > 0.0
+    return any_damped
+
+
+@inner
 def freeze(here, k, count, d, x, size):
     """Hand the `count` active rows of level k, solved by x, to the levels below; returns how many directions are left.
 
-    A level with inequalities, or SPARED: its equalities and violated rows are held, one by one. Else: :func:`soften`.
-    `size` is the norm of the rows.
+    A level with inequalities, SPARED, or of which nothing is damped: its equalities and violated rows are held, one by
+    one. Else: :func:`soften`. `size` is the norm of the rows.
     """
     n, ids, state = ints(here, 0, plain.HEAD)[plain.N], marks(here, at.IDS), marks(here, at.STATE)
     lower, upper, weights = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, plain.WEIGHTS)
-    reached, rows, J, mixed = (
-        vector(here, at.VALUE),
-        matrix(here, at.ROW),
-        matrix(here, at.J),
-        marks(here, at.CURVED)[k] == at.SPARED,
-    )
+    reached, rows, J = vector(here, at.VALUE), matrix(here, at.ROW), matrix(here, at.J)
+    one_by_one = marks(here, at.CURVED)[k] == at.SPARED or not gives_way(here, d)
     for r in range(count):
-        mixed = mixed or lower[ids[r]] != upper[ids[r]]
-    if not mixed:
+        one_by_one = one_by_one or lower[ids[r]] != upper[ids[r]]
+    if not one_by_one:
         return soften(here, k, count, d, x, size)
     for r in range(count):
         i, value = ids[r], 0.0

@@ -7,7 +7,7 @@ import math
 from . import curved_layout as at
 from . import layout as plain
 from .brake import brake
-from .compile import inner, integer
+from .compile import inner
 from .hand_over import along
 from .memory import floats, ints, marks, matrix, vector
 from .symmetric import cholesky
@@ -171,18 +171,19 @@ def factor(here, k, d):
 
 
 @inner
-def write_damping(here, k, address, place, row, first, lower, upper, weights):
+def write_damping(here, k, first):
     r"""Write a block's rows of damping: :math:`(y - r)^T L P L^T (y - r) + |y - v|_W^2`, where y = Z x.
 
-    As many as the block has variables; not zero are as many as there are directions left, the rows of K' Z with the K
-    of :func:`factor`. `address` is that of A; the first row is `place`, `row` of A, and `first` among those of damping.
+    They are those of ``damped`` from `first` on: as many as the block has variables. Not zero are as many as there are
+    directions left, the rows of K' Z with the K of :func:`factor`, which lies in U; ``mu`` are their bounds. Returns
+    whether there are any.
     """
     n, basis, K = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), matrix(here, at.U)
     towards, damped, d = vector(here, at.MU), matrix(here, at.DAMPED), ints(here, 0, plain.HEAD)[at.LEFT]
     some = factor(here, k, d)
     for p in range(len(basis)):
-        own, written, value = damped[k * n + first + p], floats(address, row * n, n), 0.0
-        for j in range(n):
+        own = damped[k * n + first + p]
+        for j in range(n + 1):
             own[j] = 0.0
         if some and p < d:
             for q in range(p, d):
@@ -192,12 +193,8 @@ def write_damping(here, k, address, place, row, first, lower, upper, weights):
             for q in range(p):
                 towards[p] -= K[p][q] * towards[q]
             towards[p] /= K[p][p]
-            value = towards[p]
-        own[n] = value
-        for j in range(n):
-            written[j] = own[j]
-        weights[place], lower[place], upper[place] = 1.0, value, value
-        place, row = place + 1, row + 1
+            own[n] = towards[p]
+    return some
 
 
 @inner
@@ -215,7 +212,7 @@ def write_stage(here, k):
         give(here, i, place, row, address, lower, upper, weights)
         place, row = place + 1, row + 1
     rows, reached, stiffness = matrix(here, at.ROW), vector(here, at.VALUE), vector(here, at.STIFFNESS)
-    norms, block_of, first = matrix(here, at.NORMS)[k], marks(here, at.BLOCK_OF), integer(0)
+    norms, block_of = matrix(here, at.NORMS)[k], marks(here, at.BLOCK_OF)
     for level in range(k):
         for i in range(ptr[level], ptr[level + 1] if curved[level] != 0 else ptr[level]):
             own, soft = floats(address, row * n, n), state[i] == at.SOFT
@@ -226,7 +223,9 @@ def write_stage(here, k):
             lower[place] = scale * reached[i] if soft else -math.inf
             upper[place] = scale * reached[i] if soft else math.inf
             place, row = place + 1, row + 1
-    for block in marks(here, at.BLOCKS):
-        write_damping(block, k, address, place, row, first, lower, upper, weights)
-        size = len(matrix(block, at.BASIS))
-        place, row, first = place + size, row + size, first + size
+    for p in range(n):
+        own, damped = floats(address, row * n, n), matrix(here, at.DAMPED)[k * n + p]
+        for j in range(n):
+            own[j] = damped[j]
+        weights[place], lower[place], upper[place] = 1.0, damped[n], damped[n]
+        place, row = place + 1, row + 1

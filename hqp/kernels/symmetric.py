@@ -1,7 +1,9 @@
 r"""Eigenvalues, Cholesky factor, and a bound of the smallest eigenvalue, of small symmetric matrices.
 
-Eigenvalues by Householder reflections to a tridiagonal matrix, then implicit QR steps with Wilkinson's shift (Golub and
-Van Loan, *Matrix Computations*, 8.3), as loops over rows.
+Eigenvalues by Householder reflections to a tridiagonal matrix, then implicit QL steps with Wilkinson's shift (Golub and
+Van Loan, *Matrix Computations*, 8.3), as loops over rows. Each rotation has to wait for the one before it, and half of
+that would be for a root. So a step finds the squares of its sines and cosines without any (Reinsch, 1971), and takes
+their roots, which the eigenvectors need, beside that.
 """
 
 from __future__ import annotations
@@ -12,9 +14,11 @@ from .compile import inner, integer
 
 #: A matrix is positive definite if each squared pivot of its Cholesky factor is more than this share of its diagonal.
 DEFINITE = 1e-13
-#: An off-diagonal entry counts as zero below this share of its two diagonal neighbours; and the most QR steps for each
+#: An off-diagonal entry counts as zero below this share of its two diagonal neighbours; and the most QL steps for each
 #: eigenvalue.
 ZERO, MOST = 1e-16, 60
+#: A cosine is zero where its square is less than the inverse of this.
+MUCH = 1e280
 
 
 @inner
@@ -23,107 +27,119 @@ def eigen(M, U, values, n):
 
     M is overwritten.
     """
-    for i in range(n):
-        row = U[i]
-        for j in range(n):
-            row[j] = 0.0
-        row[i] = 1.0
-    tridiagonal(M, U, values, n)
-    for i in range(n):
-        values[i] = M[i][i]
+    tridiagonal(M, values, n)
+    accumulate(M, U, n)
+    beside = M[0]  # entry i is that of (i - 1, i)
+    for i in range(1, n):
+        beside[i] = M[i - 1][i]
     end = n - 1
     tries = integer(0)
     while end > 0 and tries < MOST * n:
         begin = end
-        while begin > 0 and abs(M[0][begin]) > ZERO * (abs(values[begin]) + abs(values[begin - 1])):
+        while begin > 0 and counts(beside[begin], values[begin], values[begin - 1]):
             begin -= 1
         if begin == end:
             end -= 1
             continue
         tries += 1
-        step(M[0], U, values, begin, end, n)
+        step(beside, U, values, begin, end, n)
 
 
 @inner
-def tridiagonal(M, U, work, n):
-    """Reflect M to a tridiagonal matrix, and the rows of U with it; M[0][i] is then its entry (i - 1, i)."""
-    for k in range(n - 2):
-        row = M[k]
-        total = 0.0
-        for j in range(k + 2, n):
+def counts(entry, one, other):
+    """Whether an off-diagonal entry is more than round-off beside its diagonal neighbours, and its square not zero."""
+    least = ZERO * (abs(one) + abs(other))
+    return entry * entry > least * least
+
+
+@inner
+def tridiagonal(M, values, n):
+    """Reflect M to a tridiagonal matrix: its diagonal to `values`, and beside it, entry (i - 1, i) in M.
+
+    Row i of M, up to its diagonal, is then the reflection :math:`I - s u u^T` of the first i directions: u, then s.
+    """
+    for i in range(n - 1, 0, -1):
+        row, head, total = M[i], M[i][i - 1], 0.0
+        for j in range(i - 1):
             total += row[j] * row[j]
+        values[i], row[i], M[i - 1][i] = row[i], 0.0, head
         if total == 0.0:
             continue
-        head = row[k + 1]
         size = math.sqrt(total + head * head)
         if head > 0.0:
             size = -size
         first = head - size
-        total += first * first
-        row[k + 1] = first  # u is row[k + 1 :], and the reflection I - 2 u u' / |u|^2
-        scale, along = 2.0 / total, 0.0
-        reflect_rows(U, row, work, k + 1, n, scale)
-        # M - u p' - p u', with p = M u * scale - (u' M u) scale^2 / 2 u, in `work`.
-        for i in range(k + 1, n):
-            own, value = M[i], 0.0
-            for j in range(k + 1, n):
+        scale, along = 2.0 / (total + first * first), 0.0
+        row[i - 1], row[i], M[i - 1][i] = first, scale, size
+        # M - u p' - p u', with p = M u * scale - (u' M u) scale^2 / 2 u, in `values`.
+        for r in range(i):
+            own, value = M[r], 0.0
+            for j in range(i):
                 value += own[j] * row[j]
-            work[i] = value * scale
-            along += work[i] * row[i]
+            values[r] = value * scale
+            along += values[r] * row[r]
         along *= 0.5 * scale
-        for i in range(k + 1, n):
-            work[i] -= along * row[i]
-        for i in range(k + 1, n):
-            own, one, other = M[i], row[i], work[i]
-            for j in range(k + 1, n):
-                own[j] -= one * work[j] + other * row[j]
-        row[k + 1] = size
-    for i in range(n - 1, 0, -1):
-        M[0][i] = M[i - 1][i]
+        for r in range(i):
+            values[r] -= along * row[r]
+        for r in range(i):
+            own, one, other = M[r], row[r], values[r]
+            for j in range(i):
+                own[j] -= one * values[j] + other * row[j]
+    if n > 0:
+        values[0] = M[0][0]
 
 
 @inner
-def reflect_rows(U, u, work, first, n, scale):
-    """Apply the reflection ``I - scale u u'`` to the rows first .. n - 1 of U; `work` (n,) is overwritten."""
-    for j in range(n):
-        work[j] = 0.0
-    for i in range(first, n):
-        row, part = U[i], u[i]
+def accumulate(M, U, n):
+    """Write the product of the reflections in the rows of M, see :func:`tridiagonal`, to U."""
+    for i in range(n):
+        own, u, scale = U[i], M[i], M[i][i] if i > 0 else 0.0
         for j in range(n):
-            work[j] += part * row[j]
-    for i in range(first, n):
-        row, part = U[i], scale * u[i]
-        for j in range(n):
-            row[j] -= part * work[j]
+            own[j] = 0.0
+        own[i] = 1.0
+        for r in range(i if scale > 0.0 else 0):
+            row, along = U[r], 0.0
+            for j in range(i):
+                along += row[j] * u[j]
+            along *= scale
+            for j in range(i):
+                row[j] -= along * u[j]
 
 
 @inner
 def step(beside, U, values, begin, end, n):
-    """One implicit QR step on the block begin .. end: diagonal `values`, off-diagonal `beside`; rotates U with it."""
-    half, square = 0.5 * (values[begin + 1] - values[begin]), beside[begin + 1] ** 2
+    r"""One implicit QL step on the block begin .. end: diagonal `values`, off-diagonal `beside`; rotates U with it.
+
+    With the pivot :math:`\pi` of a rotation, p is its square, g is it times the cosine of the rotation before, and
+    `sign` its sign, which is that of its own cosine.
+    """
+    half, square = 0.5 * (values[begin + 1] - values[begin]), beside[begin + 1] * beside[begin + 1]
     root = math.sqrt(half * half + square)  # hypot takes three times as long, and no entry is near 1e150
     shift = values[begin] - (square / (half + (root if half >= 0.0 else -root)) if root > 0.0 else 0.0)
-    g, s, c, p = values[end] - shift, 1.0, 1.0, 0.0
+    g = values[end] - shift
+    sign, last, p, c, s = 1.0 if g >= 0.0 else -1.0, 1.0, g * g, 1.0, 0.0
     for i in range(end - 1, begin - 1, -1):
-        f, b = s * beside[i + 1], c * beside[i + 1]
-        size = math.sqrt(f * f + g * g)
-        if i + 2 <= end:
-            beside[i + 2] = size
-        if size == 0.0:
-            values[i + 1] -= p
-            return
-        s, c = f / size, g / size
-        g = values[i + 1] - p
-        size = (values[i] - g) * s + 2.0 * c * b
-        p = s * size
-        values[i + 1] = g + p
-        g = c * size - b
+        entry, diagonal = beside[i + 1], values[i]
+        square = entry * entry
+        total = p + square
+        if i + 1 < end:
+            beside[i + 2] = s * math.sqrt(total)
+        before, old, c, sine, ratio = c, g, p / total, square / total, total / p  # of squares
+        g = c * (diagonal - shift) - sine * old
+        values[i + 1] = old + (diagonal - g)
+        s, cosine = math.copysign(math.sqrt(sine), entry), sign * math.sqrt(c)
+        if ratio < MUCH:
+            p = g * g * ratio
+            last, sign = sign, sign if g >= 0.0 else -sign
+        else:  # the limit as the cosine goes to zero
+            p = before * square
+            last, sign = sign, -last
         one, other = U[i], U[i + 1]
         for j in range(n):
             a, d = one[j], other[j]
-            other[j], one[j] = s * a + c * d, c * a - s * d
-    values[begin] -= p
-    beside[begin + 1] = g
+            other[j], one[j] = s * a + cosine * d, cosine * a - s * d
+    values[begin] = g + shift
+    beside[begin + 1] = s * sign * math.sqrt(p)
 
 
 @inner

@@ -87,7 +87,6 @@ class CurvedSolver:
                 memory.head[plain.BASIS] = 1
             self._directories = np.array([memory.address for memory in self._memories], dtype=np.int64)
             self._quickly, self._strict = address_of(kernel_solver.solve, SIGNATURE), self._memories[-1]
-            self._lowest = self._memories[self._levels - 1]
         self.relinearise(linearisation)
         self._guard, self._failed, self._raised = Guard("the solver"), dict[int, Solution](), list[BaseException]()
         self._zero = np.zeros(hierarchy.n)
@@ -110,6 +109,7 @@ class CurvedSolver:
         """Make the next call a cold one."""
         self._plain.forget()
         self._solvers.clear()
+        self._work.forget()
         if self._native:
             for memory in self._memories:
                 memory.head[plain.WARM] = 0
@@ -142,7 +142,7 @@ class CurvedSolver:
             sweeps, iterations = told(at.SWEEPS), told(at.ITERATIONS)
             swept = iterations == 0 and sweeps < len(SWEEPS_ALONE)
             counts = SWEEPS_ALONE[sweeps] if swept else Counts(sweeps, iterations)
-            return self._solution(hierarchy, given, self._lowest.x.copy(), counts, opened)
+            return self._solution(hierarchy, given, self._work.points[-1].copy(), counts, opened)
         told = self._strict.head.item
         sweeps, iterations = told(plain.SWEEPS), told(plain.ITERATIONS)
         solution = new(Solution)

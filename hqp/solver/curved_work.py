@@ -114,6 +114,7 @@ class Work:
         }
         self._shapes, self._rows = [made[place].shape for place in TOLD], m
         self._kept: list[Any] = [linearisation, made]
+        self._own: list[tuple[dict[int, NDArray[Any]], NDArray[np.int64]]] = []
         whole = self._directory(hierarchy, linearisation, made, None if self._blocks > 1 else 0)
         blocks = [whole]
         if self._blocks > 1:
@@ -123,6 +124,11 @@ class Work:
             enter(directory, {at.BLOCKS: addresses})
         self.head, self.address = whole[: plain.HEAD], int(whole.ctypes.data)
         self.points: Array = made[at.POINTS]
+
+    def forget(self) -> None:
+        """Forget which bounds were met."""
+        for own, _ in self._own:
+            own[at.MET][:] = 0
 
     def _directory(
         self, hierarchy: Hierarchy, linearisation: Linearisation, made: dict[int, NDArray[Any]], number: int | None
@@ -169,7 +175,7 @@ class Work:
             (plain.A, plain.LOWER, plain.UPPER, plain.WEIGHTS), ((len(hierarchy.A), n), *[(m, 1)] * 3), strict=True
         ):
             entries[place, 1:] = shape
-        self._kept.append((own, directory))
+        self._own.append((own, directory))
         return directory
 
     def declare(self) -> tuple[int, int, Array]:

@@ -1,0 +1,298 @@
+r"""Solves a stage of a curved level without the solver, where nothing but bounds of variables is in its way.
+
+Along Z the levels above are kept, whatever the coordinates y. With the rows of the level, those that are soft, and the
+rows of damping, which make the optimum unique, the stage is
+
+.. math:: \min_y \|R y - \rho\|^2, \qquad l \le \bar x + Z^T y \le u, \qquad R = \text{upper triangular},
+
+and w = R y is the point nearest to :math:`\rho` within bounds. Those that are met by B w = c have the multipliers
+:math:`(B B^T)^{-1} (c - B \rho)`. They are guessed to be those of the last solve, and corrected a few times. What is
+found is the optimum: it keeps all bounds and rows, and every multiplier has the right sign. Else the solver is asked.
+"""
+
+from __future__ import annotations
+
+import math
+
+from . import curved_layout as at
+from . import layout as plain
+from .compile import inner, integer
+from .curved_rows import value_at
+from .hand_over import along
+from .memory import ints, marks, matrix, vector
+from .orthogonal import length
+from .symmetric import cholesky
+
+#: How often the bounds that are met are guessed before the solver is asked.
+GUESSES = 6
+#: How often y is moved onto the bounds that are met: once would do, but for round-off, as the condition of B B' is the
+#: square of that of B.
+REFINED = 3
+#: By this share of its size x may pass a bound, as round-off; it is put back onto it.
+ROUNDING = 1e-13
+#: The share of its size, and of their values, within which x must keep the rows above: a tenth of what a proof allows.
+KEPT = 1e-12
+
+
+@inner
+def equalities(here, k):
+    """Whether levels down to k have no inequality below the levels that are never damped."""
+    mine, of = marks(here, at.OWN), marks(here, at.OWN_OF)
+    lower, upper, same = vector(here, plain.LOWER), vector(here, plain.UPPER), True
+    for p in range(of[ints(here, 0, plain.HEAD)[at.TOP]], of[k + 1]):
+        same = same and lower[mine[p]] == upper[mine[p]]
+    return same
+
+
+@inner
+def stand(here, d, x):
+    """Write to ``reach`` what x (n,) is without its part along Z: there the levels above are kept, and y is 0."""
+    n, basis, base, part = (
+        ints(here, 0, plain.HEAD)[plain.N],
+        matrix(here, at.BASIS),
+        vector(here, at.REACH),
+        vector(here, at.VALUES),
+    )
+    along(here, x, d, part)
+    for j in range(n):
+        base[j] = x[j]
+    for p in range(d):
+        direction, share = basis[p], part[p]
+        for j in range(n):
+            base[j] -= share * direction[j]
+
+
+@inner
+def write_row(here, d, row, bound, own):
+    """Write to own[: d + 1] a row (n,) along Z, and what it lacks at ``reach``."""
+    base, lacks = vector(here, at.REACH), bound
+    along(here, row, d, own)
+    for j in range(ints(here, 0, plain.HEAD)[plain.N]):
+        lacks -= row[j] * base[j]
+    own[d] = lacks
+
+
+@inner
+def write_rows(here, k, d):
+    """Write to ``least_squares`` the rows of damping, those of level k, and the soft ones; returns how many these are.
+
+    Those of damping are K', upper triangular; see :func:`.stage.write_damping`.
+    """
+    T, K, towards = matrix(here, at.LEAST_SQUARES), matrix(here, at.U), vector(here, at.MU)
+    ids, lower, weights = marks(here, at.IDS), vector(here, plain.LOWER), vector(here, plain.WEIGHTS)
+    state, stiffness, reached = marks(here, at.STATE), vector(here, at.STIFFNESS), vector(here, at.VALUE)
+    head, mine, of, total = ints(here, 0, plain.HEAD), marks(here, at.OWN), marks(here, at.OWN_OF), d
+    size, row = matrix(here, at.NORMS)[k][head[at.NUMBER]], vector(here, at.ROW_NOW)
+    for p in range(d):
+        own = T[p]
+        for q in range(d):
+            own[q] = K[q][p] if q >= p else 0.0
+        own[d] = towards[p]
+    for r in range(head[at.ACTIVE]):
+        write_row(here, d, matrix(here, at.J)[r], weights[ids[r]] * lower[ids[r]], T[total])
+        total += 1
+    for s in range(of[head[at.TOP]], of[k]):
+        i = mine[s]
+        if state[i] == at.SOFT and size > 0.0:
+            scale, combined = stiffness[i] * size, matrix(here, at.ROW)[i]
+            for j in range(head[plain.N]):
+                row[j] = scale * combined[j]
+            write_row(here, d, row, scale * reached[i], T[total])
+            total += 1
+    return total
+
+
+@inner
+def triangulate(T, d, total, work):
+    """Reflect the rows T[:total, : d + 1], of which the first d are upper triangular, so that all others are zero."""
+    for j in range(d):
+        top, square = T[j], 0.0
+        for i in range(d, total):
+            square += T[i][j] * T[i][j]
+        if square == 0.0:
+            continue
+        head = top[j]
+        size = math.sqrt(square + head * head)
+        if head > 0.0:
+            size = -size
+        first = head - size
+        scale = 2.0 / (square + first * first)
+        for c in range(d + 1):
+            work[c] = first * top[c]
+        for i in range(d, total):
+            row, part = T[i], T[i][j]
+            for c in range(d + 1):
+                work[c] += part * row[c]
+        for c in range(j + 1, d + 1):
+            top[c] -= scale * first * work[c]
+        top[j] = size
+        for i in range(d, total):
+            row, part = T[i], scale * T[i][j]
+            for c in range(d + 1):
+                row[c] -= part * work[c]
+
+
+@inner
+def meet(here, d, met):
+    """Write to ``mu`` the y that is optimal where the bounds `met` are; whether they are independent.
+
+    ``values`` are their multipliers. B and c are written below R.
+    """
+    T, M, L = matrix(here, at.LEAST_SQUARES), matrix(here, at.M), matrix(here, at.HALF)
+    basis, base, out, y = matrix(here, at.BASIS), vector(here, at.REACH), vector(here, at.VALUES), vector(here, at.MU)
+    least, most, count = vector(here, at.LEAST), vector(here, at.MOST), integer(0)
+    for j in range(ints(here, 0, plain.HEAD)[plain.N]):
+        if met[j] == 0:
+            continue
+        row, far = T[d + count], (most[j] if met[j] > 0 else least[j]) - base[j]
+        if count == d or abs(far) == math.inf or least[j] > most[j]:
+            return False
+        for p in range(d):
+            row[p] = basis[p][j]
+        for p in range(d):  # R' b = z
+            own = T[p]
+            row[p] /= own[p]
+            for q in range(p + 1, d):
+                row[q] -= row[p] * own[q]
+        row[d], out[count] = far, 0.0
+        for r in range(count + 1):
+            other, total = T[d + r], 0.0
+            for p in range(d):
+                total += row[p] * other[p]
+            M[count][r] = M[r][count] = total
+        count += 1
+    if not cholesky(M, L, count):
+        return False
+    for p in range(d):
+        y[p] = T[p][d]
+    for _ in range(REFINED if count > 0 else 0):
+        come_nearer(here, d, count)
+    for p in range(d - 1, -1, -1):
+        own = T[p]
+        for q in range(p + 1, d):
+            y[p] -= own[q] * y[q]
+        y[p] /= own[p]
+    return True
+
+
+@inner
+def come_nearer(here, d, count):
+    """Move w, in ``mu``, onto the `count` bounds B w = c, as B'B allows it; adds the multipliers to ``values``."""
+    T, L, out, w, step = (
+        matrix(here, at.LEAST_SQUARES),
+        matrix(here, at.HALF),
+        vector(here, at.VALUES),
+        vector(here, at.MU),
+        vector(here, at.ROW_NOW),
+    )
+    for r in range(count):
+        row, lacks = T[d + r], T[d + r][d]
+        for p in range(d):
+            lacks -= row[p] * w[p]
+        step[r] = lacks
+    for r in range(count):
+        for q in range(r):
+            step[r] -= L[r][q] * step[q]
+        step[r] /= L[r][r]
+    for r in range(count - 1, -1, -1):
+        for q in range(r + 1, count):
+            step[r] -= L[q][r] * step[q]
+        step[r] /= L[r][r]
+    for r in range(count):
+        row, part = T[d + r], step[r]
+        out[r] += part
+        for p in range(d):
+            w[p] += part * row[p]
+
+
+@inner
+def let_go(here, met):
+    """Take those bounds out of `met` whose multiplier, in ``values``, has the wrong sign; whether there are any."""
+    values, count, some = vector(here, at.VALUES), integer(0), False
+    for j in range(ints(here, 0, plain.HEAD)[plain.N]):
+        if met[j] != 0:
+            if not values[count] * met[j] <= 0.0:
+                met[j], some = 0, True
+            count += 1
+    return some
+
+
+@inner
+def arrive(here, d, met, x):
+    """Write x = reach + Z' y; bounds that it passes, by more than round-off, join `met`. Whether there are any."""
+    n, basis, base, y = (
+        ints(here, 0, plain.HEAD)[plain.N],
+        matrix(here, at.BASIS),
+        vector(here, at.REACH),
+        vector(here, at.MU),
+    )
+    least, most, size, some = vector(here, at.LEAST), vector(here, at.MOST), 0.0, False
+    for j in range(n):
+        x[j] = base[j]
+    for p in range(d):
+        direction, part = basis[p], y[p]
+        for j in range(n):
+            x[j] += part * direction[j]
+    for j in range(n):
+        size += x[j] * x[j]
+    near = ROUNDING * math.sqrt(size)
+    for j in range(n):
+        if met[j] != 0:
+            x[j] = most[j] if met[j] > 0 else least[j]
+        elif not x[j] <= most[j] + near:
+            met[j], some = 1, True
+        elif not x[j] >= least[j] - near:
+            met[j], some = -1, True
+        else:
+            x[j] = min(max(x[j], least[j]), most[j])
+    return some
+
+
+@inner
+def keeps_rows(here, k, above, x):
+    """Whether x keeps the levels above k: inequalities, held rows, and the values of given ones at the x `above`.
+
+    Along Z they do not change, but where x is smaller than `above` by far, what is round-off there is none here.
+    """
+    head, state, reached = ints(here, 0, plain.HEAD), marks(here, at.STATE), vector(here, at.VALUE)
+    lower, upper, col = vector(here, plain.LOWER), vector(here, plain.UPPER), marks(here, plain.COL)
+    n, row_of, good = head[plain.N], marks(here, plain.ROW_OF), True
+    size = length(x, n)
+    for p in range(marks(here, at.OWN_OF)[k]):
+        i = marks(here, at.OWN)[p]
+        if state[i] == at.HELD:
+            row, value, wanted = matrix(here, at.ROW)[i], 0.0, reached[i]
+            for j in range(n):
+                value += row[j] * x[j]
+            near = KEPT * length(row, n) * size
+        elif state[i] != at.GIVEN or (col[i] >= 0 and lower[i] != upper[i]):
+            continue  # of no matter here; or a bound, which is kept
+        else:
+            value = value_at(here, i, x)
+            if lower[i] != upper[i]:
+                good = good and lower[i] <= value <= upper[i]
+                continue
+            wanted = value_at(here, i, above)
+            near = KEPT * size * (1.0 if col[i] >= 0 else length(matrix(here, plain.A)[row_of[i]], n))
+        good = good and abs(value - wanted) <= near + KEPT * abs(wanted)
+    return good
+
+
+@inner
+def solve_directly(here, k, above):
+    """Solve the stage of level k, whose rows of damping are written, below the x `above`; False if the solver must."""
+    d, n = ints(here, 0, plain.HEAD)[at.LEFT], ints(here, 0, plain.HEAD)[plain.N]
+    met, x = marks(here, at.MET)[k * n : (k + 1) * n], matrix(here, at.POINTS)[k]
+    if not equalities(here, k):
+        return False
+    stand(here, d, above)
+    T = matrix(here, at.LEAST_SQUARES)
+    triangulate(T, d, write_rows(here, k, d), vector(here, at.ROW_NOW))
+    for _ in range(GUESSES):
+        if not meet(here, d, met):
+            break
+        if not (let_go(here, met) or arrive(here, d, met, x)):
+            return keeps_rows(here, k, above, x)
+    for j in range(n):
+        met[j] = 0
+    return False

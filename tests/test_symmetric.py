@@ -1,0 +1,57 @@
+"""Eigenvalues of small symmetric matrices by loops: as NumPy's, whatever the matrix, compiled and interpreted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import SimpleNamespace
+
+import kernels
+import numpy as np
+import pytest
+
+from hqp.arrays import Array
+from hqp.kernels import symmetric
+
+#: By their names, what makes a matrix of this size.
+KINDS: dict[str, Callable[[np.random.Generator, int], Array]] = {
+    "random": lambda rng, n: rng.normal(size=(n, n)),
+    "graded": lambda rng, n: rng.normal(size=(n, n)) * np.outer(*2 * [10.0 ** rng.uniform(-9, 0, n)]),
+    "few values": lambda rng, n: _turned(rng, rng.integers(-1, 2, n).astype(float)),
+    "small values": lambda rng, n: _turned(rng, 10.0 ** rng.uniform(-16, 0, n)),
+    "diagonal": lambda rng, n: np.diag(rng.integers(-2, 3, n).astype(float)),
+    "integers": lambda rng, n: rng.integers(-1, 2, (n, n)).astype(float),  # pivots that are exactly zero
+    "sparse": lambda rng, n: rng.normal(size=(n, n)) * (rng.random((n, n)) < 0.15),
+    "path": lambda rng, n: np.eye(n, k=1),
+    "large": lambda rng, n: 1e140 * rng.normal(size=(n, n)),
+    "small": lambda rng, n: 1e-140 * rng.normal(size=(n, n)),
+    "zero": lambda rng, n: np.zeros((n, n)),
+}
+
+
+def _turned(rng: np.random.Generator, values: Array) -> Array:
+    Q = np.linalg.qr(rng.normal(size=2 * values.shape))[0]
+    turned: Array = Q * values @ Q.T
+    return turned
+
+
+def solvers() -> list[SimpleNamespace]:
+    return [kernels.compiled(symmetric, "eigen"), kernels.plain(symmetric)]
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 5, 8, 21])
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_eigenvectors_of_any_matrix(kind: str, n: int) -> None:
+    rng = np.random.default_rng(n)
+    for _ in range(3):
+        A = KINDS[kind](rng, n)
+        A = A + A.T
+        size = np.abs(A).max() or 1.0
+        for solver in solvers():
+            M, U, values = np.full((n + 2, n + 2), np.nan), np.full((n + 2, n + 2), np.nan), np.full(n + 2, np.nan)
+            M[:n, :n] = A
+            with np.errstate(divide="ignore"):
+                solver.eigen(M, U, values, n)
+            found, vectors = values[:n], U[:n, :n]
+            np.testing.assert_allclose(np.sort(found) / size, np.linalg.eigvalsh(A / size), atol=1e-13)
+            np.testing.assert_allclose(vectors @ vectors.T, np.eye(n), atol=1e-13)
+            np.testing.assert_allclose(vectors.T * (found / size) @ vectors, A / size, atol=1e-13)
