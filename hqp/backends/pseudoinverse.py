@@ -19,6 +19,8 @@ the second task would make *alone*. It has no algorithmic singularities, and it 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,42 +29,56 @@ from ..errors import InvalidInput, Unsupported
 from ..hierarchy import Hierarchy, Level
 from ..settings import Settings
 from ..solution import Status
-from .base import Answer
+from .base import Answer, certified
 
 INEQUALITIES_GO_TO = "native"
+#: Singular values, relative to their scale, between which the rank or the answer may be round-off: below, they are zero
+#: in double precision; above, they magnify errors a thousand times at most.
+ZERO, CLEAR = 1e-13, 1e-3
 
 
-def prioritized(tasks: list[tuple[Array, Array]], z: Array, cut: float) -> Array:
-    """Eq. 3.17 for any number of tasks (J, r), with z as the last level."""
-    x = np.zeros_like(z)
+class Inverse(NamedTuple):
+    """A pseudoinverse, and whether round-off may have decided its rank or its numbers."""
+
+    matrix: Array
+    doubtful: bool
+
+
+def prioritized(tasks: list[tuple[Array, Array]], z: Array, cut: float) -> tuple[Array, bool]:
+    """Eq. 3.17 for any number of tasks (J, r), with z as the last level; and whether an inverse is doubtful."""
+    x, doubtful = np.zeros_like(z), False
     N = np.eye(len(z))
     for k, (J, r) in enumerate(tasks):
         J_hat = J @ N if k else J  # the first task is not projected
-        J_hat_pinv = pinv(J_hat, cut, scale=norm(J) if k else None)
-        x = x + J_hat_pinv @ (r - J @ x)
-        N = N - J_hat_pinv @ J_hat
-    return x + N @ z
+        inverse = pinv(J_hat, cut, scale=norm(J) if k else None)
+        x = x + inverse.matrix @ (r - J @ x)
+        N = N - inverse.matrix @ J_hat
+        doubtful = doubtful or inverse.doubtful
+    return x + N @ z, doubtful
 
 
 def joint_space(tasks: list[tuple[Array, Array]], z: Array, cut: float) -> Array:
     """Eq. 4.8 for any number of tasks (J, h): each corrects the motion that all below it would make alone."""
     x = z
     for J, h in reversed(tasks):
-        x = x + pinv(J, cut) @ (h - J @ x)
+        x = x + pinv(J, cut).matrix @ (h - J @ x)
     return x
 
 
-def pinv(J: Array, cut: float, scale: float | None = None) -> Array:
+def pinv(J: Array, cut: float, scale: float | None = None) -> Inverse:
     """Pseudoinverse with singular values up to ``cut * scale`` taken for zero; the scale of J is its own norm."""
     if len(J) == 1:  # of one row, J^T / |J|^2
         size = norm(J)
-        return J.T / size / size if size > cut * (size if scale is None else scale) else np.zeros_like(J.T)
+        whole = size if scale is None else scale
+        inverse = J.T / size / size if size > cut * whole else np.zeros_like(J.T)
+        return Inverse(inverse, ZERO * whole < size < CLEAR * whole)
     U, s, Vt = np.linalg.svd(J, full_matrices=False)
-    kept = s > cut * (s.max(initial=0.0) if scale is None else scale)
+    whole = s.max(initial=0.0) if scale is None else scale
+    doubtful = bool(((s > ZERO * whole) & (s < CLEAR * whole)).any())
+    kept = s > cut * whole
     if not kept.all():
         U, s, Vt = U[:, kept], s[kept], Vt[kept]
-    inverse: Array = (Vt.T / s) @ U.T
-    return inverse
+    return Inverse((Vt.T / s) @ U.T, doubtful)
 
 
 def norm(J: Array) -> float:
@@ -122,9 +138,7 @@ def joint_form(hierarchy: Hierarchy, x_ref: Array | None = None, settings: Setti
 
 
 class Pseudoinverse:
-    """Eq. 3.17 as a backend."""
-
-    formula = staticmethod(prioritized)
+    """Eq. 3.17 as a backend. Where an inverse is doubtful, the certificate decides the status."""
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
@@ -134,7 +148,12 @@ class Pseudoinverse:
             tasks = equality_tasks(hierarchy)
         except Unsupported as refusal:
             return Answer(x_ref.copy(), Status.UNSUPPORTED, str(refusal))
-        return Answer(self.formula(tasks, x_ref, self.settings.rank_tolerance))
+        return self.evaluated(tasks, hierarchy, x_ref)
+
+    def evaluated(self, tasks: list[tuple[Array, Array]], hierarchy: Hierarchy, x_ref: Array) -> Answer:
+        """What the formula makes of these tasks, all that the hierarchy has."""
+        x, doubtful = prioritized(tasks, x_ref, self.settings.rank_tolerance)
+        return certified(Answer(x), hierarchy, x_ref, "the closed form") if doubtful else Answer(x)
 
     def reset(self) -> None:
         """No effect: nothing is kept between calls."""
@@ -143,7 +162,9 @@ class Pseudoinverse:
 class JointSpacePseudoinverse(Pseudoinverse):
     """Eq. 4.8 as a backend. Its answer is optimal for :func:`joint_form` of the hierarchy, not for the hierarchy."""
 
-    formula = staticmethod(joint_space)
+    def evaluated(self, tasks: list[tuple[Array, Array]], hierarchy: Hierarchy, x_ref: Array) -> Answer:
+        """What the formula makes of these tasks; no certificate of the hierarchy is asked about it."""
+        return Answer(joint_space(tasks, x_ref, self.settings.rank_tolerance))
 
 
 def make(name: str, settings: Settings) -> Pseudoinverse:
