@@ -18,10 +18,10 @@ from numba.core import compiler_machinery
 
 import hqp
 import tasks
-from hqp import Solver, collector
+from hqp import Solver
 from hqp.backends import native
+from hqp.kernels import collector, compiler, part, ready
 from hqp.kernels import compile as compiling
-from hqp.kernels import compiler, part, ready
 
 
 def test_without_a_folder_to_write_to_a_kernel_is_compiled_and_not_kept(monkeypatch: pytest.MonkeyPatch) -> None:

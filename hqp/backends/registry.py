@@ -8,7 +8,6 @@ from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
 
-from ..collector import collected_rarely
 from ..errors import UnknownBackend, brief
 from ..settings import Settings
 from .base import Backend
@@ -201,6 +200,8 @@ def backend_info(name: str) -> BackendInfo:
 
 def make_backend(name: str, settings: Settings) -> Backend:
     """Import the backend's module, now, and make one."""
+    from ..kernels.collector import collected_rarely
+
     info = backend_info(name)
     with collected_rarely():
         backend: Backend = import_module(f".{info.module}", __package__).make(info.name, settings)

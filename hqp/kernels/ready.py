@@ -10,7 +10,7 @@ import numpy as np
 from numba import int64
 from numba.core import event
 
-from ..collector import collected_rarely
+from .collector import collected_rarely
 from .compile import INTERPRETED
 
 #: Of the kernels: two addresses, an outcome.
