@@ -15,12 +15,13 @@ from types import SimpleNamespace
 import numba
 import pytest
 from numba.core import compiler_machinery
+from numba.core.codegen import JITCodeLibrary
 
 import hqp
 import tasks
 from hqp import Solver
 from hqp.backends import native
-from hqp.kernels import collector, compiler, part, ready
+from hqp.kernels import collector, compiler, optimised, part, ready
 from hqp.kernels import compile as compiling
 
 
@@ -50,6 +51,22 @@ def test_a_kernel_that_others_call_is_optimised_in_these_alone(decorator, code: 
     assert compiling.entry(quarter)(12.0) == 3.0
     (compiled,) = half.overloads.values()
     assert bool(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)) == code
+
+
+@pytest.mark.parametrize("missing", [*optimised.PRIVATE, None])
+def test_a_kernel_that_python_calls_is_optimised_once_or_as_numba_does(monkeypatch, missing: str | None) -> None:
+    def doubled(number):
+        return 2 * number
+
+    runs, by_numba = [], JITCodeLibrary._optimize_final_module
+    monkeypatch.setattr(JITCodeLibrary, "_optimize_final_module", lambda self: (runs.append(self), by_numba(self)))
+    if missing is not None:
+        monkeypatch.setattr(optimised, "binding", SimpleNamespace(**dict.fromkeys(set(optimised.PRIVATE) - {missing})))
+    kernel = numba.njit(**compiling.ENTRY)(doubled)  # not kept on disk
+    assert kernel(21) == 42
+    (compiled,) = kernel.overloads.values()
+    assert type(compiled.library) is optimised.Optimised
+    assert (compiled.library in runs) == (missing is not None)
 
 
 @pytest.mark.parametrize("missing", part.PRIVATE)

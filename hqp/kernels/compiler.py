@@ -7,6 +7,7 @@ from numba.core.compiler import Compiler, Flags
 from numba.core.types import unliteral
 
 from . import part
+from .optimised import Optimised
 
 #: Passes of Numba for code that kernels do not have, and which is refused without them: closures and comprehensions,
 #: ``with`` and ``raise``, loops over tuples, and arrays as operands.
@@ -33,7 +34,9 @@ class KernelFlags(Flags):
 
 
 class KernelCompiler(Compiler):
-    """Compiles what Python calls."""
+    """Compiles what Python calls, into an :class:`hqp.kernels.optimised.Optimised`."""
+
+    library = Optimised
 
     def __init__(self, *arguments, **options):
         super().__init__(*arguments, **options)
@@ -41,6 +44,10 @@ class KernelCompiler(Compiler):
 
     def define_pipelines(self):
         """Numba's, without what is needless."""
+        state = self.state
+        if state.library is None:
+            state.library = self.library(state.targetctx.codegen(), state.func_id.func_qualname)
+            state.library.enable_object_caching()
         pipelines = super().define_pipelines()
         for pipeline in pipelines:
             pipeline.passes = [step for step in pipeline.passes if step[0].name() not in NEEDLESS]
@@ -50,12 +57,7 @@ class KernelCompiler(Compiler):
 class PartCompiler(KernelCompiler):
     """Compiles what only other kernels call, into a :class:`hqp.kernels.part.Part`."""
 
-    def define_pipelines(self):
-        state = self.state
-        if state.library is None:
-            state.library = part.Part(state.targetctx.codegen(), state.func_id.func_qualname)
-            state.library.enable_object_caching()
-        return super().define_pipelines()
+    library = part.Part
 
 
 def pipeline(compiler, library=JITCodeLibrary, flags=Flags):
