@@ -196,6 +196,21 @@ def test_a_quadruped_that_is_pushed_comes_back() -> None:
     assert off[-1] < 0.01
 
 
+@pytest.mark.parametrize(("way", "gain"), [((60.0, 0.0, 0.0), 6.0), ((0.0, 60.0, 0.0), 3.0)], ids=["ahead", "aside"])
+def test_a_humanoid_that_is_pushed_comes_back(way: tuple[float, float, float], gain: float) -> None:
+    """By nearly as much as its feet can bear; joints may brake as hard as its contacts ask for."""
+    here = scene("humanoid")
+    robot = load_robot("g1", acceleration_limit=2000.0)
+    stack = here.limits >> CenterOfMassTask(here.com, gain=gain) >> here.rest()
+    plant = MujocoPlant(robot, contacts=here.feet)
+    plant.push("pelvis", way, 0.2, start=0.1)
+    record = simulate(Controller(robot, stack, order="torque", dt=DT), here.q, duration=2.0, plant=plant)
+    check(record, here.feet)
+    off = np.linalg.norm(record.errors["center of mass"], axis=1)
+    assert off.max() > 0.015
+    assert off[-1] < 0.01
+
+
 def test_on_ice_it_slips() -> None:
     """The physics judge by their own friction, not by what the controller takes it to be."""
     here = scene("quadruped")

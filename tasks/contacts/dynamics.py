@@ -29,6 +29,8 @@ from ..robots.robot import Robot, base, check_dynamics, check_frame, check_motor
 from ..rows.expansion import Companions, Setting
 from ..rows.part import Order, Part
 from ..rows.site import Move
+from .loop import Loop
+from .model import ContactModel
 
 if TYPE_CHECKING:
     from ..rows.plan import Plan
@@ -110,7 +112,7 @@ class Dynamics(Part):
         if setting.order == "displacement":  # a step of the joints has no forces
             return Companions(())
         others = [part for part in setting.parts if isinstance(part, Part) and part is not self]
-        alone = all(type(part).companions is Part.companions for part in others)
+        alone = not any(isinstance(part, ContactModel | Loop) for part in others)
         if setting.order != "velocity" and not any(part.limited == "torque" for part in others):
             check_motors(setting.robot, self.full_name())
         if base(setting.robot) and alone:
