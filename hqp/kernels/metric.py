@@ -114,7 +114,7 @@ def return_to_frozen(here, frozen):
 
 @inner
 def return_to_bounds(here, frozen, rank):
-    """Refine x where the `rank` pivot rows behind V[:frozen] are off their bounds, along V in the metric of the level."""
+    """Refine x where the `rank` pivot rows behind V[:frozen] are off their bounds, in the metric of the level."""
     n = ints(here, 0, at.HEAD)[at.N]
     pivot, side, lo, hi = marks(here, at.PIVOT), marks(here, at.SIDE), vector(here, at.LO), vector(here, at.HI)
     x, moved, more = vector(here, at.X), vector(here, at.MOVED), vector(here, at.G)
