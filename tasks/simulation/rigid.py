@@ -220,7 +220,7 @@ class RigidContactPlant(Live):
         return holding
 
     def _mounted(self, contact: Contact) -> list[tuple[int, Any]]:
-        """The joint that moves a contact, and the poses on it of the points where it is held: at the last kinematics."""
+        """The joint that moves a contact, and poses on it where it is held, at the last kinematics."""
         frame, pin = self._robot.model.frames[self._robot.frame_index(contact.frame)], self._pin
         joint, down = int(frame.parentJoint), np.zeros(3)
         if contact.radius is not None:
