@@ -174,17 +174,6 @@ def test_held_joints_do_not_creep(name: str) -> None:
     assert MujocoPlant(here.robot, contacts=here.feet, ground=Ground(pyramids=True, noslip=0)).creep(here.q, 1.0) < 1e-3
 
 
-def test_links_may_be_called_as_joints(tmp_path: Path) -> None:
-    """With all joints held, too."""
-    text = LINK.format("hip", 1.0, i=0.02) + LINK.format("foot", 1.0, i=0.02) + LINK.format("trunk", 3.0, i=0.02)
-    joints = JOINT.format("hip", "trunk", "hip", "0 0 -0.3", "1 0 0")
-    joints += JOINT.format("foot", "hip", "foot", "0 0 -0.3", "0 1 0")
-    (tmp_path / "leg.urdf").write_text(f'<robot name="leg">{text}{joints}</robot>')
-    robot = load_robot(tmp_path / "leg.urdf", base="floating")
-    plant = MujocoPlant(robot, contacts=[Contact("foot", plane=(0.4, 0.4), centre=(0.0, 0.0, -0.1), friction=0.5)])
-    assert plant.creep(robot.home, 0.1) < 1e-5
-
-
 @pytest.mark.parametrize("name", SCENES)
 def test_it_stands_and_the_ground_bears_its_weight(name: str) -> None:
     here, plant = scene(name), MujocoPlant(scene(name).robot, contacts=scene(name).feet)
