@@ -94,6 +94,8 @@ class PinocchioRobot(Configurations, Semantic, Shaped, Framed):
         Parts of its file that are not part of the robot.
     closures : tuple of Closure
         Frames that its file holds together, for :meth:`tasks.Loop.of`.
+    springs : dict of str to (float, float)
+        Springs of its joints, of an MJCF: stiffness [N m/rad], [N/m], and position without force [rad], [m].
     recipe : Recipe or None
         How the mimic joints of its model were made, for copies; see :mod:`tasks.robots.keeping`.
     source : pathlib.Path or None

@@ -76,6 +76,7 @@ class PinocchioModel(Live):
         self._q_indices = places[self._columns]
         self._support: dict[int, list[tuple[int, int]]] = {}
         self.closures: tuple[Closure, ...] = ()
+        self.springs: dict[str, tuple[float, float]] = {}
         self.change_model(model)
         self.tip = None if tip is None else self.check_frame(of_type(tip, str, "tip"))
 

@@ -36,6 +36,7 @@ from .description import BASE_JOINT, BASES, Description
 from .motors import motor_range, other_rotors, rotors
 from .mujoco_numbers import BALL, FREE, HINGE, SLIDE, dofs, pose, randomise, single_joint, xyzw, yaw_of
 from .scene import Scene, body_name, body_names, scene
+from .springs import springs
 from .unmodelled import unmodelled
 
 #: Tolerance for positions against MuJoCo's, relative to the size of the robot, and number of comparisons.
@@ -107,7 +108,8 @@ class _Reader:
             *unmodelled(self.mj, self.scene, self.joint_names(), bool(closures)),
             *self._displaced(neutral),
         )
-        return Description(self.model, neutral, ties, (), left_out, tuple(closures), self.mj)
+        own = springs(self.mj, self.joint_names())
+        return Description(self.model, neutral, ties, (), left_out, tuple(closures), self.mj, own)
 
     def joint_names(self) -> dict[int, str]:
         """MuJoCo's number of each joint of the robot -> its name."""
