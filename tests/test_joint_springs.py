@@ -36,6 +36,16 @@ def test_they_are_read_and_said(model, caplog) -> None:
     assert load_robot("panda").springs == {}
 
 
+@pytest.mark.usefixtures("nothing_told")
+def test_those_of_joints_that_follow_others_are_said(caplog) -> None:
+    equality = '<equality><joint joint1="ankle" joint2="hip" polycoef="0 1 0 0 0"/></equality></mujoco>'
+    text = TEXT.replace('name="ankle"', 'name="ankle" stiffness="5"').replace("</mujoco>", equality)
+    with caplog.at_level(logging.WARNING, logger="hqp"):
+        robot = load_robot(mujoco.MjModel.from_xml_string(text), mimic="follow")
+    assert list(robot.springs) == ["hip", "leg"]
+    assert "springs of joints that follow others are left out: ankle" in caplog.text
+
+
 @pytest.mark.parametrize("own", [True, False], ids=["the file", "the plant"])
 def test_what_is_told_is_what_happens(model, own: bool) -> None:
     """The torques cause the accelerations in MuJoCo, in its model of the file and in that of the plant."""

@@ -115,9 +115,13 @@ def load_robot(
 
 
 def _take_rest(robot: PinocchioRobot, described: Description) -> None:
-    """Give the robot what its file has beside the model; springs of joints that are held or follow others are none."""
+    """Give the robot what its file has beside the model; springs of joints that follow others are none, and told."""
     robot.left_out, robot.closures, robot.scene = described.left_out, described.closures, described.scene
     robot.springs = {joint: spring for joint, spring in described.springs.items() if joint in robot.joint_names}
+    followers = {robot.model.names[i] for i in robot.model.mimicking_joints}
+    if followers.intersection(described.springs):
+        names = ", ".join(joint for joint in described.springs if joint in followers)
+        tell(f"{robot!r}: springs of joints that follow others are left out: {names}")
 
 
 def _take_home(robot: PinocchioRobot, entry: Entry) -> None:
