@@ -647,8 +647,7 @@ READ |= {
         <body name="three" pos=".3 0 0"><joint name="c" type="slide" actuatorfrcrange="-5 5"/><geom size=".1"/>
         <body name="four" pos=".3 0 0"><joint name="d" actuatorfrcrange="-5 5" actuatorfrclimited="false"/>
         <geom size=".1"/>
-        </body></body></body></body></worldbody><actuator><motor joint="b" forcerange="-3 3"/></actuator></mujoco>""",
-        left=("motors of the joints b",),
+        </body></body></body></body></worldbody><actuator><motor joint="b" forcerange="-3 3"/></actuator></mujoco>"""
     ),
     "actuators of all kinds": Idiom(f"""<mujoco>{ALONE}<actuator><motor name="m" joint="shoulder" gear="50"/>
       <position joint="elbow" kp="10" ctrlrange="-1 1"/><velocity joint="elbow" kv="1"/>

@@ -196,6 +196,26 @@ def test_friction_is_named_by_its_points() -> None:
     assert "left: friction, at 4 of 4 points" in line
 
 
+def test_friction_is_named_by_the_points_that_it_holds() -> None:
+    """Each of them is at its pyramid, and they are not always all."""
+    scene, counts = humanoid(friction=0.3), set()
+    for seed in (14, 18, 21, 23, 24, 27, 36, 37):
+        com = scene.com + np.random.default_rng(seed).uniform(-0.1, 0.1, 3)
+        stack = scene.limits >> CenterOfMassTask(com, gain=6.0) >> scene.rest()
+        step = Controller(scene.robot, stack, order="torque", dt=DT, damping=None)(*moved(scene, seed, 0.02))
+        h = step.solution.hierarchy
+        labels = [label for level in h.levels for label in level.labels]
+        for cause in (cause for level in step.solution.explain().levels for cause in level.causes):
+            if not cause.part.endswith("friction"):
+                continue
+            points = {labels[row].place for row in cause.rows}
+            counts.add(len(points))
+            assert f"{cause}" == f"{cause.part}, at {len(points)} of 4 points"
+            value = h.dense()[list(cause.rows)] @ step.solution.x
+            np.testing.assert_allclose(value, 0.0, atol=1e-6)
+    assert counts - {4}
+
+
 def test_a_quadruped_lifts_a_leg_by_a_trajectory() -> None:
     robot = load_robot("go2", acceleration_limit=1000.0)
     q, v = np.array(robot.home), np.zeros(robot.nv)

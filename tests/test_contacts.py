@@ -25,6 +25,7 @@ from tasks import (
     JointLimits,
     JointTorqueLimit,
     Loop,
+    Part,
     PinocchioRobot,
     PoseTask,
     PositionTask,
@@ -621,11 +622,12 @@ def test_refuses_stacks_and_robots_that_do_not_fit() -> None:
             act()
 
 
-def test_a_robot_without_contacts_is_said_to_fall(caplog: pytest.LogCaptureFixture) -> None:
+@pytest.mark.parametrize("beside", [[], [JointTorqueLimit(), JointLimits()]], ids=["alone", "with limits"])
+@pytest.mark.usefixtures("nothing_told")
+def test_a_robot_without_contacts_is_said_to_fall(beside: list[Part], caplog: pytest.LogCaptureFixture) -> None:
     scene = humanoid()
-    controller = Controller(
-        scene.robot, Dynamics() >> PostureTask(scene.q, gain=4.0), order="torque", dt=DT, damping=None
-    )
+    stack = Stack(Dynamics(), *beside, PostureTask(scene.q, gain=4.0))
+    controller = Controller(scene.robot, stack, order="torque", dt=DT, damping=None)
     assert "it falls" in caplog.text
     step = controller(scene.q, scene.v)
     assert np.allclose(scene.robot.at(scene.q, scene.v).center_of_mass.linear @ step.a, [0.0, 0.0, -9.81], atol=1e-6)

@@ -47,6 +47,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "dynamics": {
         "wrenches": {"torso_link": [30.0, 0.0, 0.0, 0.0, 0.0, 0.0]},
         "joint_damping": 0.7,
+        "springs": {"left_knee_joint": (20.0, 0.3)},
         "weight": 2.0,
     },
     "loop": {

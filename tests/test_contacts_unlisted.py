@@ -11,7 +11,7 @@ import pytest
 from contact_scenes import DT, Scene, advanced
 from test_contacts import check_mechanics
 
-from tasks import CenterOfMassTask, Contact, Controller, Line, PositionTask, load_robot, quintic
+from tasks import CenterOfMassTask, Contact, Controller, Line, MujocoPlant, PositionTask, load_robot, quintic
 from tasks.robots.library import data_folder
 
 
@@ -158,3 +158,12 @@ def test_it_stands_on_what_its_file_says(name: str) -> None:
     assert np.linalg.norm(state.center_of_mass.position - there) < 1e-4
     if not biped:
         assert state.frame(last).position[2] - foot[2] > 0.005
+
+
+def test_links_may_be_called_as_joints() -> None:
+    """Those of an ANYmal are; with all joints held, its points stay where they are."""
+    pytest.importorskip("mujoco", reason="physics need MuJoCo: pip install 'hqp[mujoco]'")
+    scene = standing(ROBOTS["anymal"])
+    assert "RH_KFE" in scene.robot.joint_names
+    assert scene.robot.has_frame("body:RH_KFE")
+    assert MujocoPlant(scene.robot, contacts=scene.feet).creep(scene.q, 0.5) < 1e-5

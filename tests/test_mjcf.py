@@ -227,7 +227,11 @@ def test_ranges_and_torques(pair):
     m, ranges, torques = twin.model, [], []
     for j in twin.joints:
         ranges += [twin.range(j)] * SIZES[int(m.jnt_type[j])][1]
-        torques += [m.jnt_actfrcrange[j, 1] if m.jnt_actfrclimited[j] else np.inf] * SIZES[int(m.jnt_type[j])][1]
+        on_joints = np.flatnonzero(m.actuator_trntype == mujoco.mjtTrn.mjTRN_JOINT)
+        own = [i for i in on_joints if m.actuator_trnid[i, 0] == j]
+        motor = m.actuator_forcerange[own[0], 1] if len(own) == 1 and m.actuator_forcelimited[own[0]] else np.inf
+        joint = m.jnt_actfrcrange[j, 1] if m.jnt_actfrclimited[j] else np.inf
+        torques += [min(joint, motor)] * SIZES[int(m.jnt_type[j])][1]
     for own, expected in (robot.position_limit, np.transpose(ranges)), (robot.torque_limit, np.array(torques)):
         if np.isfinite(expected).any():
             close(own, expected, 1e-12 if twin.ties else 0.0)
@@ -453,7 +457,7 @@ def test_a_motor_that_is_weaker_one_way(folder, torques, largest, caplog):
     else:
         with caplog.at_level("WARNING"):
             np.testing.assert_array_equal(load_robot(path).torque_limit, [largest])
-        assert "the smaller end of actuatorfrcrange counts for both directions: weak" in caplog.text
+        assert "the smaller end of the range of its motor counts for both directions: weak" in caplog.text
 
 
 def test_joints_that_are_locked(folder):
@@ -534,16 +538,46 @@ MOTORS = """<mujoco><worldbody><body><joint name="a"/><geom size=".1"/>
 
 
 @pytest.mark.parametrize(
-    "motor",
+    ("motor", "largest"),
     [
-        '<motor joint="a" gear="100" ctrlrange="-1 1"/>',
-        '<position joint="a" kp="100" forcerange="-87 87"/>',
-        '<general jointinparent="a" forcerange="-87 87"/>',
+        ('<motor joint="a" gear="100" ctrlrange="-1 1"/>', 100.0),
+        ('<motor joint="a" gear="-20" ctrlrange="-1 2"/>', 20.0),
+        ('<motor joint="a" gear="2" ctrlrange="-9 9" forcerange="-4 5"/>', 8.0),
+        ('<position joint="a" kp="1e6" gear=".5" ctrlrange="-1 1" forcerange="-87 87"/>', 43.5),
+        ('<velocity joint="a" kv="1e6" forcerange="-7 7"/>', 7.0),
+        ('<general jointinparent="a" gainprm="-3" ctrlrange="-1 1"/>', 3.0),
+        ('<motor joint="b" gear="3" ctrlrange="-1 1"/>', 3.0),
+        ('<motor joint="b" gear="9" ctrlrange="-1 1"/>', 5.0),
     ],
 )
-def test_limits_of_motors_that_are_not_read_are_said(folder, motor):
-    left_out = load_robot(written(folder, MOTORS.format(motor))).left_out
-    assert left_out == ("limits of the motors of the joints a (torque_limit= gives them)",)
+def test_the_one_motor_of_a_joint_limits_its_torque(folder, motor, largest):
+    """To what MuJoCo gives both ways, however much is asked for."""
+    path = written(folder, MOTORS.format(motor))
+    robot, mj = load_robot(path), mujoco.MjModel.from_xml_path(str(path))
+    joint, given = int(mj.actuator_trnid[0, 0]), []
+    for asked in -1e6, 1e6:
+        data = mujoco.MjData(mj)
+        data.ctrl[:] = asked
+        mujoco.mj_forward(mj, data)
+        given.append(data.qfrc_actuator[mj.jnt_dofadr[joint]])
+    assert robot.left_out == ()
+    assert robot.torque_limit[joint] == largest == pytest.approx(min(-min(given), max(given)))
+
+
+@pytest.mark.parametrize(
+    "motors",
+    [
+        '<motor joint="a" gear="100" ctrlrange="0 1"/>',
+        '<motor joint="a" ctrlrange="-1 1"/><motor joint="a" ctrlrange="-2 2"/>',
+        '<motor joint="a" ctrlrange="-1 1"/><position joint="a" kp="3"/>',
+        '<general joint="a" forcerange="-9 0"/>',
+    ],
+    ids=["one way", "two", "one of two", "only pulls"],
+)
+def test_limits_of_motors_that_are_not_read_are_said(folder, motors):
+    robot = load_robot(written(folder, MOTORS.format(motors)))
+    assert robot.left_out == ("limits of the motors of the joints a (torque_limit= gives them)",)
+    assert robot.torque_limit[0] == np.inf
 
 
 ELSEWHERE = """<mujoco><worldbody><site name="anchor" pos="1 1 1"/><body name="cart"><joint name="a"/>
@@ -575,13 +609,21 @@ def test_limits_of_motors_that_are_on_no_joint_are_said(folder, tendon, motor, s
 @pytest.mark.parametrize(
     "motor",
     [
-        '<motor joint="b" ctrlrange="-1 1"/>',
         '<velocity joint="a" kv="1" ctrlrange="-1 1"/>',
         '<motor joint="a" gear="2"/>',
+        '<general joint="a" dyntype="integrator" actdim="1" ctrlrange="-1 1"/>',
     ],
 )
 def test_nothing_is_said_of_motors_that_limit_no_torque(folder, motor):
-    assert load_robot(written(folder, MOTORS.format(motor))).left_out == ()
+    robot = load_robot(written(folder, MOTORS.format(motor)))
+    assert robot.left_out == ()
+    assert robot.torque_limit[0] == np.inf
+
+
+def test_ranges_of_controls_that_mujoco_does_not_keep_are_none(folder):
+    text = MOTORS.format('<motor joint="a" ctrlrange="-1 1"/>')
+    text = text.replace("<mujoco>", '<mujoco><option><flag clampctrl="disable"/></option>')
+    assert load_robot(written(folder, text)).torque_limit[0] == np.inf
 
 
 @pytest.mark.parametrize(("position", "told"), [("0.7", False), ("45", True)])

@@ -9,6 +9,7 @@ import pytest
 
 from hqp import Hierarchy, Level, Settings, certify
 from hqp.backends.native import Memory, warm_up
+from hqp.certificate import excess
 from hqp.kernels import layout as at
 from hqp.kernels.active_set import OPTIMAL
 
@@ -89,6 +90,22 @@ def test_it_keeps_what_the_levels_above_decide_to_round_off() -> None:
             assert equations.A is not None
             off = np.abs(equations.A @ memory.x - equations.lower).max()
             assert off <= 1e-12 * (1.0 + np.abs(memory.x).max()), seed
+
+
+def test_it_keeps_bounds_to_round_off() -> None:
+    """However uneven the weights of the last level are, which magnify it."""
+    met = 0
+    for seed, h in enumerate(draws(60)):
+        memory, rng = Memory(h.structure, Settings()), np.random.default_rng([seed, 1])
+        for tick in range(4):
+            if memory.run(h.address) == OPTIMAL:
+                off = np.abs(excess(h.dense() @ memory.x, h.lower, h.upper)) / (1.0 + np.abs(memory.x).max())
+                bounds = np.r_[off[: h.pointers[1]], off[h.pointers[2] : h.pointers[3]]].max()
+                if bounds < 1e-7:  # else the limits contradict the equations
+                    met += 1
+                    assert bounds <= 1e-13, (seed, tick)
+            h = moved(h, rng)
+    assert met >= 200
 
 
 @pytest.mark.parametrize(

@@ -90,7 +90,7 @@ def levels(here, last, warm):
         if faults > 0 and (k < last or late(here)):
             break
         if head[at.METRIC] != 0:
-            put_back(here, frozen)
+            put_back(here, frozen, rank)
         keep(here, k, last)
         note_doubt(here, hard, rank, own, own_rank, pull, frozen)
         if k < last:

@@ -17,7 +17,7 @@ from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .orthogonal import CANCELLED, length, padded, project
-from .rows import EQUALITY, copy_row
+from .rows import EQUALITY, copy_row, target, value_of
 
 #: The least part of its length that reflections must leave of a column of V for a variable that is not asked.
 FOLLOWS = 1e-3
@@ -85,11 +85,22 @@ def change_metric(here, k, frozen):
 
 
 @inner
-def put_back(here, frozen):
-    """Move x to the nearest point at which the frozen rows have their values, those of ``exact``.
+def put_back(here, frozen, rank):
+    """Take away the round-off that the metric has magnified, where weights differ; `frozen` is as of change_metric.
 
-    Where weights differ, the metric magnifies round-off. `frozen` is as of :func:`change_metric`.
+    x moves to the nearest point at which the frozen rows have their values, those of ``exact``. If it is at bounds, of
+    the `rank` pivot rows behind V[:frozen], it moves there by one step of iterative refinement, which the metric
+    magnifies less, and back once more.
     """
+    return_to_frozen(here, frozen)
+    if rank > 0:
+        return_to_bounds(here, frozen, rank)
+        return_to_frozen(here, frozen)
+
+
+@inner
+def return_to_frozen(here, frozen):
+    """Move x to the nearest point at which the frozen rows have their values, in the metric of x itself."""
     head = ints(here, 0, at.HEAD)
     n, m, c = head[at.N], head[at.ROWS], frozen + head[at.METRIC] - 1
     x, exact, P = vector(here, at.X), vector(here, at.EXACT), matrix(here, at.P)
@@ -99,6 +110,26 @@ def put_back(here, frozen):
             off += row[j] * (exact[j] - x[j])
         for j in range(n):
             x[j] += off * row[j]
+
+
+@inner
+def return_to_bounds(here, frozen, rank):
+    """Refine x where the `rank` pivot rows behind V[:frozen] are off their bounds, in the metric of the level."""
+    n = ints(here, 0, at.HEAD)[at.N]
+    pivot, side, lo, hi = marks(here, at.PIVOT), marks(here, at.SIDE), vector(here, at.LO), vector(here, at.HI)
+    x, moved, more = vector(here, at.X), vector(here, at.MOVED), vector(here, at.G)
+    V, L = matrix(here, at.V), matrix(here, at.L)
+    for j in range(n):
+        moved[j] = 0.0
+    for r in range(rank):
+        i = pivot[frozen + r]
+        row, direction, total = L[i], V[frozen + r], target(side[i], lo[i], hi[i]) - value_of(i, x, here)
+        for q in range(r):
+            total -= row[frozen + q] * more[q]
+        more[r] = total / row[frozen + r]
+        for j in range(n):
+            moved[j] += more[r] * direction[j]
+    displace(here, x)
 
 
 @inner

@@ -17,18 +17,29 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from hqp import InvalidInput, Label
 from hqp.checks import of_type
 
-from ..base.checks import Array, fill, not_negative, numbers, per_row
+from ..base.checks import Array, fill, finite_scalar, not_negative, numbers, pair, per_row, scalar
 from ..base.live import number
 from ..base.telling import tell
-from ..robots.robot import Robot, base, check_dynamics, check_frame, check_motors, joint_names, joint_units
+from ..robots.robot import (
+    Robot,
+    base,
+    check_dynamics,
+    check_frame,
+    check_motors,
+    joint_index,
+    joint_names,
+    joint_units,
+)
 from ..rows.expansion import Companions, Setting
 from ..rows.part import Order, Part
 from ..rows.site import Move
+from .loop import Loop
+from .model import ContactModel
 
 if TYPE_CHECKING:
     from ..rows.plan import Plan
@@ -48,6 +59,8 @@ class Dynamics(Part):
     joint_damping : float or array, shape (nv,), optional
         D, viscous damping of the joints [N m s/rad], [N s/m], as ``robot.model.damping``; one number is for all joints
         but the base (default: none, feedback compensates what there is).
+    springs : dict of joint to (float, float), optional
+        Springs of joints, as ``robot.springs``: stiffness [N m/rad], [N/m], and position without force [rad], [m].
     weight : float or array, shape (base,)
         Weight of the rows inside their level.
     name : str
@@ -55,8 +68,9 @@ class Dynamics(Part):
     Raises
     ------
     InvalidInput
-        If a wrench does not have six numbers, or damping is negative; with a robot, if the robot has no motion equation
-        or no such frame, there is not one damping a joint, or the order is velocity.
+        If a wrench does not have six numbers, or damping or stiffness is negative; with a robot, if the robot has no
+        motion equation, no such frame or joint with a position, there is not one damping a joint, or the order is
+        velocity.
 
     Examples
     --------
@@ -73,11 +87,12 @@ class Dynamics(Part):
         wrenches: Mapping[str, ArrayLike | Sensor] | None = None,
         *,
         joint_damping: ArrayLike | None = None,
+        springs: Mapping[str, tuple[float, float]] | None = None,
         weight: ArrayLike = 1.0,
         name: str = "dynamics",
     ) -> None:
         self.name = of_type(name, str, "name of a Dynamics")
-        self.weight, self.wrenches, self.joint_damping = weight, wrenches, joint_damping
+        self.weight, self.wrenches, self.joint_damping, self.springs = weight, wrenches, joint_damping, springs
 
     @number
     def wrenches(self, value: Mapping[str, ArrayLike | Sensor] | None) -> dict[str, Sensor]:
@@ -89,6 +104,22 @@ class Dynamics(Part):
     def joint_damping(self, value: ArrayLike | None) -> Array | None:
         """Viscous damping of the joints, shape () or (nv,) [N m s/rad], [N s/m]; None for none."""
         return None if value is None else not_negative(value, f"{self.full_name()}: joint damping", unit="N m s/rad")
+
+    @number
+    def springs(self, value: Mapping[str, tuple[float, float]] | None) -> dict[str, tuple[float, float]]:
+        """Springs of joints: stiffness [N m/rad], [N/m], and position without force [rad], [m]."""
+        what = f"{self.full_name()}: springs"
+        found = {}
+        for joint, spring in of_type({} if value is None else value, Mapping, what).items():
+            stiffness, rest = pair(spring, f"{what} of {joint!r}", "stiffness and rest")
+            own = f"{what} of {joint!r}"
+            found[joint] = scalar(not_negative(stiffness, own, unit="N m/rad"), own), finite_scalar(rest, own)
+        return found
+
+    def _springs(self, robot: Robot) -> NDArray[np.int64]:
+        """The velocity of every joint with a spring."""
+        names = joint_names(robot)
+        return np.array([joint_index(names, joint, f"{self.full_name()}: springs") for joint in self.springs], np.int64)
 
     def _damping(self, robot: Robot) -> Array:
         """D of every velocity, shape (nv,)."""
@@ -110,7 +141,7 @@ class Dynamics(Part):
         if setting.order == "displacement":  # a step of the joints has no forces
             return Companions(())
         others = [part for part in setting.parts if isinstance(part, Part) and part is not self]
-        alone = all(type(part).companions is Part.companions for part in others)
+        alone = not any(isinstance(part, ContactModel | Loop) for part in others)
         if setting.order != "velocity" and not any(part.limited == "torque" for part in others):
             check_motors(setting.robot, self.full_name())
         if base(setting.robot) and alone:
@@ -125,6 +156,7 @@ class Dynamics(Part):
             )
         check_dynamics(robot, self.full_name())
         self._damping(robot)
+        self._springs(robot)
         for frame in self.wrenches:
             check_frame(robot, frame, f"{self.full_name()}: wrench at")
 
@@ -137,7 +169,7 @@ class Dynamics(Part):
         from ..base.loops import Call
         from ..rows.plan import Plan
         from .bearing import bearing_calls
-        from .kernels.dynamics import add_damping, add_wrench, write_dynamics
+        from .kernels.dynamics import add_damping, add_springs, add_wrench, write_dynamics
 
         shared = site.shared
         M, b = shared.blocks.mass_matrix(), shared.blocks.bias()
@@ -146,6 +178,14 @@ class Dynamics(Part):
         acting.clear()
         if self.joint_damping is not None:
             acting.append(Call(add_damping, shared.n, self._damping(shared.robot), shared.v, b))
+        if self.springs:
+            own = self._springs(shared.robot)
+            places, (K, rest) = shared.position_indices[own], np.array(list(self.springs.values())).T
+            if (places < 0).any():
+                joint = list(self.springs)[int(np.argmin(places))]
+                raise InvalidInput(f"{self.full_name()}: springs: joint {joint!r} has no position of its own")
+            numbers_of = own, np.ascontiguousarray(places), np.ascontiguousarray(K), np.ascontiguousarray(rest)
+            acting.append(Call(add_springs, len(own), *numbers_of, shared.positions, b))
         for frame, sensor in self.wrenches.items():
             wrench = np.zeros(6)
             moves.append(_kept_up(wrench, sensor, f"{self.full_name()}: wrench at {frame!r}"))

@@ -109,9 +109,19 @@ def load_robot(
     robot = PinocchioRobot(model, **own, **given, acceleration_limit=acceleration_limit, follower_limits=followers)
     robot.start_from(neutral)
     _take_home(robot, entry)
-    robot.recipe, robot.left_out, robot.closures = recipe, described.left_out, described.closures
-    robot.scene, robot.source = described.scene, file.resolve() if isinstance(file, Path) else None
+    robot.recipe, robot.source = recipe, file.resolve() if isinstance(file, Path) else None
+    _take_rest(robot, described)
     return robot
+
+
+def _take_rest(robot: PinocchioRobot, described: Description) -> None:
+    """Give the robot what its file has beside the model; springs of joints that follow others are none, and told."""
+    robot.left_out, robot.closures, robot.scene = described.left_out, described.closures, described.scene
+    robot.springs = {joint: spring for joint, spring in described.springs.items() if joint in robot.joint_names}
+    followers = {robot.model.names[i] for i in robot.model.mimicking_joints}
+    if followers.intersection(described.springs):
+        names = ", ".join(joint for joint in described.springs if joint in followers)
+        tell(f"{robot!r}: springs of joints that follow others are left out: {names}")
 
 
 def _take_home(robot: PinocchioRobot, entry: Entry) -> None:

@@ -30,10 +30,10 @@ except ImportError as error:  # pragma: no cover
     raise MissingPackage("spatial robots need Pinocchio: pip install 'hqp[robots]'") from error
 
 from .configurations import Configurations
+from .frame_addition import Framed
 from .joint_axes import NONE
-from .keeping import Kept, Recipe
+from .keeping import Kept
 from .kinematics import Kinematics
-from .pinocchio_model import PinocchioModel
 from .pinocchio_source import PinocchioSource
 from .pinocchio_state import PinocchioState
 from .ranges import SAME, both_ways, held_at_zero, largest, no_faster, no_position, within, without_motors
@@ -52,7 +52,7 @@ Limit = ArrayLike | Mapping[str, float]
 Range = tuple[ArrayLike, ArrayLike] | Mapping[str, tuple[float, float]]
 
 
-class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
+class PinocchioRobot(Configurations, Semantic, Shaped, Framed):
     """A robot with a Pinocchio model. One robot serves one thread; copies share the model.
 
     Parameters
@@ -94,6 +94,8 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
         Parts of its file that are not part of the robot.
     closures : tuple of Closure
         Frames that its file holds together, for :meth:`tasks.Loop.of`.
+    springs : dict of str to (float, float)
+        Springs of its joints, of an MJCF: stiffness [N m/rad], [N/m], and position without force [rad], [m].
     recipe : Recipe or None
         How the mimic joints of its model were made, for copies; see :mod:`tasks.robots.keeping`.
     source : pathlib.Path or None
@@ -134,7 +136,7 @@ class PinocchioRobot(Configurations, Semantic, Shaped, PinocchioModel):
         self.position_limit, self.velocity_limit = position_limit, velocity_limit
         self.acceleration_limit, self.torque_limit = acceleration_limit, torque_limit
         self.left_out: tuple[str, ...] = ()
-        self.recipe: Recipe | None = None
+        self.recipe = None
         self.start_from(pin.neutral(model))
         self.source: Path | None = None
         self.scene: Any = None

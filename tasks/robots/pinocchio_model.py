@@ -56,6 +56,8 @@ class PinocchioModel(Live):
     tip: str | None = structure()
     kinematics: Kinematics = structure()
     guard: Guard = structure()
+    _frame_numbers: dict[str, int]
+    _frames: dict[str | None, int]
     _instead = "load or make another robot"
 
     def __init__(self, model: pin.Model, tip: str | None, name: str | None) -> None:
@@ -64,22 +66,30 @@ class PinocchioModel(Live):
         self.nq, self.nv = int(model.nq), int(model.nv)
         verify(model, repr(self))
         tell_of_inertias(model, repr(self))
-        self.kinematics = Kinematics(model, repr(self))
         self._base, self.base = base_of(model)
         self._axes = joint_axes(model)
         self.joint_names = tuple(axis.name for axis in self._axes)
         self.joint_units = tuple(axis.unit for axis in self._axes)
         self._units = unit_parts(model)
-        self._frame_numbers = frame_numbers(model)
-        self.frame_names = tuple(dict.fromkeys(frame.name for frame in model.frames))
         places = np.array([axis.q_index for axis in self._axes], dtype=np.intp)
         self._columns = np.flatnonzero(places != NONE)
         self._q_indices = places[self._columns]
-        self._frames: dict[str | None, int] = {}
         self._support: dict[int, list[tuple[int, int]]] = {}
         self.closures: tuple[Closure, ...] = ()
-        self.guard = Guard(f"the workspace of {self!r}")
+        self.springs: dict[str, tuple[float, float]] = {}
+        self.change_model(model)
         self.tip = None if tip is None else self.check_frame(of_type(tip, str, "tip"))
+
+    def change_model(self, model: pin.Model) -> None:
+        """Take a model of the same joints, with a workspace of its own: its frames may be others."""
+        vars(self).update(
+            model=model,
+            kinematics=Kinematics(model, repr(self)),
+            guard=Guard(f"the workspace of {self!r}"),
+            frame_names=tuple(dict.fromkeys(frame.name for frame in model.frames)),
+            _frame_numbers=frame_numbers(model),
+            _frames={},
+        )
 
     def at(self, q: ArrayLike, v: ArrayLike | None = None) -> RobotState:
         """The state at (q, v), or at rest."""

@@ -91,7 +91,7 @@ def specification_of(robot: Any, mujoco: Any, contacts: Sequence[Contact] = ()) 
         body.mass, body.ipos = inertia.mass, inertia.lever
         body.fullinertia = [J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2]]
         for i, at in own:
-            _add_joint(body, model, i, at, mujoco)
+            _add_joint(body, robot, i, at, mujoco)
         bodies.append(body)
     for contact in contacts:
         body, frame = (
@@ -142,8 +142,9 @@ def point_name(contact: Contact, k: int) -> str:
     return f"{contact.name} point {k}"
 
 
-def _add_joint(body: Any, model: Any, index: int, at: Any, mujoco: Any) -> None:
+def _add_joint(body: Any, robot: Any, index: int, at: Any, mujoco: Any) -> None:
     """Add joint `index` of the model to a MuJoCo body, at the placement `at` on it."""
+    model = robot.model
     joint, name = model.joints[index], model.names[index]
     if free(joint) or ball(joint):
         own = slice(joint.idx_v, joint.idx_v + joint.nv)
@@ -156,6 +157,7 @@ def _add_joint(body: Any, model: Any, index: int, at: Any, mujoco: Any) -> None:
     joint.calc(motion, np.zeros(model.nq))
     subspace = np.array(motion.S).reshape(6)  # linear, angular: one of them is the axis
     slides = bool(subspace[:3].any())
+    stiffness, rest = robot.springs.get(name, (0.0, 0.0))
     body.add_joint(
         name=name,
         type=mujoco.mjtJoint.mjJNT_SLIDE if slides else mujoco.mjtJoint.mjJNT_HINGE,
@@ -163,6 +165,8 @@ def _add_joint(body: Any, model: Any, index: int, at: Any, mujoco: Any) -> None:
         axis=at.rotation @ (subspace[:3] if slides else subspace[3:]),
         armature=model.armature[joint.idx_v],
         damping=[model.damping[joint.idx_v], 0.0, 0.0],
+        stiffness=[stiffness, 0.0, 0.0],
+        springref=rest if slides else np.degrees(rest),
     )
 
 

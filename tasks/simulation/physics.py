@@ -264,12 +264,11 @@ class MujocoPlant(Live):
         After a second to come to rest, within `duration` [s]. This creep comes from the contact model of the physics,
         not from the controller.
         """
-        import pinocchio as pin
-
+        from ..robots.files.reduction import without
         from ..robots.pinocchio import PinocchioRobot
 
         model: Any = self._robot.model
-        held = pin.buildReducedModel(model, list(range(2 if self._base else 1, model.njoints)), np.asarray(q))
+        held = without(model, list(range(2 if self._base else 1, model.njoints)), np.asarray(q))
         plant = MujocoPlant(PinocchioRobot(held), contacts=self.contacts, ground=self.ground, step=self.step)
         q, v, none = np.array(q[: held.nq]), np.zeros(held.nv), np.zeros(0)
         q, v = plant.advance(q, v, none, 1.0)  # it comes to rest

@@ -6,6 +6,14 @@ With the torques tau, and the Jacobian :math:`J_c` and error e of what holds,
 
 It serves as a reference: a controller with the same contacts gets exactly the accelerations that it computes. The
 feedback terms, with gain K, only correct the drift of integration.
+
+A line is held at its two ends. What rolls is held where it touches: that point stays at r from the middle of the wheel,
+below it, and is not carried around. The point of the wheel that is there now is; so it is allowed the acceleration
+
+.. math:: \omega \times (\omega \times r), \quad \text{told as an error of its place,} \quad
+   e = K^{-2}\, \omega \times (\omega \times r),
+
+and its error is that of its height alone.
 """
 
 from __future__ import annotations
@@ -30,8 +38,9 @@ from .motion import check_names, check_still, told
 
 #: Proximal parameter [1/kg], which makes forces unique if contacts are redundant.
 PROXIMAL = 1e-10
-#: Pinocchio's type of a contact, by the number of motions that it forbids.
-KINDS = {3: "CONTACT_3D", 6: "CONTACT_6D"}
+#: Pinocchio's types of contacts, by the number of motions that a contact forbids: a line is two points.
+POINT, PLANE = "CONTACT_3D", "CONTACT_6D"
+KINDS = {3: POINT, 5: POINT, 6: PLANE}
 
 
 class RigidContactPlant(Live):
@@ -41,7 +50,7 @@ class RigidContactPlant(Live):
     ----------
     robot : PinocchioRobot
     contacts : list of Contact
-        Point contacts and contacts that forbid all motions, not lines. They can pull as well as push.
+        They can pull as well as push.
     holding : callable, optional
         Returns the names of the contacts that hold, called every tick, such as ``lambda: controller.loaded``. A contact
         is held where it is when it begins to hold (default: all contacts, always).
@@ -55,8 +64,8 @@ class RigidContactPlant(Live):
     Raises
     ------
     InvalidInput
-        If the robot is not of that kind, has joints that follow others, or a contact does not belong to it, is a line,
-        rolls, or has a surface that moves; or a loop does not, or does not say which orientation it holds.
+        If the robot is not of that kind, has joints that follow others, or a contact does not belong to it, or has a
+        surface that moves; or a loop does not belong to it, or does not say which orientation it holds.
     """
 
     contacts: tuple[Contact, ...] = structure()
@@ -90,10 +99,6 @@ class RigidContactPlant(Live):
         for contact in self.contacts:
             check_frame(robot, contact.frame, f"{contact.full_name()}: frame")
             check_still(contact, "RigidContactPlant")
-            if contact.radius is not None:
-                raise InvalidInput(f"{contact.full_name()}: rolls; a RigidContactPlant takes contacts that stay")
-            if contact.shape.motions not in KINDS:
-                raise InvalidInput(f"{contact.full_name()}: is a line; a RigidContactPlant takes points and planes")
         self.loops = loops_of(robot, loops, "RigidContactPlant")
         check_names(self.contacts, self.loops)
         self._holding = None if holding is None else function(holding, "holding")
@@ -101,10 +106,12 @@ class RigidContactPlant(Live):
         self.gain = positive_scalar(gain, "gain", unit="1/s")
         self._data = self._robot.model.createData()
         self._free = np.zeros(base(robot))
-        self._held: dict[str, Any] = {}
+        self._held: dict[str, list[Any]] = {}
+        self._rolling: list[tuple[Contact, int]] = []
         self._models: Any = None
         self._datas: Any = None
         self._proximal = pin.ProximalSettings(1e-12, PROXIMAL, 20)
+        self._own = {contact.name: contact for contact in self.contacts}
         self._constrain({})
 
     def __getstate__(self) -> dict[str, Any]:
@@ -133,6 +140,7 @@ class RigidContactPlant(Live):
 
     def acceleration(self, q: Array, v: Array, tau: Array) -> Array:
         """Joint accelerations (nv,) [rad/s^2] under generalised forces `tau` (nv,), with the contacts that hold."""
+        self._roll(q, v)
         told = self._robot.model, self._data, q, v, tau, self._models, self._datas, self._proximal
         return np.array(self._pin.constraintDynamics(*told))
 
@@ -140,11 +148,20 @@ class RigidContactPlant(Live):
     def forces(self) -> dict[str, Array]:
         """Name of a contact that holds -> force [N] and moment [N m] of the world on the robot in the last step, (6,).
 
-        They act at the centre of the contact, along the axes of its frame; the moment of a point contact is 0. And name
-        of a loop -> force and moment on its first frame, at its point, along the axes of that frame.
+        They act at the centre of the contact, of what rolls where it touches, along the axes of its frame; the moment
+        of a point contact is 0. And name of a loop -> force and moment on its first frame, at its point, along the axes
+        of that frame.
         """
-        names = [*self._held, *(loop.name for loop in self.loops)]
-        return {name: np.array(data.contact_force.vector) for name, data in zip(names, self._datas, strict=True)}
+        every, found = iter(np.array(data.contact_force.vector) for data in self._datas), {}
+        for name in self._held:
+            contact = self._own[name]
+            spots = spots_of(contact)
+            own = [next(every) for _ in spots]
+            arms = [spot - contact.shape.centre for spot in spots]
+            found[name] = np.sum(own, axis=0)
+            if contact.radius is None:
+                found[name][3:] += np.sum([np.cross(r, f[:3]) for r, f in zip(arms, own, strict=True)], axis=0)
+        return found | {loop.name: next(every) for loop in self.loops}
 
     def _hold(self, q: Array) -> None:
         """Update the constraints to the contacts that must hold now; a new one is held where it is at q."""
@@ -153,20 +170,39 @@ class RigidContactPlant(Live):
         if list(wanted) == list(self._held):
             return
         self._pin.framesForwardKinematics(self._robot.model, self._data, q)
-        self._constrain({name: self._held.get(name) or self._place(contact) for name, contact in wanted.items()})
+        self._constrain({name: self._held.get(name) or self._places(contact) for name, contact in wanted.items()})
 
-    def _constrain(self, held: dict[str, Any]) -> None:
+    def _constrain(self, held: dict[str, list[Any]]) -> None:
         """Hold the contacts of these names at these places, and close the loops."""
         pin, model, self._held = self._pin, self._robot.model, held
         self._models, self._datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
-        own = {contact.name: contact for contact in self.contacts}
-        pairs = [(own[name].shape.motions, [self._mounted(own[name]), (0, there)]) for name, there in held.items()]
-        pairs += [(3 if loop.turns else 6, ends(self._robot, loop)) for loop in self.loops]
-        for motions, places in pairs:
-            constraint = self._constraint(motions, places)
+        pairs = [
+            (KINDS[self._own[name].shape.motions], [here, (0, there)])
+            for name, places in held.items()
+            for here, there in zip(self._mounted(self._own[name]), places, strict=True)
+        ]
+        pairs += [(POINT if loop.turns else PLANE, ends(self._robot, loop)) for loop in self.loops]
+        for kind, places in pairs:
+            constraint = self._constraint(kind, places)
             self._models.append(constraint)
             self._datas.append(constraint.createData())
         pin.initConstraintDynamics(model, self._data, self._models, self._datas)
+        spots = [self._own[name] for name, places in held.items() for _ in places]
+        self._rolling = [(contact, k) for k, contact in enumerate(spots) if contact.radius is not None]
+
+    def _roll(self, q: Array, v: Array) -> None:
+        """Move the constraints of what rolls to where it touches at q, with the error that its velocities v ask for."""
+        if not self._rolling:
+            return
+        self._pin.forwardKinematics(self._robot.model, self._data, q, v)
+        for contact, k in self._rolling:
+            ((joint, touching),) = self._mounted(contact)
+            spin = self._data.oMi[joint].rotation @ self._data.v[joint].angular
+            there, n = self._data.oMi[joint] * touching, contact.normal
+            lowest, arm = there.translation, -(contact.radius or 0.0) * n
+            high = n @ (self._held[contact.name][0].translation - lowest)
+            there.translation = lowest + high * n + np.cross(spin, np.cross(spin, arm)) / self.gain**2
+            self._models[k].joint1_placement, self._models[k].joint2_placement = touching, there
 
     def _wanted(self) -> Collection[str]:
         """The checked names of the contacts that must hold now."""
@@ -183,20 +219,23 @@ class RigidContactPlant(Live):
                 )
         return holding
 
-    def _mounted(self, contact: Contact) -> tuple[int, Any]:
-        """The joint that moves a contact, and the pose of its centre on it."""
-        frame = self._robot.model.frames[self._robot.frame_index(contact.frame)]
-        return int(frame.parentJoint), frame.placement * self._pin.SE3(np.eye(3), contact.shape.centre)
+    def _mounted(self, contact: Contact) -> list[tuple[int, Any]]:
+        """The joint that moves a contact, and poses on it where it is held, at the last kinematics."""
+        frame, pin = self._robot.model.frames[self._robot.frame_index(contact.frame)], self._pin
+        joint, down = int(frame.parentJoint), np.zeros(3)
+        if contact.radius is not None:
+            turned = self._data.oMi[joint].rotation @ frame.placement.rotation
+            down = contact.radius * turned.T @ contact.normal
+        return [(joint, frame.placement * pin.SE3(np.eye(3), spot - down)) for spot in spots_of(contact)]
 
-    def _place(self, contact: Contact) -> Any:
-        """The pose of the centre of a contact in the world, at the last kinematics."""
-        joint, here = self._mounted(contact)
-        return self._data.oMi[joint] * here
+    def _places(self, contact: Contact) -> list[Any]:
+        """The poses in the world of the points where a contact is held, at the last kinematics."""
+        return [self._data.oMi[joint] * here for joint, here in self._mounted(contact)]
 
-    def _constraint(self, motions: int, places: list[tuple[int, Any]]) -> Any:
+    def _constraint(self, what: str, places: list[tuple[int, Any]]) -> Any:
         """That two places coincide, each told by a joint, 0 for the world, and a pose on it."""
         pin, model, (first, second) = self._pin, self._robot.model, places
-        kind = getattr(pin.ContactType, KINDS[motions])
+        kind = getattr(pin.ContactType, what)
         constraint = pin.RigidConstraintModel(kind, model, *first, *second, pin.ReferenceFrame.LOCAL)
         constraint.m_baumgarte_parameters.Kp = self.gain**2
         constraint.m_baumgarte_parameters.Kd = 2.0 * self.gain
@@ -204,3 +243,12 @@ class RigidContactPlant(Live):
 
     def __repr__(self) -> str:
         return f"RigidContactPlant({len(self.contacts)} contacts, step={self.step:g})"
+
+
+def spots_of(contact: Contact) -> list[Array]:
+    """The points of its frame at which a contact is held: the ends of a line, else its centre."""
+    points, centre = contact.shape.points, contact.shape.centre
+    if contact.shape.motions != 5:
+        return [centre]
+    along = (points - centre) @ contact.shape.along
+    return [points[along.argmin()], points[along.argmax()]]

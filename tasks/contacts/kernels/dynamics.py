@@ -56,6 +56,24 @@ def add_damping(here):
     return 0
 
 
+@stamp
+@entry
+def add_springs(here):
+    """Add the torques K (q - rest) against which springs push to the bias.
+
+    Table: number of springs; for each, which velocity is its joint's, and where its position is among the positions; K
+    and rest; the positions; the bias.
+    """
+    told = ints(here, 0, 7)
+    count = told[0]
+    joints, places = ints(told[1], 0, count), ints(told[2], 0, count)
+    stiffness, rest = floats(told[3], 0, count), floats(told[4], 0, count)
+    for i in range(count):
+        q, bias = floats(told[5] + 8 * places[i], 0, 1), floats(told[6] + 8 * joints[i], 0, 1)
+        bias[0] += stiffness[i] * (q[0] - rest[i])
+    return 0
+
+
 #: Table of torques: after the entries of :mod:`tasks.rows.kernels.motion`, of which the matrix is not used, all
 #: unknowns x = (a, f), and the torques.
 X, TORQUES = range(motion.LENGTH, motion.LENGTH + 2)

@@ -30,6 +30,8 @@ class Description:
         Joints that follow others.
     fixed : tuple of str
         Fixed joints of the file, which are not in the model.
+    springs : dict of str to (float, float)
+        Of joints: stiffness [N m/rad], [N/m], and position without force [rad], [m].
     closures : tuple of Closure
         Frames that it holds together, beside its joints.
     scene : mujoco.MjModel or None
@@ -45,3 +47,4 @@ class Description:
     left_out: tuple[str, ...] = ()
     closures: tuple[Closure, ...] = ()
     scene: Any = None
+    springs: dict[str, tuple[float, float]] = field(default_factory=dict)

@@ -33,9 +33,10 @@ from ..joint_axes import kind
 from .closures import closed_chains
 from .couplings import couplings
 from .description import BASE_JOINT, BASES, Description
-from .motors import other_rotors, rotors
+from .motors import motor_range, other_rotors, rotors
 from .mujoco_numbers import BALL, FREE, HINGE, SLIDE, dofs, pose, randomise, single_joint, xyzw, yaw_of
 from .scene import Scene, body_name, body_names, scene
+from .springs import springs
 from .unmodelled import unmodelled
 
 #: Tolerance for positions against MuJoCo's, relative to the size of the robot, and number of comparisons.
@@ -107,7 +108,8 @@ class _Reader:
             *unmodelled(self.mj, self.scene, self.joint_names(), bool(closures)),
             *self._displaced(neutral),
         )
-        return Description(self.model, neutral, ties, (), left_out, tuple(closures), self.mj)
+        own = springs(self.mj, self.joint_names())
+        return Description(self.model, neutral, ties, (), left_out, tuple(closures), self.mj, own)
 
     def joint_names(self) -> dict[int, str]:
         """MuJoCo's number of each joint of the robot -> its name."""
@@ -236,15 +238,16 @@ class _Reader:
 
     def _largest_force(self, j: int, name: str) -> float:
         """The largest force that the motors of a joint have in both directions [N m], [N]."""
-        if not self.mj.jnt_actfrclimited[j]:
-            return np.inf
-        low, high = (float(end) for end in self.mj.jnt_actfrcrange[j])
-        if not low < 0.0 < high:
-            raise InvalidInput(
-                f"{self.what}: actuatorfrcrange of joint {name!r} from {low:g} to {high:g}; it must have 0 inside"
-            )
+        low, high = motor_range(self.mj, j)
+        if self.mj.jnt_actfrclimited[j]:
+            least, most = (float(end) for end in self.mj.jnt_actfrcrange[j])
+            if not least < 0.0 < most:
+                raise InvalidInput(
+                    f"{self.what}: actuatorfrcrange of joint {name!r} from {least:g} to {most:g}; it must have 0 inside"
+                )
+            low, high = max(low, least), min(high, most)
         if -low != high:
-            tell(f"{self.what}: the smaller end of actuatorfrcrange counts for both directions: {name}")
+            tell(f"{self.what}: the smaller end of the range of its motor counts for both directions: {name}")
         return min(-low, high)
 
     def _add_frame(self, name: str, carrier: int, placement: pin.SE3, what: pin.FrameType) -> None:

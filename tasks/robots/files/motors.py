@@ -1,4 +1,4 @@
-"""The motors of an MJCF: what they add to joints of the robot, and limits of theirs that are not read.
+"""The motors of an MJCF: what they add to joints of the robot, what they have at most, and limits that are not read.
 
 The rotor of an actuator on a joint, with armature A, damping d and gear g, adds :math:`g^2 A` to the inertia of the
 joint and :math:`g^2 d` to its damping.
@@ -18,6 +18,8 @@ from .scene import Scene
 
 #: Transmissions that act on one joint.
 ON_JOINTS = int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+#: Dynamics of an actuator by which its activation stays in the range of its control.
+AS_TOLD = tuple(int(getattr(mujoco.mjtDyn, f"mjDYN_{name}")) for name in ("NONE", "FILTER", "FILTEREXACT"))
 
 
 def rotors(mj: mujoco.MjModel) -> tuple[Array, Array]:
@@ -45,12 +47,24 @@ def _has_rotor(mj: mujoco.MjModel, i: int) -> bool:
     return mj.actuator_trntype[i] in ON_JOINTS and mj.jnt_type[mj.actuator_trnid[i, 0]] in (HINGE, SLIDE)
 
 
-def motor_limits(mj: mujoco.MjModel, joints: Mapping[int, str]) -> list[str]:
-    """The joints (number, name) with an actuator of limited force that have no limit of their own.
+def motor_range(mj: mujoco.MjModel, j: int) -> tuple[float, float]:
+    """The least and largest torque [N m], force [N], of the one actuator that acts on joint j; infinite if unknown.
 
-    The force of an actuator is limited by its range of forces, and that of a motor, whose force is its control times a
-    constant, by its range of controls. ``actuatorfrcrange`` of a joint is read, and stands for both.
+    That is its gear times the range of its forces. The force of a motor is its control times a constant, so that the
+    range of its controls is another one. Unknown are ranges without 0 inside, as of what only pulls, and what several
+    actuators, or tendons, have together.
     """
+    own = [i for i in range(mj.nu) if mj.actuator_trntype[i] in ON_JOINTS and int(mj.actuator_trnid[i, 0]) == j]
+    if len(own) != 1 or mj.jnt_type[j] not in (HINGE, SLIDE) or j in _pulled(mj):
+        return -np.inf, np.inf
+    (i,), gear = own, float(mj.actuator_gear[own[0], 0])
+    ends = _force_range(mj, i)
+    low, high = sorted(gear * end for end in ends) if gear else (0.0, 0.0)
+    return (low, high) if low < 0.0 < high else (-np.inf, np.inf)
+
+
+def motor_limits(mj: mujoco.MjModel, joints: Mapping[int, str]) -> list[str]:
+    """The joints (number, name) with an actuator of limited force of which no limit is read."""
     found = [
         joints[int(mj.actuator_trnid[i, 0])]
         for i in range(mj.nu)
@@ -61,17 +75,20 @@ def motor_limits(mj: mujoco.MjModel, joints: Mapping[int, str]) -> list[str]:
 
 def without_actuators(mj: mujoco.MjModel, joints: Mapping[int, str]) -> list[str]:
     """The joints (number, name) on which no actuator acts, by itself or by a tendon, if actuators act on others."""
-    driven = set[int]()
-    for i in range(mj.nu):
-        target = int(mj.actuator_trnid[i, 0])
-        if mj.actuator_trntype[i] in ON_JOINTS:
-            driven.add(target)
-        elif mj.actuator_trntype[i] == int(mujoco.mjtTrn.mjTRN_TENDON):
-            first = int(mj.tendon_adr[target])
-            wraps = range(first, first + int(mj.tendon_num[target]))
-            driven |= {int(mj.wrap_objid[k]) for k in wraps if mj.wrap_type[k] == int(mujoco.mjtWrap.mjWRAP_JOINT)}
+    driven = _pulled(mj) | {int(mj.actuator_trnid[i, 0]) for i in range(mj.nu) if mj.actuator_trntype[i] in ON_JOINTS}
     own = [j for j in joints if mj.jnt_type[j] != FREE]
     return [joints[j] for j in own if j not in driven] if driven.intersection(own) else []
+
+
+def _pulled(mj: mujoco.MjModel) -> set[int]:
+    """The joints on which an actuator acts by a tendon."""
+    found = set[int]()
+    for i in range(mj.nu):
+        if mj.actuator_trntype[i] == int(mujoco.mjtTrn.mjTRN_TENDON):
+            first = int(mj.tendon_adr[mj.actuator_trnid[i, 0]])
+            wraps = range(first, first + int(mj.tendon_num[mj.actuator_trnid[i, 0]]))
+            found |= {int(mj.wrap_objid[k]) for k in wraps if mj.wrap_type[k] == int(mujoco.mjtWrap.mjWRAP_JOINT)}
+    return found
 
 
 def limits_elsewhere(mj: mujoco.MjModel, scene: Scene, joints: Mapping[int, str]) -> list[str]:
@@ -95,10 +112,21 @@ def _acts_on(mj: mujoco.MjModel, i: int, scene: Scene, joints: Mapping[int, str]
 
 
 def _is_limited(mj: mujoco.MjModel, i: int) -> bool:
-    return not mj.jnt_actfrclimited[int(mj.actuator_trnid[i, 0])] and _force_is_limited(mj, i)
+    j = int(mj.actuator_trnid[i, 0])
+    return _force_is_limited(mj, i) and not mj.jnt_actfrclimited[j] and np.isinf(motor_range(mj, j)[0])
 
 
 def _force_is_limited(mj: mujoco.MjModel, i: int) -> bool:
+    return _force_range(mj, i) != (-np.inf, np.inf)
+
+
+def _force_range(mj: mujoco.MjModel, i: int) -> tuple[float, float]:
+    """The least and largest force of an actuator, before its gear; infinite where it has no limit."""
+    low, high = (float(end) for end in mj.actuator_forcerange[i]) if mj.actuator_forcelimited[i] else (-np.inf, np.inf)
     fixed = mj.actuator_gaintype[i] == int(mujoco.mjtGain.mjGAIN_FIXED)
-    motor = fixed and mj.actuator_biastype[i] == int(mujoco.mjtBias.mjBIAS_NONE)
-    return bool(mj.actuator_forcelimited[i] or (motor and mj.actuator_ctrllimited[i]))
+    motor = fixed and mj.actuator_biastype[i] == int(mujoco.mjtBias.mjBIAS_NONE) and mj.actuator_dyntype[i] in AS_TOLD
+    clamped = mj.actuator_ctrllimited[i] and not mj.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL
+    if motor and clamped:
+        least, most = sorted(float(mj.actuator_gainprm[i, 0] * end) for end in mj.actuator_ctrlrange[i])
+        return max(low, least), min(high, most)
+    return low, high

@@ -59,8 +59,8 @@ def reduced(
         return model, q
     if len(held) == model.njoints - 1:
         raise InvalidInput(f"{what}: lock holds all joints; one must be left to move")
-    without = _reduced(model, held, q)
-    return without, carried(q, model, without)
+    left = without(model, held, q)
+    return left, carried(q, model, left)
 
 
 def carried(q: Array, before: pin.Model, after: pin.Model) -> Array:
@@ -74,16 +74,19 @@ def carried(q: Array, before: pin.Model, after: pin.Model) -> Array:
     return np.asarray(q[places])
 
 
-def _reduced(model: pin.Model, held: list[int], q: Array) -> pin.Model:
-    """Pinocchio's reduced model; Pinocchio finds frames by name only, so each gets a unique name meanwhile."""
+def without(model: pin.Model, held: list[int], q: Array) -> pin.Model:
+    """The model with the joints of these numbers held at q.
+
+    Pinocchio finds frames by name only, so each gets a unique name meanwhile.
+    """
     model = pin.Model(model)
     for i, name in enumerate(model.names):
         model.names[i] = f"joint:{name}" if i else name
     for frame in list(model.frames)[1:]:
         frame.name = f"{KIND_OF[frame.type]}:{frame.name}"
-    without = pin.buildReducedModel(model, held, q)
-    for i, name in enumerate(without.names):
-        without.names[i] = name.removeprefix("joint:")
-    for frame in list(without.frames)[1:]:
+    left = pin.buildReducedModel(model, held, q)
+    for i, name in enumerate(left.names):
+        left.names[i] = name.removeprefix("joint:")
+    for frame in list(left.frames)[1:]:
         frame.name = frame.name.removeprefix(f"{KIND_OF[frame.type]}:")
-    return without
+    return left

@@ -11,6 +11,7 @@ from .couplings import moves
 from .motors import limits_elsewhere, motor_limits, other_rotors, without_actuators
 from .mujoco_numbers import dofs
 from .scene import Scene, body_names
+from .springs import is_sprung, springs
 
 
 def unmodelled(mj: mujoco.MjModel, scene: Scene, joints: Mapping[int, str], closed: bool) -> list[str]:
@@ -28,8 +29,9 @@ def unmodelled(mj: mujoco.MjModel, scene: Scene, joints: Mapping[int, str], clos
     bodies = body_names(mj)
     tendons = [t for t in range(mj.ntendon) if moves(mj, t, scene, joints)]
     own = {j: dofs(mj, j) for j in joints}
+    counted = springs(mj, joints)
     told = [
-        ("springs of the joints", [name for j, name in joints.items() if _has_spring(mj, j)]),
+        ("springs of the joints", [name for j, name in joints.items() if is_sprung(mj, j) and name not in counted]),
         ("gravity compensation of the bodies", [bodies[body] for body in scene.bodies if mj.body_gravcomp[body]]),
         (
             "springs, dampers, friction and armature of the tendons",
@@ -40,6 +42,8 @@ def unmodelled(mj: mujoco.MjModel, scene: Scene, joints: Mapping[int, str], clos
         ("the forces of", ["the medium"] if mj.opt.density or mj.opt.viscosity else []),
     ]
     lines = [f"{thing} {', '.join(names)} (torques do not count them)" for thing, names in told if names]
+    if counted:
+        lines.append(f"springs of the joints {', '.join(counted)} (Dynamics(springs=robot.springs) counts them)")
     passive = without_actuators(mj, joints) if closed else []
     if passive:
         lines.append(f"that no actuator drives the joints {', '.join(passive)} (a torque_limit of 0 of each says so)")
@@ -50,10 +54,6 @@ def unmodelled(mj: mujoco.MjModel, scene: Scene, joints: Mapping[int, str], clos
     if elsewhere:
         lines.append(f"limits of the forces of {', '.join(elsewhere)} (torques of the joints do not keep them)")
     return lines
-
-
-def _has_spring(mj: mujoco.MjModel, j: int) -> bool:
-    return bool(mj.jnt_stiffness[j] or np.any(mj.jnt_stiffnesspoly[j]))
 
 
 def _resists(mj: mujoco.MjModel, t: int) -> bool:
