@@ -40,7 +40,8 @@ def solvers() -> list[SimpleNamespace]:
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5, 8, 21])
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_eigenvectors_of_any_matrix(kind: str, n: int) -> None:
+@pytest.mark.parametrize("noise", [0.0, symmetric.NOISE])
+def test_the_eigenvectors_of_any_matrix(kind: str, n: int, noise: float) -> None:
     rng = np.random.default_rng(n)
     for _ in range(3):
         A = KINDS[kind](rng, n)
@@ -50,7 +51,7 @@ def test_the_eigenvectors_of_any_matrix(kind: str, n: int) -> None:
             M, U, values = np.full((n + 2, n + 2), np.nan), np.full((n + 2, n + 2), np.nan), np.full(n + 2, np.nan)
             M[:n, :n] = A
             with np.errstate(divide="ignore"):
-                solver.eigen(M, U, values, n)
+                solver.eigen(M, U, values, n, noise)
             found, vectors = values[:n], U[:n, :n]
             np.testing.assert_allclose(np.sort(found) / size, np.linalg.eigvalsh(A / size), atol=1e-13)
             np.testing.assert_allclose(vectors @ vectors.T, np.eye(n), atol=1e-13)

@@ -18,9 +18,10 @@ from . import curved_layout as at
 from . import layout as plain
 from .compile import inner, integer
 from .curved_rows import value_at
-from .hand_over import along
+from .directions import add_along, along, take_along
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length
+from .sums import add_rows
 from .symmetric import cholesky
 
 #: How often the bounds that are met are guessed before the solver is asked.
@@ -42,24 +43,6 @@ def equalities(here, k):
     for p in range(of[ints(here, 0, plain.HEAD)[at.TOP]], of[k + 1]):
         same = same and lower[mine[p]] == upper[mine[p]]
     return same
-
-
-@inner
-def stand(here, d, x):
-    """Write to ``reach`` what x (n,) is without its part along Z: there the levels above are kept, and y is 0."""
-    n, basis, base, part = (
-        ints(here, 0, plain.HEAD)[plain.N],
-        matrix(here, at.BASIS),
-        vector(here, at.REACH),
-        vector(here, at.VALUES),
-    )
-    along(here, x, d, part)
-    for j in range(n):
-        base[j] = x[j]
-    for p in range(d):
-        direction, share = basis[p], part[p]
-        for j in range(n):
-            base[j] -= share * direction[j]
 
 
 @inner
@@ -103,8 +86,11 @@ def write_rows(here, k, d):
 
 
 @inner
-def triangulate(T, d, total, work):
-    """Reflect the rows T[:total, : d + 1], of which the first d are upper triangular, so that all others are zero."""
+def triangulate(T, d, total, work, parts):
+    """Reflect the rows T[:total, : d + 1], of which the first d are upper triangular, so that all others are zero.
+
+    `work` (d + 1,) and `parts` (total,) are work space.
+    """
     for j in range(d):
         top, square = T[j], 0.0
         for i in range(d, total):
@@ -120,14 +106,13 @@ def triangulate(T, d, total, work):
         for c in range(d + 1):
             work[c] = first * top[c]
         for i in range(d, total):
-            row, part = T[i], T[i][j]
-            for c in range(d + 1):
-                work[c] += part * row[c]
+            parts[i] = T[i][j]
+        add_rows(parts, T, d, total, d + 1, work)
         for c in range(j + 1, d + 1):
             top[c] -= scale * first * work[c]
         top[j] = size
         for i in range(d, total):
-            row, part = T[i], scale * T[i][j]
+            row, part = T[i], scale * parts[i]
             for c in range(d + 1):
                 row[c] -= part * work[c]
 
@@ -150,6 +135,8 @@ def meet(here, d, met):
         for p in range(d):
             row[p] = basis[p][j]
         for p in range(d):  # R' b = z
+            if row[p] == 0.0:
+                continue
             own = T[p]
             row[p] /= own[p]
             for q in range(p + 1, d):
@@ -220,19 +207,11 @@ def let_go(here, met):
 @inner
 def arrive(here, d, met, x):
     """Write x = reach + Z' y; bounds that it passes, by more than round-off, join `met`. Whether there are any."""
-    n, basis, base, y = (
-        ints(here, 0, plain.HEAD)[plain.N],
-        matrix(here, at.BASIS),
-        vector(here, at.REACH),
-        vector(here, at.MU),
-    )
+    n, base, y = ints(here, 0, plain.HEAD)[plain.N], vector(here, at.REACH), vector(here, at.MU)
     least, most, size, some = vector(here, at.LEAST), vector(here, at.MOST), 0.0, False
     for j in range(n):
         x[j] = base[j]
-    for p in range(d):
-        direction, part = basis[p], y[p]
-        for j in range(n):
-            x[j] += part * direction[j]
+    add_along(here, y, 0, d, x)
     for j in range(n):
         size += x[j] * x[j]
     near = ROUNDING * math.sqrt(size)
@@ -285,9 +264,9 @@ def solve_directly(here, k, above):
     met, x = marks(here, at.MET)[k * n : (k + 1) * n], matrix(here, at.POINTS)[k]
     if not equalities(here, k):
         return False
-    stand(here, d, above)
+    take_along(here, above, d, vector(here, at.VALUES), vector(here, at.REACH))  # there y is 0
     T = matrix(here, at.LEAST_SQUARES)
-    triangulate(T, d, write_rows(here, k, d), vector(here, at.ROW_NOW))
+    triangulate(T, d, write_rows(here, k, d), vector(here, at.ROW_NOW), vector(here, at.PARTS))
     for _ in range(GUESSES):
         if not meet(here, d, met):
             break
