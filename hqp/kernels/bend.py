@@ -41,12 +41,9 @@ def multipliers(here, k, above, damped):
     n, all_above, whose, pull = head[plain.N], matrix(here, at.ABOVE), marks(here, at.WHOSE), vector(here, at.PULL)
     of, wanted, weights = marks(here, at.OWN_OF), vector(here, at.WANTED), vector(here, plain.WEIGHTS)
     longest, some = 0.0, False
+    multiply(all_above, above, pull, n, mu)
     for r in range(above):
-        row, total = all_above[r], 0.0
-        for j in range(n):
-            total += row[j] * pull[j]
-        mu[r] = total
-        some = some or total != 0.0
+        some = some or mu[r] != 0.0
         longest = max(longest, gram[r][r])
     for p in range(of[head[at.TOP]], of[k]):
         wanted[marks(here, at.OWN)[p]] = 0.0
@@ -134,25 +131,43 @@ def bound(here, first, end):
 
 
 @inner
-def add_bent(here, d, Z, negative):
-    """Add to E the matrix M = Z S Z', with its negative eigenvalues multiplied by ``-negative``.
+def bent_along(here, d, Z, out):
+    """Write M = Z S Z' (d, d) to place `out`; returns its Frobenius norm.
 
     Z (d, n) are the directions in the metric of the soft rows above: see :func:`.curved_rows.measured_basis`.
     """
-    n, S, E = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.S), matrix(here, at.E)
-    M, U, half, values = matrix(here, at.M), matrix(here, at.U), matrix(here, at.HALF)[0], vector(here, at.VALUES)
+    n, S, M, half, norm = (
+        ints(here, 0, plain.HEAD)[plain.N],
+        matrix(here, at.S),
+        matrix(here, out),
+        matrix(here, at.HALF)[0],
+        0.0,
+    )
     for p in range(d):
+        row = M[p]
         for j in range(n):
             half[j] = 0.0
         add_rows(Z[p], S, 0, n, n, half)
-        multiply(Z, p + 1, half, n, M[p])
+        multiply(Z, p + 1, half, n, row)
         for q in range(p):
-            M[q][p] = M[p][q]
+            M[q][p] = row[q]
+            norm += 2.0 * row[q] * row[q]
+        norm += row[p] * row[p]
+    return math.sqrt(norm)
+
+
+@inner
+def add_bent(here, d, given, negative):
+    """Add to E the matrix M (d, d) at place `given`, with its negative eigenvalues multiplied by ``-negative``.
+
+    M is overwritten.
+    """
+    M, U, E, values = matrix(here, given), matrix(here, at.U), matrix(here, at.E), vector(here, at.VALUES)
     for i in range(d):
         for j in range(d):
             E[i][j] += M[i][j]
     eigen(M, U, values, d, NOISE)
-    add_spectrum(U, values, d, bring_forward(U, values, d, -1.0), -1.0 - negative, half, E)
+    add_spectrum(U, values, d, bring_forward(U, values, d, -1.0), -1.0 - negative, matrix(here, at.HALF)[0], E)
 
 
 @inner
@@ -164,7 +179,7 @@ def bend(here, k, count, d, above, least, damped):
     curvature to `least`, 0 where that is known to be trusted.
     """
     head, E, kept, P = ints(here, 0, plain.HEAD), matrix(here, at.E), matrix(here, at.KEPT), matrix(here, at.P)
-    n, S, more = head[plain.N], matrix(here, at.S), 0.0
+    n, S, more, root = head[plain.N], matrix(here, at.S), 0.0, math.sqrt(vector(here, at.SHARES)[k])
     for i in range(d):
         for j in range(d):
             P[i][j] = 0.0
@@ -184,16 +199,23 @@ def bend(here, k, count, d, above, least, damped):
     for i in range(d):
         for j in range(d):
             E[i][j] = 0.0
-    Z = matrix(here, measured_basis(here, d))
+    Z, more_along, own_along = matrix(here, measured_basis(here, d)), 0.0, 0.0
     if more > 0.0:
-        add_bent(here, d, Z, 1.0)
+        more_along = bent_along(here, d, Z, at.M)
     if pushed and own > 0.0:
         for i in range(n):
             for j in range(n):
                 S[i][j] = kept[i][j]
     if own > 0.0:
-        add_bent(here, d, Z, math.sqrt(vector(here, at.SHARES)[k]))
-    total = 0.0  # the norm again, now of the curvature along Z alone
+        own_along = bent_along(here, d, Z, at.KEPT)
+    ratio = ratio_of(more_along + max(1.0, root) * own_along, least)  # the norms again, now along Z alone
+    if ratio <= TRUSTED:
+        return 0.0, ratio
+    if more > 0.0:
+        add_bent(here, d, at.M, 1.0)
+    if own > 0.0:
+        add_bent(here, d, at.KEPT, root)
+    total = 0.0  # and that of their sum
     for i in range(d):
         for j in range(d):
             total += E[i][j] * E[i][j]

@@ -21,7 +21,6 @@ from .curved_rows import value_at
 from .directions import add_along, along, take_along
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length
-from .sums import add_rows
 from .symmetric import cholesky
 
 #: How often the bounds that are met are guessed before the solver is asked.
@@ -59,7 +58,7 @@ def write_row(here, d, row, bound, own):
 def write_rows(here, k, d):
     """Write to ``least_squares`` the rows of damping, those of level k, and the soft ones; returns how many these are.
 
-    Those of damping are K', upper triangular; see :func:`.stage.write_damping`.
+    Those of damping are K, upper triangular; see :func:`.stage.write_damping`.
     """
     T, K, towards = matrix(here, at.LEAST_SQUARES), matrix(here, at.U), vector(here, at.MU)
     ids, lower, weights = marks(here, at.IDS), vector(here, plain.LOWER), vector(here, plain.WEIGHTS)
@@ -69,7 +68,7 @@ def write_rows(here, k, d):
     for p in range(d):
         own = T[p]
         for q in range(d):
-            own[q] = K[q][p] if q >= p else 0.0
+            own[q] = K[p][q]
         own[d] = towards[p]
     for r in range(head[at.ACTIVE]):
         write_row(here, d, matrix(here, at.J)[r], weights[ids[r]] * lower[ids[r]], T[total])
@@ -86,34 +85,35 @@ def write_rows(here, k, d):
 
 
 @inner
-def triangulate(T, d, total, work, parts):
+def triangulate(T, d, total, parts, work):
     """Reflect the rows T[:total, : d + 1], of which the first d are upper triangular, so that all others are zero.
 
-    `work` (d + 1,) and `parts` (total,) are work space.
+    `parts` (total,) and `work` (d + 1,) are work space. Columns that are done are left as they are.
     """
     for j in range(d):
-        top, square = T[j], 0.0
-        for i in range(d, total):
-            square += T[i][j] * T[i][j]
-        if square == 0.0:
-            continue
-        head = top[j]
-        size = math.sqrt(square + head * head)
-        if head > 0.0:
-            size = -size
-        first = head - size
-        scale = 2.0 / (square + first * first)
-        for c in range(d + 1):
-            work[c] = first * top[c]
+        top, width, square = T[j][j:], d + 1 - j, 0.0
         for i in range(d, total):
             parts[i] = T[i][j]
-        add_rows(parts, T, d, total, d + 1, work)
-        for c in range(j + 1, d + 1):
-            top[c] -= scale * first * work[c]
-        top[j] = size
+            square += parts[i] * parts[i]
+        if square == 0.0:
+            continue
+        size = math.sqrt(square + top[0] * top[0])
+        if top[0] > 0.0:
+            size = -size
+        first = top[0] - size
+        scale = 2.0 / (square + first * first)
+        for c in range(width):
+            work[c] = first * top[c]
         for i in range(d, total):
-            row, part = T[i], scale * parts[i]
-            for c in range(d + 1):
+            row, part = T[i][j:], parts[i]
+            for c in range(width):
+                work[c] += part * row[c]
+        for c in range(width):
+            top[c] -= scale * first * work[c]
+        top[0] = size
+        for i in range(d, total):
+            row, part = T[i][j:], scale * parts[i]
+            for c in range(width):
                 row[c] -= part * work[c]
 
 
@@ -266,7 +266,7 @@ def solve_directly(here, k, above):
         return False
     take_along(here, above, d, vector(here, at.VALUES), vector(here, at.REACH))  # there y is 0
     T = matrix(here, at.LEAST_SQUARES)
-    triangulate(T, d, write_rows(here, k, d), vector(here, at.ROW_NOW), vector(here, at.PARTS))
+    triangulate(T, d, write_rows(here, k, d), vector(here, at.PARTS), vector(here, at.ROW_NOW))
     for _ in range(GUESSES):
         if not meet(here, d, met):
             break

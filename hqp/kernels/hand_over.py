@@ -16,7 +16,7 @@ from .curved_rows import VIOLATED, measured
 from .directions import along
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length
-from .sums import add_rows, multiply
+from .sums import add_rows, add_to_each, multiply
 from .symmetric import eigen
 
 #: Stiffness of a soft row that is half met; and the stiffness above which a row is held instead.
@@ -36,13 +36,12 @@ def set_aside(here, row, d):
     row[d - 1] += size if row[d - 1] > 0.0 else -size
     for j in range(n):
         turned[j] = 0.0
-    for p in range(d):
-        total += row[p] * row[p]
     add_rows(row, basis, 0, d, n, turned)
     for p in range(d):
-        direction, share = basis[p], 2.0 * row[p] / total
-        for j in range(n):
-            direction[j] -= share * turned[j]
+        total += row[p] * row[p]
+    for p in range(d):
+        row[p] *= -2.0 / total
+    add_to_each(basis, d, row, turned, n)
 
 
 @inner

@@ -12,7 +12,7 @@ from .curved_rows import write_gram
 from .directions import add_along, along
 from .memory import floats, ints, marks, matrix, vector
 from .sums import add_rows, multiply
-from .symmetric import cholesky
+from .symmetric import upper_factor
 
 #: Regularisation of a matrix before its Cholesky factorisation, relative to its trace.
 REGULAR = 1e-12
@@ -136,13 +136,14 @@ def stay(here, k, d):
 
 @inner
 def factor(here, k, d):
-    """Write K, K K' = M of :func:`draw`, for the block's rows of damping on level k; whether there are any."""
+    """Write K, K' K = M of :func:`draw`, for the block's rows of damping on level k; whether there are any."""
     head, so_far = ints(here, 0, plain.HEAD), vector(here, at.SO_FAR)
     if head[at.OPEN] == 0:
         return False
     if head[at.ACTIVE] == 0 and matrix(here, at.NORMS)[k][head[at.NUMBER]] == 0.0:
         return stay(here, k, d)
-    return draw(here, k, d, so_far[at.LEAN]) and cholesky(matrix(here, at.M), matrix(here, at.U), d)
+    some = draw(here, k, d, so_far[at.LEAN])
+    return some and upper_factor(matrix(here, at.M), matrix(here, at.U), d, vector(here, at.VALUES))
 
 
 @inner
@@ -150,10 +151,10 @@ def write_damping(here, k, first):
     r"""Write a block's rows of damping: :math:`(y - r)^T L P L^T (y - r) + |y - v|_W^2`, where y = Z x.
 
     They are those of ``damped`` from `first` on: as many as the block has variables. Not zero are as many as there are
-    directions left, the rows of K' Z with the K of :func:`factor`, which lies in U; ``mu`` are their bounds. Returns
+    directions left, the rows of K Z with the K of :func:`factor`, which lies in U; ``mu`` are their bounds. Returns
     whether there are any.
     """
-    n, K, column = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.U), vector(here, at.VALUES)
+    n, K = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.U)
     towards, damped, d = vector(here, at.MU), matrix(here, at.DAMPED), ints(here, 0, plain.HEAD)[at.LEFT]
     some = factor(here, k, d)
     for p in range(len(matrix(here, at.BASIS))):
@@ -161,13 +162,11 @@ def write_damping(here, k, first):
         for j in range(n + 1):
             own[j] = 0.0
         if some and p < d:
-            for q in range(p, d):
-                column[q] = K[q][p]
-            add_along(here, column, p, d, own)
-            for q in range(p):
-                towards[p] -= K[p][q] * towards[q]
-            towards[p] /= K[p][p]
-            own[n] = towards[p]
+            row = K[p]
+            add_along(here, row, p, d, own)
+            own[n] = towards[p] = towards[p] / row[p]
+            for q in range(p + 1, d):  # K' to the left
+                towards[q] -= own[n] * row[q]
     return some
 
 
