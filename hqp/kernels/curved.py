@@ -250,8 +250,9 @@ def solve_all(here, numbers):
     """Solve the strict hierarchy, then in stages if a level has to be damped; returns the outcome of the last solve."""
     head = ints(here, 0, plain.HEAD)
     levels = head[plain.LEVELS]
-    before = head[at.OPENED]
+    fits = head[at.QUICK] != 0 and head[at.OPENED] == levels  # else stages were needed, and most likely are again
     if head[at.QUICK] != 0:
+        ints(marks(here, at.DIRECTORIES)[levels], 0, plain.HEAD)[plain.BASIS] = 1 if fits else 0
         cut = marks(marks(here, at.DIRECTORIES)[levels], plain.CUT)
         for k in range(levels + 1):
             cut[k] = -1
@@ -261,8 +262,7 @@ def solve_all(here, numbers):
     note_errors(here)
     find_bounds(here)
     note_last(here)
-    fits = crowd(here, strict) == 0.0 and head[at.QUICK] != 0 and before == levels  # else stages are likely again
-    if fits and quiet(here, marks(here, at.DIRECTORIES)[levels]):
+    if crowd(here, strict) == 0.0 and fits and quiet(here, marks(here, at.DIRECTORIES)[levels]):
         head[at.OPENED] = levels
         return strict
     outcome = solve_stages(here)
