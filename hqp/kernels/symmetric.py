@@ -168,13 +168,12 @@ def step(beside, U, values, begin, end, n):
         entry, diagonal = beside[i + 1], values[i]
         square = entry * entry
         total = p + square
-        root, over = math.sqrt(total), 1.0 / total
         if i + 1 < end:
-            beside[i + 2] = s * root
-        before, old, c, sine, ratio = c, g, p * over, square * over, total / p  # of squares
+            beside[i + 2] = s * math.sqrt(total)
+        before, old, c, sine, ratio = c, g, p / total, square / total, total / p  # of squares
         g = c * (diagonal - shift) - sine * old
         values[i + 1] = old + (diagonal - g)
-        s, cosine = entry * root * over, sign * math.sqrt(c)
+        s, cosine = math.copysign(math.sqrt(sine), entry), sign * math.sqrt(c)
         if ratio < MUCH:
             p = g * g * ratio
             last, sign = sign, sign if g >= 0.0 else -sign
