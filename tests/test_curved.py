@@ -29,7 +29,7 @@ def native():
 def test_the_native_solver_answers_as_others_do_stage_by_stage(backend: str) -> None:
     stalled = 0
     for mine, theirs in zip(native(), answers(SEEDS, backend), strict=True):
-        assert theirs.ok == theirs.solution.certify().ok
+        assert theirs.solution.certify().ok or not theirs.ok  # who gives up at a vertex may stand at the optimum
         stalled += not theirs.ok
         assert [level.level for level in theirs.relaxed] == [level.level for level in mine.relaxed]
         np.testing.assert_allclose(theirs.v, mine.v, atol=1e-5)

@@ -47,11 +47,17 @@ def equalities(here, k):
 @inner
 def write_row(here, d, row, bound, own):
     """Write to own[: d + 1] a row (n,) along Z, and what it lacks at ``reach``."""
-    base, lacks = vector(here, at.REACH), bound
     along(here, row, d, own)
+    own[d] = bound - value_of(here, row)
+
+
+@inner
+def value_of(here, row):
+    """The value of a row (n,) at ``reach``."""
+    base, value = vector(here, at.REACH), 0.0
     for j in range(ints(here, 0, plain.HEAD)[plain.N]):
-        lacks -= row[j] * base[j]
-    own[d] = lacks
+        value += row[j] * base[j]
+    return value
 
 
 @inner
@@ -71,7 +77,10 @@ def write_rows(here, k, d):
             own[q] = K[p][q]
         own[d] = towards[p]
     for r in range(head[at.ACTIVE]):
-        write_row(here, d, matrix(here, at.J)[r], weights[ids[r]] * lower[ids[r]], T[total])
+        row_along, own = matrix(here, at.G)[r], T[total]
+        for p in range(d):
+            own[p] = row_along[p]
+        own[d] = weights[ids[r]] * lower[ids[r]] - value_of(here, matrix(here, at.J)[r])
         total += 1
     for s in range(of[head[at.TOP]], of[k]):
         i = mine[s]
