@@ -61,10 +61,11 @@ def planar(seed: int) -> list[bool]:
 
 
 def panda(seed: int) -> list[bool]:
-    """A hand above its centre of mass, or the other way round, with a target near by or far."""
+    """A hand and its turn or the centre of mass, with a target near by or far, and an elbow from nearly straight on."""
     robot, rng = load_robot("panda", lock=["panda_finger_joint1"]), np.random.default_rng(seed)
     q, v = robot.home + rng.uniform(-0.3, 0.3, 7), 0.1 * rng.standard_normal(7)
-    here, far = robot.at(q), rng.choice([1e-3, 0.05, 0.6])
+    q[3] = rng.uniform(-1.5, -0.1)
+    here, far = robot.at(q), rng.choice([1e-3, 5e-3, 0.02, 0.6])
     place = here.frame("panda_hand").position + far * rng.standard_normal(3)
 
     def make() -> Controller:
