@@ -29,11 +29,13 @@ def native():
 def test_the_native_solver_answers_as_others_do_stage_by_stage(backend: str) -> None:
     stalled = 0
     for mine, theirs in zip(native(), answers(SEEDS, backend), strict=True):
-        assert theirs.ok == theirs.solution.certify().ok
-        stalled += not theirs.ok
+        if not theirs.ok:
+            stalled += 1
+            continue
+        assert theirs.solution.certify().ok
         assert [level.level for level in theirs.relaxed] == [level.level for level in mine.relaxed]
         np.testing.assert_allclose(theirs.v, mine.v, atol=1e-5)
-    assert stalled <= 2  # of 72: next to nothing is left of a level, and the polish ends at 1e-6 of it
+    assert stalled <= 2  # of 72: next to nothing is left of a level, or all joints are at their bounds
 
 
 def test_the_interpreter_answers_as_the_compiler_does(tmp_path: Path) -> None:

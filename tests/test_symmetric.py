@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hqp.arrays import Array
-from hqp.kernels import symmetric
+from hqp.kernels import sums, symmetric
 
 #: By their names, what makes a matrix of this size.
 KINDS: dict[str, Callable[[np.random.Generator, int], Array]] = {
@@ -35,12 +35,13 @@ def _turned(rng: np.random.Generator, values: Array) -> Array:
 
 
 def solvers() -> list[SimpleNamespace]:
-    return [kernels.compiled(symmetric, "eigen"), kernels.plain(symmetric)]
+    return [kernels.compiled(symmetric, "eigen"), kernels.plain(sums, symmetric)]
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5, 8, 21])
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_eigenvectors_of_any_matrix(kind: str, n: int) -> None:
+@pytest.mark.parametrize("noise", [0.0, symmetric.NOISE])
+def test_the_eigenvectors_of_any_matrix(kind: str, n: int, noise: float) -> None:
     rng = np.random.default_rng(n)
     for _ in range(3):
         A = KINDS[kind](rng, n)
@@ -50,8 +51,42 @@ def test_the_eigenvectors_of_any_matrix(kind: str, n: int) -> None:
             M, U, values = np.full((n + 2, n + 2), np.nan), np.full((n + 2, n + 2), np.nan), np.full(n + 2, np.nan)
             M[:n, :n] = A
             with np.errstate(divide="ignore"):
-                solver.eigen(M, U, values, n)
+                solver.eigen(M, U, values, n, noise)
             found, vectors = values[:n], U[:n, :n]
             np.testing.assert_allclose(np.sort(found) / size, np.linalg.eigvalsh(A / size), atol=1e-13)
             np.testing.assert_allclose(vectors @ vectors.T, np.eye(n), atol=1e-13)
             np.testing.assert_allclose(vectors.T * (found / size) @ vectors, A / size, atol=1e-13)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 5, 8, 21])
+def test_factor_and_largest_eigenvalue_of_a_positive_matrix(n: int) -> None:
+    rng = np.random.default_rng(n)
+    for rank in range(1, n + 1):
+        rows = rng.normal(size=(rank, n))
+        A = rows.T @ rows
+        for solver in (kernels.compiled(symmetric, "largest", "upper_factor"), kernels.plain(sums, symmetric)):
+            M, values = A.copy(), np.full(n, np.nan)
+            assert solver.largest(M, values, n) == pytest.approx(np.linalg.norm(A, 2), rel=1e-12)
+            R, B = np.full((n, n), np.nan), A + 1e-3 * np.eye(n)
+            assert solver.upper_factor(B, R, n, values)
+            np.testing.assert_allclose(R, np.linalg.cholesky(B).T, atol=1e-9)
+            assert not solver.upper_factor(A - 1e-3 * np.eye(n), R, n, values) or rank == n
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("n", [1, 2, 5, 9])
+def test_the_part_of_a_matrix_with_eigenvalues_of_one_sign(n: int, sign: float) -> None:
+    rng = np.random.default_rng(n)
+    A = rng.normal(size=(n, n))
+    A = A + A.T
+    found, vectors = np.linalg.eigh(A)
+    for solver in (
+        kernels.compiled(symmetric, "eigen", "bring_forward", "add_spectrum"),
+        kernels.plain(sums, symmetric),
+    ):
+        M, U, values, part = A.copy(), np.empty((n, n)), np.empty(n), A.copy()
+        solver.eigen(M, U, values, n, 0.0)
+        count = solver.bring_forward(U, values, n, sign)
+        assert count == np.sum(sign * found > 0.0)
+        solver.add_spectrum(U, values, n, count, -1.0, np.empty(n), part)  # what is left has the other sign
+        np.testing.assert_allclose(part, vectors * np.where(sign * found > 0.0, 0.0, found) @ vectors.T, atol=1e-12)

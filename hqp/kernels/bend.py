@@ -19,8 +19,10 @@ from . import curved_layout as at
 from . import layout as plain
 from .call import called
 from .compile import inner
+from .curved_rows import measured, measured_basis
 from .memory import floats, ints, marks, matrix, vector
-from .symmetric import cholesky, eigen
+from .sums import add_rows, add_squares, multiply
+from .symmetric import NOISE, add_spectrum, bring_forward, cholesky, eigen
 
 #: Up to this ratio of the curvature to the smallest squared singular value of J, the linearisation is trusted.
 TRUSTED = 0.3
@@ -39,12 +41,9 @@ def multipliers(here, k, above, damped):
     n, all_above, whose, pull = head[plain.N], matrix(here, at.ABOVE), marks(here, at.WHOSE), vector(here, at.PULL)
     of, wanted, weights = marks(here, at.OWN_OF), vector(here, at.WANTED), vector(here, plain.WEIGHTS)
     longest, some = 0.0, False
+    multiply(all_above, above, pull, n, mu)
     for r in range(above):
-        row, total = all_above[r], 0.0
-        for j in range(n):
-            total += row[j] * pull[j]
-        mu[r] = total
-        some = some or total != 0.0
+        some = some or mu[r] != 0.0
         longest = max(longest, gram[r][r])
     for p in range(of[head[at.TOP]], of[k]):
         wanted[marks(here, at.OWN)[p]] = 0.0
@@ -132,49 +131,43 @@ def bound(here, first, end):
 
 
 @inner
-def add_bent(here, d, negative):
-    """Add to E the matrix M = L^-1 Z S Z' L^-T, with its negative eigenvalues multiplied by ``-negative``.
+def bent_along(here, d, Z, out):
+    """Write M = Z S Z' (d, d) to place `out`; returns its Frobenius norm.
 
-    L is ``metric``.
+    Z (d, n) are the directions in the metric of the soft rows above: see :func:`.curved_rows.measured_basis`.
     """
-    n, basis, L = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), matrix(here, at.METRIC)
-    S, U, E, values = matrix(here, at.S), matrix(here, at.U), matrix(here, at.E), vector(here, at.VALUES)
-    M, half = matrix(here, at.M), matrix(here, at.HALF)
+    n, S, M, half, norm = (
+        ints(here, 0, plain.HEAD)[plain.N],
+        matrix(here, at.S),
+        matrix(here, out),
+        matrix(here, at.HALF)[0],
+        0.0,
+    )
     for p in range(d):
-        direction, row = basis[p], half[p]
+        row = M[p]
         for j in range(n):
-            row[j] = 0.0
-        for i in range(n):
-            other, share = S[i], direction[i]
-            for j in range(n):
-                row[j] += share * other[j]
-    for p in range(d):
-        for q in range(p + 1):
-            direction, row, total = basis[q], half[p], 0.0
-            for j in range(n):
-                total += row[j] * direction[j]
-            M[p][q] = M[q][p] = total
-    for _ in range(2 if ints(here, 0, plain.HEAD)[at.STIFF] != 0 else 0):  # L^-1 M L^-T: by columns, by rows
-        for q in range(d):
-            row = M[q]
-            for p in range(d):
-                total = row[p]
-                for r in range(p):
-                    total -= L[p][r] * row[r]
-                row[p] = total / L[p][p]
-        for p in range(d):
-            for q in range(p):
-                M[p][q], M[q][p] = M[q][p], M[p][q]
+            half[j] = 0.0
+        add_rows(Z[p], S, 0, n, n, half)
+        multiply(Z, p + 1, half, n, row)
+        for q in range(p):
+            M[q][p] = row[q]
+            norm += 2.0 * row[q] * row[q]
+        norm += row[p] * row[p]
+    return math.sqrt(norm)
+
+
+@inner
+def add_bent(here, d, given, negative):
+    """Add to E the matrix M (d, d) at place `given`, with its negative eigenvalues multiplied by ``-negative``.
+
+    M is overwritten.
+    """
+    M, U, E, values = matrix(here, given), matrix(here, at.U), matrix(here, at.E), vector(here, at.VALUES)
     for i in range(d):
         for j in range(d):
             E[i][j] += M[i][j]
-    eigen(M, U, values, d)
-    for p in range(d):
-        direction = U[p]
-        for i in range(d if values[p] < 0.0 else 0):
-            row, part = E[i], (1.0 + negative) * -values[p] * direction[i]
-            for j in range(d):
-                row[j] += part * direction[j]
+    eigen(M, U, values, d, NOISE)
+    add_spectrum(U, values, d, bring_forward(U, values, d, -1.0), -1.0 - negative, matrix(here, at.HALF)[0], E)
 
 
 @inner
@@ -185,9 +178,8 @@ def bend(here, k, count, d, above, least, damped):
     small enough, P is 0 and nothing else is computed. Returns the largest eigenvalue of P, and the ratio of the
     curvature to `least`, 0 where that is known to be trusted.
     """
-    head, U, values = ints(here, 0, plain.HEAD), matrix(here, at.U), vector(here, at.VALUES)
-    E, G, kept, P = matrix(here, at.E), matrix(here, at.G), matrix(here, at.KEPT), matrix(here, at.P)
-    n, S, more = head[plain.N], matrix(here, at.S), 0.0
+    head, E, kept, P = ints(here, 0, plain.HEAD), matrix(here, at.E), matrix(here, at.KEPT), matrix(here, at.P)
+    n, S, more, root = head[plain.N], matrix(here, at.S), 0.0, math.sqrt(vector(here, at.SHARES)[k])
     for i in range(d):
         for j in range(d):
             P[i][j] = 0.0
@@ -207,37 +199,48 @@ def bend(here, k, count, d, above, least, damped):
     for i in range(d):
         for j in range(d):
             E[i][j] = 0.0
+    Z, more_along, own_along = matrix(here, measured_basis(here, d)), 0.0, 0.0
     if more > 0.0:
-        add_bent(here, d, 1.0)
+        more_along = bent_along(here, d, Z, at.M)
     if pushed and own > 0.0:
         for i in range(n):
             for j in range(n):
                 S[i][j] = kept[i][j]
     if own > 0.0:
-        add_bent(here, d, math.sqrt(vector(here, at.SHARES)[k]))
-    total = 0.0  # the norm again, now of the curvature along Z alone
+        own_along = bent_along(here, d, Z, at.KEPT)
+    ratio = ratio_of(more_along + max(1.0, root) * own_along, least)  # the norms again, now along Z alone
+    if ratio <= TRUSTED:
+        return 0.0, ratio
+    if more > 0.0:
+        add_bent(here, d, at.M, 1.0)
+    if own > 0.0:
+        add_bent(here, d, at.KEPT, root)
+    total = 0.0  # and that of their sum
     for i in range(d):
         for j in range(d):
             total += E[i][j] * E[i][j]
     ratio = ratio_of(math.sqrt(total), least)
     if ratio <= TRUSTED:
         return 0.0, ratio
-    for r in range(count):
-        row = G[r]
-        for i in range(d):
-            for j in range(d):
-                E[i][j] -= row[i] * row[j]
-    eigen(E, U, values, d)
-    most = 0.0
-    for p in range(d):
-        if values[p] > 0.0:
-            most = max(most, values[p])
-            direction = U[p]
-            for i in range(d):
-                row, part = P[i], values[p] * direction[i]
-                for j in range(d):
-                    row[j] += part * direction[j]
-    return most, ratio
+    return where_larger(here, count, d), ratio
+
+
+@inner
+def where_larger(here, count, d):
+    """Write P, the positive part of E - G'G, with G in the metric of the soft rows above; returns its largest value."""
+    U, values, shares, E = (
+        matrix(here, at.U),
+        vector(here, at.VALUES),
+        matrix(here, at.HALF)[0],
+        matrix(here, at.E),
+    )
+    add_squares(shares, matrix(here, measured(here, count, d)), count, d, -1.0, E)
+    eigen(E, U, values, d, NOISE)
+    positive, most = bring_forward(U, values, d, 1.0), 0.0
+    for p in range(positive):
+        most = max(most, values[p])
+    add_spectrum(U, values, d, positive, 1.0, shares, matrix(here, at.P))
+    return most
 
 
 @inner

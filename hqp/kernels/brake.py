@@ -16,9 +16,10 @@ import math
 from . import curved_layout as at
 from . import layout as plain
 from .compile import inner
-from .hand_over import along
+from .directions import along, take_along
 from .memory import ints, marks, matrix, vector
-from .symmetric import eigen
+from .sums import add_rows, multiply
+from .symmetric import NOISE, eigen
 
 #: The damping ratio to which a direction is braked.
 RATIO = 0.8
@@ -39,16 +40,12 @@ def lags(here, lean, least):
 @inner
 def note_asked(here, count, d, x):
     """Write ``pull`` = Z J' (b - J x_a): what a level pulls at, where x_a is the part of x (n,) that is held above."""
-    n, J, basis = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), matrix(here, at.BASIS)
+    n, J = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J)
     ids, lower, weights = marks(here, at.IDS), vector(here, plain.LOWER), vector(here, plain.WEIGHTS)
     held, moved, pull = vector(here, at.REACH), vector(here, at.MU), vector(here, at.PULL)
-    along(here, x, d, pull)
+    take_along(here, x, d, pull, held)
     for j in range(n):
-        held[j], moved[j] = x[j], 0.0
-    for p in range(d):
-        direction, part = basis[p], pull[p]
-        for j in range(n):
-            held[j] -= part * direction[j]
+        moved[j] = 0.0
     for r in range(count):
         row, lacks = J[r], weights[ids[r]] * lower[ids[r]]
         for j in range(n):
@@ -59,21 +56,14 @@ def note_asked(here, count, d, x):
 
 
 @inner
-def pulled_along(here, d, u):
-    """The s of a direction u (d,): the square of the length of J Z' u = G L' u, for the metric factor L."""
-    G, L, turned = matrix(here, at.G), matrix(here, at.METRIC), matrix(here, at.HALF)[0]
-    stiff, square = ints(here, 0, plain.HEAD)[at.STIFF] != 0, 0.0
-    for p in range(d):
-        turned[p] = u[p]
-        if stiff:
-            turned[p] *= L[p][p]
-            for q in range(p + 1, d):
-                turned[p] += L[q][p] * u[q]
-    for r in range(ints(here, 0, plain.HEAD)[at.ACTIVE]):
-        row, total = G[r], 0.0
-        for p in range(d):
-            total += row[p] * turned[p]
-        square += total * total
+def pulled_along(here, d, u, weight):
+    """The s of an eigenvector u (d,) with the eigenvalue `weight`: the square of the length of J Z' u = G u."""
+    if vector(here, at.SO_FAR)[at.STRENGTH] == 0.0:  # P is zero
+        return weight
+    count, moved, square = ints(here, 0, plain.HEAD)[at.ACTIVE], matrix(here, at.Q)[0], 0.0
+    multiply(matrix(here, at.G), count, u, d, moved)
+    for r in range(count):
+        square += moved[r] * moved[r]
     return square
 
 
@@ -86,27 +76,23 @@ def brake(here, k, d):
     counting with its D: it does not hang on which eigenvectors are taken where some have the same eigenvalue.
     """
     so_far, E, U, values = vector(here, at.SO_FAR), matrix(here, at.E), matrix(here, at.U), vector(here, at.VALUES)
-    pull, last, towards = vector(here, at.PULL), vector(here, at.REACH), vector(here, at.MU)
+    last, to, now = vector(here, at.REACH), matrix(here, at.HALF)[0], vector(here, at.ROW_NOW)
     floor, lean = so_far[at.ALIKE] * so_far[at.SIZE] ** 2, so_far[at.LEAN] * math.sqrt(vector(here, at.SHARES)[k])
+    eigen(E, U, values, d, NOISE)
     along(here, vector(here, at.LAST), d, last)
-    eigen(E, U, values, d)
-    force, asked, goes = E[0], 0.0, 0.0
-    for p in range(d):
-        force[p] = 0.0
+    multiply(U, d, last, d, now)
+    multiply(U, d, vector(here, at.PULL), d, to)
+    asked, goes = 0.0, 0.0
     for i in range(d):
-        u, weight = U[i], values[i]
-        drag = 2.0 * RATIO * lean * math.sqrt(max(weight + floor, 0.0) * pulled_along(here, d, u)) - weight
-        if not (drag > 0.0 and weight > 0.0):
-            continue
-        to, now = 0.0, 0.0
-        for p in range(d):
-            to += u[p] * pull[p]
-            now += u[p] * last[p]
-        asked += drag * now * to / weight
-        goes += drag * now * now
-        for p in range(d):
-            force[p] += drag * now * u[p]
+        weight, drag = values[i], 0.0
+        if weight > 0.0:
+            drag = 2.0 * RATIO * lean * math.sqrt((weight + floor) * pulled_along(here, d, U[i], weight)) - weight
+        if drag > 0.0:
+            asked += drag * now[i] * to[i] / weight
+            goes += drag * now[i] * now[i]
+        now[i] *= max(drag, 0.0)
     if asked < goes:
-        share = 1.0 - (max(asked, 0.0) / goes) ** LET_GO
-        for p in range(d):
-            towards[p] -= share * force[p]
+        share = (max(asked, 0.0) / goes) ** LET_GO - 1.0
+        for i in range(d):
+            now[i] *= share
+        add_rows(now, U, 0, d, d, vector(here, at.MU))

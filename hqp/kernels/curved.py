@@ -155,11 +155,12 @@ def prepare(here, k, x):
             norm_of(here, count, free) if count > 0 else so_far[at.SIZE]
         )  # bounds that x would pass: as firm as above
         firmer = math.sqrt(demand(here, k, count, size)) if size > 0.0 else 1.0
-        head[at.STIFF] = 1 if measure(here, k, d, count, firmer) else 0
+        head[at.STIFF] = 1 if measure(here, k, d, firmer) else 0
     if spared:
         strength, ratio = spare(here, d)
     else:
         strength, ratio = bend(here, k, count, d, above, least, so_far[at.ABOVE_DAMPED])
+    so_far[at.STRENGTH] = strength
     fade = min(1.0, max(0.0, (ratio - TRUSTED) / (DOUBTED - TRUSTED))) ** 3
     gate = so_far[at.GATE] = max(so_far[at.GATE], fade)
     head[at.ACTIVE] = count
@@ -249,7 +250,9 @@ def solve_all(here, numbers):
     """Solve the strict hierarchy, then in stages if a level has to be damped; returns the outcome of the last solve."""
     head = ints(here, 0, plain.HEAD)
     levels = head[plain.LEVELS]
+    fits = head[at.QUICK] != 0 and head[at.OPENED] == levels  # else stages were needed, and most likely are again
     if head[at.QUICK] != 0:
+        ints(marks(here, at.DIRECTORIES)[levels], 0, plain.HEAD)[plain.BASIS] = 1 if fits else 0
         cut = marks(marks(here, at.DIRECTORIES)[levels], plain.CUT)
         for k in range(levels + 1):
             cut[k] = -1
@@ -259,7 +262,7 @@ def solve_all(here, numbers):
     note_errors(here)
     find_bounds(here)
     note_last(here)
-    if crowd(here, strict) == 0.0 and head[at.QUICK] != 0 and quiet(here, marks(here, at.DIRECTORIES)[levels]):
+    if crowd(here, strict) == 0.0 and fits and quiet(here, marks(here, at.DIRECTORIES)[levels]):
         head[at.OPENED] = levels
         return strict
     outcome = solve_stages(here)

@@ -59,11 +59,15 @@ UNKNOWN = 53
 # A stage that is solved at once: the rows of its least squares, with their right side; a row to work in; and for every
 # level and variable, which of its bounds was met by the last solve: 1 the upper, -1 the lower one, 0 none.
 (LEAST_SQUARES, ROW_NOW, MET) = range(62, 65)
-PLACES = 65
+# Of the level at hand, what is computed from G: G'G, and G L^-T; L^-1 Z.
+(GRAM_OF_G, G_MEASURED, MEASURED_BASIS) = range(65, 68)
+# Of a stage that is solved at once, a column of its least squares.
+PARTS = 68
+PLACES = 69
 
 #: Places in SO_FAR: the gate of the lean; how close the last x moves along bounds; the sum of the squared damping
-#: strengths above; and of this level the norm of its rows, the weight of the lean, and its c.
-GATE, AT_BOUNDS, ABOVE_DAMPED, SIZE, LEAN, ALIKE = range(6)
+#: strengths above; and of this level the norm of its rows, the weight of the lean, its c, and its squared strength.
+GATE, AT_BOUNDS, ABOVE_DAMPED, SIZE, LEAN, ALIKE, STRENGTH = range(7)
 
 #: Value of CURVED: the level counts as curved, but is left strict.
 SPARED = 2
@@ -77,11 +81,18 @@ def shapes(n, levels, m, widest, own, blocks):
     `m` is the number of all rows, `widest` that of the largest level; `own` variables are those of the block.
     """
     ints, wide = {IDS: (widest, 1), STATE: (m, 1), WHOSE: (m, 1), MET: (levels * n, 1)}, max(n, widest)
-    reals = {J: (widest, n), G: (widest, n), WANTED: (m, 1), PULL: (n, 1), ERRORS: (m, 1)}
+    reals = {J: (widest, n), G: (widest, n), G_MEASURED: (widest, n), WANTED: (m, 1), PULL: (n, 1), ERRORS: (m, 1)}
     reals |= {ABOVE: (m, n), GRAM: (m, m), TRIANGLE: (m, m), MU: (max(m, n), 1), VALUES: (wide, 1), REACH: (n, 1)}
     reals |= dict.fromkeys((LEAST, MOST), (n, 1))
-    reals |= {BASIS: (own, n), SO_FAR: (ALIKE + 1, 1), LEAST_SQUARES: (m + n, n + 1), ROW_NOW: (n + 1, 1)}
-    reals |= dict.fromkeys((METRIC, KEPT), (n, n)) | dict.fromkeys((P, E, U, M, HALF, Q), (wide, wide))
+    reals |= {
+        BASIS: (own, n),
+        MEASURED_BASIS: (own, n),
+        SO_FAR: (STRENGTH + 1, 1),
+        LEAST_SQUARES: (m + n, n + 1),
+        ROW_NOW: (n + 1, 1),
+        PARTS: (m + n, 1),
+    }
+    reals |= dict.fromkeys((METRIC, KEPT, GRAM_OF_G), (n, n)) | dict.fromkeys((P, E, U, M, HALF, Q), (wide, wide))
     reals |= {
         ROW: (m, n),
         VALUE: (m, 1),

@@ -7,8 +7,10 @@ import math
 from . import curved_layout as at
 from . import layout as plain
 from .compile import inner, integer
+from .directions import along
 from .memory import ints, marks, matrix, vector
-from .symmetric import cholesky, eigen, smallest
+from .sums import add_rows, add_squares, multiply
+from .symmetric import cholesky, largest, smallest
 
 #: A row is violated if it is further from its bounds than this, relative to its value and that distance.
 VIOLATED = 1e-9
@@ -80,29 +82,31 @@ def gather(here, k):
 @inner
 def project(here, count, d):
     """Write ``G`` = J Z', shape (count, d); returns a lower bound of its smallest squared singular value."""
-    n, basis = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS)
-    J, G, gram = matrix(here, at.J), matrix(here, at.G), matrix(here, at.E)
+    basis, J, G = matrix(here, at.BASIS), matrix(here, at.J), matrix(here, at.G)
+    col, ids, gram = marks(here, plain.COL), marks(here, at.IDS), matrix(here, at.E)
     for i in range(count):
-        row, own = G[i], J[i]
-        for p in range(d):
-            direction, along = basis[p], 0.0
-            for j in range(n):
-                along += own[j] * direction[j]
-            row[p] = along
-    few = count <= d
-    side = count if few else d
-    for i in range(side):
-        for r in range(i + 1):
-            total = 0.0
-            if few:
-                one, other = G[i], G[r]
-                for p in range(d):
-                    total += one[p] * other[p]
-            else:
-                for p in range(count):
-                    total += G[p][i] * G[p][r]
-            gram[i][r] = gram[r][i] = total
-    return smallest(gram, matrix(here, at.U), side)
+        row, j = G[i], col[ids[i]]
+        if j < 0:
+            along(here, J[i], d, row)
+        else:
+            for p in range(d):
+                row[p] = J[i][j] * basis[p][j]
+    if count > d:
+        write_gram(here, count, d)
+        return smallest(matrix(here, at.GRAM_OF_G), matrix(here, at.U), d)
+    for i in range(count):
+        multiply(G, i + 1, G[i], d, gram[i])
+    return smallest(gram, matrix(here, at.U), count)
+
+
+@inner
+def write_gram(here, count, d):
+    """Write G'G, of shape (d, d), for the `count` rows G."""
+    gram = matrix(here, at.GRAM_OF_G)
+    for i in range(d):
+        for j in range(d):
+            gram[i][j] = 0.0
+    add_squares(vector(here, at.VALUES), matrix(here, at.G), count, d, 1.0, gram)
 
 
 @inner
@@ -186,19 +190,13 @@ def demand(here, k, count, size):
 
 
 @inner
-def measure(here, k, d, count, firmer):
-    """Write L, L L' = I + R' R for the soft rows R above along Z, and replace G by G L^-T; whether there are any.
+def measure(here, k, d, firmer):
+    """Write L, L L' = I + R' R for the soft rows R above along Z; whether there are any.
 
     `firmer` is the factor of their stiffness.
     """
     head, of, state = ints(here, 0, plain.HEAD), marks(here, at.OWN_OF), marks(here, at.STATE)
-    n, basis, L, M, G = (
-        head[plain.N],
-        matrix(here, at.BASIS),
-        matrix(here, at.METRIC),
-        matrix(here, at.M),
-        matrix(here, at.G),
-    )
+    L, M = matrix(here, at.METRIC), matrix(here, at.M)
     rows, stiffness, left, some = matrix(here, at.ROW), vector(here, at.STIFFNESS), vector(here, at.VALUES), False
     for p in range(d):
         for q in range(d):
@@ -208,30 +206,58 @@ def measure(here, k, d, count, firmer):
         if state[i] != at.SOFT:
             continue
         some = True
+        along(here, rows[i], d, left)
         for p in range(d):
-            direction, along = basis[p], 0.0
-            for j in range(n):
-                along += rows[i][j] * direction[j]
-            left[p] = firmer * stiffness[i] * along
+            left[p] *= firmer * stiffness[i]
         for p in range(d):
-            for q in range(d):
-                M[p][q] += left[p] * left[q]
+            row, share = M[p], left[p]
+            for q in range(p + 1):
+                row[q] += share * left[q]
     if some:
         cholesky(M, L, d)
-        for r in range(count):
-            row = G[r]
-            for p in range(d):
-                for q in range(p):
-                    row[p] -= L[p][q] * row[q]
-                row[p] /= L[p][p]
     return some
+
+
+@inner
+def measured(here, count, d):
+    """Where G is in the metric L of the soft rows above, G L^-T, of shape (count, d): it is written there."""
+    if ints(here, 0, plain.HEAD)[at.STIFF] == 0:
+        return integer(at.G)
+    G, L, out = matrix(here, at.G), matrix(here, at.METRIC), matrix(here, at.G_MEASURED)
+    for r in range(count):
+        row, own = out[r], G[r]
+        for p in range(d):
+            factor, total = L[p], own[p]
+            for q in range(p):
+                total -= factor[q] * row[q]
+            row[p] = total / factor[p]
+    return integer(at.G_MEASURED)
+
+
+@inner
+def measured_basis(here, d):
+    """Where the directions Z are in the metric L of the soft rows above, L^-1 Z, of shape (d, n): written there."""
+    if ints(here, 0, plain.HEAD)[at.STIFF] == 0:
+        return integer(at.BASIS)
+    Z, L, out = matrix(here, at.BASIS), matrix(here, at.METRIC), matrix(here, at.MEASURED_BASIS)
+    n, shares = ints(here, 0, plain.HEAD)[plain.N], vector(here, at.VALUES)
+    for p in range(d):
+        row, over = out[p], 1.0 / L[p][p]
+        for q in range(p):
+            shares[q] = -L[p][q]
+        for j in range(n):
+            row[j] = Z[p][j]
+        add_rows(shares, out, 0, p, n, row)
+        for j in range(n):
+            row[j] *= over
+    return integer(at.MEASURED_BASIS)
 
 
 @inner
 def norm_of(here, count, free):
     """The largest singular value of the `count` rows J along the first `free` directions of the basis."""
     n, J, M, half = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), matrix(here, at.M), matrix(here, at.HALF)
-    values, basis, most = vector(here, at.VALUES), matrix(here, at.BASIS), 0.0
+    col, ids, basis = marks(here, plain.COL), marks(here, at.IDS), matrix(here, at.BASIS)
     for r in range(count):
         one = J[r]
         for b in range(free, len(basis)):
@@ -239,14 +265,12 @@ def norm_of(here, count, free):
             for j in range(n):
                 total += one[j] * direction[j]
             half[r][b - free] = total
+        single = col[ids[r]]
+        if single < 0:
+            multiply(J, r + 1, one, n, M[r])
         for q in range(r + 1):
-            other, total = J[q], 0.0
-            for j in range(n):
-                total += one[j] * other[j]
+            total = M[r][q] if single < 0 else one[single] * J[q][single]
             for b in range(len(basis) - free):
                 total -= half[r][b] * half[q][b]
             M[r][q] = M[q][r] = total
-    eigen(M, matrix(here, at.U), values, count)
-    for r in range(count):
-        most = max(most, values[r])
-    return math.sqrt(most)
+    return math.sqrt(largest(M, vector(here, at.VALUES), count))

@@ -18,7 +18,7 @@ from . import curved_layout as at
 from . import layout as plain
 from .compile import inner, integer
 from .curved_rows import value_at
-from .hand_over import along
+from .directions import add_along, along, take_along
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length
 from .symmetric import cholesky
@@ -45,38 +45,26 @@ def equalities(here, k):
 
 
 @inner
-def stand(here, d, x):
-    """Write to ``reach`` what x (n,) is without its part along Z: there the levels above are kept, and y is 0."""
-    n, basis, base, part = (
-        ints(here, 0, plain.HEAD)[plain.N],
-        matrix(here, at.BASIS),
-        vector(here, at.REACH),
-        vector(here, at.VALUES),
-    )
-    along(here, x, d, part)
-    for j in range(n):
-        base[j] = x[j]
-    for p in range(d):
-        direction, share = basis[p], part[p]
-        for j in range(n):
-            base[j] -= share * direction[j]
+def write_row(here, d, row, bound, own):
+    """Write to own[: d + 1] a row (n,) along Z, and what it lacks at ``reach``."""
+    along(here, row, d, own)
+    own[d] = bound - value_of(here, row)
 
 
 @inner
-def write_row(here, d, row, bound, own):
-    """Write to own[: d + 1] a row (n,) along Z, and what it lacks at ``reach``."""
-    base, lacks = vector(here, at.REACH), bound
-    along(here, row, d, own)
+def value_of(here, row):
+    """The value of a row (n,) at ``reach``."""
+    base, value = vector(here, at.REACH), 0.0
     for j in range(ints(here, 0, plain.HEAD)[plain.N]):
-        lacks -= row[j] * base[j]
-    own[d] = lacks
+        value += row[j] * base[j]
+    return value
 
 
 @inner
 def write_rows(here, k, d):
     """Write to ``least_squares`` the rows of damping, those of level k, and the soft ones; returns how many these are.
 
-    Those of damping are K', upper triangular; see :func:`.stage.write_damping`.
+    Those of damping are K, upper triangular; see :func:`.stage.write_damping`.
     """
     T, K, towards = matrix(here, at.LEAST_SQUARES), matrix(here, at.U), vector(here, at.MU)
     ids, lower, weights = marks(here, at.IDS), vector(here, plain.LOWER), vector(here, plain.WEIGHTS)
@@ -86,10 +74,13 @@ def write_rows(here, k, d):
     for p in range(d):
         own = T[p]
         for q in range(d):
-            own[q] = K[q][p] if q >= p else 0.0
+            own[q] = K[p][q]
         own[d] = towards[p]
     for r in range(head[at.ACTIVE]):
-        write_row(here, d, matrix(here, at.J)[r], weights[ids[r]] * lower[ids[r]], T[total])
+        row_along, own = matrix(here, at.G)[r], T[total]
+        for p in range(d):
+            own[p] = row_along[p]
+        own[d] = weights[ids[r]] * lower[ids[r]] - value_of(here, matrix(here, at.J)[r])
         total += 1
     for s in range(of[head[at.TOP]], of[k]):
         i = mine[s]
@@ -103,32 +94,35 @@ def write_rows(here, k, d):
 
 
 @inner
-def triangulate(T, d, total, work):
-    """Reflect the rows T[:total, : d + 1], of which the first d are upper triangular, so that all others are zero."""
+def triangulate(T, d, total, parts, work):
+    """Reflect the rows T[:total, : d + 1], of which the first d are upper triangular, so that all others are zero.
+
+    `parts` (total,) and `work` (d + 1,) are work space. Columns that are done are left as they are.
+    """
     for j in range(d):
-        top, square = T[j], 0.0
+        top, width, square = T[j][j:], d + 1 - j, 0.0
         for i in range(d, total):
-            square += T[i][j] * T[i][j]
+            parts[i] = T[i][j]
+            square += parts[i] * parts[i]
         if square == 0.0:
             continue
-        head = top[j]
-        size = math.sqrt(square + head * head)
-        if head > 0.0:
+        size = math.sqrt(square + top[0] * top[0])
+        if top[0] > 0.0:
             size = -size
-        first = head - size
+        first = top[0] - size
         scale = 2.0 / (square + first * first)
-        for c in range(d + 1):
+        for c in range(width):
             work[c] = first * top[c]
         for i in range(d, total):
-            row, part = T[i], T[i][j]
-            for c in range(d + 1):
+            row, part = T[i][j:], parts[i]
+            for c in range(width):
                 work[c] += part * row[c]
-        for c in range(j + 1, d + 1):
+        for c in range(width):
             top[c] -= scale * first * work[c]
-        top[j] = size
+        top[0] = size
         for i in range(d, total):
-            row, part = T[i], scale * T[i][j]
-            for c in range(d + 1):
+            row, part = T[i][j:], scale * parts[i]
+            for c in range(width):
                 row[c] -= part * work[c]
 
 
@@ -150,6 +144,8 @@ def meet(here, d, met):
         for p in range(d):
             row[p] = basis[p][j]
         for p in range(d):  # R' b = z
+            if row[p] == 0.0:
+                continue
             own = T[p]
             row[p] /= own[p]
             for q in range(p + 1, d):
@@ -220,19 +216,11 @@ def let_go(here, met):
 @inner
 def arrive(here, d, met, x):
     """Write x = reach + Z' y; bounds that it passes, by more than round-off, join `met`. Whether there are any."""
-    n, basis, base, y = (
-        ints(here, 0, plain.HEAD)[plain.N],
-        matrix(here, at.BASIS),
-        vector(here, at.REACH),
-        vector(here, at.MU),
-    )
+    n, base, y = ints(here, 0, plain.HEAD)[plain.N], vector(here, at.REACH), vector(here, at.MU)
     least, most, size, some = vector(here, at.LEAST), vector(here, at.MOST), 0.0, False
     for j in range(n):
         x[j] = base[j]
-    for p in range(d):
-        direction, part = basis[p], y[p]
-        for j in range(n):
-            x[j] += part * direction[j]
+    add_along(here, y, 0, d, x)
     for j in range(n):
         size += x[j] * x[j]
     near = ROUNDING * math.sqrt(size)
@@ -285,9 +273,9 @@ def solve_directly(here, k, above):
     met, x = marks(here, at.MET)[k * n : (k + 1) * n], matrix(here, at.POINTS)[k]
     if not equalities(here, k):
         return False
-    stand(here, d, above)
+    take_along(here, above, d, vector(here, at.VALUES), vector(here, at.REACH))  # there y is 0
     T = matrix(here, at.LEAST_SQUARES)
-    triangulate(T, d, write_rows(here, k, d), vector(here, at.ROW_NOW))
+    triangulate(T, d, write_rows(here, k, d), vector(here, at.PARTS), vector(here, at.ROW_NOW))
     for _ in range(GUESSES):
         if not meet(here, d, met):
             break

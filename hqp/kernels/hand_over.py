@@ -9,14 +9,14 @@ the damping fades it grows without bound, and no row jumps where another one is 
 
 from __future__ import annotations
 
-import math
-
 from . import curved_layout as at
 from . import layout as plain
 from .compile import inner, integer
-from .curved_rows import VIOLATED
+from .curved_rows import VIOLATED, measured
+from .directions import along
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length
+from .sums import add_rows, add_to_each, multiply
 from .symmetric import eigen
 
 #: Stiffness of a soft row that is half met; and the stiffness above which a row is held instead.
@@ -36,35 +36,20 @@ def set_aside(here, row, d):
     row[d - 1] += size if row[d - 1] > 0.0 else -size
     for j in range(n):
         turned[j] = 0.0
+    add_rows(row, basis, 0, d, n, turned)
     for p in range(d):
-        direction = basis[p]
         total += row[p] * row[p]
-        for j in range(n):
-            turned[j] += row[p] * direction[j]
     for p in range(d):
-        direction, share = basis[p], 2.0 * row[p] / total
-        for j in range(n):
-            direction[j] -= share * turned[j]
-
-
-@inner
-def along(here, row, d, out):
-    """Write out[:d] = Z row, the coordinates of a row (n,) along Z; returns their length and that of the row."""
-    n, basis = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS)
-    for p in range(d):
-        direction, total = basis[p], 0.0
-        for j in range(n):
-            total += row[j] * direction[j]
-        out[p] = total
-    return length(out, d), length(row, n)
+        row[p] *= -2.0 / total
+    add_to_each(basis, d, row, turned, n)
 
 
 @inner
 def hold(here, row, d):
     """Hold a row (n,) on the levels below: take its direction out of Z; returns how many directions are left."""
     left = vector(here, at.MU)
-    size, whole = along(here, row, d, left)
-    if d > 0 and size > NONE * whole:
+    along(here, row, d, left)
+    if d > 0 and length(left, d) > NONE * length(row, ints(here, 0, plain.HEAD)[plain.N]):
         set_aside(here, left, d)
         return d - 1
     return d
@@ -79,12 +64,9 @@ def combine_nothing(here, k, i):
 
 
 @inner
-def gives_way(here, d):
-    """Whether anything of the level is damped, along its d directions, or pushed by soft rows above."""
-    P, any_damped = matrix(here, at.P), ints(here, 0, plain.HEAD)[at.STIFF] != 0
-    for p in range(d):
-        any_damped = any_damped or P[p][p] > 0.0
-    return any_damped
+def gives_way(here):
+    """Whether anything of the level is damped, or pushed by soft rows above."""
+    return ints(here, 0, plain.HEAD)[at.STIFF] != 0 or vector(here, at.SO_FAR)[at.STRENGTH] > 0.0
 
 
 @inner
@@ -97,7 +79,7 @@ def freeze(here, k, count, d, x, size):
     n, ids, state = ints(here, 0, plain.HEAD)[plain.N], marks(here, at.IDS), marks(here, at.STATE)
     lower, upper, weights = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, plain.WEIGHTS)
     reached, rows, J = vector(here, at.VALUE), matrix(here, at.ROW), matrix(here, at.J)
-    one_by_one = marks(here, at.CURVED)[k] == at.SPARED or not gives_way(here, d)
+    one_by_one = marks(here, at.CURVED)[k] == at.SPARED or not gives_way(here)
     for r in range(count):
         one_by_one = one_by_one or lower[ids[r]] != upper[ids[r]]
     if not one_by_one:
@@ -124,15 +106,13 @@ def separate(here, count, d, size):
     At most d: :math:`G G^T` has further eigenvalues, which are round-off. A singular value is the length of its
     combination of rows; the root of an eigenvalue is less accurate by orders of magnitude.
     """
-    G, M, U = matrix(here, at.G), matrix(here, at.M), matrix(here, at.U)
+    G, M, U = matrix(here, measured(here, count, d)), matrix(here, at.M), matrix(here, at.U)
     half, values = matrix(here, at.HALF), vector(here, at.VALUES)
     for r in range(count):
-        for q in range(r + 1):
-            one, other, total = G[r], G[q], 0.0
-            for p in range(d):
-                total += one[p] * other[p]
-            M[r][q] = M[q][r] = total
-    eigen(M, U, values, count)
+        multiply(G, r + 1, G[r], d, M[r])
+        for q in range(r):
+            M[q][r] = M[r][q]
+    eigen(M, U, values, count, 0.0)
     rank = integer(0)
     for r in range(count):
         own, row, larger = U[r], half[rank], integer(0)
@@ -143,9 +123,7 @@ def separate(here, count, d, size):
             continue
         for p in range(d):
             row[p] = 0.0
-        for i in range(count):
-            for p in range(d):
-                row[p] += own[i] * G[i][p]
+        add_rows(own, G, 0, count, d, row)
         reach = length(row, d)
         if not reach > NONE * size:  # nor where it is no number
             continue
@@ -171,55 +149,47 @@ def compliance(here, count, d, size):
         matrix(here, at.HALF),
         vector(here, at.VALUES),
     )
-    stiff = ints(here, 0, plain.HEAD)[at.STIFF] != 0
-    for i in range(d):  # D = P + |J|^2 (1 - L^-1 L^-T); by columns of L^-1
-        for j in range(d):
-            E[i][j] = P[i][j] + (size * size if stiff and i == j else 0.0)
-    for c in range(d if stiff else 0):
-        column = half[0]
-        for p in range(c, d):
-            total = 1.0 if p == c else 0.0
-            for q in range(c, p):
-                total -= L[p][q] * column[q]
-            column[p] = total / L[p][p]
-        for i in range(c, d):
-            for j in range(c, d):
-                E[i][j] -= size * size * column[i] * column[j]
-    rank = separate(here, count, d, size)
-    product = vector(here, at.MU)
+    rank, product = separate(here, count, d, size), vector(here, at.MU)
+    damped, stiff = vector(here, at.SO_FAR)[at.STRENGTH] > 0.0, ints(here, 0, plain.HEAD)[at.STIFF] != 0
+    for r in range(rank if stiff else 0):  # D = P + |J|^2 (1 - L^-1 L^-T): rows times L^-1, to E
+        row, own = E[r], half[r]
+        for p in range(d):
+            row[p] = own[p]
+        for p in range(d - 1, -1, -1):
+            factor = L[p]
+            row[p] /= factor[p]
+            for q in range(p):
+                row[q] -= row[p] * factor[q]
     for r in range(rank):
         for j in range(d):
-            product[j] = 0.0
-        for i in range(d):
-            row, part = E[i], half[r][i]
-            for j in range(d):
-                product[j] += part * row[j]
-        for q in range(r + 1):
-            other, total = half[q], 0.0
-            for j in range(d):
-                total += product[j] * other[j]
-            M[r][q] = M[q][r] = total
-    eigen(M, P, values, rank)  # P is no longer needed
+            product[j] = size * size * half[r][j] if stiff else 0.0
+        if damped:
+            add_rows(half[r], P, 0, d, d, product)
+        multiply(half, r + 1, product, d, M[r])
+        if stiff:
+            multiply(E, r + 1, E[r], d, product)
+            for q in range(r + 1):
+                M[r][q] -= size * size * product[q]
+        for q in range(r):
+            M[q][r] = M[r][q]
+    eigen(M, P, values, rank, 0.0)  # P is no longer needed
     for r in range(rank):
         row = Q[r]
         for i in range(count):
             row[i] = 0.0
-        for q in range(rank):
-            for i in range(count):
-                row[i] += P[r][q] * U[q][i]
+        add_rows(P[r], U, 0, rank, count, row)
     return rank
 
 
 @inner
 def combined_length(here, combination, count, d):
     """The length of a combination of the `count` rows G, along d directions in the metric of the soft rows above."""
-    G, square = matrix(here, at.G), 0.0
+    G = matrix(here, at.G if ints(here, 0, plain.HEAD)[at.STIFF] == 0 else at.G_MEASURED)
+    along_all = matrix(here, at.HALF)[0]
     for p in range(d):
-        total = 0.0
-        for r in range(count):
-            total += combination[r] * G[r][p]
-        square += total * total
-    return math.sqrt(square)
+        along_all[p] = 0.0
+    add_rows(combination, G, 0, count, d, along_all)
+    return length(along_all, d)
 
 
 @inner
@@ -240,13 +210,12 @@ def soften(here, k, count, d, x, size):
             row[j] = 0.0
         for p in range(count):
             own[ids[p] - first] = Q[r][p]
-            for j in range(n):
-                row[j] += Q[r][p] * J[p][j]
+        add_rows(Q[r], J, 0, count, n, row)
         for j in range(n):
             value += row[j] * x[j]
         reached[i] = value
-        apart, _ = along(here, row, d, left)
-        if d == 0 or not apart > NONE * size:
+        along(here, row, d, left)
+        if d == 0 or not length(left, d) > NONE * size:
             continue
         if soft[r] * STIFFEST > STIFF:
             state[i], stiffness[i] = at.SOFT, STIFF / (soft[r] * combined_length(here, Q[r], count, directions))

@@ -10,7 +10,8 @@ from . import curved_layout as at
 from . import layout as plain
 from .compile import inner
 from .curved_rows import value_at
-from .memory import ints, marks, matrix, vector
+from .directions import take_along
+from .memory import marks, vector
 
 
 @inner
@@ -42,12 +43,4 @@ def note_lacking(here, k):
 @inner
 def leave_off_above(here, x, d):
     """Write to ``reach`` what x (n,) is without its part along the d directions that are left."""
-    n, basis, out = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), vector(here, at.REACH)
-    for j in range(n):
-        out[j] = x[j]
-    for p in range(d):
-        direction, along = basis[p], 0.0
-        for j in range(n):
-            along += direction[j] * x[j]
-        for j in range(n):
-            out[j] -= along * direction[j]
+    take_along(here, x, d, vector(here, at.VALUES), vector(here, at.REACH))

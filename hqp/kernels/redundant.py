@@ -108,7 +108,7 @@ def least_apart(here, k, count, d, above, least):
             for p in range(d):
                 total += G[r][p] * G[q][p]
             M[r][q] = M[q][r] = total
-    eigen(M, U, values, count)
+    eigen(M, U, values, count, 0.0)
     own, repeating = math.inf, integer(0)
     for p in range(count):
         if values[p] <= REPEATED * whole:

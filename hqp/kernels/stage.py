@@ -8,9 +8,11 @@ from . import curved_layout as at
 from . import layout as plain
 from .brake import brake
 from .compile import inner
-from .hand_over import along
+from .curved_rows import write_gram
+from .directions import add_along, along
 from .memory import floats, ints, marks, matrix, vector
-from .symmetric import cholesky
+from .sums import add_rows, multiply
+from .symmetric import upper_factor
 
 #: Regularisation of a matrix before its Cholesky factorisation, relative to its trace.
 REGULAR = 1e-12
@@ -64,79 +66,55 @@ def write_above(here, k, A, lower, upper, weights):
 
 
 @inner
-def out_of_metric(here, given, d, to):
-    """Write L X L' (d, d) to place `to`, for the matrix X at place `given` and the metric factor L."""
-    L, X, out, half = matrix(here, at.METRIC), matrix(here, given), matrix(here, to), matrix(here, at.HALF)
-    if ints(here, 0, plain.HEAD)[at.STIFF] == 0:  # L is the identity
-        for p in range(d):
-            for q in range(d):
-                out[p][q] = X[p][q]
-        return
+def out_of_metric(here, d):
+    """Write M = L P L' (d, d), for the metric factor L; zero if P is."""
+    L, P, M, row = matrix(here, at.METRIC), matrix(here, at.P), matrix(here, at.M), matrix(here, at.HALF)[0]
+    damped, stiff = vector(here, at.SO_FAR)[at.STRENGTH] > 0.0, ints(here, 0, plain.HEAD)[at.STIFF] != 0
     for p in range(d):
-        row = half[p]
+        for q in range(d):
+            M[p][q] = P[p][q] if damped and not stiff else 0.0
+    for p in range(d if damped and stiff else 0):
         for q in range(d):
             row[q] = 0.0
-        for r in range(p + 1):
-            other, part = X[r], L[p][r]
-            for q in range(d):
-                row[q] += part * other[q]
-    for p in range(d):
+        add_rows(L[p], P, 0, p + 1, d, row)
         for q in range(p + 1):
-            total = 0.0
+            factor, total = L[q], 0.0
             for r in range(q + 1):
-                total += half[p][r] * L[q][r]
-            out[p][q] = out[q][p] = total
-
-
-@inner
-def weigh_lean(here, d, count, size, lean, alike):
-    r"""Write the weight of the lean, :math:`w^2 (G^T G + P + c |J|^2)`, to KEPT; `lean` is w, `alike` c, `size` is |J|.
-
-    It is relative to the rows and the damping, so that directions with small weights do not lag longer than others.
-    These, :math:`G^T G + P` along Z, are left in E.
-    """
-    E, P, G, W = matrix(here, at.E), matrix(here, at.P), matrix(here, at.G), matrix(here, at.KEPT)
-    for p in range(d):
-        for q in range(d):
-            E[p][q] = P[p][q]
-    for r in range(count):
-        one = G[r]
-        for p in range(d):
-            row, part = E[p], one[p]
-            for q in range(d):
-                row[q] += part * one[q]
-    out_of_metric(here, at.E, d, at.KEPT)
-    for p in range(d):
-        for q in range(d):
-            E[p][q] = W[p][q]
-            W[p][q] *= lean * lean
-        W[p][p] += lean * lean * alike * size * size
+                total += row[r] * factor[r]
+            M[p][q] = M[q][p] = total
 
 
 @inner
 def draw(here, k, d, lean):
-    """Write M = L P L' + W of damping and lean, and ``mu`` = L P L' r + W v, aim r, last x v; whether M is not 0.
+    r"""Write M = L P L' + W of damping and lean, and ``mu`` = L P L' r + W v, aim r, last x v; whether M is not 0.
 
-    What lags is braked: see :mod:`.brake`.
+    The weight of the lean, :math:`W = w^2 (G^T G + L P L^T + c |J|^2)`, is relative to the rows and the damping, so
+    that directions with small weights do not lag longer than others. What lags is braked: see :mod:`.brake`.
     """
-    M, W, towards = matrix(here, at.M), matrix(here, at.KEPT), vector(here, at.MU)
-    there, trace = vector(here, at.VALUES), 0.0
-    out_of_metric(here, at.P, d, at.M)
+    head, so_far, M, E = ints(here, 0, plain.HEAD), vector(here, at.SO_FAR), matrix(here, at.M), matrix(here, at.E)
+    there, towards, trace = vector(here, at.VALUES), vector(here, at.MU), 0.0
+    out_of_metric(here, d)
     along(here, matrix(here, at.AIMS)[k], d, there)
-    for p in range(d):
-        trace += M[p][p]
-        towards[p] = 0.0
-        for q in range(d):
-            towards[p] += M[p][q] * there[q]
+    multiply(M, d, there, d, towards)
     if lean > 0.0:
+        if head[at.ACTIVE] <= d:  # else it is written
+            write_gram(here, head[at.ACTIVE], d)
+        gram, floor = matrix(here, at.GRAM_OF_G), so_far[at.ALIKE] * so_far[at.SIZE] * so_far[at.SIZE]
         along(here, vector(here, at.LAST), d, there)
         for p in range(d):
-            trace += W[p][p]
+            row, own, other = M[p], E[p], gram[p]
             for q in range(d):
-                towards[p] += W[p][q] * there[q]
-                M[p][q] += W[p][q]
-        if ints(here, 0, plain.HEAD)[at.LAGS] != 0:
+                own[q] = row[q] + other[q]
+                row[q] += lean * lean * own[q]
+            row[p] += lean * lean * floor
+            total = floor * there[p]
+            for q in range(d):
+                total += own[q] * there[q]
+            towards[p] += lean * lean * total
+        if head[at.LAGS] != 0:
             brake(here, k, d)
+    for p in range(d):
+        trace += M[p][p]
     for p in range(d):
         M[p][p] += REGULAR * trace
     return trace > 0.0
@@ -158,16 +136,14 @@ def stay(here, k, d):
 
 @inner
 def factor(here, k, d):
-    """Write K, K K' = M of :func:`draw`, for the block's rows of damping on level k; whether there are any."""
+    """Write K, K' K = M of :func:`draw`, for the block's rows of damping on level k; whether there are any."""
     head, so_far = ints(here, 0, plain.HEAD), vector(here, at.SO_FAR)
     if head[at.OPEN] == 0:
         return False
     if head[at.ACTIVE] == 0 and matrix(here, at.NORMS)[k][head[at.NUMBER]] == 0.0:
         return stay(here, k, d)
-    lean = so_far[at.LEAN]
-    if lean > 0.0:
-        weigh_lean(here, d, head[at.ACTIVE], so_far[at.SIZE], lean, so_far[at.ALIKE])
-    return draw(here, k, d, lean) and cholesky(matrix(here, at.M), matrix(here, at.U), d)
+    some = draw(here, k, d, so_far[at.LEAN])
+    return some and upper_factor(matrix(here, at.M), matrix(here, at.U), d, vector(here, at.VALUES))
 
 
 @inner
@@ -175,25 +151,22 @@ def write_damping(here, k, first):
     r"""Write a block's rows of damping: :math:`(y - r)^T L P L^T (y - r) + |y - v|_W^2`, where y = Z x.
 
     They are those of ``damped`` from `first` on: as many as the block has variables. Not zero are as many as there are
-    directions left, the rows of K' Z with the K of :func:`factor`, which lies in U; ``mu`` are their bounds. Returns
+    directions left, the rows of K Z with the K of :func:`factor`, which lies in U; ``mu`` are their bounds. Returns
     whether there are any.
     """
-    n, basis, K = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.BASIS), matrix(here, at.U)
+    n, K = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.U)
     towards, damped, d = vector(here, at.MU), matrix(here, at.DAMPED), ints(here, 0, plain.HEAD)[at.LEFT]
     some = factor(here, k, d)
-    for p in range(len(basis)):
+    for p in range(len(matrix(here, at.BASIS))):
         own = damped[k * n + first + p]
         for j in range(n + 1):
             own[j] = 0.0
         if some and p < d:
-            for q in range(p, d):
-                direction, part = basis[q], K[q][p]
-                for j in range(n):
-                    own[j] += part * direction[j]
-            for q in range(p):
-                towards[p] -= K[p][q] * towards[q]
-            towards[p] /= K[p][p]
-            own[n] = towards[p]
+            row = K[p]
+            add_along(here, row, p, d, own)
+            own[n] = towards[p] = towards[p] / row[p]
+            for q in range(p + 1, d):  # K' to the left
+                towards[q] -= own[n] * row[q]
     return some
 
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 from .compile import inner, integer
+from .sums import add_rows
 
 #: A matrix is positive definite if each squared pivot of its Cholesky factor is more than this share of its diagonal.
 DEFINITE = 1e-13
@@ -19,37 +20,82 @@ DEFINITE = 1e-13
 ZERO, MOST = 1e-16, 60
 #: A cosine is zero where its square is less than the inverse of this.
 MUCH = 1e280
+#: Share of the largest entry of a matrix that is round-off of its own computation, such as a product of three.
+NOISE = 1e-15
 
 
 @inner
-def eigen(M, U, values, n):
+def eigen(M, U, values, n, noise):
     """Write the eigenvalues of M[:n, :n] to `values`, in no order, and the eigenvectors to the rows of U.
 
-    M is overwritten.
+    M is overwritten. `noise` is the share of the largest entry up to which others count as zero: 0 where eigenvalues
+    far below it matter, as of a graded matrix; with :data:`NOISE` a matrix of low rank takes half of the time.
     """
     tridiagonal(M, values, n)
     accumulate(M, U, n)
-    beside = M[0]  # entry i is that of (i - 1, i)
+    diagonalise(M, U, values, n, n, noise)
+
+
+@inner
+def largest(M, values, n):
+    """The largest eigenvalue of M[:n, :n], which is overwritten and has no negative ones; 0 if n is 0."""
+    most = 0.0
+    tridiagonal(M, values, n)
+    diagonalise(M, M, values, n, 0, NOISE)
+    for i in range(n):
+        most = max(most, values[i])
+    return most
+
+
+@inner
+def diagonalise(M, U, values, n, columns, noise):
+    """QL steps on the tridiagonal matrix of :func:`tridiagonal`; they rotate the first columns of U along."""
+    beside, size = M[0], 0.0  # entry i is that of (i - 1, i)
     for i in range(1, n):
         beside[i] = M[i - 1][i]
-    end = n - 1
-    tries = integer(0)
+        size = max(size, abs(values[i]) + abs(beside[i]))
+    size = noise * max(size, abs(values[0])) if n > 0 else 0.0
+    end, tries = n - 1, integer(0)
     while end > 0 and tries < MOST * n:
         begin = end
-        while begin > 0 and counts(beside[begin], values[begin], values[begin - 1]):
+        while begin > 0 and counts(beside[begin], values[begin], values[begin - 1], size):
             begin -= 1
         if begin == end:
             end -= 1
             continue
         tries += 1
-        step(beside, U, values, begin, end, n)
+        step(beside, U, values, begin, end, columns)
 
 
 @inner
-def counts(entry, one, other):
-    """Whether an off-diagonal entry is more than round-off beside its diagonal neighbours, and its square not zero."""
-    least = ZERO * (abs(one) + abs(other))
+def counts(entry, one, other, noise):
+    """Whether an off-diagonal entry is more than round-off, and its square not zero."""
+    least = max(ZERO * (abs(one) + abs(other)), noise)
     return entry * entry > least * least
+
+
+@inner
+def bring_forward(U, values, n, sign):
+    """Swap the eigenvectors whose eigenvalues have this sign to the first rows of U; returns how many there are."""
+    count = integer(0)
+    for p in range(n):
+        if sign * values[p] > 0.0:
+            if p > count:
+                one, other = U[count], U[p]
+                values[count], values[p] = values[p], values[count]
+                for j in range(n):
+                    one[j], other[j] = other[j], one[j]
+            count += 1
+    return count
+
+
+@inner
+def add_spectrum(U, values, n, count, scale, shares, out):
+    """Add scale * sum of values[p] u_p u_p', over the first `count` rows u of U, to out[:n, :n]; `shares` is work."""
+    for i in range(n):
+        for p in range(count):
+            shares[p] = scale * values[p] * U[p][i]
+        add_rows(shares, U, 0, count, n, out[i])
 
 
 @inner
@@ -161,6 +207,30 @@ def cholesky(M, L, n):
 
 
 @inner
+def upper_factor(M, R, n, shares):
+    """Write the upper triangular R, R' R = M[:n, :n]; False if M is not clearly positive definite.
+
+    As :func:`cholesky`, but by whole rows: half as many steps have to wait for others. `shares` is work space.
+    """
+    for j in range(n):
+        row, own = R[j], M[j]
+        for c in range(n):
+            row[c] = own[c]
+        for p in range(j):
+            shares[p] = -R[p][j]
+        add_rows(shares, R, 0, j, n, row)
+        pivot = row[j]
+        if not pivot > DEFINITE * own[j]:
+            return False
+        over = 1.0 / math.sqrt(pivot)
+        for c in range(n):
+            row[c] *= over
+        for c in range(j):
+            row[c] = 0.0
+    return True
+
+
+@inner
 def smallest(M, L, n):
     r"""A lower bound of the eigenvalues of M[:n, :n]; 0 if it is not positive definite, infinite if n is 0.
 
@@ -182,9 +252,11 @@ def smallest(M, L, n):
     trace, squares = 0.0, 0.0
     for i in range(n):
         for j in range(i + 1):  # the inverse of M
-            value = 0.0
-            for p in range(i, n):
-                value += (L[i][p] if p > i else 1.0 / L[i][i]) * (L[j][p] if p > j else 1.0 / L[j][j])
+            one, other = L[i], L[j]
+            value = 1.0 / one[i]
+            value *= other[i] if j < i else value
+            for p in range(i + 1, n):
+                value += one[p] * other[p]
             if i == j:
                 trace += value
                 squares += value * value

@@ -83,7 +83,7 @@ class CurvedSolver:
         if self._native:
             structures = [hierarchy.structure if stage is None else stage.structure for stage in [*self._stages, None]]
             self._memories = [Memory(structure, self.settings) for structure in structures]
-            for memory in self._memories:  # they look at the basis of all levels
+            for memory in self._memories:  # loops look at the basis of all levels; of the last one, only where they may
                 memory.head[plain.BASIS] = 1
             self._directories = np.array([memory.address for memory in self._memories], dtype=np.int64)
             self._quickly, self._strict = address_of(kernel_solver.solve, SIGNATURE), self._memories[-1]

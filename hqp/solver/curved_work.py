@@ -124,9 +124,11 @@ class Work:
             enter(directory, {at.BLOCKS: addresses})
         self.head, self.address = whole[: plain.HEAD], int(whole.ctypes.data)
         self.points: Array = made[at.POINTS]
+        self.forget()
 
     def forget(self) -> None:
-        """Forget which bounds were met."""
+        """Forget which bounds were met, and that stages were needed."""
+        self.head[at.OPENED] = self.head[plain.LEVELS]
         for own, _ in self._own:
             own[at.MET][:] = 0
 

@@ -51,7 +51,10 @@ class Branched(Protocol):
 
 
 def carried(places: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Pairs of velocities of a chain whose first carries the second (or is it), and if they are one joint; (k, 3)."""
+    """Pairs of velocities of a chain whose first carries the second (or is it), and if they are one joint; (k, 3).
+
+    In the order of the first.
+    """
     own = np.flatnonzero(places != APART)
     return np.array(
         [
@@ -66,5 +69,5 @@ def carried(places: NDArray[np.int64]) -> NDArray[np.int64]:
 
 def carried_in_tree(tree: NDArray[np.int64]) -> NDArray[np.int64]:
     """The pairs of all chains of a robot; see :func:`carried`."""
-    pairs = [pair for b, places in enumerate(tree) for pair in carried(places) if pair[1] == b]
-    return np.array(pairs, dtype=np.int64).reshape(-1, 3)
+    pairs = [tuple(pair) for b, places in enumerate(tree) for pair in carried(places) if pair[1] == b]
+    return np.array(sorted(pairs), dtype=np.int64).reshape(-1, 3)

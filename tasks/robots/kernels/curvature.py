@@ -28,7 +28,7 @@ from . import block as at
 
 #: Table of a frame in the world: unknowns; its block; the axes of the joints, the stride from one axis to the next and
 #: from one coordinate to the next; number of pairs of joints, and the pairs: carrying joint, carried joint, and whether
-#: they are the same joint.
+#: they are the same joint; in the order of the first.
 N, BLOCK, AXES, ACROSS, DOWN, COUNT, PAIRS = range(7)
 LENGTH = 7
 #: Table of a frame seen from another one, its root: the tables of both in the world (0: no root), and the block.
@@ -48,18 +48,23 @@ def frame_curvature(table, f0, f1, f2, g0, g1, g2, S):
     n, across, down = told[N], told[ACROSS], told[DOWN]
     J = floats(told[BLOCK], at.JACOBIAN, 3 * n)
     z = floats(told[AXES], 0, (n - 1) * across + 2 * down + 1)
-    pairs = ints(told[PAIRS], 0, 3 * told[COUNT])
+    pairs, last, turns = ints(told[PAIRS], 0, 3 * told[COUNT]), -1, g0 != 0.0 or g1 != 0.0 or g2 != 0.0
+    x0 = x1 = x2 = y0 = y1 = y2 = 0.0
     for k in range(told[COUNT]):
         a, b, one = pairs[3 * k], pairs[3 * k + 1], pairs[3 * k + 2] != 0
-        i, j = a * across, b * across
-        x, y, w = z[i], z[i + down], z[i + 2 * down]
-        bend = (f1 * w - f2 * y) * J[b] + (f2 * x - f0 * w) * J[n + b] + (f0 * y - f1 * x) * J[2 * n + b]
-        p, q, r = z[j], z[j + down], z[j + 2 * down]
-        if one:
-            back = (f1 * r - f2 * q) * J[a] + (f2 * p - f0 * r) * J[n + a] + (f0 * q - f1 * p) * J[2 * n + a]
-            bend = 0.5 * (bend + back)
-        else:
-            bend += 0.5 * ((g1 * w - g2 * y) * p + (g2 * x - g0 * w) * q + (g0 * y - g1 * x) * r)
+        if a != last:  # f x z_a and g x z_a / 2, for all that a carries
+            x, y, w, last = z[a * across], z[a * across + down], z[a * across + 2 * down], a
+            x0, x1, x2 = f1 * w - f2 * y, f2 * x - f0 * w, f0 * y - f1 * x
+            y0, y1, y2 = 0.5 * (g1 * w - g2 * y), 0.5 * (g2 * x - g0 * w), 0.5 * (g0 * y - g1 * x)
+        bend = x0 * J[b] + x1 * J[n + b] + x2 * J[2 * n + b]
+        if one or turns:
+            j = b * across
+            p, q, r = z[j], z[j + down], z[j + 2 * down]
+            if one:
+                back = (f1 * r - f2 * q) * J[a] + (f2 * p - f0 * r) * J[n + a] + (f0 * q - f1 * p) * J[2 * n + a]
+                bend = 0.5 * (bend + back)
+            else:
+                bend += y0 * p + y1 * q + y2 * r
         S[a * n + b] += bend
         if a != b:
             S[b * n + a] += bend
@@ -185,28 +190,33 @@ def column(told, root, n, j, out, begin):
 
 @inner
 def add_velocities(told, root, n, work, S):
-    """Add L' K L to S, column by column; columns of joints that move neither frame nor root are zero."""
-    some = False
+    """Add L' K L to S, column by column; columns of joints that move neither frame nor root are zero.
+
+    K is symmetric; most often it is zero but for the rows `first` .. `end` - 1.
+    """
+    first, end = Y, 0
     for k in range(Y * Y):
-        some = some or work[K + k] != 0.0
-    if not some:
-        return
-    for j in range(n):
+        if work[K + k] != 0.0:
+            first, end = min(first, k // Y), k // Y + 1
+    J = floats(told[SEEN], at.JACOBIAN, 6 * n)
+    for j in range(n if end > 0 else 0):
         column(told, root, n, j, work, COLUMN)
         moves = False
-        for r in range(Y):
+        for r in range(first, end):
             total = 0.0
-            for c in range(Y):
+            for c in range(first, end):
                 total += work[K + Y * r + c] * work[COLUMN + c]
             work[TIMES + r] = total
             moves = moves or total != 0.0
-        if not moves:
-            continue
-        for i in range(j + 1):
-            column(told, root, n, i, work, COLUMN)
+        for i in range(j + 1 if moves else 0):
             total = 0.0
-            for r in range(Y):
-                total += work[TIMES + r] * work[COLUMN + r]
+            if root == 0:
+                for r in range(first, end):
+                    total += work[TIMES + r] * J[r * n + i]
+            else:
+                column(told, root, n, i, work, COLUMN)
+                for r in range(first, end):
+                    total += work[TIMES + r] * work[COLUMN + r]
             S[i * n + j] += total
             if i != j:
                 S[j * n + i] += total

@@ -1,0 +1,74 @@
+"""Products and sums of rows, four of them in each pass, so that what is read or added to is in memory once."""
+
+from __future__ import annotations
+
+from .compile import inner
+
+
+@inner
+def multiply(rows, count, x, n, out):
+    """Write the products of rows[:count] with x[:n] to out[:count]."""
+    p = 0
+    while p + 3 < count:
+        r0, r1, r2, r3 = rows[p], rows[p + 1], rows[p + 2], rows[p + 3]
+        d0 = d1 = d2 = d3 = 0.0
+        for j in range(n):
+            d0 += r0[j] * x[j]
+            d1 += r1[j] * x[j]
+            d2 += r2[j] * x[j]
+            d3 += r3[j] * x[j]
+        out[p], out[p + 1], out[p + 2], out[p + 3] = d0, d1, d2, d3
+        p += 4
+    while p < count:
+        r0, d0 = rows[p], 0.0
+        for j in range(n):
+            d0 += r0[j] * x[j]
+        out[p] = d0
+        p += 1
+
+
+@inner
+def add_rows(shares, rows, first, end, n, out):
+    """Add the rows first .. end - 1, each times its share, to out[:n]."""
+    p = first
+    while p + 3 < end:
+        r0, r1, r2, r3 = rows[p], rows[p + 1], rows[p + 2], rows[p + 3]
+        s0, s1, s2, s3 = shares[p], shares[p + 1], shares[p + 2], shares[p + 3]
+        for j in range(n):
+            out[j] += s0 * r0[j] + s1 * r1[j] + s2 * r2[j] + s3 * r3[j]
+        p += 4
+    while p < end:
+        r0, s0 = rows[p], shares[p]
+        for j in range(n):
+            out[j] += s0 * r0[j]
+        p += 1
+
+
+@inner
+def add_to_each(rows, count, shares, x, n):
+    """Add x[:n], times its share, to each of rows[:count]."""
+    p = 0
+    while p + 3 < count:
+        r0, r1, r2, r3 = rows[p], rows[p + 1], rows[p + 2], rows[p + 3]
+        s0, s1, s2, s3 = shares[p], shares[p + 1], shares[p + 2], shares[p + 3]
+        for j in range(n):
+            value = x[j]
+            r0[j] += s0 * value
+            r1[j] += s1 * value
+            r2[j] += s2 * value
+            r3[j] += s3 * value
+        p += 4
+    while p < count:
+        r0, s0 = rows[p], shares[p]
+        for j in range(n):
+            r0[j] += s0 * x[j]
+        p += 1
+
+
+@inner
+def add_squares(shares, rows, count, n, weight, out):
+    """Add the symmetric matrix weight * R' R of the rows R = rows[:count] to out[:n, :n]; `shares` is work space."""
+    for i in range(n):
+        for r in range(count):
+            shares[r] = weight * rows[r][i]
+        add_rows(shares, rows, 0, count, n, out[i])

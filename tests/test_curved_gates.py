@@ -1,0 +1,93 @@
+"""The gates of the default damping spare work where the strict answer stands: they never change what is answered."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import curved_stacks
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hqp.arrays import Array
+from hqp.kernels import curved_layout as at
+from tasks import CenterOfMassTask, Controller, JointLimits, OrientationTask, PositionTask, PostureTask, load_robot
+
+DT = 0.005
+
+
+def let_through(controller: Controller) -> None:
+    """Take the gates away: no bound of a curvature is known, and the last tick is said to have needed stages."""
+    work = controller._now.solver._solver._work
+    for own, _ in work._own:
+        own[at.CALLS].reshape(-1, at.CALL)[:, 5] = 0
+    work.head[at.OPENED] = 0
+
+
+def opened(controller: Controller) -> bool:
+    """Whether a level had a stage of its own."""
+    solver = controller._now.solver._solver
+    return bool(solver._head[at.OPENED] < solver._levels)
+
+
+def agree(make: Callable[[], Controller], q: Array, v: Array, ticks: int = 3) -> list[bool]:
+    """Whether stages were needed, tick by tick; the answers with and without gates are the same."""
+    gated, every, needed = make(), make(), []
+    for _ in range(ticks):
+        let_through(every)
+        step, other = gated(q, v), every(q, v)
+        np.testing.assert_allclose(other.v, step.v, atol=1e-8 * (1.0 + np.abs(step.v).max()))
+        assert opened(every) == opened(gated)
+        assert [told.level for told in other.relaxed] == [told.level for told in step.relaxed]
+        needed.append(opened(gated))
+        q, v = q + DT * step.v, step.v
+    return needed
+
+
+def planar(seed: int) -> list[bool]:
+    """The tip of an arm, with a target near by or far, and its angle, in either order."""
+    robot, rng = curved_stacks.arm(seed), np.random.default_rng(seed)
+    q, v = rng.choice([0.05, 1.0]) * rng.uniform(0.2, 1.5, robot.nv), 0.1 * rng.standard_normal(robot.nv)
+    angles, far = np.cumsum(q), rng.choice([1e-4, 0.02, 1.0])
+    place = robot.lengths @ np.array([np.cos(angles), np.sin(angles)]).T + far * rng.standard_normal(2)
+    tip, turn = PositionTask(place, gain=10.0), OrientationTask(angles[-1] + 0.1 * far, gain=10.0)
+    first, second = (tip, turn) if seed % 2 else (turn, tip)
+
+    def make() -> Controller:
+        return Controller(robot, JointLimits() >> first >> second >> PostureTask(q, gain=1.0), dt=DT)
+
+    return agree(make, q, v)
+
+
+def panda(seed: int) -> list[bool]:
+    """A hand and its turn or the centre of mass, with a target near by or far, and an elbow from nearly straight on."""
+    robot, rng = load_robot("panda", lock=["panda_finger_joint1"]), np.random.default_rng(seed)
+    q, v = robot.home + rng.uniform(-0.3, 0.3, 7), 0.1 * rng.standard_normal(7)
+    q[3] = rng.uniform(-1.5, -0.1)
+    here, far = robot.at(q), rng.choice([1e-3, 5e-3, 0.02, 0.6])
+    place = here.frame("panda_hand").position + far * rng.standard_normal(3)
+
+    def make() -> Controller:
+        hand = PositionTask(place, frame="panda_hand", gain=20.0)
+        turn = OrientationTask(here.frame("panda_hand").rotation, frame="panda_hand", gain=20.0)
+        mass = CenterOfMassTask(here.center_of_mass.position[:2], mask="xy", gain=10.0)
+        first, second = [(hand, turn), (hand, mass), (mass, hand)][seed % 3]
+        return Controller(robot, JointLimits() >> first >> second >> PostureTask(robot.home, gain=1.0), dt=DT)
+
+    return agree(make, q, v)
+
+
+@given(st.integers(0, 10**6))
+def test_gates_change_no_answer_of_a_planar_arm(seed: int) -> None:
+    planar(seed)
+
+
+@given(st.integers(0, 10**6))
+def test_gates_change_no_answer_of_a_panda(seed: int) -> None:
+    panda(seed)
+
+
+@pytest.mark.parametrize("draw", [planar, panda])
+def test_gates_are_open_for_some_draws_and_shut_for_others(draw: Callable[[int], list[bool]]) -> None:
+    assert {needed for seed in range(12) for needed in draw(seed)} == {True, False}
