@@ -7,7 +7,7 @@ W is the active set of level k: rows at a bound, of this level and of those abov
 2. If rows contradict this, a dual active-set method finds W in the null space of V (:mod:`.dual`), and the level is
    solved again with it: at first with softer rows, for which x moves less, and fewer rows come and go.
 3. If the softness in the dual method still hides a wrong row, exact primal steps finish the level (:mod:`.primal`).
-4. The rows that the level decides are frozen (:mod:`.freeze`).
+4. The rows that the level decides are frozen (:mod:`.freeze`). Once these determine x, nothing is left to solve.
 
 W at the end of every level is saved: the next solve starts there. A solve is *anytime*: EXACT is optimal for all levels
 above the one that is being solved.
@@ -27,9 +27,9 @@ from .members import enter, list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
 from .metric import change_metric, put_back
 from .orthogonal import padded, pivots, triangle
-from .polish import holds, judge, polish
-from .primal import primal
-from .rows import EQUALITY, INACTIVE, LOWER, UPPER, note_spans, value_of
+from .polish import holds, judge
+from .primal import polish_again, primal
+from .rows import EQUALITY, INACTIVE, LOWER, UPPER, note_spans, target, value_of
 from .working_set import FROZEN, FUTURE, HARD, IGNORED
 
 #: Softness of the level that is being solved, relative to the square of its longest row: at first, as the active set of
@@ -53,14 +53,14 @@ def levels(here, last, warm):
     """
     ptr, rounds = marks(here, at.PTR), 4 * len(marks(here, at.MEMBERS)) + 4
     k, frozen = begin(here, last)
-    head, whole = ints(here, 0, at.HEAD), last
+    head, whole, n = ints(here, 0, at.HEAD), last, ints(here, 0, at.HEAD)[at.N]
     while k <= last and not late(here):
         if k == last - 1 and head[at.CLOSES] != 0:
             changed = change_metric(here, k, frozen)
             if changed >= 0:  # level k is the last one now
                 frozen, last = changed, k
-        longest, bounded = take_up(here, k, last, warm)
-        end = ptr[min(k + 1, last)]
+        longest, equalities, bounded = take_up(here, k, last, warm)
+        end, known = ptr[min(k + 1, last)], integer(0)
         # The last level has no rows of its own, and is hardly ever met: dual at once.
         for turn in range(POLISH if k < last else SOFTLY, FIRMLY + 1):
             if turn == SOFTLY and not bounded:
@@ -70,10 +70,11 @@ def levels(here, last, warm):
                 count = assemble(here, k, last, frozen, delta)
                 count = settle(here, end, frozen, count, delta, rounds, FINE)
                 remember(here, k, last, count)
-            hard, rank, own, own_rank = polish(here, k, last, frozen, integer(0))
+            hard, rank, own, own_rank = polish_again(here, k, last, frozen, known)
             faults, _, pull = judge(here, k, last, frozen, hard, rank, own)
             if faults == 0:
                 break
+            known = rank if equalities <= n - frozen else integer(0)  # else :func:`condense` takes the room of V
         for again in range(2):
             if k == last or faults == 0 or late(here) or (again == 0 and not feasible(here, k)):
                 continue
@@ -96,7 +97,10 @@ def levels(here, last, warm):
         if k < last:
             frozen = freeze(here, k, frozen, hard, rank, own, own_rank, pull)
             advance(here)
-        elif faults == 0 and not far(here) and holds(here, last):
+            if frozen == n:
+                conclude(here, k + 1, last)
+                k = last
+        if k == last and faults == 0 and not far(here) and holds(here, last):
             k += 1
         k += 1
     if last < whole and k > last:
@@ -158,15 +162,18 @@ def take_up(here, k, last, warm):
     -------
     longest : float
         Length of the longest row of this level.
+    equalities : int
+        How many of its rows are equalities.
     bounded : bool
-        Whether the level has inequalities.
+        Whether it has inequalities.
     """
     m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
     side, kind, saved = marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.SAVED)
     lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
-    first, end, longest, bounded = ptr[k], ptr[min(k + 1, last)], 0.0, False
+    first, end, longest, bounded, equalities = ptr[k], ptr[min(k + 1, last)], 0.0, False, integer(0)
     for i in range(first, end):
         longest, bounded = max(longest, norm[i]), bounded or lo[i] != hi[i]
+        equalities += norm[i] > 0.0 and lo[i] == hi[i]
     for i in range(end):
         if kind[i] == FROZEN or norm[i] == 0.0:
             continue
@@ -178,7 +185,7 @@ def take_up(here, k, last, warm):
             side[i] = was if fits else INACTIVE
         if i >= first and lo[i] == hi[i]:
             side[i] = EQUALITY
-    return longest, bounded
+    return longest, equalities, bounded
 
 
 @inner
@@ -322,6 +329,30 @@ def keep(here, k, last):
     side, kind, saved = marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.SAVED)
     for i in range(ptr[min(k + 1, last)]):
         saved[k * m + i] = INACTIVE if kind[i] == FROZEN else side[i]
+
+
+@inner
+def conclude(here, k, last):
+    """Write which rows of the levels from k on are active, and their slacks, where the levels above determine x."""
+    ptr, side, tol = marks(here, at.PTR), marks(here, at.SIDE), vector(here, at.OPTION)[at.TOL]
+    lo, hi, norm, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)
+    x = vector(here, at.X)
+    size = extent(x, here)
+    for i in range(ptr[k], ptr[last]):
+        side[i], w[i] = INACTIVE, 0.0
+        if norm[i] == 0.0:
+            continue
+        value, near = value_of(i, x, here), tol * norm[i] * size
+        if lo[i] == hi[i]:
+            side[i] = EQUALITY
+        elif value > hi[i] + near + tol * abs(hi[i]):
+            side[i] = UPPER
+        elif value < lo[i] - near - tol * abs(lo[i]):
+            side[i] = LOWER
+        if side[i] != INACTIVE:
+            w[i] = value - target(side[i], lo[i], hi[i])
+    for level in range(k, last + 1):
+        keep(here, level, last)
 
 
 @inner
