@@ -57,12 +57,14 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
         for i in range(ptr[k + 1]):
             carried[i] = 0.0
         if threads > 0:
-            end = frozen + rank + own_rank
+            end, held = frozen + rank + own_rank, False
+            for q in range(frozen):
+                held = held or not is_free(here, pivot[q], size)
             for q in range(frozen + rank, end):
                 if not is_free(here, pivot[q], size):
                     opens += 1
                     queue[n - opens] = q
-            if not told(here, threads, opens, hard + own_rank, hard + own, frozen, end, end == n):
+            if not told(here, threads, opens, hard + own_rank, hard + own, frozen, end, end == n and not held):
                 head[at.DOUBT] = 1
     else:
         all_frozen = all_frozen and hard == 0

@@ -23,13 +23,14 @@ from .doubt import note_doubt, sharpen
 from .dual import FINE, admit, late, settle
 from .extent import extent, far
 from .freeze import freeze
+from .level_end import advance, conclude, keep, remember
 from .members import enter, list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
 from .metric import change_metric, put_back
 from .orthogonal import padded, pivots, triangle
 from .polish import holds, judge
 from .primal import polish_again, primal
-from .rows import EQUALITY, INACTIVE, LOWER, UPPER, note_spans, target, value_of
+from .rows import EQUALITY, INACTIVE, LOWER, UPPER, note_spans, value_of
 from .working_set import FROZEN, FUTURE, HARD, IGNORED
 
 #: Softness of the level that is being solved, relative to the square of its longest row: at first, as the active set of
@@ -268,22 +269,6 @@ def assemble(here, k, last, frozen, delta):
 
 
 @inner
-def remember(here, k, last, count):
-    """Save what the dual method ended with: its x as APPROACH, and the multipliers of its `count` members."""
-    head = ints(here, 0, at.HEAD)
-    n, m, ptr = head[at.N], head[at.ROWS], marks(here, at.PTR)
-    members, force = marks(here, at.MEMBERS), vector(here, at.FORCE)
-    x, point, carried = vector(here, at.X), vector(here, at.APPROACH), vector(here, at.LAMBDA)
-    for j in range(n):
-        point[j] = x[j]
-    for i in range(ptr[min(k + 1, last)]):
-        carried[i] = 0.0
-    for c in range(count):
-        if members[c] < m:
-            carried[members[c]] = force[c]
-
-
-@inner
 def feasible(here, k):
     """Whether APPROACH satisfies the hard rows of the levels above k, within FEASIBLE."""
     ptr, kind, norm = marks(here, at.PTR), marks(here, at.KIND), vector(here, at.NORM)
@@ -320,45 +305,3 @@ def start_again(here, k):
             side[i] = UPPER
         elif value < lo[i] - near - tol * abs(lo[i]):
             side[i] = LOWER
-
-
-@inner
-def keep(here, k, last):
-    """Save ``side``, W at the end of level k, for the next solve; frozen rows are left out."""
-    m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
-    side, kind, saved = marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.SAVED)
-    for i in range(ptr[min(k + 1, last)]):
-        saved[k * m + i] = INACTIVE if kind[i] == FROZEN else side[i]
-
-
-@inner
-def conclude(here, k, last):
-    """Write which rows of the levels from k on are active, and their slacks, where the levels above determine x."""
-    ptr, side, tol = marks(here, at.PTR), marks(here, at.SIDE), vector(here, at.OPTION)[at.TOL]
-    lo, hi, norm, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)
-    x = vector(here, at.X)
-    size = extent(x, here)
-    for i in range(ptr[k], ptr[last]):
-        side[i], w[i] = INACTIVE, 0.0
-        if norm[i] == 0.0:
-            continue
-        value, near = value_of(i, x, here), tol * norm[i] * size
-        if lo[i] == hi[i]:
-            side[i] = EQUALITY
-        elif value > hi[i] + near + tol * abs(hi[i]):
-            side[i] = UPPER
-        elif value < lo[i] - near - tol * abs(lo[i]):
-            side[i] = LOWER
-        if side[i] != INACTIVE:
-            w[i] = value - target(side[i], lo[i], hi[i])
-    for level in range(k, last + 1):
-        keep(here, level, last)
-
-
-@inner
-def advance(here):
-    """EXACT = x: it is optimal for all levels above the next one."""
-    n = ints(here, 0, at.HEAD)[at.N]
-    x, exact = vector(here, at.X), vector(here, at.EXACT)
-    for j in range(n):
-        exact[j] = x[j]

@@ -144,7 +144,7 @@ def judge_multipliers(here, last, undecided, damped, damping, closed):
     y, g, G, forces_of = vector(here, at.Y), vector(here, at.G), vector(here, at.BALANCE), vector(here, at.FORCES)
     B, L = matrix(here, at.B), matrix(here, at.L)
     option, along, faults = vector(here, at.OPTION), vector(here, at.MULTIPLIER), 0
-    queue = marks(here, at.QUEUE)
+    queue, some = marks(here, at.QUEUE), undecided
     for k in range(last + 1 if damped == STRICT and not closed else last):
         if undecided == 0:
             break
@@ -174,7 +174,7 @@ def judge_multipliers(here, last, undecided, damped, damping, closed):
             for j in range(n):
                 G[j] = x[j] - x0[j]
                 forces += abs(G[j])
-        total, weakest, threads = 0.0, 1.0, integer(0)
+        total, weakest, threads, first = 0.0, 1.0, integer(0), undecided == some
         blur = option[at.TOL] * option[at.BLUR] if k == last else 0.0
         for q in range(c - 1, -1, -1):
             i = pivot[q]
@@ -202,15 +202,16 @@ def judge_multipliers(here, last, undecided, damped, damping, closed):
                         queue[threads] = -1 - i
                         threads += 1
         if threads > 0 and k < last - closed and k != damped:
-            undecided -= tell(here, k, threads)
+            undecided -= tell(here, k, threads, first)
     return faults, undecided
 
 
 @inner
-def tell(here, k, threads):
+def tell(here, k, threads, first):
     """Decide the rows that hold level k by a thread, ``queue[:threads]``, if its rows tell them; returns how many.
 
-    Of the rows above, and of its own, those that are not decided yet are open: see :func:`.threads.told`.
+    Of the rows above, and of its own, those that are not decided yet are open: see :func:`.threads.told`. `first` tells
+    that no multiplier has decided a row on the levels above.
     """
     head, ptr, cut = ints(here, 0, at.HEAD), marks(here, at.PTR), marks(here, at.CUT)
     n, ids, side, decided = head[at.N], marks(here, at.IDS), marks(here, at.SIDE), marks(here, at.DECIDED)
@@ -233,7 +234,7 @@ def tell(here, k, threads):
         elif decided[pinned[j]] != DECIDED:
             opens += 1
             queue[n - opens] = -1 - pinned[j]
-    if told(here, threads, opens, integer(0), many, integer(0), cut[k + 1], cut[k + 1] == f):
+    if told(here, threads, opens, integer(0), many, integer(0), cut[k + 1], first and cut[k + 1] == f):
         return threads
     for t in range(threads):
         decided[row_at(queue[t], pivot)] = BY_A_THREAD
