@@ -61,7 +61,7 @@ def levels(here, last, warm):
             if changed >= 0:  # level k is the last one now
                 frozen, last = changed, k
         longest, equalities, bounded = take_up(here, k, last, warm)
-        end, known = ptr[min(k + 1, last)], integer(0)
+        end, pivoted = ptr[min(k + 1, last)], integer(0)  # rows of V that one polish leaves to the next
         # The last level has no rows of its own, and is hardly ever met: dual at once.
         for turn in range(POLISH if k < last else SOFTLY, FIRMLY + 1):
             if turn == SOFTLY and not bounded:
@@ -71,11 +71,11 @@ def levels(here, last, warm):
                 count = assemble(here, k, last, frozen, delta)
                 count = settle(here, end, frozen, count, delta, rounds, FINE)
                 remember(here, k, last, count)
-            hard, rank, own, own_rank = polish_again(here, k, last, frozen, known)
+            hard, rank, own, own_rank = polish_again(here, k, last, frozen, pivoted)
             faults, _, pull = judge(here, k, last, frozen, hard, rank, own)
             if faults == 0:
                 break
-            known = rank if equalities <= n - frozen else integer(0)  # else :func:`condense` takes the room of V
+            pivoted = rank if equalities <= n - frozen else integer(0)  # else :func:`condense` takes the room
         for again in range(2):
             if k == last or faults == 0 or late(here) or (again == 0 and not feasible(here, k)):
                 continue
