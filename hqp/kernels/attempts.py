@@ -31,8 +31,8 @@ SIDES, WARM, COLD = 0, 1, 2
 
 #: How many repairs in a row may fail to reduce the number of contradictions.
 PATIENCE = 1
-#: Up to so many contradictions are repaired even if a higher level is not met.
-FEW = 2
+#: Up to so many contradictions are repaired, if a higher level is not met, and if all are.
+FEW, MANY = 2, 7
 #: Factor on the rank tolerance, down to round-off, each time that a row which counts as dependent proves not to be.
 SHARPER = 0.1
 #: What another try has come to.
@@ -143,7 +143,7 @@ def verify(here, last):
         gone = alone if alone >= 0 and marks(here, at.FOLLOW)[alone] == INACTIVE else integer(-1)
         if gone >= 0:
             copy(here, at.X, at.APPROACH)
-        if faults == 0 or left <= 0 or late(here) or (faults > FEW and contested(here, last)):
+        if faults == 0 or left <= 0 or late(here) or faults > (FEW if contested(here, last) else MANY):
             return faults
         repair(here, last)
 

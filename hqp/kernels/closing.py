@@ -23,6 +23,7 @@ from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .orthogonal import only_entry, padded
+from .rows import entry_of
 from .symmetric import cholesky
 from .verdict import DECIDED
 
@@ -306,11 +307,3 @@ def spans_all(here, last):
     for a in range(u):
         clear = clear and F[a][a] * F[a][a] > TOLD * told[a]
     return clear
-
-
-@inner
-def entry_of(i, j, col, row_of, norm, B):
-    """Entry j of the weighted row i."""
-    if col[i] >= 0:
-        return norm[i] if col[i] == j else 0.0
-    return B[row_of[i]][j]

@@ -40,7 +40,7 @@ NEVER = -1
 #: Tolerance of violated rows, relative to the bound and the length of x: at first, and once no row exceeds the first.
 ROUGH, FINE = 1e-6, 1e-9
 #: All rows that are violated by at least this share of the largest violation join in the same round.
-SHARE = 0.5
+SHARE = 0.25
 #: Smallest relative rise of the objective that counts as one; and how many rounds in a row may be without.
 RISES, IDLE = 1e-12, 4
 #: A hard row is dependent if its pivot d is at most the sum of PART times its squared free part and WHOLE times its

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
+from .doubt import is_free
 from .extent import extent
 from .members import list_part
 from .memory import ints, marks, matrix, vector
 from .orthogonal import padded, pivots
 from .rows import EQUALITY, INACTIVE, target
 from .signs import HELD_FIRMLY, clear_of_basis
+from .threads import told
 from .working_set import FROZEN, HARD
 
 
@@ -32,6 +34,7 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
     lo, hi, norm, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)
     x, anchor, softness = vector(here, at.X), vector(here, at.ANCHOR), vector(here, at.VALUE)
     multiplier, carried = vector(here, at.MULTIPLIER), vector(here, at.LAMBDA)
+    queue, threads, opens = marks(here, at.QUEUE), integer(0), integer(0)
     size, all_frozen, clear = extent(x, here), rank == hard, 0.0
     for i in range(ptr[k], ptr[k + 1]):
         kind[i], softness[i] = HARD, 0.0
@@ -45,11 +48,24 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
             if says > clear:
                 kind[i] = FROZEN
                 if side[i] != EQUALITY and says <= HELD_FIRMLY * pull:
-                    head[at.DOUBT] = 1
+                    queue[threads] = q
+                    threads += 1
             else:
                 all_frozen = False
+                opens += 1
+                queue[n - opens] = q
         for i in range(ptr[k + 1]):
             carried[i] = 0.0
+        if threads > 0:
+            end, held = frozen + rank + own_rank, False
+            for q in range(frozen):
+                held = held or not is_free(here, pivot[q], size)
+            for q in range(frozen + rank, end):
+                if not is_free(here, pivot[q], size):
+                    opens += 1
+                    queue[n - opens] = q
+            if not told(here, threads, opens, hard + own_rank, hard + own, frozen, end, end == n and not held):
+                head[at.DOUBT] = 1
     else:
         all_frozen = all_frozen and hard == 0
     for r in range(hard, hard + own):

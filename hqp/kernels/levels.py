@@ -7,7 +7,7 @@ W is the active set of level k: rows at a bound, of this level and of those abov
 2. If rows contradict this, a dual active-set method finds W in the null space of V (:mod:`.dual`), and the level is
    solved again with it: at first with softer rows, for which x moves less, and fewer rows come and go.
 3. If the softness in the dual method still hides a wrong row, exact primal steps finish the level (:mod:`.primal`).
-4. The rows that the level decides are frozen (:mod:`.freeze`).
+4. The rows that the level decides are frozen (:mod:`.freeze`). Once these determine x, nothing is left to solve.
 
 W at the end of every level is saved: the next solve starts there. A solve is *anytime*: EXACT is optimal for all levels
 above the one that is being solved.
@@ -23,12 +23,13 @@ from .doubt import note_doubt, sharpen
 from .dual import FINE, admit, late, settle
 from .extent import extent, far
 from .freeze import freeze
+from .level_end import advance, conclude, keep, remember
 from .members import enter, list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
 from .metric import change_metric, put_back
 from .orthogonal import padded, pivots, triangle
-from .polish import holds, judge, polish
-from .primal import primal
+from .polish import holds, judge
+from .primal import polish_again, primal
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, note_spans, value_of
 from .working_set import FROZEN, FUTURE, HARD, IGNORED
 
@@ -53,14 +54,14 @@ def levels(here, last, warm):
     """
     ptr, rounds = marks(here, at.PTR), 4 * len(marks(here, at.MEMBERS)) + 4
     k, frozen = begin(here, last)
-    head, whole = ints(here, 0, at.HEAD), last
+    head, whole, n = ints(here, 0, at.HEAD), last, ints(here, 0, at.HEAD)[at.N]
     while k <= last and not late(here):
         if k == last - 1 and head[at.CLOSES] != 0:
             changed = change_metric(here, k, frozen)
             if changed >= 0:  # level k is the last one now
                 frozen, last = changed, k
-        longest, bounded = take_up(here, k, last, warm)
-        end = ptr[min(k + 1, last)]
+        longest, equalities, bounded = take_up(here, k, last, warm)
+        end, pivoted = ptr[min(k + 1, last)], integer(0)  # rows of V that one polish leaves to the next
         # The last level has no rows of its own, and is hardly ever met: dual at once.
         for turn in range(POLISH if k < last else SOFTLY, FIRMLY + 1):
             if turn == SOFTLY and not bounded:
@@ -70,10 +71,11 @@ def levels(here, last, warm):
                 count = assemble(here, k, last, frozen, delta)
                 count = settle(here, end, frozen, count, delta, rounds, FINE)
                 remember(here, k, last, count)
-            hard, rank, own, own_rank = polish(here, k, last, frozen, integer(0))
+            hard, rank, own, own_rank = polish_again(here, k, last, frozen, pivoted)
             faults, _, pull = judge(here, k, last, frozen, hard, rank, own)
             if faults == 0:
                 break
+            pivoted = rank if equalities <= n - frozen else integer(0)  # else :func:`condense` takes the room
         for again in range(2):
             if k == last or faults == 0 or late(here) or (again == 0 and not feasible(here, k)):
                 continue
@@ -96,7 +98,10 @@ def levels(here, last, warm):
         if k < last:
             frozen = freeze(here, k, frozen, hard, rank, own, own_rank, pull)
             advance(here)
-        elif faults == 0 and not far(here) and holds(here, last):
+            if frozen == n:
+                conclude(here, k + 1, last)
+                k = last
+        if k == last and faults == 0 and not far(here) and holds(here, last):
             k += 1
         k += 1
     if last < whole and k > last:
@@ -158,15 +163,18 @@ def take_up(here, k, last, warm):
     -------
     longest : float
         Length of the longest row of this level.
+    equalities : int
+        How many of its rows are equalities.
     bounded : bool
-        Whether the level has inequalities.
+        Whether it has inequalities.
     """
     m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
     side, kind, saved = marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.SAVED)
     lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
-    first, end, longest, bounded = ptr[k], ptr[min(k + 1, last)], 0.0, False
+    first, end, longest, bounded, equalities = ptr[k], ptr[min(k + 1, last)], 0.0, False, integer(0)
     for i in range(first, end):
         longest, bounded = max(longest, norm[i]), bounded or lo[i] != hi[i]
+        equalities += norm[i] > 0.0 and lo[i] == hi[i]
     for i in range(end):
         if kind[i] == FROZEN or norm[i] == 0.0:
             continue
@@ -178,7 +186,7 @@ def take_up(here, k, last, warm):
             side[i] = was if fits else INACTIVE
         if i >= first and lo[i] == hi[i]:
             side[i] = EQUALITY
-    return longest, bounded
+    return longest, equalities, bounded
 
 
 @inner
@@ -261,22 +269,6 @@ def assemble(here, k, last, frozen, delta):
 
 
 @inner
-def remember(here, k, last, count):
-    """Save what the dual method ended with: its x as APPROACH, and the multipliers of its `count` members."""
-    head = ints(here, 0, at.HEAD)
-    n, m, ptr = head[at.N], head[at.ROWS], marks(here, at.PTR)
-    members, force = marks(here, at.MEMBERS), vector(here, at.FORCE)
-    x, point, carried = vector(here, at.X), vector(here, at.APPROACH), vector(here, at.LAMBDA)
-    for j in range(n):
-        point[j] = x[j]
-    for i in range(ptr[min(k + 1, last)]):
-        carried[i] = 0.0
-    for c in range(count):
-        if members[c] < m:
-            carried[members[c]] = force[c]
-
-
-@inner
 def feasible(here, k):
     """Whether APPROACH satisfies the hard rows of the levels above k, within FEASIBLE."""
     ptr, kind, norm = marks(here, at.PTR), marks(here, at.KIND), vector(here, at.NORM)
@@ -313,21 +305,3 @@ def start_again(here, k):
             side[i] = UPPER
         elif value < lo[i] - near - tol * abs(lo[i]):
             side[i] = LOWER
-
-
-@inner
-def keep(here, k, last):
-    """Save ``side``, W at the end of level k, for the next solve; frozen rows are left out."""
-    m, ptr = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR)
-    side, kind, saved = marks(here, at.SIDE), marks(here, at.KIND), marks(here, at.SAVED)
-    for i in range(ptr[min(k + 1, last)]):
-        saved[k * m + i] = INACTIVE if kind[i] == FROZEN else side[i]
-
-
-@inner
-def advance(here):
-    """EXACT = x: it is optimal for all levels above the next one."""
-    n = ints(here, 0, at.HEAD)[at.N]
-    x, exact = vector(here, at.X), vector(here, at.EXACT)
-    for j in range(n):
-        exact[j] = x[j]

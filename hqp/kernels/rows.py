@@ -76,6 +76,14 @@ def copy_row(i, out, here):
 
 
 @inner
+def entry_of(i, j, col, row_of, norm, B):
+    """Entry j of the weighted row i."""
+    if col[i] >= 0:
+        return norm[i] if col[i] == j else 0.0
+    return B[row_of[i]][j]
+
+
+@inner
 def target(side, low, high):
     """The bound of a row that is active on this side; of an equality, both are the same."""
     return low if side == LOWER else high

@@ -72,9 +72,10 @@ def least_singular(here, base, end):
         for q in range(end - 1, base - 1, -1):  # T' z = y
             row = L[pivot[q]]
             y[q] += math.copysign(start, y[q])
-            y[q] *= sizes[q] / row[q]
+            much = y[q] / row[q]
+            y[q] = sizes[q] * much
             for p in range(base, q):
-                y[p] -= row[p] / sizes[q] * y[q]
+                y[p] -= much * row[p]
         start = 0.0
         for q in range(base, end):  # T y = z
             row, total = L[pivot[q]], sizes[q] * y[q]

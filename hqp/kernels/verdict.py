@@ -19,6 +19,7 @@ from .extent import extent
 from .memory import ints, marks, matrix, vector
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target
 from .signs import CLEAR, HELD_FIRMLY, clear_sign
+from .threads import told
 
 #: In place of the damped level: none is damped.
 STRICT = -1
@@ -143,6 +144,7 @@ def judge_multipliers(here, last, undecided, damped, damping, closed):
     y, g, G, forces_of = vector(here, at.Y), vector(here, at.G), vector(here, at.BALANCE), vector(here, at.FORCES)
     B, L = matrix(here, at.B), matrix(here, at.L)
     option, along, faults = vector(here, at.OPTION), vector(here, at.MULTIPLIER), 0
+    queue, some = marks(here, at.QUEUE), undecided
     for k in range(last + 1 if damped == STRICT and not closed else last):
         if undecided == 0:
             break
@@ -172,7 +174,7 @@ def judge_multipliers(here, last, undecided, damped, damping, closed):
             for j in range(n):
                 G[j] = x[j] - x0[j]
                 forces += abs(G[j])
-        total, weakest = 0.0, 1.0
+        total, weakest, threads, first = 0.0, 1.0, integer(0), undecided == some
         blur = option[at.TOL] * option[at.BLUR] if k == last else 0.0
         for q in range(c - 1, -1, -1):
             i = pivot[q]
@@ -183,15 +185,66 @@ def judge_multipliers(here, last, undecided, damped, damping, closed):
             total += abs(multiplier) * norm[i]
             if decided[i] != DECIDED:
                 clear = clear_sign(forces, total, weakest) + blur
+                before = decided[i]
                 wrong, decides = read_sign(here, i, multiplier * side[i] * norm[i], clear, forces)
                 faults, undecided = faults + wrong, undecided - decides
+                if before == UNDECIDED and decided[i] == BY_A_THREAD:
+                    queue[threads] = q
+                    threads += 1
         if boxed:
             clear = clear_sign(forces, total, weakest) + blur
             for i in range(ptr[0], ptr[1]):
                 if decided[i] != DECIDED:
+                    before = decided[i]
                     wrong, decides = read_sign(here, i, -G[col[i]] * side[i], clear, forces)
                     faults, undecided = faults + wrong, undecided - decides
+                    if before == UNDECIDED and decided[i] == BY_A_THREAD:
+                        queue[threads] = -1 - i
+                        threads += 1
+        if threads > 0 and k < last - closed and k != damped:
+            undecided -= tell(here, k, threads, first)
     return faults, undecided
+
+
+@inner
+def tell(here, k, threads, first):
+    """Decide the rows that hold level k by a thread, ``queue[:threads]``, if its rows tell them; returns how many.
+
+    Of the rows above, and of its own, those that are not decided yet are open: see :func:`.threads.told`. `first` tells
+    that no multiplier has decided a row on the levels above.
+    """
+    head, ptr, cut = ints(here, 0, at.HEAD), marks(here, at.PTR), marks(here, at.CUT)
+    n, ids, side, decided = head[at.N], marks(here, at.IDS), marks(here, at.SIDE), marks(here, at.DECIDED)
+    pivot, pinned, dependent = marks(here, at.PIVOT), marks(here, at.PINNED), marks(here, at.KIND)
+    queue, many, opens = marks(here, at.QUEUE), integer(0), integer(0)
+    for i in range(ptr[k], ptr[k + 1]):
+        if side[i] != INACTIVE and dependent[i] != 0:
+            ids[many] = i
+            many += 1
+    for t in range(threads):
+        decided[row_at(queue[t], pivot)] = DECIDED
+    for q in range(cut[k + 1]):
+        if decided[pivot[q]] != DECIDED:
+            opens += 1
+            queue[n - opens] = q
+    f = integer(0)
+    for j in range(n):
+        if pinned[j] < 0:
+            f += 1
+        elif decided[pinned[j]] != DECIDED:
+            opens += 1
+            queue[n - opens] = -1 - pinned[j]
+    if told(here, threads, opens, integer(0), many, integer(0), cut[k + 1], first and cut[k + 1] == f):
+        return threads
+    for t in range(threads):
+        decided[row_at(queue[t], pivot)] = BY_A_THREAD
+    return integer(0)
+
+
+@inner
+def row_at(place, pivot):
+    """The row at a place of the basis, or the active bound i that -1 - i stands for."""
+    return pivot[place] if place >= 0 else -1 - place
 
 
 @inner
