@@ -27,7 +27,7 @@ from .multipliers import tell
 from .orthogonal import padded, pivots
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER
 from .shift import STATIONARITY, round_off
-from .span import CLEAR, FREE_RANK, enter, take_up
+from .span import CLEAR, FREE_RANK, SOLVED_RANK, enter, take_up
 from .states import ROUND_OFF, find_sides
 from .symmetric import cholesky
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance
@@ -47,10 +47,13 @@ def proves(here):
     """
     head = ints(here, 0, at.HEAD)
     levels, every, told = head[at.LEVELS], head[at.ALL] != 0, matrix(here, at.VERDICT)
-    side, kept, holds = marks(here, at.SIDE), marks(here, at.FOLLOW), marks(here, at.DECIDED)
+    side, saved = marks(here, at.SIDE), marks(here, at.FOLLOW)
     for i in range(head[at.ROWS]):
-        kept[i], holds[i] = side[i], 0
-    _, way = find_sides(here)
+        saved[i] = side[i]
+    size, way = find_sides(here)
+    if not size < math.inf:
+        head[at.FAILS] = 0
+        return False
     forget_parts(here)
     base, taken, head[at.FAILS] = integer(0), integer(0), at.PASSES
     for k in range(levels + 1):
@@ -59,7 +62,7 @@ def proves(here):
             continue
         scale, exact = gradient(here, k, way), True
         if scale != 0.0 and not (k == levels and determined(here, taken, base)):
-            base, taken = widen(here, taken, k, base, True), integer(k)
+            base, taken = widen(here, taken, k, base, True, FREE_RANK), integer(k)
             exact, base = balanced(here, k, base, scale)
         told[k][at.ACCEPTED] = exact
         if head[at.FAILS] == at.PASSES and not exact:
@@ -67,7 +70,7 @@ def proves(here):
     if every:
         tell_all(here, way)
     for i in range(head[at.ROWS]):
-        side[i] = kept[i]
+        side[i] = saved[i]
     return head[at.FAILS] == at.PASSES
 
 
@@ -82,7 +85,7 @@ def tell_all(here, way):
     for k in range(ints(here, 0, at.HEAD)[at.LEVELS] + 1):
         scale, left, free, working = gradient(here, k, way), 0.0, integer(0), integer(0)
         if scale != 0.0:
-            base, taken = widen(here, taken, k, base, False), integer(k)
+            base, taken = widen(here, taken, k, base, False, FREE_RANK), integer(k)
             free = base
             working, left = attempt(here, k, base, False)
             if left > STATIONARITY and matrix(here, at.VERDICT)[k][at.ACCEPTED] != 0.0:
@@ -131,20 +134,22 @@ def gradient(here, k, way):
 
 
 @inner
-def widen(here, taken, k, base, held):
-    """Append the free rows of levels `taken` .. k - 1 to V[:base], then, with `held`, the rows that hold these levels.
+def widen(here, taken, k, base, held, tau):
+    """Append the free rows of levels `taken` .. k - 1 to V[:base]: with `held`, each with the rows that hold it.
 
-    Returns how many rows V then has.
+    All rows of a level are pivoted together, as a solver freezes them: a row that those above hold depends on them, and
+    what is left of it must not go before those of which more is left. Returns how many rows V then has.
     """
-    ptr, side = marks(here, at.PTR), marks(here, at.HELD)
+    ptr, side, holds, room = marks(here, at.PTR), marks(here, at.HELD), marks(here, at.DECIDED), len(matrix(here, at.R))
     for level in range(taken, k):
         count = integer(0)
-        for i in range(ptr[level], ptr[level + 1]):
-            if side[i] == EQUALITY:
+        for i in range(ptr[level + 1]):
+            free = side[i] == EQUALITY and i >= ptr[level]
+            if (free or (held and holds[i] == level + 1)) and count < room:
                 take_up(here, i, count)
                 count += 1
-        base = enter(here, count, base)
-    return append_holding(here, taken, k, base) if held else base
+        base = enter(here, count, base, tau)
+    return base
 
 
 @inner
@@ -188,7 +193,7 @@ def append_holding(here, first, k, base):
         if first < holds[i] <= k and count < room:
             take_up(here, i, count)
             count += 1
-    return enter(here, count, base)
+    return enter(here, count, base, FREE_RANK)
 
 
 @inner
@@ -204,7 +209,8 @@ def balanced(here, k, base, scale):
     """Whether the rows above level k balance its gradient ``g``, up to round-off.
 
     V[:base] spans the normals of the free rows, and of those that hold a level above; `scale` is the sum of the forces
-    of the level. If these are free, the others have least to do. If round-off or ranks forbid it, without that.
+    of the level. If these are free, the others have least to do. If round-off or ranks forbid it,
+    without that, and then with ranks as a solver decides them.
 
     Returns
     -------
@@ -220,13 +226,17 @@ def balanced(here, k, base, scale):
     if exact:
         note_holding(here, k, base, working)
         return True, base
-    alone = widen(here, 0, k, integer(0), False)
-    working, left = attempt(here, k, alone, False)
-    exact = left <= STATIONARITY
-    if exact:
-        note_holding(here, k, alone, working)
-    forget_parts(here)
-    return exact, widen(here, 0, k, integer(0), True)
+    for again in range(3):
+        held, tau = again == 1, FREE_RANK if again == 0 else SOLVED_RANK
+        other = widen(here, integer(0), k, integer(0), held, tau)
+        working, left = attempt(here, k, other, held)
+        exact = left <= STATIONARITY or (held and round_off(here, k, other, working, left, scale))
+        if exact:
+            note_holding(here, k, other, working)
+        forget_parts(here)
+        if exact:
+            break
+    return exact, widen(here, integer(0), k, integer(0), True, FREE_RANK)
 
 
 @inner
@@ -236,7 +246,7 @@ def attempt(here, k, base, freed):
     Returns how many rows have a multiplier ``share``, and the length of what is left of g, minus ``d``.
     """
     hold(here, k, freed)
-    working, left, _ = nonnegative(here, SETTLED, base, begin(here, k, base), marks(here, at.PTR)[k])
+    working, left, _ = nonnegative(here, SETTLED, FREE_RANK, base, begin(here, k, base), marks(here, at.PTR)[k])
     return working, left
 
 
@@ -262,7 +272,7 @@ def note_holding(here, k, base, working):
     pivot, holds = marks(here, at.PIVOT), marks(here, at.DECIDED)
     share, norm = vector(here, at.SHARE), vector(here, at.NORM)
     for q in range(base, base + working):
-        if share[q] * norm[pivot[q]] > HOLDS and holds[pivot[q]] == 0:
+        if share[q] * norm[pivot[q]] > HOLDS and holds[pivot[q]] <= 0:
             holds[pivot[q]] = k + 1
 
 
@@ -301,17 +311,17 @@ def begin(here, k, base):
 def press(here, k, base):
     """Append hard rows above level k to V[:base] while they are clearly independent; returns how many there are.
 
-    Only those that the solver has kept there, ``follow``: at a degenerate vertex many more are at a bound by chance.
+    Only those that are there up to round-off, as where a solver has kept them, or that hold a level.
     """
     n, kind, pivot = ints(here, 0, at.HEAD)[at.N], marks(here, at.KIND), marks(here, at.PIVOT)
-    kept = marks(here, at.FOLLOW)
+    holds = marks(here, at.DECIDED)
     ids, slots, lengths = marks(here, at.IDS), marks(here, at.SLOTS), vector(here, at.LENGTHS)
     norm, V, L, R = vector(here, at.NORM), matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
     count = integer(0)
     if base == n:
         return count
     for i in range(marks(here, at.PTR)[k]):
-        if kind[i] == HARD and kept[i] != INACTIVE and count < len(R):
+        if kind[i] == HARD and holds[i] != 0 and count < len(R):
             prepare(i, base, here)
             list_part(i, count, count, here)
             count += 1
