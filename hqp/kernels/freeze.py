@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
+from .doubt import WEAK, turns
 from .extent import extent
 from .members import list_part
 from .memory import ints, marks, matrix, vector
@@ -88,6 +89,10 @@ def refactor(here, frozen, hard, own):
             list_part(i, count, count, here)
             count += 1
     gained = pivots(ids, count, slots, lengths, R, norm, V, L, frozen, padded(n), tau)
+    for r in range(count):  # of fewer rows than those that solved the level, which are not in doubt
+        i, left = ids[r], lengths[r]
+        if left < WEAK * norm[i] if r < gained else turns(here, i, left, frozen, frozen + gained):
+            head[at.DOUBT] = 1
     for r in range(gained):
         direction, step = V[frozen + r], 0.0
         for j in range(n):
