@@ -244,7 +244,7 @@ def settles(here, k, base, held, scale):
     working, left = attempt(here, k, base, held)
     exact = left <= STATIONARITY
     if not exact:
-        exact = held != NONE and round_off(here, k, base, working, left, scale)
+        exact = round_off(here, k, base, working, left, scale)
         forget_parts(here)
     return exact, working
 
