@@ -89,16 +89,16 @@ def refactor(here, frozen, hard, own):
             list_part(i, count, count, here)
             count += 1
     gained = pivots(ids, count, slots, lengths, R, norm, V, L, frozen, padded(n), tau)
-    for r in range(count):  # of fewer rows than those that solved the level, which are not in doubt
-        i, left = ids[r], lengths[r]
-        if left < WEAK * norm[i] if r < gained else turns(here, i, left, frozen, frozen + gained):
-            head[at.DOUBT] = 1
     for r in range(gained):
         direction, step = V[frozen + r], 0.0
         for j in range(n):
             step += direction[j] * (x[j] - anchor[j])
         y[frozen + r] = step
         pivot[frozen + r] = ids[r]
+    for r in range(count):  # of fewer rows than those that solved the level, which are not in doubt
+        i, left = ids[r], lengths[r]
+        if left < WEAK * norm[i] if r < gained else turns(here, i, left, frozen, frozen + gained):
+            head[at.DOUBT] = 1
     for r in range(gained):
         direction, step = V[frozen + r], y[frozen + r]
         for j in range(n):

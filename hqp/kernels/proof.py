@@ -10,7 +10,7 @@ A signed row that *holds* a level, with a positive multiplier, cannot leave its 
 So for all levels below it acts as an equality. This follows from the optimality conditions: one can add a large
 multiple of the balance of the level that the row holds. So one basis is carried down the levels, of the normals of free
 rows and of rows that hold a level above. As a large multiple magnifies the round-off of a balance, a level that is not
-balanced so is tried once more without freeing such rows.
+balanced so is tried again, with other rows freed, :func:`balanced`. All of this follows from x and the numbers alone.
 """
 
 from __future__ import annotations
@@ -211,9 +211,9 @@ def forget_parts(here):
 def balanced(here, k, base, scale):
     """Whether the rows above level k balance its gradient ``g``, up to round-off.
 
-    V[:base] spans the normals of the free rows, and of those that hold a level above; `scale` is the sum of the forces
-    of the level. If these are free, the others have least to do. If round-off or ranks forbid
-    it, with those that hold one by a thread, or with none; and all three again with ranks as a solver decides them.
+    V[:base] spans the normals of the free rows, and of those that clearly hold a level above: the others have least to
+    do. If round-off or ranks forbid it, also of those that hold one by a thread, or of none; and all three again with
+    ranks as a solver decides them. `scale` is the sum of the forces of the level.
 
     Returns
     -------
@@ -225,7 +225,7 @@ def balanced(here, k, base, scale):
     if exact:
         note_holding(here, k, base, working)
         return True, base
-    for again in range(1, 6):
+    for again in range(1, 6):  # ALL, NONE, then CLEARLY, ALL, NONE
         held, tau = (again + 1) % 3, FREE_RANK if again < 3 else SOLVED_RANK
         other = widen(here, integer(0), k, integer(0), held, tau)
         exact, working = settles(here, k, other, held, scale)

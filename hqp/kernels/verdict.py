@@ -119,8 +119,7 @@ def judge_rows(here, last, damped, damping):
             if counts != felt or (felt and may_be_met(here, i, size)):
                 head[at.DOUBT] = 1  # of the level, the row and the certificate, not all tell this slack from round-off
             if not counts:
-                decided[i] = UNDECIDED
-                undecided += 1
+                decided[i], undecided = UNDECIDED, undecided + 1
             elif side[i] != EQUALITY and w[i] * side[i] < 0.0:
                 follow[i] = INACTIVE
                 faults += 1
