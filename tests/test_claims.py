@@ -69,7 +69,7 @@ def test_what_is_called_optimal_is_certified(name: str) -> None:
 
 def test_robots_at_a_tie_of_ranks_are_told_what_to_do() -> None:
     """Whichever way their ranks are decided, the certificate knows the answer for one; cold, and warm."""
-    told += []
+    told = []
     for file in TIES:
         h, x_ref = load(file)
         solver = Solver()

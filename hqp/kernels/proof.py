@@ -237,7 +237,7 @@ def balanced(here, k, base, scale):
 
 @inner
 def settles(here, k, base, held, scale):
-    """Whether :func:`attempt` leaves but round-off of ``g``, and how many rows have a multiplier; see :func:`balanced`."""
+    """Whether :func:`attempt` leaves but round-off of ``g``, and how many rows have a multiplier."""
     working, left = attempt(here, k, base, held)
     exact = left <= STATIONARITY
     if not exact:
