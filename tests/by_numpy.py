@@ -29,7 +29,7 @@ FREE_RANK = 1e-12
 #: solver may have used, with a margin.
 OWN_RANK = 4e-9
 #: Round-off of a sum of forces, relative to the forces.
-BALANCED = 64 * float(np.finfo(np.float64).eps)
+BALANCED = 256 * float(np.finfo(np.float64).eps)
 #: Largest residual of a level that passes, relative to the sum of its forces ``||A_i|| d_i^2 |w_i|``, after the slacks
 #: of its rows were shifted within their tolerances.
 STATIONARITY = 1e-10

@@ -3,8 +3,8 @@
 Rows that depend on others in exact arithmetic, as where limits saturate, depend on them only up to round-off, magnified
 by the condition number of the others. Their rank is then arbitrary, but the levels below depend on it: the forces of
 such rows along what projection leaves of them stay unbalanced. So the certificate has to accept the answer. It also has
-to where only one can tell a slack from round-off, the forces of the level or the tolerance of the row: then solver and
-certificate see other active rows.
+to where only one can tell a slack from round-off, the forces of the level, the tolerance of the row, or that of the
+certificate: then solver and certificate see other active rows.
 """
 
 from __future__ import annotations
@@ -94,6 +94,18 @@ def is_free(here, i, size):
     )
     near = vector(here, at.OPTION)[at.TOL] * (abs(bound) + vector(here, at.NORM)[i] * size)
     return side == EQUALITY or abs(vector(here, at.W)[i]) > near
+
+
+@inner
+def may_be_met(here, i, size):
+    """Whether the certificate may take the slack of row i, which counts here, for round-off; x is as long as `size`.
+
+    Then the row, an inequality, is held by a multiplier of one sign there, and is free here.
+    """
+    side, w = marks(here, at.SIDE)[i], vector(here, at.W)[i]
+    bound = target(side, vector(here, at.LO)[i], vector(here, at.HI)[i])
+    near = vector(here, at.OPTION)[at.JUDGED] * (2.0 * abs(bound) + vector(here, at.NORM)[i] * size)
+    return side != EQUALITY and w != 0.0 and abs(w) <= near
 
 
 @inner

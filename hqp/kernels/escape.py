@@ -35,7 +35,7 @@ def escape(here, forces, frozen, working, hard_end):
     pivot, kind = marks(here, at.PIVOT), marks(here, at.KIND)
     for q in range(frozen, frozen + working):
         kind[pivot[q]] = HARD
-    working, steep, stuck = nonnegative(here, DUAL * forces, frozen, integer(0), hard_end)
+    working, steep, stuck = nonnegative(here, DUAL * forces, LEAVES, frozen, integer(0), hard_end)
     if stuck or steep <= DUAL * forces:
         for j in range(n):
             d[j] = 0.0
@@ -43,12 +43,12 @@ def escape(here, forces, frozen, working, hard_end):
 
 
 @inner
-def nonnegative(here, enough, frozen, working, hard_end):
+def nonnegative(here, enough, leaves, frozen, working, hard_end):
     """Minimise ``||g + sum mu_i s_i a_i||``, mu >= 0, over the hard rows at a bound (Lawson and Hanson 1974).
 
     s_i is 1 at the upper bound and -1 at the lower one; all vectors are projected onto the null space of the frozen
     rows. It starts from a working set with positive multipliers ``share``. ``d`` is minus the residual. Only the rows
-    before `hard_end` take part.
+    before `hard_end` take part, and only those that d would violate by more than the share `leaves` of both lengths.
 
     Returns
     -------
@@ -70,7 +70,7 @@ def nonnegative(here, enough, frozen, working, hard_end):
         lowest, idle = min(steep, lowest), integer(0) if steep < (1.0 - GAINS) * lowest else idle + 1
         if idle > IDLE:
             break
-        worst, enters, bound = LEAVES * steep, integer(-1), integer(0)
+        worst, enters, bound = leaves * steep, integer(-1), integer(0)
         for i in range(hard_end if steep > enough else 0):
             if kind[i] != HARD or norm[i] == 0.0:
                 continue

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
-from .doubt import is_free
+from .doubt import WEAK, is_free, turns
 from .extent import extent
 from .members import list_part
 from .memory import ints, marks, matrix, vector
@@ -110,6 +110,10 @@ def refactor(here, frozen, hard, own):
             step += direction[j] * (x[j] - anchor[j])
         y[frozen + r] = step
         pivot[frozen + r] = ids[r]
+    for r in range(count):  # of fewer rows than those that solved the level, which are not in doubt
+        i, left = ids[r], lengths[r]
+        if left < WEAK * norm[i] if r < gained else turns(here, i, left, frozen, frozen + gained):
+            head[at.DOUBT] = 1
     for r in range(gained):
         direction, step = V[frozen + r], y[frozen + r]
         for j in range(n):

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import entry, stamp
-from .memory import given, ints, marks
+from .memory import given, ints
 from .proof import proves
-from .rows import UPPER
 from .solver import load
 
 
@@ -22,8 +21,5 @@ def judge(here, numbers):
     """
     given(here, numbers)
     load(here, False, True)
-    side = marks(here, at.SIDE)
-    for i in range(len(side)):  # nobody tells which rows are active: any may be
-        side[i] = UPPER
     proves(here)
     return ints(here, 0, at.HEAD)[at.FAILS]

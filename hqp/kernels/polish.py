@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
+from .doubt import may_be_met
 from .extent import extent
 from .members import list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
@@ -221,7 +222,10 @@ def judge(here, k, last, frozen, hard, rank, own):
 
 @inner
 def holds(here, last):
-    """Whether x keeps the slacks of active rows and the bounds of inactive ones on all levels above the last."""
+    """Whether x keeps the slacks of active rows and the bounds of inactive ones on all levels above the last.
+
+    DOUBT is set if the certificate may take one of these slacks for round-off.
+    """
     ptr, side, x = marks(here, at.PTR), marks(here, at.SIDE), vector(here, at.X)
     tol = vector(here, at.OPTION)[at.TOL]
     lo, hi, norm, w = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.W)
@@ -234,6 +238,8 @@ def holds(here, last):
         if side[i] != INACTIVE:
             low = high = target(side[i], lo[i], hi[i])
             low, high = low + w[i], high + w[i]
+            if may_be_met(here, i, size):
+                ints(here, 0, at.HEAD)[at.DOUBT] = 1
         if value > high + near + tol * abs(high) or value < low - near - tol * abs(low):
             return False
     return True

@@ -10,7 +10,7 @@ A signed row that *holds* a level, with a positive multiplier, cannot leave its 
 So for all levels below it acts as an equality. This follows from the optimality conditions: one can add a large
 multiple of the balance of the level that the row holds. So one basis is carried down the levels, of the normals of free
 rows and of rows that hold a level above. As a large multiple magnifies the round-off of a balance, a level that is not
-balanced so is tried once more without freeing such rows.
+balanced so is tried again, with other rows freed, :func:`balanced`. All of this follows from x and the numbers alone.
 """
 
 from __future__ import annotations
@@ -27,15 +27,18 @@ from .multipliers import tell
 from .orthogonal import padded, pivots
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER
 from .shift import STATIONARITY, round_off
-from .span import CLEAR, FREE_RANK, enter, take_up
+from .span import CLEAR, FREE_RANK, SOLVED_RANK, enter, take_up
 from .states import ROUND_OFF, find_sides
 from .symmetric import cholesky
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance
 
 #: Round-off of a sum of forces, relative to the forces: where non-negative least squares end.
 SETTLED = 1e-13
-#: A row at a bound holds a level if its multiplier is more than this share of the forces.
+#: A row at a bound holds a level if its multiplier is more than this share of the forces. If it is less, but the level
+#: would not be balanced without it, it holds by a thread.
 HOLDS = 1e-8
+#: Which rows that hold a level above are taken for free: none, those that hold it clearly, or those by a thread, too.
+NONE, CLEARLY, ALL = 0, 1, 2
 
 
 @inner
@@ -47,10 +50,13 @@ def proves(here):
     """
     head = ints(here, 0, at.HEAD)
     levels, every, told = head[at.LEVELS], head[at.ALL] != 0, matrix(here, at.VERDICT)
-    side, kept, holds = marks(here, at.SIDE), marks(here, at.FOLLOW), marks(here, at.DECIDED)
+    side, saved = marks(here, at.SIDE), marks(here, at.FOLLOW)
     for i in range(head[at.ROWS]):
-        kept[i], holds[i] = side[i], 0
-    _, way = find_sides(here)
+        saved[i] = side[i]
+    size, way = find_sides(here)
+    if not size < math.inf:
+        head[at.FAILS] = 0
+        return False
     forget_parts(here)
     base, taken, head[at.FAILS] = integer(0), integer(0), at.PASSES
     for k in range(levels + 1):
@@ -59,7 +65,7 @@ def proves(here):
             continue
         scale, exact = gradient(here, k, way), True
         if scale != 0.0 and not (k == levels and determined(here, taken, base)):
-            base, taken = widen(here, taken, k, base, True), integer(k)
+            base, taken = widen(here, taken, k, base, CLEARLY, FREE_RANK), integer(k)
             exact, base = balanced(here, k, base, scale)
         told[k][at.ACCEPTED] = exact
         if head[at.FAILS] == at.PASSES and not exact:
@@ -67,7 +73,7 @@ def proves(here):
     if every:
         tell_all(here, way)
     for i in range(head[at.ROWS]):
-        side[i] = kept[i]
+        side[i] = saved[i]
     return head[at.FAILS] == at.PASSES
 
 
@@ -82,12 +88,12 @@ def tell_all(here, way):
     for k in range(ints(here, 0, at.HEAD)[at.LEVELS] + 1):
         scale, left, free, working = gradient(here, k, way), 0.0, integer(0), integer(0)
         if scale != 0.0:
-            base, taken = widen(here, taken, k, base, False), integer(k)
+            base, taken = widen(here, taken, k, base, NONE, FREE_RANK), integer(k)
             free = base
-            working, left = attempt(here, k, base, False)
+            working, left = attempt(here, k, base, NONE)
             if left > STATIONARITY and matrix(here, at.VERDICT)[k][at.ACCEPTED] != 0.0:
                 free = append_holding(here, 0, k, base)
-                working, left = attempt(here, k, free, True)
+                working, left = attempt(here, k, free, CLEARLY)
                 forget_parts(here)
         tell(here, k, free, working, scale, left)
 
@@ -131,20 +137,22 @@ def gradient(here, k, way):
 
 
 @inner
-def widen(here, taken, k, base, held):
-    """Append the free rows of levels `taken` .. k - 1 to V[:base], then, with `held`, the rows that hold these levels.
+def widen(here, taken, k, base, held, tau):
+    """Append the free rows of levels `taken` .. k - 1 to V[:base], each with the rows that hold it; `held` tells which.
 
-    Returns how many rows V then has.
+    All rows of a level are pivoted together, as a solver freezes them: a row that those above hold depends on them, and
+    what is left of it must not go before those of which more is left. Returns how many rows V then has.
     """
-    ptr, side = marks(here, at.PTR), marks(here, at.HELD)
+    ptr, side, holds, room = marks(here, at.PTR), marks(here, at.HELD), marks(here, at.DECIDED), len(matrix(here, at.R))
     for level in range(taken, k):
         count = integer(0)
-        for i in range(ptr[level], ptr[level + 1]):
-            if side[i] == EQUALITY:
+        for i in range(ptr[level + 1]):
+            free = side[i] == EQUALITY and i >= ptr[level]
+            if (free or holds_one(holds[i], level, level + 1, held)) and count < room:
                 take_up(here, i, count)
                 count += 1
-        base = enter(here, count, base)
-    return append_holding(here, taken, k, base) if held else base
+        base = enter(here, count, base, tau)
+    return base
 
 
 @inner
@@ -185,10 +193,10 @@ def append_holding(here, first, k, base):
     """Append the rows that hold one of the levels first .. k - 1, and none before, to V[:base]; how many V then has."""
     holds, room, count = marks(here, at.DECIDED), len(matrix(here, at.R)), integer(0)
     for i in range(marks(here, at.PTR)[k]):
-        if first < holds[i] <= k and count < room:
+        if holds_one(holds[i], first, k, CLEARLY) and count < room:
             take_up(here, i, count)
             count += 1
-    return enter(here, count, base)
+    return enter(here, count, base, FREE_RANK)
 
 
 @inner
@@ -203,8 +211,9 @@ def forget_parts(here):
 def balanced(here, k, base, scale):
     """Whether the rows above level k balance its gradient ``g``, up to round-off.
 
-    V[:base] spans the normals of the free rows, and of those that hold a level above; `scale` is the sum of the forces
-    of the level. If these are free, the others have least to do. If round-off or ranks forbid it, without that.
+    V[:base] spans the normals of the free rows, and of those that clearly hold a level above: the others have least to
+    do. If round-off or ranks forbid it, also of those that hold one by a thread, or of none; and all three again with
+    ranks as a solver decides them. `scale` is the sum of the forces of the level.
 
     Returns
     -------
@@ -212,43 +221,51 @@ def balanced(here, k, base, scale):
     base : int
         As given, but V may be another.
     """
-    working, left = attempt(here, k, base, True)
+    exact, working = settles(here, k, base, CLEARLY, scale)
+    if exact:
+        note_holding(here, k, base, working)
+        return True, base
+    for again in range(1, 6):  # ALL, NONE, then CLEARLY, ALL, NONE
+        held, tau = (again + 1) % 3, FREE_RANK if again < 3 else SOLVED_RANK
+        other = widen(here, integer(0), k, integer(0), held, tau)
+        exact, working = settles(here, k, other, held, scale)
+        if exact:
+            note_holding(here, k, other, working)
+            break
+    return exact, widen(here, integer(0), k, integer(0), CLEARLY, FREE_RANK)
+
+
+@inner
+def settles(here, k, base, held, scale):
+    """Whether :func:`attempt` leaves but round-off of ``g``, and how many rows have a multiplier."""
+    working, left = attempt(here, k, base, held)
     exact = left <= STATIONARITY
     if not exact:
         exact = round_off(here, k, base, working, left, scale)
         forget_parts(here)
-    if exact:
-        note_holding(here, k, base, working)
-        return True, base
-    alone = widen(here, 0, k, integer(0), False)
-    working, left = attempt(here, k, alone, False)
-    exact = left <= STATIONARITY
-    if exact:
-        note_holding(here, k, alone, working)
-    forget_parts(here)
-    return exact, widen(here, 0, k, integer(0), True)
+    return exact, working
 
 
 @inner
-def attempt(here, k, base, freed):
-    """Balance ``g`` by the signed rows above level k, in the null space of V[:base]; `freed`: without those that hold.
+def attempt(here, k, base, held):
+    """Balance ``g`` by the signed rows above level k, in the null space of V[:base]; those that are `held` are free.
 
     Returns how many rows have a multiplier ``share``, and the length of what is left of g, minus ``d``.
     """
-    hold(here, k, freed)
-    working, left, _ = nonnegative(here, SETTLED, base, begin(here, k, base), marks(here, at.PTR)[k])
+    hold(here, k, held)
+    working, left, _ = nonnegative(here, SETTLED, FREE_RANK, base, begin(here, k, base), marks(here, at.PTR)[k])
     return working, left
 
 
 @inner
-def hold(here, k, freed):
+def hold(here, k, held):
     """Prepare the rows above level k for :func:`.escape.nonnegative`: signed ones are hard, free ones frozen."""
     kind, where, holds = marks(here, at.KIND), marks(here, at.HELD), marks(here, at.DECIDED)
     value, allowed = vector(here, at.VALUE), vector(here, at.ALLOWED)
     low, high = vector(here, at.LOW), vector(here, at.HIGH)
     for i in range(marks(here, at.PTR)[k]):
         kind[i] = FUTURE
-        if where[i] == EQUALITY or (freed and 0 < holds[i] <= k):
+        if where[i] == EQUALITY or holds_one(holds[i], integer(0), k, held):
             kind[i] = FROZEN
         elif where[i] != INACTIVE:
             kind[i], value[i], allowed[i] = HARD, 0.0, 0.0
@@ -258,12 +275,22 @@ def hold(here, k, freed):
 
 @inner
 def note_holding(here, k, base, working):
-    """Mark with k + 1 the rows of V behind V[:base] whose multiplier is more than HOLDS: they hold level k."""
+    """Mark the rows of V behind V[:base] that hold level k, clearly with k + 1, and by a thread with -(k + 2)."""
     pivot, holds = marks(here, at.PIVOT), marks(here, at.DECIDED)
-    share, norm = vector(here, at.SHARE), vector(here, at.NORM)
+    share, norm, L = vector(here, at.SHARE), vector(here, at.NORM), matrix(here, at.L)
     for q in range(base, base + working):
-        if share[q] * norm[pivot[q]] > HOLDS and holds[pivot[q]] == 0:
-            holds[pivot[q]] = k + 1
+        i = pivot[q]
+        if share[q] * norm[i] > HOLDS and holds[i] <= 0:
+            holds[i] = k + 1
+        elif share[q] * L[i][q] > STATIONARITY and -1 <= holds[i] <= 0:
+            holds[i] = -(k + 2)
+
+
+@inner
+def holds_one(mark, first, end, held):
+    """Whether a row with this mark of :func:`note_holding` is `held` by one of the levels first .. end - 1."""
+    level = mark - 1 if mark > 0 else -mark - 2
+    return first <= level < end and (held == ALL or (held == CLEARLY and mark > 0))
 
 
 @inner
@@ -301,17 +328,17 @@ def begin(here, k, base):
 def press(here, k, base):
     """Append hard rows above level k to V[:base] while they are clearly independent; returns how many there are.
 
-    Only those that the solver has kept there, ``follow``: at a degenerate vertex many more are at a bound by chance.
+    Only those that are there up to round-off, as where a solver has kept them, or that hold a level.
     """
     n, kind, pivot = ints(here, 0, at.HEAD)[at.N], marks(here, at.KIND), marks(here, at.PIVOT)
-    kept = marks(here, at.FOLLOW)
+    holds = marks(here, at.DECIDED)
     ids, slots, lengths = marks(here, at.IDS), marks(here, at.SLOTS), vector(here, at.LENGTHS)
     norm, V, L, R = vector(here, at.NORM), matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
     count = integer(0)
     if base == n:
         return count
     for i in range(marks(here, at.PTR)[k]):
-        if kind[i] == HARD and kept[i] != INACTIVE and count < len(R):
+        if kind[i] == HARD and holds[i] != 0 and count < len(R):
             prepare(i, base, here)
             list_part(i, count, count, here)
             count += 1

@@ -24,7 +24,7 @@ from .working_set import FROZEN, HARD, WORKING, balance
 STATIONARITY = 1e-10
 #: Upper limit of that tolerance if the rows that hold the level back are badly conditioned; what is then left, times
 #: their smallest singular value, must be round-off of a sum of forces.
-BLURRED, BALANCED = 1e-6, 64 * 2.0**-52
+BLURRED, BALANCED = 1e-6, 256 * 2.0**-52
 #: Rank tolerance of the rows of the level itself, projected onto the null space of the free normals: the largest that a
 #: solver may have used, with a margin.
 OWN_RANK = 4e-9

@@ -16,8 +16,9 @@ from .memory import ints, marks, matrix, vector
 from .orthogonal import factor, padded
 from .rows import copy_row
 
-#: Rank tolerance of the free normals. It is small, so that an answer passes however its solver decided a doubtful rank.
-FREE_RANK = 1e-12
+#: Rank tolerance of the free normals; and that of :class:`hqp.Settings`, by which most solvers decide. A level passes
+#: with either, so that an answer passes however its solver decided a doubtful rank.
+FREE_RANK, SOLVED_RANK = 1e-12, 1e-9
 #: A share above this leaves no doubt about the rank.
 CLEAR = 1e-6
 #: Steps of inverse iteration: each gains the square of the ratio of the two smallest singular values.
@@ -25,15 +26,18 @@ STEPS = 4
 
 
 @inner
-def enter(here, count, c):
-    """Append the `count` rows in ``ids`` and R to V[:c], the longest first; returns how many rows V then has."""
+def enter(here, count, c, tau):
+    """Append the `count` rows in ``ids`` and R to V[:c], the longest first; returns how many rows V then has.
+
+    With SOLVED_RANK for `tau` a row counts by its share alone, as for a solver.
+    """
     n, ids, pivot = ints(here, 0, at.HEAD)[at.N], marks(here, at.IDS), marks(here, at.PIVOT)
     norm, V, L, R = vector(here, at.NORM), matrix(here, at.V), matrix(here, at.L), matrix(here, at.R)
     slots, lengths = marks(here, at.SLOTS), vector(here, at.LENGTHS)
-    end = c + factor(ids, count, slots, lengths, R, norm, V, L, c, padded(n), FREE_RANK)
+    end = c + factor(ids, count, slots, lengths, R, norm, V, L, c, padded(n), tau)
     for q in range(c, end):
         pivot[q] = ids[q - c]
-    for q in range(c, end):
+    for q in range(c, end if tau == FREE_RANK else c):
         if L[pivot[q]][q] <= CLEAR * norm[pivot[q]] and least_singular(here, 0, q + 1) <= FREE_RANK:
             end = q
             break

@@ -12,6 +12,8 @@ from .rows import EQUALITY, INACTIVE, LOWER, UPPER, value_of
 
 #: As in :mod:`hqp.certificate.rows`: round-off of rows, and the share of ``||a_i|| ||x||`` in the tolerance of a row.
 ROUND_OFF, LENGTH = 256 * 2.0**-52, 0.1
+#: A row that is at a bound up to round-off, and holds no level, as far as is known.
+CLOSE = -1
 
 
 @inner
@@ -48,20 +50,23 @@ def measure_rows(here):
 def find_sides(here):
     """Write the side of every row at x to ``held``, EQUALITY if its multiplier is free, and its violation to ``slope``.
 
-    Also, to ``lambda``, the tolerance of the row. Returns as :func:`measure_rows`.
+    Also, to ``lambda``, the tolerance of the row, and to ``decided`` CLOSE if it is at a bound up to round-off, else 0.
+    Returns as :func:`measure_rows`.
     """
     size, way = measure_rows(here)
     norm, lo, hi = vector(here, at.NORM), vector(here, at.LO), vector(here, at.HI)
     value, slack, side = vector(here, at.VALUE), vector(here, at.W), marks(here, at.HELD)
-    violation, room = vector(here, at.SLOPE), vector(here, at.LAMBDA)
+    violation, room, holds = vector(here, at.SLOPE), vector(here, at.LAMBDA), marks(here, at.DECIDED)
     judged = vector(here, at.OPTION)[at.JUDGED]
     flat = judged * LENGTH * size + ROUND_OFF * way
     for i in range(ints(here, 0, at.HEAD)[at.ROWS]):
-        side[i], room[i], violation[i] = INACTIVE, 0.0, 0.0
+        side[i], room[i], violation[i], holds[i] = INACTIVE, 0.0, 0.0, 0
         if norm[i] == 0.0:
             continue
         near = judged * (abs(value[i]) + abs(value[i] - slack[i])) + flat * norm[i]
         room[i] = near
+        if min(abs(value[i] - lo[i]), abs(value[i] - hi[i])) <= ROUND_OFF * norm[i] * way:
+            holds[i] = CLOSE
         over, under = value[i] >= hi[i] - near, value[i] <= lo[i] + near
         if abs(slack[i]) > near:
             side[i], violation[i] = EQUALITY, slack[i]

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
-from .doubt import turns
+from .doubt import may_be_met, turns
 from .extent import extent
 from .memory import ints, marks, matrix, vector
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target
@@ -116,11 +116,11 @@ def judge_rows(here, last, damped, damping):
             counts = norm[i] * abs(w[i]) > clear
             if side[i] == EQUALITY and not counts:
                 continue
-            if counts != (abs(w[i]) > tol * (norm[i] * size + abs(target(side[i], lo[i], hi[i])))):
-                head[at.DOUBT] = 1  # of the level and the row, only one can tell this slack from round-off
+            felt = abs(w[i]) > tol * (norm[i] * size + abs(target(side[i], lo[i], hi[i])))
+            if counts != felt or (felt and may_be_met(here, i, size)):
+                head[at.DOUBT] = 1  # of the level, the row and the certificate, not all tell this slack from round-off
             if not counts:
-                decided[i] = UNDECIDED
-                undecided += 1
+                decided[i], undecided = UNDECIDED, undecided + 1
             elif side[i] != EQUALITY and w[i] * side[i] < 0.0:
                 follow[i] = INACTIVE
                 faults += 1
