@@ -52,7 +52,7 @@ def is_ready(kernel):
 
 
 #: Where the interpreter runs loops: the loops whose "address" is their place here. No loop has address 0.
-KNOWN: list[Callable[..., int]] = [NotImplemented]
+KNOWN: list[Callable[..., int] | None] = [None]
 
 if INTERPRETED:
 

@@ -10,8 +10,8 @@ from numba.core.typing import Context
 from . import part, signatures
 
 #: Passes of Numba for code that kernels do not have, and which is refused without them: closures and comprehensions,
-#: ``with`` and ``raise``, loops over tuples, and arrays as operands. The last one
-#: tells where variables end, for references that are counted.
+#: ``with`` and ``raise``, loops over tuples, and arrays as operands. The last one tells where
+#: variables end, for references that are counted.
 NEEDLESS = {
     "with_lifting",
     "inline_closure_likes",

@@ -61,6 +61,11 @@ def solve(
     Unsupported
         If the backend does not take such a hierarchy; names one that does.
 
+    Notes
+    -----
+    A solve waits, once for a version and a machine, until the parts of the native solver that it comes to are compiled;
+    one that first comes to a rare part waits for that, too. A :class:`Solver` has all of them ready when it is made.
+
     Examples
     --------
     >>> from hqp import Hierarchy, Level, solve
