@@ -13,7 +13,6 @@ from hypothesis.strategies import none
 
 from hqp import available_backends, backend_info
 from hqp.backends import native
-from hqp.certificate import judging
 from hqp.solver import curved
 from tasks.base import loops
 from tasks.base import telling as _telling
@@ -27,7 +26,7 @@ os.environ.pop("COLUMNS", None)
 
 
 #: What makes kernels ready, those first that take longest to compile.
-WARM_UPS = loops.warm_up, native.warm_up, native.warm_up_damped, curved.warm_up, judging.warm_up
+WARM_UPS = loops.warm_up, native.warm_up, native.warm_up_damped, curved.warm_up
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import errno
 import gc
+import operator
 import os
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numba
+import numpy as np
 import pytest
 from numba.core import compiler_machinery
 from numba.core.codegen import JITCodeLibrary
@@ -21,7 +23,7 @@ import hqp
 import tasks
 from hqp import Solver
 from hqp.backends import native
-from hqp.kernels import collector, compiler, optimised, part, ready
+from hqp.kernels import collector, compiler, optimised, part, ready, signatures
 from hqp.kernels import compile as compiling
 
 
@@ -74,6 +76,7 @@ def test_a_numba_whose_libraries_are_others_compiles_kernels_as_it_does(missing:
     names = dict.fromkeys(set(part.PRIVATE) - {missing})
     assert compiler.pipeline(compiler.PartCompiler, library=SimpleNamespace(**names)) == {}
     assert compiler.pipeline(compiler.PartCompiler, flags=SimpleNamespace) == {}
+    assert compiler.pipeline(compiler.PartCompiler, context=SimpleNamespace) == {}
     assert compiler.pipeline(compiler.PartCompiler) == {"pipeline_class": compiler.PartCompiler}
 
 
@@ -90,6 +93,33 @@ def test_a_kernel_is_compiled_once_for_all_values_of_its_arguments() -> None:
 
     assert compiling.entry(powers)(2.0) == 4.0 + 8.0 + 0.5 + 2.0
     assert [str(kind) for kinds in power.overloads for kind in kinds[:2]] == ["float64", "int64"] * 2  # inverse omitted
+
+
+def test_signatures_are_looked_up_once() -> None:
+    """Of Numba's own functions, whether types are inferred or code is written: it tries all ways to call them."""
+    asked = []
+
+    class Context(type(numba.core.registry.cpu_target.typing_context)):
+        def resolve_function_type(self, function, args, kws):
+            asked.append(function)
+            return super().resolve_function_type(function, args, kws)
+
+    numba.njit(lambda row: row[0])(np.ones(1))  # so that the functions are registered
+    context = Context()
+    context.refresh()
+    inferring, translating = signatures.remembering(context)
+    row, number = numba.float64[::1], numba.int64
+    found = inferring.resolve_function_type(operator.getitem, (row, number), {})
+    known = translating.resolve_value_type(operator.getitem)
+    assert found.return_type == numba.float64
+    assert inferring.resolve_function_type(operator.getitem, (row, number), {}) is found
+    assert asked == [operator.getitem]
+    for _ in range(2):
+        assert known.get_call_type(translating, (row, number), {}) == found
+        assert inferring.resolve_setitem(row, number, numba.float64).args[0] == row
+    assert asked[1:] == [context.resolve_value_type(operator.getitem), operator.setitem]
+    assert known.get_impl_key(found) == context.resolve_value_type(operator.getitem).get_impl_key(found)
+    assert signatures.remembering(context) == (inferring, translating)
 
 
 def test_flags_are_equal_where_their_values_are() -> None:

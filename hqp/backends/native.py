@@ -23,16 +23,24 @@ from ..kernels import damping_rules as kinds
 from ..kernels import layout as at
 from ..kernels import solver as kernel
 from ..kernels.active_set import OPTIMAL, STALLED, SUBOPTIMAL
+from ..kernels.call import address_of, is_ready
 from ..kernels.doubt import MOST, SHARPEST
-from ..kernels.ready import door, make_ready
+from ..kernels.judge import judge
+from ..kernels.ready import SIGNATURE, door, make_ready
+from ..kernels.safe_method import safe_method
 from ..kernels.workspace import Workspace
 from ..settings import Settings
 from ..solution import Counts, Status
 from .base import Answer
 from .graded import gradings
 
+#: What is compiled, as told when it is.
+WHAT = "the native solver"
 #: Tolerance on rows of the certificate, as the default of :func:`hqp.certify`.
 JUDGED = 1e-9
+
+#: Kernels that stand apart (:mod:`hqp.kernels.apart`), and where the solvers find their addresses.
+APART = {at.CERTIFICATE: judge, at.SAFE_METHOD: safe_method}
 
 STATUSES = {
     OPTIMAL: Status.OPTIMAL,
@@ -127,11 +135,16 @@ class Native:
                 return Answer(x_ref.copy(), Status.INVALID, fault)
             memory.head[at.TRUSTED] = 1
             outcome = memory.run(hierarchy.address)
-            memory.head[at.TRUSTED] = 0
+        if outcome == kernel.LACKING:  # a single solve, begun without the kernels that stand apart
+            memory.complete()
+            memory.forget()
+            outcome = memory.run(hierarchy.address)
+        memory.head[at.TRUSTED] = 0
         answer = self._told(hierarchy, x_ref, outcome)
         decided = self._settings.time_limit < math.inf or self._settings.rank_tolerance > MOST
         if answer.status is not Status.STALLED or decided:
             return answer
+        memory.complete()
         again = (attempt(hierarchy, x_ref) for attempt in (self._sharper, self._graded))
         return next((found for found in again if found.status is Status.OPTIMAL), answer)
 
@@ -227,9 +240,20 @@ class Memory(Workspace):
         elif damped:
             self._twin = Memory(structure, settings, damped, rows=True)
             self.head[at.TWIN] = self._twin.share(self._entries)
+        self._find_apart()
         self.forget()
         # The compiled function itself: there is one, and nothing to dispatch.
         self.run = partial(door(kernel_damped.solve_damped if damped else kernel.solve), self.address)
+
+    def complete(self) -> None:
+        """Have all kernels ready that may be needed, and known to the solver."""
+        warm_up()
+        self._find_apart()
+
+    def _find_apart(self) -> None:
+        """Write the addresses of the kernels that stand apart, as far as they are ready."""
+        for place, apart in APART.items():
+            self.head[place] = address_of(apart, SIGNATURE) if is_ready(apart) else 0
 
     def forget(self) -> None:
         """Be as new for the calls to come: no guess, no sides at the ends of levels, nor of stages."""
@@ -279,7 +303,7 @@ def in_numbers(rule: DampingRule) -> tuple[float, ...] | None:
 
 def warm_up() -> bool:
     """Have the solver ready: from disk, or compiled now. True if it had to be compiled."""
-    return make_ready(kernel.solve, "the native solver")
+    return sum(make_ready(needed, WHAT) for needed in (kernel.solve, *APART.values())) > 0
 
 
 def warm_up_damped() -> bool:
@@ -290,4 +314,10 @@ def warm_up_damped() -> bool:
 def make(name: str, settings: Settings) -> Native:
     """The backend, ready to run."""
     warm_up()
+    return Native(settings)
+
+
+def make_once(name: str, settings: Settings) -> Native:
+    """The backend for a single solve: only what every solve needs is ready."""
+    make_ready(kernel.solve, WHAT)
     return Native(settings)

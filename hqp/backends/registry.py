@@ -198,11 +198,12 @@ def backend_info(name: str) -> BackendInfo:
     return info
 
 
-def make_backend(name: str, settings: Settings) -> Backend:
-    """Import the backend's module, now, and make one."""
+def make_backend(name: str, settings: Settings, once: bool = False) -> Backend:
+    """Import the backend's module, now, and make one; the native one that solves `once` is ready for what is usual."""
     from ..kernels.collector import collected_rarely
 
     info = backend_info(name)
     with collected_rarely():
-        backend: Backend = import_module(f".{info.module}", __package__).make(info.name, settings)
+        module = import_module(f".{info.module}", __package__)
+        backend: Backend = (module.make_once if once else module.make)(info.name, settings)
     return backend

@@ -12,7 +12,8 @@
 from __future__ import annotations
 
 from . import layout as at
-from .active_set import OPTIMAL, STALLED, SUBOPTIMAL, active_set
+from .active_set import OPTIMAL, STALLED, SUBOPTIMAL
+from .apart import active_set, proves
 from .compile import inner, integer
 from .doubt import SHARPEST, doubtful, sharpen
 from .dual import NEVER, late
@@ -20,7 +21,6 @@ from .extent import extent
 from .levels import levels
 from .line_search import best_step
 from .memory import ints, marks, vector
-from .proof import proves
 from .rows import INACTIVE, value_of
 from .sweep import sweep
 from .working_set import FROZEN

@@ -46,8 +46,13 @@ def address_of(kernel, signature):
     return int(found.library.get_pointer_to_function(found.fndesc.llvm_cfunc_wrapper_name))
 
 
-#: Where the interpreter runs loops: the loops whose "address" is their place here.
-KNOWN: list[Callable[..., int]] = []
+def is_ready(kernel):
+    """Whether a loop can be called: the interpreter's, or one that was compiled or read from disk."""
+    return INTERPRETED or bool(kernel.signatures)
+
+
+#: Where the interpreter runs loops: the loops whose "address" is their place here. No loop has address 0.
+KNOWN: list[Callable[..., int] | None] = [None]
 
 if INTERPRETED:
 

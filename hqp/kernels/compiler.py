@@ -5,12 +5,14 @@ from __future__ import annotations
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, Flags
 from numba.core.types import unliteral
+from numba.core.typing import Context
 
-from . import part
+from . import part, signatures
 from .optimised import Optimised
 
 #: Passes of Numba for code that kernels do not have, and which is refused without them: closures and comprehensions,
-#: ``with`` and ``raise``, loops over tuples, and arrays as operands.
+#: ``with`` and ``raise``, loops over tuples, and arrays as operands. The last one tells where
+#: variables end, for references that are counted.
 NEEDLESS = {
     "with_lifting",
     "inline_closure_likes",
@@ -18,6 +20,7 @@ NEEDLESS = {
     "make_function_op_code_to_jit_function",
     "literal_unroll",
     "nopython_rewrites",
+    "ir_legalization",
 }
 
 
@@ -40,7 +43,9 @@ class KernelCompiler(Compiler):
 
     def __init__(self, *arguments, **options):
         super().__init__(*arguments, **options)
-        self.state.flags = KernelFlags(self.state.flags)
+        state = self.state
+        state.flags = KernelFlags(state.flags)
+        state.typingctx, state.targetctx.typing_context = signatures.remembering(state.typingctx)
 
     def define_pipelines(self):
         """Numba's, without what is needless."""
@@ -60,9 +65,10 @@ class PartCompiler(KernelCompiler):
     library = part.Part
 
 
-def pipeline(compiler, library=JITCodeLibrary, flags=Flags):
+def pipeline(compiler, library=JITCodeLibrary, flags=Flags, context=Context):
     """The options for such a compiler; none, so slower to compile, if this Numba lacks a private name that it needs."""
     known = all(hasattr(library, name) for name in part.PRIVATE) and hasattr(flags(), "_values")
+    known = known and all(hasattr(context, name) for name in signatures.PRIVATE)
     return {"pipeline_class": compiler} if known else {}
 
 

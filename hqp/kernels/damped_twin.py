@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from . import layout as at
 from .active_set import OPTIMAL
+from .apart import proves
 from .attempts import COLD, WARM, seed, work_out
 from .compile import inner, integer
 from .memory import ints, marks, vector
-from .proof import proves
 from .rows import EQUALITY, INACTIVE
 from .solver import UNEVEN
 

@@ -28,8 +28,9 @@ COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES = 9, 10, 11, 12, 13, 14
 BEGAN, DEADLINE, HISTORY, DAMPED, TWIN, AIMED, DOUBT, CLOSES, BASIS = 16, 17, 18, 19, 20, 21, 22, 23, 24
 #: 1 + the number of variables that are not asked, while :mod:`.levels` works in the metric of the last level; else 0.
 #: For the certificate (:mod:`.proof`): whether it judges all levels, and what it has found: the first level that fails,
-#: PASSES or UNJUDGED. HEAD is the number of these numbers.
-METRIC, ALL, FAILS, HEAD = 25, 26, 27, 28
+#: PASSES or UNJUDGED. Of the kernels that are called by them (:mod:`.apart`), the addresses, 0 while one is not ready,
+#: and whether one was called that is not. HEAD is the number of these numbers.
+METRIC, ALL, FAILS, CERTIFICATE, SAFE_METHOD, LACKS, HEAD = 25, 26, 27, 28, 29, 30, 31
 #: In place of a level that fails: none does; and x was not judged.
 PASSES, UNJUDGED = -1, -2
 

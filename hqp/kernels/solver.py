@@ -23,8 +23,8 @@ from .rows import EQUALITY, INACTIVE, LOWER, UPPER
 
 #: Outcomes in addition to the statuses of :mod:`.active_set`. SUSPECT: nothing was solved, as a number may be invalid.
 #: UNEVEN: solved, but a level has rows of very different lengths, or a rank is in doubt. An answer that is STALLED or
-#: UNEVEN must be judged by the certificate.
-SUSPECT, UNEVEN = 3, 4
+#: UNEVEN must be judged by the certificate. LACKING: no answer, as a kernel was needed that is not ready.
+SUSPECT, UNEVEN, LACKING = 3, 4, 5
 
 #: As :data:`hqp.hierarchy.LARGEST`. A longer row may have an entry that is too large.
 LARGEST = 1e30
@@ -129,7 +129,7 @@ def solve_one(here):
     head = ints(here, 0, at.HEAD)
     warm = head[at.WARM] != 0
     head[at.WARM] = head[at.SWEEPS] = head[at.ITERATIONS] = 0
-    head[at.FAILS] = at.UNJUDGED
+    head[at.FAILS], head[at.LACKS] = at.UNJUDGED, 0
     start_clock(here)
     if not load(here, warm, head[at.TRUSTED] != 0):
         return SUSPECT
@@ -143,6 +143,8 @@ def solve_one(here):
     start = integer(SIDES if warm or guess(here, last) else COLD)
     status, level = work_out(here, last, start, warm)
     head[at.LEVEL], head[at.WARM] = min(level, last), 1
+    if head[at.LACKS] != 0:
+        return LACKING
     return UNEVEN if status == OPTIMAL and head[at.DOUBT] != 0 else status
 
 
@@ -156,7 +158,7 @@ def solve(here, numbers):
     Returns
     -------
     outcome : int
-        A status of :mod:`.active_set`, or SUSPECT, UNEVEN; of many hierarchies, that of the last.
+        A status of :mod:`.active_set`, or SUSPECT, UNEVEN, LACKING; of many hierarchies, that of the last.
     """
     head = ints(here, 0, at.HEAD)
     n, m, count, warm = head[at.N], head[at.ROWS], head[at.COUNT], head[at.WARM]

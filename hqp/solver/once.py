@@ -11,6 +11,8 @@ from typing import Any
 from numpy.typing import ArrayLike
 
 from ..arrays import finite_vector
+from ..backends.base import Backend
+from ..backends.registry import make_backend
 from ..checks import of_type
 from ..damping import DampingRule
 from ..errors import InvalidInput, Unsupported
@@ -59,6 +61,11 @@ def solve(
     Unsupported
         If the backend does not take such a hierarchy; names one that does.
 
+    Notes
+    -----
+    A solve waits, once for a version and a machine, until the parts of the native solver that it comes to are compiled;
+    one that first comes to a rare part waits for that, too. A :class:`Solver` has all of them ready when it is made.
+
     Examples
     --------
     >>> from hqp import Hierarchy, Level, solve
@@ -81,6 +88,13 @@ def solve(
     return solution
 
 
+class _Once(Solver):
+    """A native solver that need not be ready for all that a control loop may come to: who solves once can wait."""
+
+    def _new_backend(self) -> Backend:
+        return make_backend(self.backend, self.settings, once=True)
+
+
 #: What :func:`solve` keeps: so many solvers of the native backend a thread, one a structure, the last used last.
 KEPT = 8
 _kept = threading.local()
@@ -99,7 +113,7 @@ def _borrow(
     except AttributeError:
         solver, _kept.solvers = None, {}
     if solver is None:
-        return key, Solver(backend, settings)
+        return key, _Once(backend, settings)
     solver.forget()
     return key, solver
 

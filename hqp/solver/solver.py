@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, real_array
-from ..backends.base import Answer
+from ..backends.base import Answer, Backend
 from ..backends.registry import make_backend
 from ..checks import SetOnce, of_type
 from ..damping import DampingRule, Staged, by_index, index_of, retold, rules_of, told
@@ -87,7 +87,7 @@ class Solver(SetOnce):
         self.backend = backend
         self.settings = DEFAULT if settings is None else of_type(settings, Settings, "settings")
         self.damping = {} if damping is None else rules_of(damping)
-        self._backend = make_backend(backend, self.settings)
+        self._backend = self._new_backend()
         self._staged = self._new_staged() if self.damping else None
         self._by_number, self._rules = not any(isinstance(key, str) for key in self.damping), dict[int, DampingRule]()
         self._places: dict[int | str, int] = {}  # of the aims of levels, by what these are called
@@ -101,6 +101,9 @@ class Solver(SetOnce):
         self._take, self._give = self._guard.take, self._guard.give
         # A time limit counts from the call on, preparations included.
         self._began = getattr(self._backend, "began", None) if self.settings.time_limit < math.inf else None
+
+    def _new_backend(self) -> Backend:
+        return make_backend(self.backend, self.settings)
 
     def __reduce__(self) -> tuple[type[Solver], tuple[str, Settings, dict[int | str, DampingRule]]]:
         """A copy is made from what defines it: memory that a kernel knows by its address cannot be copied."""

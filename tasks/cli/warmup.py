@@ -29,8 +29,8 @@ def warmup() -> None:
         print("the interpreter runs all kernels, as NUMBA_DISABLE_JIT asks for: nothing is compiled")
         return
     kernels = (
-        ("native", native.warm_up, solve),
         ("certificate", judging.warm_up, judge),
+        ("native", native.warm_up, solve),
         ("damped", native.warm_up_damped, solve_damped),
         ("curved", curved.warm_up, solve_curved),
         ("rows", loops.warm_up, write_law),
