@@ -173,7 +173,7 @@ def test_a_copied_robot_has_limits_of_its_own(name: str) -> None:
 
 
 #: What a robot knows of its file, and where it starts: no controller goes by it.
-FREE = {"closures", "home", "left_out", "recipe", "scene", "source"}
+FREE = {"closures", "home", "left_out", "recipe", "scene", "source", "springs"}
 
 
 @pytest.mark.parametrize("name", ["arm", "panda"])

@@ -18,13 +18,54 @@ from .working_set import FROZEN
 STEPS = 60
 #: A change of a row along a step below this share of both lengths is round-off.
 MOVES = 1e-12
+#: A row may be passed by this share of its tolerance: by round-off.
+LATENESS = 1e-3
 #: A step that is no longer than this share of x is none; so many members in a row may leave without a step.
 STILL, PATIENCE = 1e-12, 6
 
 
 @inner
+def event_of(i, k, start, d, steep, size, here):
+    """When row i reaches its bound on the way from `start` along d (n,), which is `steep` long, `size` being that of x.
+
+    Returns
+    -------
+    ratio : float
+        The step length, at least 0; infinite if it is not on the way.
+    late : float
+        The step length at which it is off its bound by LATENESS, as a share of its tolerance.
+    rate : float
+        How fast it gets there, as a share of its length.
+    side : int
+        The side that it gets.
+    """
+    side, lo, hi = marks(here, at.SIDE)[i], vector(here, at.LO)[i], vector(here, at.HI)[i]
+    norm, tol = vector(here, at.NORM)[i], vector(here, at.OPTION)[at.TOL]
+    ratio, becomes = math.inf, integer(INACTIVE)
+    if norm == 0.0 or marks(here, at.KIND)[i] == FROZEN or side == EQUALITY:
+        return ratio, ratio, 0.0, becomes
+    rate = value_of(i, d, here)
+    if abs(rate) <= MOVES * norm * steep:
+        return ratio, ratio, 0.0, becomes
+    value = value_of(i, start, here)
+    bound = target(side, lo, hi) if side != INACTIVE else hi if rate > 0.0 else lo
+    near = tol * (abs(bound) + norm * size)
+    if side == INACTIVE:
+        if abs(value + rate - bound) > near:
+            ratio, becomes = max(0.0, (bound - value) / rate), integer(UPPER if rate > 0.0 else LOWER)
+    elif i >= marks(here, at.PTR)[k]:  # violated, and within its bounds from this step length on
+        slack = (value - bound) * side
+        if slack > near and slack + rate * side < -near:
+            ratio = -slack / (rate * side)
+    return ratio, ratio + LATENESS * near / abs(rate), abs(rate) / norm, becomes
+
+
+@inner
 def first_event(here, k):
     """The step length from APPROACH towards x to the first row that reaches its bound, from inside or from outside.
+
+    Of those that do so before one of them is too late, it is the one that moves fastest (Harris 1973): a row that hangs
+    on others by round-off alone does not stop a step that it hardly feels.
 
     Returns
     -------
@@ -33,37 +74,19 @@ def first_event(here, k):
     row, side : int
         This row, or -1; and the side that it gets.
     """
-    head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
-    n, tol = head[at.N], option[at.TOL]
-    ptr, side, kind = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.KIND)
-    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
+    n, end = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR)[k + 1]
     x, start, d = vector(here, at.X), vector(here, at.APPROACH), vector(here, at.D)
-    steep = 0.0
     for j in range(n):
         d[j] = x[j] - start[j]
-        steep += d[j] * d[j]
-    steep, size = math.sqrt(steep), extent(start, here)
-    reach, row, becomes = 1.0, integer(-1), integer(INACTIVE)
-    for i in range(ptr[k + 1]):
-        if norm[i] == 0.0 or kind[i] == FROZEN or side[i] == EQUALITY:
-            continue
-        rate = value_of(i, d, here)
-        if abs(rate) <= MOVES * norm[i] * steep:
-            continue
-        value = value_of(i, start, here)
-        if side[i] == INACTIVE:
-            bound = hi[i] if rate > 0.0 else lo[i]
-            ratio = max(0.0, (bound - value) / rate)
-            if ratio < reach and abs(value + rate - bound) > tol * (abs(bound) + norm[i] * size):
-                reach, row, becomes = ratio, i, integer(UPPER if rate > 0.0 else LOWER)
-        elif i >= ptr[k]:  # violated, and within its bounds from this step length on
-            bound = target(side[i], lo[i], hi[i])
-            slack = (value - bound) * side[i]
-            near = tol * (abs(bound) + norm[i] * size)
-            if slack > near and slack + rate * side[i] < -near:
-                ratio = -slack / (rate * side[i])
-                if ratio < reach:
-                    reach, row, becomes = ratio, i, integer(INACTIVE)
+    steep, size, latest = length(d, n), extent(start, here), 1.0
+    for i in range(end):
+        _, overdue, _, _ = event_of(i, k, start, d, steep, size, here)
+        latest = min(latest, overdue)
+    reach, row, becomes, fastest = 1.0, integer(-1), integer(INACTIVE), 0.0
+    for i in range(end):
+        ratio, _, rate, side = event_of(i, k, start, d, steep, size, here)
+        if ratio < 1.0 and ratio <= latest and rate > fastest:
+            reach, row, becomes, fastest = ratio, i, side, rate
     return reach, row, becomes
 
 
