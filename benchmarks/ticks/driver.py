@@ -71,7 +71,7 @@ class Driver(ABC):
 
     def run(self, first: int, last: int) -> tuple[Array, Array]:
         """Nanoseconds of each tick from first to last, shape (ticks,), and joint velocities, NaN where it failed."""
-        clock, times, answers = self.clock, [], []
+        clock, times, answers, nothing = self.clock, [], [], np.full(self.unknowns, np.nan)
         for k in range(first, last):
             start = clock()
             try:
@@ -80,9 +80,9 @@ class Driver(ABC):
                 answer = None
                 self.raised[type(error).__name__] += 1
             times.append(clock() - start)
-            answers.append(answer)
-        nothing = np.full(self.unknowns, np.nan)
-        return np.array(times), np.array([nothing if x is None else self.velocity(x) for x in answers])
+            answers.append(nothing if answer is None else np.array(self.velocity(answer)))
+            answer = None  # as in a control loop, whose memory the next tick takes: fresh memory costs page faults
+        return np.array(times), np.array(answers)
 
     def split(self, first: int, last: int) -> Array:
         """Nanoseconds of each stage of each tick, shape (ticks, 3); NaN where it failed."""
