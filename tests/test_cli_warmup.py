@@ -60,7 +60,7 @@ def test_an_empty_folder_is_filled_once(tmp_path: Path) -> None:
         for name, line in zip(names, one.stdout.splitlines(), strict=True):
             assert re.fullmatch(rf"{name}: {said} in \d+\.\d s; kept in {re.escape(str(tmp_path))}.*", line)
     for what, line in zip(
-        ("the native solver", "the certificate", "damped levels", "curved levels", "the rows of tasks"),
+        ("the certificate", "the native solver", "damped levels", "curved levels", "the rows of tasks"),
         done[0].stderr.splitlines(),
         strict=True,
     ):
