@@ -32,32 +32,30 @@ def event_of(i, k, start, d, steep, size, here):
     -------
     ratio : float
         The step length, at least 0; infinite if it is not on the way.
-    late : float
+    overdue : float
         The step length at which it is off its bound by LATENESS, as a share of its tolerance.
     rate : float
-        How fast it gets there, as a share of its length.
-    side : int
-        The side that it gets.
+        How fast its value changes, as a share of its length.
     """
     side, lo, hi = marks(here, at.SIDE)[i], vector(here, at.LO)[i], vector(here, at.HI)[i]
     norm, tol = vector(here, at.NORM)[i], vector(here, at.OPTION)[at.TOL]
-    ratio, becomes = math.inf, integer(INACTIVE)
+    ratio = math.inf
     if norm == 0.0 or marks(here, at.KIND)[i] == FROZEN or side == EQUALITY:
-        return ratio, ratio, 0.0, becomes
+        return ratio, ratio, 0.0
     rate = value_of(i, d, here)
     if abs(rate) <= MOVES * norm * steep:
-        return ratio, ratio, 0.0, becomes
+        return ratio, ratio, 0.0
     value = value_of(i, start, here)
     bound = target(side, lo, hi) if side != INACTIVE else hi if rate > 0.0 else lo
     near = tol * (abs(bound) + norm * size)
     if side == INACTIVE:
         if abs(value + rate - bound) > near:
-            ratio, becomes = max(0.0, (bound - value) / rate), integer(UPPER if rate > 0.0 else LOWER)
+            ratio = max(0.0, (bound - value) / rate)
     elif i >= marks(here, at.PTR)[k]:  # violated, and within its bounds from this step length on
         slack = (value - bound) * side
         if slack > near and slack + rate * side < -near:
             ratio = -slack / (rate * side)
-    return ratio, ratio + LATENESS * near / abs(rate), abs(rate) / norm, becomes
+    return ratio, ratio + LATENESS * near / abs(rate), rate / norm
 
 
 @inner
@@ -76,17 +74,19 @@ def first_event(here, k):
     """
     n, end = ints(here, 0, at.HEAD)[at.N], marks(here, at.PTR)[k + 1]
     x, start, d = vector(here, at.X), vector(here, at.APPROACH), vector(here, at.D)
+    ratios, rates, side = vector(here, at.LOW), vector(here, at.SLOPE), marks(here, at.SIDE)
     for j in range(n):
         d[j] = x[j] - start[j]
     steep, size, latest = length(d, n), extent(start, here), 1.0
     for i in range(end):
-        _, overdue, _, _ = event_of(i, k, start, d, steep, size, here)
+        ratios[i], overdue, rates[i] = event_of(i, k, start, d, steep, size, here)
         latest = min(latest, overdue)
     reach, row, becomes, fastest = 1.0, integer(-1), integer(INACTIVE), 0.0
     for i in range(end):
-        ratio, _, rate, side = event_of(i, k, start, d, steep, size, here)
-        if ratio < 1.0 and ratio <= latest and rate > fastest:
-            reach, row, becomes, fastest = ratio, i, side, rate
+        if ratios[i] < 1.0 and ratios[i] <= latest and abs(rates[i]) > fastest:
+            reach, row, fastest = ratios[i], i, abs(rates[i])
+    if row >= 0 and side[row] == INACTIVE:
+        becomes = integer(UPPER if rates[row] > 0.0 else LOWER)
     return reach, row, becomes
 
 
