@@ -108,7 +108,6 @@ class SetOnce:
     _instead: ClassVar[str] = "make a new one"
 
     def __setattr__(self, name: str, value: Any) -> None:
-        known = name in vars(self) or hasattr(type(self), name)
-        if name in self._stays and known and vars(self).get(name) is not value:
+        if name in self._stays and getattr(self, name, value) is not value:
             raise InvalidInput(f"{type(self).__name__}: {name} is set once, when it is made; {self._instead}")
         object.__setattr__(self, name, value)

@@ -80,10 +80,11 @@ def stage_misread(controller: Controller, state: tuple[Any, Any], k: int, slip: 
 def misread(solver: Solver, h: Hierarchy, slip: Slip, x_ref: np.ndarray | None = None, lasting: bool = False) -> Any:
     """What a solver answers that misreads a hierarchy."""
     solver.solve(h, x_ref)
-    right = solver._quick, solver._backend.solve
-    solver._quick = Misreader(right[0], slip, lasting)
+    way = solver._way
+    right = way.run, solver._backend.solve
+    way.run = lambda numbers, x: Misreader(lambda _: right[0](numbers, x), slip, lasting)(h)
     solver._backend.solve = Misreader(right[1], slip, lasting)  # type: ignore[method-assign]
     try:
         return solver.solve(h, x_ref)
     finally:
-        solver._quick, solver._backend.solve = right  # type: ignore[method-assign]
+        way.run, solver._backend.solve = right  # type: ignore[method-assign]

@@ -148,7 +148,7 @@ def test_the_level_where_it_stopped_is_no_worse_than_where_it_began() -> None:
     warm_up()
     for h in draws(60):
         native = Native(Settings(iterations=12))
-        native.prepare(h.structure)(h, None)
+        native.prepare(h.structure).run(h.numbers, np.empty(h.n))
         answer = native.solve(h, np.zeros(h.n))
         if answer.level is None or answer.level >= len(h.levels):
             continue

@@ -254,9 +254,9 @@ def test_another_reference_or_aim_is_refused():
         assert right.certify().ok
         solver = Solver(damping=damping)
         solver.solve(h, x_ref, aims)
-        quick = solver._quick
-        solver._quick = lambda given, reference, *others, quick=quick: quick(given, reference + 0.5, *others)
+        refer = solver._way.refer
+        solver._way.refer = lambda reference, own, refer=refer: refer(reference + 0.5, own)
         assert not solver.solve(h, x_ref, aims).certify().ok
         if damping:
-            solver._quick = lambda given, reference, own, quick=quick: quick(given, reference, own + 0.5)
+            solver._way.refer = lambda reference, own, refer=refer: refer(reference, own + 0.5)
             assert not solver.solve(h, x_ref, aims).certify().ok

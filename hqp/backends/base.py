@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 from ..arrays import Array
 from ..certificate import first_failed
@@ -37,6 +38,45 @@ class Answer:
     message: str = ""
     level: int | None = None
     counts: Counts = NO_COUNTS
+
+
+def _unproved(numbers: Array, x: Array) -> int:
+    """A run that proves nothing."""
+    return -1
+
+
+def _unread(x_ref: Array | None, aims: Array | None) -> None:
+    """Write x_ref and aims nowhere."""
+
+
+@dataclass(slots=True, eq=False)
+class ShortWay:
+    """The parts of a tick where the kernel itself proves the optimum, as nearly always: for a solver to put together.
+
+    A function that did would cost as much as solving some rows. Without arguments: a short way that nothing takes, so
+    that :meth:`Backend.solve` is asked.
+
+    Parameters
+    ----------
+    run : callable
+        Solves the hierarchy of these numbers, and writes x where it has proved the optimum; what this took, as
+        :data:`hqp.kernels.layout.ITERATION` tells, or -1.
+    refer : callable
+        Takes x_ref and the aims of damped levels, None for zero and for x_ref, for the runs to come.
+    n : int
+        Unknowns.
+    points : callable, optional
+        Where levels are damped: a copy of what led to x.
+    plain : tuple, optional
+        The structure, while x_ref is zero, no level has an aim of its own and no time is limited: only numbers change
+        from run to run.
+    """
+
+    run: Callable[[Array, Array], int] = _unproved
+    refer: Callable[[Array | None, Array | None], None] = _unread
+    n: int = 0
+    points: Callable[[], Array] | None = None
+    plain: tuple[Any, ...] | None = None
 
 
 def certified(answer: Answer, hierarchy: Hierarchy, x_ref: Array, who: str) -> Answer:

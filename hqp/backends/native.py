@@ -7,7 +7,6 @@ a structure, and remembers in it which rows were active. What it does is told in
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -18,11 +17,13 @@ from ..arrays import Array
 from ..certificate import first_failed
 from ..damping import DampingRule, ErrorDamping, FixedDamping, ManipulabilityDamping, SingularValueDamping
 from ..hierarchy import Hierarchy
+from ..kernels import builtin
 from ..kernels import damped as kernel_damped
 from ..kernels import damping_rules as kinds
 from ..kernels import layout as at
 from ..kernels import solver as kernel
 from ..kernels.active_set import OPTIMAL, STALLED, SUBOPTIMAL
+from ..kernels.builtin import runner
 from ..kernels.call import address_of, is_ready
 from ..kernels.doubt import MOST, SHARPEST
 from ..kernels.judge import judge
@@ -31,7 +32,7 @@ from ..kernels.safe_method import safe_method
 from ..kernels.workspace import Workspace
 from ..settings import Settings
 from ..solution import Counts, Status
-from .base import Answer
+from .base import Answer, ShortWay
 from .graded import gradings
 
 #: What is compiled, as told when it is.
@@ -48,12 +49,6 @@ STATUSES = {
     STALLED: Status.STALLED,  # these two until the certificate says better
     kernel.UNEVEN: Status.STALLED,
 }
-Damped = Callable[[Hierarchy, Array | None, Array | None], tuple[Array, Counts, Array] | None]
-Quick = Callable[[Hierarchy, Array | None], tuple[Array, Counts] | None]
-#: What almost every tick of a control loop takes, by its iterations: one sweep. Made anew they were a third of a tick.
-ONE_SWEEP = [Counts(1, iterations) for iterations in range(64)]
-#: And where levels are damped, by its sweeps: one a stage.
-SWEEPS_ALONE = [Counts(sweeps) for sweeps in range(64)]
 
 
 class Native:
@@ -63,66 +58,20 @@ class Native:
         self._settings = settings
         self._memory: Memory | None = None
 
-    def prepare(self, structure: tuple[Any, ...]) -> Quick:
-        """The short way for hierarchies of this structure.
-
-        It takes a hierarchy and x_ref, None for zero, and gives the optimum, and what it took, if a sweep proves it,
-        as in a control loop it mostly does. If none does, :meth:`solve` tells what came out.
-        """
+    def prepare(self, structure: tuple[Any, ...]) -> ShortWay:
+        """The short way for hierarchies of this structure; if it proves nothing, :meth:`solve` tells what came out."""
         memory = self._memory = Memory(structure, self._settings)
-        run, copy, reference, zero, told = memory.run, memory.x.copy, memory.x_ref, True, memory.head.item
+        return ShortWay(runner(memory, kernel.solve), memory.refer, len(memory.x))
 
-        def quick(hierarchy: Hierarchy, x_ref: Array | None) -> tuple[Array, Counts] | None:
-            nonlocal zero
-            if x_ref is not None:
-                reference[:], zero = x_ref, False
-            elif not zero:
-                reference[:], zero = 0.0, True
-            outcome = run(hierarchy.address)
-            if outcome == OPTIMAL:
-                sweeps, iterations = told(at.SWEEPS), told(at.ITERATIONS)
-                once = sweeps == 1 and iterations < 64
-                return copy(), ONE_SWEEP[iterations] if once else Counts(sweeps, iterations)
-            return None
-
-        return quick
-
-    def prepare_damped(self, structure: tuple[Any, ...], rules: dict[int, DampingRule]) -> Damped | None:
-        """The same where levels are damped, with the points of all stages; None if a rule is none that it knows.
-
-        The short way takes the aims of the damped levels, (damped, n), too; None where these are x_ref.
-        """
+    def prepare_damped(self, structure: tuple[Any, ...], rules: dict[int, DampingRule]) -> ShortWay | None:
+        """The same where levels are damped, with the points of all stages; None if a rule is none that it knows."""
         numbers = [in_numbers(rule) for rule in rules.values()]
         if None in numbers:
             return None
         warm_up_damped()
         memory = self._memory = Memory(structure, self._settings, tuple(rules))
         memory.rules[:, : len(numbers[0] or ())] = numbers
-        run, copy, points, reference, zero = memory.run, memory.x.copy, memory.passed.copy, memory.x_ref, True
-        told, of_sweeps, of_iterations = memory.head.item, at.SWEEPS, at.ITERATIONS
-        own_aims, aimed = memory.aims, False
-
-        def quick(
-            hierarchy: Hierarchy, x_ref: Array | None, aims: Array | None = None
-        ) -> tuple[Array, Counts, Array] | None:
-            nonlocal zero, aimed
-            if x_ref is not None:
-                reference[:], zero = x_ref, False
-            elif not zero:
-                reference[:], zero = 0.0, True
-            if aims is not None:
-                own_aims[:] = aims
-                if not aimed:
-                    memory.head[at.AIMED], aimed = 1, True
-            elif aimed:
-                memory.head[at.AIMED], aimed = 0, False
-            if run(hierarchy.address) != OPTIMAL:
-                return None
-            sweeps, iterations = told(of_sweeps), told(of_iterations)
-            swept = iterations == 0 and sweeps < 64
-            return copy(), SWEEPS_ALONE[sweeps] if swept else Counts(sweeps, iterations), points()
-
-        return quick
+        return ShortWay(runner(memory, kernel_damped.solve_damped), memory.refer, len(memory.x), memory.passed.copy)
 
     def solve(self, hierarchy: Hierarchy, x_ref: Array) -> Answer:
         """What the short way has just found, in full."""
@@ -245,6 +194,13 @@ class Memory(Workspace):
         # The compiled function itself: there is one, and nothing to dispatch.
         self.run = partial(door(kernel_damped.solve_damped if damped else kernel.solve), self.address)
 
+    def refer(self, x_ref: Array | None, aims: Array | None) -> None:
+        """Use this x_ref, and these aims of the damped levels, in the runs to come; None: zero, and x_ref."""
+        self.x_ref[:] = 0.0 if x_ref is None else x_ref
+        self.head[at.AIMED] = aims is not None
+        if aims is not None:
+            self.aims[:] = aims
+
     def complete(self) -> None:
         """Have all kernels ready that may be needed, and known to the solver."""
         warm_up()
@@ -303,7 +259,12 @@ def in_numbers(rule: DampingRule) -> tuple[float, ...] | None:
 
 def warm_up() -> bool:
     """Have the solver ready: from disk, or compiled now. True if it had to be compiled."""
-    return sum(make_ready(needed, WHAT) for needed in (kernel.solve, *APART.values())) > 0
+    return sum([warm_up_once(), *(make_ready(apart, WHAT) for apart in APART.values())]) > 0
+
+
+def warm_up_once() -> bool:
+    """The same for what every solve needs."""
+    return sum([make_ready(kernel.solve, WHAT), make_ready(builtin.run, WHAT, builtin.SIGNATURE)]) > 0
 
 
 def warm_up_damped() -> bool:
@@ -319,5 +280,5 @@ def make(name: str, settings: Settings) -> Native:
 
 def make_once(name: str, settings: Settings) -> Native:
     """The backend for a single solve: only what every solve needs is ready."""
-    make_ready(kernel.solve, WHAT)
+    warm_up_once()
     return Native(settings)

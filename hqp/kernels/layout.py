@@ -31,6 +31,8 @@ BEGAN, DEADLINE, HISTORY, DAMPED, TWIN, AIMED, DOUBT, CLOSES, BASIS = 16, 17, 18
 #: PASSES or UNJUDGED. Of the kernels that are called by them (:mod:`.apart`), the addresses, 0 while one is not ready,
 #: and whether one was called that is not. HEAD is the number of these numbers.
 METRIC, ALL, FAILS, CERTIFICATE, SAFE_METHOD, LACKS, HEAD = 25, 26, 27, 28, 29, 30, 31
+#: What an iteration adds to what is told of the work of a run in one number: sweeps + ITERATION * iterations.
+ITERATION = 1 << 32
 #: In place of a level that fails: none does; and x was not judged.
 PASSES, UNJUDGED = -1, -2
 

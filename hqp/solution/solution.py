@@ -18,7 +18,7 @@ from .explaining import explained
 from .level import LevelSolution, levels_at, ranks_of
 from .relaxation import Relaxation
 from .stages import Stages, proof, relaxations
-from .status import NO_COUNTS, Counts, Status
+from .status import NO_COUNTS, Counts, Status, counted
 
 Made = TypeVar("Made")
 
@@ -58,20 +58,24 @@ class Solution:
     settings: Settings
     message: str = ""
     level: int | None = None
-    counts: Counts = NO_COUNTS
+    counts: Counts = field(default_factory=lambda: NO_COUNTS)
     staged: Stages | None = field(default_factory=lambda: None)
 
     def __getattr__(self, name: str) -> Any:
         # A control loop only reads x; everything else is computed when it is first read.
         noted = self.__dict__.get("_noted")
-        if noted is None or name not in ("hierarchy", "x_ref", "backend", "settings", "staged"):
+        if noted is None or name not in ("hierarchy", "x_ref", "backend", "settings", "counts", "staged"):
             raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
         if name == "staged":
             points, tell = self.__dict__.get("_points"), noted[3][2]
             self.__dict__["staged"] = None if points is None else tell(self, points, self.__dict__.get("_aims"))
             return self.__dict__["staged"]
-        template, numbers, x_ref, (backend, settings, _) = noted
-        self.__dict__.update(hierarchy=template.with_numbers(numbers), x_ref=x_ref, backend=backend, settings=settings)
+        template, numbers, x_ref, (backend, settings, _), counts = noted
+        if name == "counts":
+            self.__dict__["counts"] = counts if isinstance(counts, Counts) else counted(counts)
+        else:
+            given = template.with_numbers(np.frombuffer(numbers))
+            self.__dict__.update(hierarchy=given, x_ref=x_ref, backend=backend, settings=settings)
         return self.__dict__[name]
 
     def __getstate__(self) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..backends.native import ONE_SWEEP, SWEEPS_ALONE, Memory
+from ..backends.native import Memory
 from ..guard import Guard
 from ..hierarchy import Hierarchy
 from ..kernels import curved as kernel
@@ -36,7 +36,9 @@ from .solver import DEFAULT_BACKEND, Solver, solve_once
 
 WHAT = "curved levels"
 new = object.__new__
-ONCE = ONE_SWEEP[0]
+OPTIMUM = Status.OPTIMAL
+#: What nearly every tick takes.
+ONE_SWEEP = Counts(sweeps=1)
 #: What a loop calls in Python: it gets a directory and numbers, and gives an outcome.
 CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, ctypes.c_int64)
 
@@ -116,15 +118,15 @@ class CurvedSolver:
 
     def solve(self, hierarchy: Hierarchy) -> Solution:
         """Solve it, as its linearisation is now."""
-        given = hierarchy.numbers.copy()  # the proof is about these numbers, even if they are overwritten later
+        given = hierarchy.numbers.tobytes()  # the proof is about these numbers, even if they are overwritten later
         with self._guard:
             if self._native:
                 outcome = self._run(hierarchy.address)
                 if outcome == AT_ONCE:  # as nearly always
                     solution = new(Solution)
                     fields = solution.__dict__
-                    fields["x"], fields["status"] = self._strict.x.copy(), Status.OPTIMAL
-                    fields["counts"], fields["_noted"] = ONCE, (hierarchy, given, self._zero, self._always)
+                    fields["x"], fields["status"] = self._strict.x.copy(), OPTIMUM
+                    fields["_noted"] = hierarchy, given, self._zero, self._always, ONE_SWEEP
                     return solution
                 if outcome == OPTIMAL:
                     return self._solved(hierarchy, given)
@@ -134,25 +136,18 @@ class CurvedSolver:
                 if self._raised:  # in Python, below a loop, through which no exception finds its way
                     raise self._raised.pop()
 
-    def _solved(self, hierarchy: Hierarchy, given: Array) -> Solution:
+    def _solved(self, hierarchy: Hierarchy, given: bytes) -> Solution:
         """What the native solver has just found."""
         told = self._head.item
         opened = told(at.OPENED)
         if opened < self._levels:
-            sweeps, iterations = told(at.SWEEPS), told(at.ITERATIONS)
-            swept = iterations == 0 and sweeps < len(SWEEPS_ALONE)
-            counts = SWEEPS_ALONE[sweeps] if swept else Counts(sweeps, iterations)
+            counts = Counts(told(at.SWEEPS), told(at.ITERATIONS))
             return self._solution(hierarchy, given, self._work.points[-1].copy(), counts, opened)
         told = self._strict.head.item
-        sweeps, iterations = told(plain.SWEEPS), told(plain.ITERATIONS)
-        solution = new(Solution)
-        fields = solution.__dict__
-        fields["x"], fields["status"] = self._strict.x.copy(), Status.OPTIMAL
-        fields["counts"] = Counts(sweeps, iterations)
-        fields["_noted"] = hierarchy, given, self._zero, self._always
-        return solution
+        counts = Counts(told(plain.SWEEPS), told(plain.ITERATIONS))
+        return self._solution(hierarchy, given, self._strict.x.copy(), counts, opened)
 
-    def _solve(self, hierarchy: Hierarchy, given: Array) -> Solution:
+    def _solve(self, hierarchy: Hierarchy, given: bytes) -> Solution:
         """By the backend, stage after stage, asked in Python."""
         if hierarchy.find_fault():
             return self._plain.solve(hierarchy)
@@ -163,7 +158,7 @@ class CurvedSolver:
         opened = self._head.item(at.OPENED)
         if opened == self._levels:
             solution = self._failed[self._levels]
-            solution.__dict__["_noted"] = hierarchy, given, self._zero, self._always
+            solution.__dict__["_noted"] = hierarchy, given, self._zero, self._always, solution.counts
             return solution
         self._failed.pop(self._levels, None)
         last = self._failed[max(self._failed)]
@@ -174,12 +169,12 @@ class CurvedSolver:
             solution.__dict__.update(told)
         return solution
 
-    def _solution(self, hierarchy: Hierarchy, given: Array, x: Array, counts: Counts, opened: int) -> Solution:
+    def _solution(self, hierarchy: Hierarchy, given: bytes, x: Array, counts: Counts, opened: int) -> Solution:
         """The answer with what its stages are told from, where there were some."""
         solution = new(Solution)
         fields = solution.__dict__
-        fields["x"], fields["status"], fields["counts"] = x, Status.OPTIMAL, counts
-        fields["_noted"] = hierarchy, given, self._zero, self._always
+        fields["x"], fields["status"] = x, OPTIMUM
+        fields["_noted"] = hierarchy, given, self._zero, self._always, counts
         if opened < self._levels:
             fields["_points"], fields["_aims"] = self._work.declare(), self._linearisation.aims.copy()
         return solution

@@ -79,7 +79,9 @@ def solve(
     if x_ref is not None and isinstance(hierarchy, Hierarchy):
         x_ref = finite_vector(x_ref, hierarchy.n, "x_ref")
     key, solver = _borrow(hierarchy, backend, settings, damping)
-    solution = solver._solve(hierarchy, x_ref, aims, now)
+    if now is not None:
+        solver._called = now
+    solution = solver.solve(hierarchy, x_ref, aims)
     _return(key, solver)
     if solution.status is Status.INVALID:
         raise InvalidInput(solution.message)

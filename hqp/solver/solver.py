@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array, real_array
-from ..backends.base import Answer, Backend
+from ..backends.base import Answer, Backend, ShortWay
 from ..backends.registry import make_backend
 from ..checks import SetOnce, of_type
 from ..damping import DampingRule, Staged, by_index, index_of, retold, rules_of, told
@@ -27,10 +27,7 @@ DEFAULT_BACKEND = "native"
 
 OPTIMAL = Status.OPTIMAL
 new = object.__new__
-
-
-def _nothing(hierarchy: Hierarchy, x_ref: Array | None, aims: Array | None = None) -> None:
-    """The shortcut of a backend without one: no answer."""
+empty = np.empty
 
 
 def solve_once(backend: str, settings: Settings, hierarchy: Hierarchy, x_ref: Array) -> Solution:
@@ -93,14 +90,15 @@ class Solver(SetOnce):
         self._places: dict[int | str, int] = {}  # of the aims of levels, by what these are called
         # The native solver has a short way for what its first sweep proves, and looks at the numbers on it.
         self._prepare = getattr(self._backend, "prepare", None)
-        self._quick: Callable[..., tuple[Any, ...] | None] = _nothing
+        self._way = ShortWay()
         self._always = self.backend, self.settings, self._new_tell() if self.damping else None
         self._structure: tuple[Any, ...] | None = None
         self._zero = np.zeros(0)
         self._guard = Guard("the solver")
         self._take, self._give = self._guard.take, self._guard.give
-        # A time limit counts from the call on, preparations included.
+        # A time limit counts from the call on, preparations included; 0: from that of solve().
         self._began = getattr(self._backend, "began", None) if self.settings.time_limit < math.inf else None
+        self._called = 0
 
     def _new_backend(self) -> Backend:
         return make_backend(self.backend, self.settings)
@@ -139,23 +137,34 @@ class Solver(SetOnce):
         except IndexError:
             self._guard.refuse()
         try:
-            return self._solve(hierarchy, x_ref, aims)
+            # Around a small problem each call costs as much as some of its rows: what nearly all ticks do is done here.
+            try:
+                as_before = x_ref is None and aims is None and hierarchy.structure is self._way.plain
+            except AttributeError:  # no hierarchy
+                as_before = False
+            reference, own_aims, fault = (self._zero, None, None) if as_before else self._set_up(hierarchy, x_ref, aims)
+            way = self._way
+            numbers, x = hierarchy.numbers, empty(way.n)
+            solved = numbers.tobytes()  # the proof is about these numbers, even if they are overwritten later
+            told = -1 if fault is not None else way.run(numbers, x)
+            if told < 0:
+                return self._solve_in_full(hierarchy, solved, x_ref, reference, own_aims, fault)
+            solution = new(Solution)  # and its fields, at a third of the price of a frozen dataclass's __init__
+            fields = solution.__dict__
+            fields["x"], fields["status"] = x, OPTIMAL
+            fields["_noted"] = hierarchy, solved, reference, self._always, told
+            if way.points is not None:
+                fields["_points"], fields["_aims"] = way.points(), own_aims
+            return solution
         finally:
             self._give(None)
 
-    def _solve(
-        self,
-        hierarchy: Hierarchy,
-        x_ref: ArrayLike | None,
-        aims: Mapping[int | str, ArrayLike] | None,
-        now: int | None = None,
-    ) -> Solution:
-        if self._began is not None and now is None:
-            now = time.monotonic_ns()
-        try:
-            structure = hierarchy.structure
-        except AttributeError:
-            structure = None
+    def _set_up(
+        self, hierarchy: Hierarchy, x_ref: ArrayLike | None, aims: Mapping[int | str, ArrayLike] | None
+    ) -> tuple[Array, Array | None, str | None]:
+        """Have all ready for a solve but the numbers: x_ref, aims, and what is wrong with x_ref, if anything."""
+        now = 0 if self._began is None else self._called or time.monotonic_ns()
+        structure = getattr(hierarchy, "structure", None)
         if structure is None or structure is not self._structure:
             if self._staged is None:
                 self._adopt(hierarchy)
@@ -163,38 +172,33 @@ class Solver(SetOnce):
                 self._adopt_damped(hierarchy)
         if self._began is not None:
             self._began(now)
-        proved = fault = own_aims = None
-        numbers = hierarchy.numbers.copy()  # the proof is about these numbers, even if they are overwritten later
-        if aims is not None:
-            fault, reference = (None, self._zero) if x_ref is None else self._reference(x_ref)
-            own_aims = self._own_aims(hierarchy, aims, reference)
-            if fault is None:
-                given = (hierarchy, reference) if own_aims is None else (hierarchy, reference, own_aims)
-                proved = self._quick(*given)
-        elif x_ref is None:
-            reference = self._zero
-            proved = self._quick(hierarchy, None)
-        else:
-            fault, reference = self._reference(x_ref)
-            if fault is None:
-                proved = self._quick(hierarchy, reference)
-        solution = new(Solution)  # and its fields, at a third of the price of a frozen dataclass's __init__
-        fields = solution.__dict__
-        fields["_noted"] = hierarchy, numbers, reference, self._always
-        if proved is not None:
-            if len(proved) == 2:
-                fields["x"], fields["counts"] = proved
-            else:
-                fields["x"], fields["counts"], fields["_points"] = proved
-                fields["_aims"] = own_aims
-            fields["status"] = OPTIMAL
-        elif self._staged is not None:
+        fault, reference = (None, self._zero) if x_ref is None else self._reference(x_ref)
+        own_aims = None if aims is None else self._own_aims(hierarchy, aims, reference)
+        if fault is None:
+            self._way.refer(None if x_ref is None else reference, own_aims)
+            plain = x_ref is None and own_aims is None and self._began is None
+            self._way.plain = structure if plain else None
+        return reference, own_aims, fault
+
+    def _solve_in_full(
+        self,
+        hierarchy: Hierarchy,
+        numbers: bytes,
+        x_ref: ArrayLike | None,
+        reference: Array,
+        aims: Array | None,
+        fault: str | None,
+    ) -> Solution:
+        """What the short way has not proved."""
+        if self._staged is not None:
             reference = self._zero if x_ref is None else real_array(x_ref, "x_ref")
-            return self._solve_in_stages(hierarchy, numbers, reference, own_aims)
-        else:
-            answer = self._answer(hierarchy, reference, fault)
-            fields["x"], fields["status"], fields["counts"] = answer.x, answer.status, answer.counts
-            fields["message"], fields["level"] = answer.message, answer.level
+            return self._solve_in_stages(hierarchy, numbers, reference, aims)
+        answer = self._answer(hierarchy, reference, fault)
+        solution = new(Solution)
+        fields = solution.__dict__
+        fields["_noted"] = hierarchy, numbers, reference, self._always, answer.counts
+        fields["x"], fields["status"] = answer.x, answer.status
+        fields["message"], fields["level"] = answer.message, answer.level
         return solution
 
     def forget(self) -> None:
@@ -232,7 +236,7 @@ class Solver(SetOnce):
             own[place] = row
         return own if len(own) else None
 
-    def _solve_in_stages(self, hierarchy: Hierarchy, numbers: Array, reference: Array, aims: Array | None) -> Solution:
+    def _solve_in_stages(self, hierarchy: Hierarchy, numbers: bytes, reference: Array, aims: Array | None) -> Solution:
         """Stage by stage, where the backend does not take all at once, or has failed."""
         assert self._staged is not None
         if aims is not None and not (np.abs(aims) <= LARGEST).all() and not hierarchy.find_fault():
@@ -249,11 +253,11 @@ class Solver(SetOnce):
         fields = solution.__dict__
         fields["x"], fields["status"], fields["level"] = last.x, last.status, last.level
         fields["message"] = f"{where}{last.message}" if last.message else ""
-        fields["counts"] = Counts(*map(sum, zip(*(stage.counts for stage in stages.solutions), strict=True)))
+        counts = Counts(*map(sum, zip(*(stage.counts for stage in stages.solutions), strict=True)))
         if last.status is Status.INVALID:
             fields["staged"] = stages
         tell = partial(retold, self.damping, partial(solve_once, self.backend, self.settings), reference)
-        fields["_noted"] = hierarchy, numbers, last.x_ref, (self.backend, self.settings, tell)
+        fields["_noted"] = hierarchy, numbers, last.x_ref, (self.backend, self.settings, tell), counts
         fields["_points"], fields["_aims"] = self._staged.answers, aims
         return solution
 
@@ -272,8 +276,9 @@ class Solver(SetOnce):
             raise InvalidInput(f"solve takes a hqp.Hierarchy, not a {type(hierarchy).__name__}")
         if hierarchy.structure != self._structure:
             self._backend.reset()
+            self._way = ShortWay()
             if self._prepare is not None and self._staged is None:
-                self._quick = self._prepare(hierarchy.structure)
+                self._way = self._prepare(hierarchy.structure)
             self._zero = np.zeros(hierarchy.n)
             self._zero.flags.writeable = False
         self._structure = hierarchy.structure
@@ -284,11 +289,11 @@ class Solver(SetOnce):
         self._adopt(hierarchy)
         if hierarchy.structure == known and self._by_number:
             return
-        self._structure = None  # until the rules fit
+        self._structure = self._way.plain = None  # until the rules fit
         rules = by_index(hierarchy, self.damping)
         prepare = getattr(self._backend, "prepare_damped", None)
         if prepare is not None and (hierarchy.structure != known or rules != self._rules):
-            self._quick = prepare(hierarchy.structure, rules) or _nothing
+            self._way = prepare(hierarchy.structure, rules) or ShortWay()
         self._structure, self._rules = hierarchy.structure, rules
 
     def _reference(self, x_ref: ArrayLike) -> tuple[str | None, Array]:
@@ -302,5 +307,5 @@ class Solver(SetOnce):
 
 
 def _bounded(vector: Array) -> bool:
-    """Whether all its numbers mean something."""
-    return bool((np.abs(vector) <= LARGEST).all())
+    """Whether all its numbers mean something, as where its length does."""
+    return bool(vector.dot(vector) <= LARGEST or (np.abs(vector) <= LARGEST).all())
