@@ -307,5 +307,5 @@ class Solver(SetOnce):
 
 
 def _bounded(vector: Array) -> bool:
-    """Whether all its numbers mean something, as where its length does."""
-    return bool(vector.dot(vector) <= LARGEST or (np.abs(vector) <= LARGEST).all())
+    """Whether all its numbers mean something."""
+    return bool((np.abs(vector) <= LARGEST).all())
