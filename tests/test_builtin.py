@@ -54,8 +54,10 @@ def test_it_refuses_another_number_of_arguments_and_outlives_all_that_made_it() 
     for wrong in (), (h.numbers,), (h.numbers, x, x):
         with pytest.raises((SystemError, TypeError)):
             run(*wrong)
+    del memory
     gc.collect()
-    np.empty(2).fill(7.0)  # where its own array would have been
+    spoilt = [np.full(size, np.nan) for size in range(2, 4000)]  # where the workspace would have been
+    assert np.isnan(spoilt[-1]).all()
     assert run(h.numbers, x) >= 0
     np.testing.assert_allclose(x, Solver().solve(h).x, atol=1e-9)
 

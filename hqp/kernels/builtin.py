@@ -106,7 +106,7 @@ class _Method(ctypes.Structure):
 
 
 _make = ctypes.pythonapi.PyCFunction_NewEx
-_make.restype, _make.argtypes = ctypes.py_object, (ctypes.c_void_p, ctypes.py_object, ctypes.c_void_p)
+_make.restype, _make.argtypes = ctypes.py_object, (ctypes.c_void_p, ctypes.py_object, ctypes.py_object)
 #: Functions point to the one definition of what they are, so it stays.
 _METHOD = _Method(b"run", None, FASTCALL, b"Solve: numbers and x, an array to write; what it took, or -1.")
 
@@ -120,7 +120,7 @@ def runner(workspace: Workspace, kernel: Any) -> Callable[[Array, Array], int]:
     if not INTERPRETED and ctypes.c_size_t.from_address(id(array) + DATA).value == array.ctypes.data:
         _METHOD.address = address_of(run, SIGNATURE)
         own = np.array([address_of(kernel, ready.SIGNATURE), workspace.address], dtype=np.int64)
-        made: Callable[[Array, Array], int] = _make(ctypes.addressof(_METHOD), own, None)
+        made: Callable[[Array, Array], int] = _make(ctypes.addressof(_METHOD), own, workspace)  # which lives as long
         return made
     solve = ready.door(kernel)
 

@@ -142,7 +142,10 @@ class Solver(SetOnce):
                 as_before = x_ref is None and aims is None and hierarchy.structure is self._way.plain
             except AttributeError:  # no hierarchy
                 as_before = False
-            reference, own_aims, fault = (self._zero, None, None) if as_before else self._set_up(hierarchy, x_ref, aims)
+            if as_before:
+                reference, own_aims, fault = self._zero, None, None
+            else:
+                reference, own_aims, fault = self._set_up(hierarchy, x_ref, aims)
             way = self._way
             numbers, x = hierarchy.numbers, empty(way.n)
             solved = numbers.tobytes()  # the proof is about these numbers, even if they are overwritten later
