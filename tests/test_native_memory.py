@@ -105,13 +105,18 @@ def test_other_threads_run_while_the_kernel_does() -> None:
     n, rng = 60, np.random.default_rng(0)
     A = rng.integers(-3, 4, (4 * n, n)).astype(float)  # a vertex, where the safe method takes its time
     h = Hierarchy([Level(A, -np.inf, A @ np.ones(n)), Level.equality(np.eye(n), 1.0 + A.sum(axis=0))])
-    memory = Memory(h.structure, Settings())
+    memory, solver = Memory(h.structure, Settings()), Solver("native")
 
     def run() -> None:
         memory.head[at.WARM] = 0
         memory.run(h.address)
 
+    def solve() -> None:
+        solver.forget()
+        solver.solve(h)
+
     assert lets_others_in(run)
+    assert lets_others_in(solve)
     assert memory.head[at.ITERATIONS] > 0
     assert not lets_others_in(lambda: sum(range(100_000))), "a call that keeps the lock is told apart"
 

@@ -118,8 +118,12 @@ class CurvedSolver:
 
     def solve(self, hierarchy: Hierarchy) -> Solution:
         """Solve it, as its linearisation is now."""
-        given = hierarchy.numbers.tobytes()  # the proof is about these numbers, even if they are overwritten later
-        with self._guard:
+        try:
+            self._guard.take()
+        except IndexError:
+            self._guard.refuse()
+        try:
+            given = hierarchy.numbers.tobytes()  # the proof is about these, even if they are overwritten later
             if self._native:
                 outcome = self._run(hierarchy.address)
                 if outcome == AT_ONCE:  # as nearly always
@@ -135,6 +139,8 @@ class CurvedSolver:
             finally:
                 if self._raised:  # in Python, below a loop, through which no exception finds its way
                     raise self._raised.pop()
+        finally:
+            self._guard.give(None)
 
     def _solved(self, hierarchy: Hierarchy, given: bytes) -> Solution:
         """What the native solver has just found."""
