@@ -36,6 +36,7 @@ from .solver import DEFAULT_BACKEND, Solver, solve_once
 
 WHAT = "curved levels"
 new = object.__new__
+#: The status of nearly every tick, looked up once.
 OPTIMUM = Status.OPTIMAL
 #: What nearly every tick takes.
 ONE_SWEEP = Counts(sweeps=1)
