@@ -22,7 +22,7 @@ from .compile import inner
 from .curved_rows import measured, measured_basis
 from .memory import floats, ints, marks, matrix, vector
 from .sums import add_rows, add_squares, multiply
-from .symmetric import NOISE, add_spectrum, bring_forward, cholesky, eigen
+from .symmetric import SETTLED, add_spectrum, bring_forward, cholesky, eigen
 
 #: Up to this ratio of the curvature to the smallest squared singular value of J, the linearisation is trusted.
 TRUSTED = 0.3
@@ -166,7 +166,7 @@ def add_bent(here, d, given, negative):
     for i in range(d):
         for j in range(d):
             E[i][j] += M[i][j]
-    eigen(M, U, values, d, NOISE)
+    eigen(M, U, values, d, SETTLED)
     add_spectrum(U, values, d, bring_forward(U, values, d, -1.0), -1.0 - negative, matrix(here, at.HALF)[0], E)
 
 
@@ -235,7 +235,7 @@ def where_larger(here, count, d):
         matrix(here, at.E),
     )
     add_squares(shares, matrix(here, measured(here, count, d)), count, d, -1.0, E)
-    eigen(E, U, values, d, NOISE)
+    eigen(E, U, values, d, SETTLED)
     positive, most = bring_forward(U, values, d, 1.0), 0.0
     for p in range(positive):
         most = max(most, values[p])

@@ -25,7 +25,7 @@ from ..kernels import solver as kernel_solver
 from ..kernels.active_set import OPTIMAL
 from ..kernels.call import KNOWN, address_of
 from ..kernels.compile import INTERPRETED
-from ..kernels.curved import AT_ONCE
+from ..kernels.curved import AT_ONCE, IN_STAGES
 from ..kernels.ready import SIGNATURE, door, make_ready
 from ..settings import Settings
 from ..solution import Counts, Solution, Stages, Status
@@ -97,7 +97,8 @@ class CurvedSolver:
         """Use another linearisation of the same hierarchy, with the same levels curved."""
         self._linearisation = linearisation
         self._work = Work(self._hierarchy, linearisation, self._stages)
-        self._head, self._run = self._work.head, partial(door(kernel.solve_curved), self._work.address)
+        self._head, self._told, self._last = self._work.head, self._work.told, self._work.last
+        self._run = partial(door(kernel.solve_curved), self._work.address)
         self._ask_for_stages(self._native)
 
     def _ask_for_stages(self, native: bool) -> None:
@@ -126,6 +127,8 @@ class CurvedSolver:
                     fields["x"], fields["status"] = self._strict.x.copy(), Status.OPTIMAL
                     fields["counts"], fields["_noted"] = ONCE, (hierarchy, given, self._zero, self._always)
                     return solution
+                if outcome <= IN_STAGES:
+                    return self._solution(hierarchy, given, self._last.copy(), SWEEPS_ALONE[IN_STAGES - outcome], True)
                 if outcome == OPTIMAL:
                     return self._solved(hierarchy, given)
             try:
@@ -135,22 +138,14 @@ class CurvedSolver:
                     raise self._raised.pop()
 
     def _solved(self, hierarchy: Hierarchy, given: Array) -> Solution:
-        """What the native solver has just found."""
+        """What the native solver has just found by iterations."""
         told = self._head.item
-        opened = told(at.OPENED)
-        if opened < self._levels:
-            sweeps, iterations = told(at.SWEEPS), told(at.ITERATIONS)
-            swept = iterations == 0 and sweeps < len(SWEEPS_ALONE)
-            counts = SWEEPS_ALONE[sweeps] if swept else Counts(sweeps, iterations)
-            return self._solution(hierarchy, given, self._work.points[-1].copy(), counts, opened)
+        if told(at.OPENED) < self._levels:
+            counts = Counts(told(at.SWEEPS), told(at.ITERATIONS))
+            return self._solution(hierarchy, given, self._last.copy(), counts, True)
         told = self._strict.head.item
-        sweeps, iterations = told(plain.SWEEPS), told(plain.ITERATIONS)
-        solution = new(Solution)
-        fields = solution.__dict__
-        fields["x"], fields["status"] = self._strict.x.copy(), Status.OPTIMAL
-        fields["counts"] = Counts(sweeps, iterations)
-        fields["_noted"] = hierarchy, given, self._zero, self._always
-        return solution
+        counts = Counts(told(plain.SWEEPS), told(plain.ITERATIONS))
+        return self._solution(hierarchy, given, self._strict.x.copy(), counts, False)
 
     def _solve(self, hierarchy: Hierarchy, given: Array) -> Solution:
         """By the backend, stage after stage, asked in Python."""
@@ -168,26 +163,25 @@ class CurvedSolver:
         self._failed.pop(self._levels, None)
         last = self._failed[max(self._failed)]
         counts = Counts(*map(sum, zip(*(stage.counts for stage in self._failed.values()), strict=True)))
-        solution = self._solution(hierarchy, given, last.x, counts, opened)
+        solution = self._solution(hierarchy, given, last.x, counts, True)
         if outcome != OPTIMAL:
             told = {"status": last.status, "message": last.message, "level": last.level}
             solution.__dict__.update(told)
         return solution
 
-    def _solution(self, hierarchy: Hierarchy, given: Array, x: Array, counts: Counts, opened: int) -> Solution:
+    def _solution(self, hierarchy: Hierarchy, given: Array, x: Array, counts: Counts, in_stages: bool) -> Solution:
         """The answer with what its stages are told from, where there were some."""
         solution = new(Solution)
         fields = solution.__dict__
         fields["x"], fields["status"], fields["counts"] = x, Status.OPTIMAL, counts
         fields["_noted"] = hierarchy, given, self._zero, self._always
-        if opened < self._levels:
-            fields["_points"], fields["_aims"] = self._work.declare(), self._linearisation.aims.copy()
+        if in_stages:
+            fields["_points"] = self._told.copy()
         return solution
 
-    def _tell(self, solution: Solution, points: tuple[int, int, Array], aims: Array | None) -> Stages:
+    def _tell(self, solution: Solution, told: Array, _: object) -> Stages:
         """The stages of an answer, by what the given hierarchy and the declared softening make them."""
-        given, declared, curved = solution.hierarchy, self._work.declared(*points), self._linearisation.curved
-        assert aims is not None
+        given, declared, curved = solution.hierarchy, self._work.declared(told), self._linearisation.curved
         zero, stages = np.zeros(given.n), list[Solution]()
         for k in declared.levels:
             template = self._stages[k]
@@ -202,7 +196,7 @@ class CurvedSolver:
         return Stages(
             tuple(stages),
             {k: float(declared.strengths[k]) for k in declared.levels},
-            {k: aims[k] for k in declared.levels},
+            {k: declared.aims[k] for k in declared.levels},
             stages[-1].hierarchy,
             partial(solve_once, self.backend, self.settings),
             {k: declared.points[k] for k in declared.levels},
