@@ -20,6 +20,7 @@ from . import layout as plain
 from .call import called
 from .compile import inner
 from .curved_rows import measured, measured_basis
+from .directions import along, untouched
 from .memory import floats, ints, marks, matrix, vector
 from .sums import add_rows, add_squares, multiply
 from .symmetric import SETTLED, add_spectrum, bring_forward, cholesky, eigen
@@ -143,12 +144,16 @@ def bent_along(here, d, Z, out):
         matrix(here, at.HALF)[0],
         0.0,
     )
+    whole = untouched(here, d) and ints(here, 0, plain.HEAD)[at.STIFF] == 0
     for p in range(d):
         row = M[p]
-        for j in range(n):
-            half[j] = 0.0
-        add_rows(Z[p], S, 0, n, n, half)
-        multiply(Z, p + 1, half, n, row)
+        if whole:
+            along(here, S[marks(here, at.COLUMNS)[p]], d, row)
+        else:
+            for j in range(n):
+                half[j] = 0.0
+            add_rows(Z[p], S, 0, n, n, half)
+            multiply(Z, p + 1, half, n, row)
         for q in range(p):
             M[q][p] = row[q]
             norm += 2.0 * row[q] * row[q]

@@ -117,25 +117,34 @@ class CurvedSolver:
 
     def solve(self, hierarchy: Hierarchy) -> Solution:
         """Solve it, as its linearisation is now."""
-        given = hierarchy.numbers.copy()  # the proof is about these numbers, even if they are overwritten later
-        with self._guard:
+        given, guard = (
+            hierarchy.numbers.copy(),
+            self._guard,
+        )  # the proof is about these numbers, whatever becomes of them
+        try:
+            guard.take()
+        except IndexError:
+            guard.refuse()
+        try:
             if self._native:
                 outcome = self._run(hierarchy.address)
-                if outcome == AT_ONCE:  # as nearly always
+                if outcome == AT_ONCE or outcome <= IN_STAGES:  # as nearly always
                     solution = new(Solution)
                     fields = solution.__dict__
-                    fields["x"], fields["status"] = self._strict.x.copy(), Status.OPTIMAL
-                    fields["counts"], fields["_noted"] = ONCE, (hierarchy, given, self._zero, self._always)
+                    fields["status"], fields["_noted"] = Status.OPTIMAL, (hierarchy, given, self._zero, self._always)
+                    if outcome == AT_ONCE:
+                        fields["x"], fields["counts"] = self._strict.x.copy(), ONCE
+                    else:
+                        fields["x"], fields["counts"] = self._last.copy(), SWEEPS_ALONE[IN_STAGES - outcome]
+                        fields["_points"] = self._told.copy()
                     return solution
-                if outcome <= IN_STAGES:
-                    return self._solution(hierarchy, given, self._last.copy(), SWEEPS_ALONE[IN_STAGES - outcome], True)
                 if outcome == OPTIMAL:
                     return self._solved(hierarchy, given)
-            try:
-                return self._solve(hierarchy, given)
-            finally:
-                if self._raised:  # in Python, below a loop, through which no exception finds its way
-                    raise self._raised.pop()
+            return self._solve(hierarchy, given)
+        finally:
+            guard.give(None)
+            if self._raised:  # in Python, below a loop, through which no exception finds its way
+                raise self._raised.pop()
 
     def _solved(self, hierarchy: Hierarchy, given: Array) -> Solution:
         """What the native solver has just found by iterations."""
