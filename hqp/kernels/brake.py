@@ -20,7 +20,7 @@ from .directions import along, take_along
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length
 from .sums import add_rows, multiply
-from .symmetric import SETTLED, eigen
+from .symmetric import NOISE, eigen
 
 #: The damping ratio to which a direction is braked.
 RATIO = 0.8
@@ -118,7 +118,7 @@ def brake(here, k, d):
     if not size > 0.0:
         return
     count = spread(E, last, size, d, basis, matrix(here, at.KEPT))
-    eigen(matrix(here, at.KEPT), U, values, count, SETTLED)
+    eigen(matrix(here, at.KEPT), U, values, count, NOISE)
     for i in range(count):
         weight, drag, u, to = values[i], 0.0, E[i], 0.0
         for p in range(d):

@@ -117,10 +117,8 @@ class CurvedSolver:
 
     def solve(self, hierarchy: Hierarchy) -> Solution:
         """Solve it, as its linearisation is now."""
-        given, guard = (
-            hierarchy.numbers.copy(),
-            self._guard,
-        )  # the proof is about these numbers, whatever becomes of them
+        given = hierarchy.numbers.copy()  # the proof is about these numbers, even if they are overwritten later
+        guard = self._guard
         try:
             guard.take()
         except IndexError:
