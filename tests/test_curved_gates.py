@@ -10,18 +10,29 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hqp import Status
 from hqp.arrays import Array
 from hqp.kernels import curved_layout as at
-from tasks import CenterOfMassTask, Controller, JointLimits, OrientationTask, PositionTask, PostureTask, load_robot
+from tasks import (
+    CenterOfMassTask,
+    Controller,
+    JointLimits,
+    OrientationTask,
+    PositionTask,
+    PostureTask,
+    Setpoint,
+    load_robot,
+)
 
 DT = 0.005
 
 
 def let_through(controller: Controller) -> None:
-    """Take the gates away: no bound of a curvature is known, and the last tick is said to have needed stages."""
+    """Take the gates away: no bound of a curvature is known, and the last tick needed stages and the strict answer."""
     work = controller._now.solver._solver._work
     for own, _ in work._own:
         own[at.CALLS].reshape(-1, at.CALL)[:, 5] = 0
+        own[at.SO_FAR][at.FADE] = 0.0
     work.head[at.OPENED] = 0
 
 
@@ -91,3 +102,20 @@ def test_gates_change_no_answer_of_a_panda(seed: int) -> None:
 @pytest.mark.parametrize("draw", [planar, panda])
 def test_gates_are_open_for_some_draws_and_shut_for_others(draw: Callable[[int], list[bool]]) -> None:
     assert {needed for seed in range(12) for needed in draw(seed)} == {True, False}
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, 1e40])
+def test_numbers_are_tested_where_the_strict_answer_is_left_out(wrong: float) -> None:
+    robot = load_robot("panda", lock=["panda_finger_joint1"])
+    place = Setpoint([1.5, 0.0, 0.5])
+    stack = JointLimits() >> PositionTask(place, gain=20.0) >> PostureTask(robot.home, gain=1.0)
+    controller = Controller(robot, stack, dt=DT)
+    q, v = robot.home, np.zeros(robot.nv)
+    for _ in range(100):
+        step = controller(q, v)
+        q, v = robot.integrate(q, DT * step.v), step.v
+    assert all(own[at.SO_FAR][at.FADE] == 1.0 for own, _ in controller._now.solver._solver._work._own)
+    place.move([wrong, 0.0, 0.5])
+    assert controller(q, v).solution.status is Status.INVALID
+    place.move([1.5, 0.0, 0.5])
+    assert controller(q, v).solution.certify().ok

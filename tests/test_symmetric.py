@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from hqp.arrays import Array
-from hqp.kernels import sums, symmetric
+from hqp.kernels import orthogonal, sums, symmetric
+from hqp.kernels.layout import PAD
 
 #: By their names, what makes a matrix of this size.
 KINDS: dict[str, Callable[[np.random.Generator, int], Array]] = {
@@ -34,8 +35,13 @@ def _turned(rng: np.random.Generator, values: Array) -> Array:
     return turned
 
 
+def room(n: int) -> tuple[int, int]:
+    """The shape of what eigenvectors are written to."""
+    return n, -(-n // PAD) * PAD
+
+
 def solvers() -> list[SimpleNamespace]:
-    return [kernels.compiled(symmetric, "eigen"), kernels.plain(sums, symmetric)]
+    return [kernels.compiled(symmetric, "eigen"), kernels.plain(orthogonal, sums, symmetric)]
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5, 8, 21])
@@ -48,7 +54,7 @@ def test_the_eigenvectors_of_any_matrix(kind: str, n: int, noise: float) -> None
         A = A + A.T
         size = np.abs(A).max() or 1.0
         for solver in solvers():
-            M, U, values = np.full((n + 2, n + 2), np.nan), np.full((n + 2, n + 2), np.nan), np.full(n + 2, np.nan)
+            M, U, values = np.full((n + 2, n + 2), np.nan), np.full(room(n + 2), np.nan), np.full(n + 2, np.nan)
             M[:n, :n] = A
             with np.errstate(divide="ignore"):
                 solver.eigen(M, U, values, n, noise)
@@ -64,7 +70,10 @@ def test_factor_and_largest_eigenvalue_of_a_positive_matrix(n: int) -> None:
     for rank in range(1, n + 1):
         rows = rng.normal(size=(rank, n))
         A = rows.T @ rows
-        for solver in (kernels.compiled(symmetric, "largest", "upper_factor"), kernels.plain(sums, symmetric)):
+        for solver in (
+            kernels.compiled(symmetric, "largest", "upper_factor"),
+            kernels.plain(orthogonal, sums, symmetric),
+        ):
             M, values = A.copy(), np.full(n, np.nan)
             assert solver.largest(M, values, n) == pytest.approx(np.linalg.norm(A, 2), rel=1e-12)
             R, B = np.full((n, n), np.nan), A + 1e-3 * np.eye(n)
@@ -82,9 +91,9 @@ def test_the_part_of_a_matrix_with_eigenvalues_of_one_sign(n: int, sign: float) 
     found, vectors = np.linalg.eigh(A)
     for solver in (
         kernels.compiled(symmetric, "eigen", "bring_forward", "add_spectrum"),
-        kernels.plain(sums, symmetric),
+        kernels.plain(orthogonal, sums, symmetric),
     ):
-        M, U, values, part = A.copy(), np.empty((n, n)), np.empty(n), A.copy()
+        M, U, values, part = A.copy(), np.empty(room(n)), np.empty(n), A.copy()
         solver.eigen(M, U, values, n, 0.0)
         count = solver.bring_forward(U, values, n, sign)
         assert count == np.sum(sign * found > 0.0)

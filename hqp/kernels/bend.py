@@ -20,9 +20,10 @@ from . import layout as plain
 from .call import called
 from .compile import inner
 from .curved_rows import measured, measured_basis
+from .directions import along, untouched
 from .memory import floats, ints, marks, matrix, vector
 from .sums import add_rows, add_squares, multiply
-from .symmetric import NOISE, add_spectrum, bring_forward, cholesky, eigen
+from .symmetric import SETTLED, add_spectrum, bring_forward, cholesky, eigen
 
 #: Up to this ratio of the curvature to the smallest squared singular value of J, the linearisation is trusted.
 TRUSTED = 0.3
@@ -143,12 +144,16 @@ def bent_along(here, d, Z, out):
         matrix(here, at.HALF)[0],
         0.0,
     )
+    whole = untouched(here, d) and ints(here, 0, plain.HEAD)[at.STIFF] == 0
     for p in range(d):
         row = M[p]
-        for j in range(n):
-            half[j] = 0.0
-        add_rows(Z[p], S, 0, n, n, half)
-        multiply(Z, p + 1, half, n, row)
+        if whole:
+            along(here, S[marks(here, at.COLUMNS)[p]], d, row)
+        else:
+            for j in range(n):
+                half[j] = 0.0
+            add_rows(Z[p], S, 0, n, n, half)
+            multiply(Z, p + 1, half, n, row)
         for q in range(p):
             M[q][p] = row[q]
             norm += 2.0 * row[q] * row[q]
@@ -166,7 +171,7 @@ def add_bent(here, d, given, negative):
     for i in range(d):
         for j in range(d):
             E[i][j] += M[i][j]
-    eigen(M, U, values, d, NOISE)
+    eigen(M, U, values, d, SETTLED)
     add_spectrum(U, values, d, bring_forward(U, values, d, -1.0), -1.0 - negative, matrix(here, at.HALF)[0], E)
 
 
@@ -235,7 +240,7 @@ def where_larger(here, count, d):
         matrix(here, at.E),
     )
     add_squares(shares, matrix(here, measured(here, count, d)), count, d, -1.0, E)
-    eigen(E, U, values, d, NOISE)
+    eigen(E, U, values, d, SETTLED)
     positive, most = bring_forward(U, values, d, 1.0), 0.0
     for p in range(positive):
         most = max(most, values[p])

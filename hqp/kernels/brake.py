@@ -15,14 +15,17 @@ import math
 
 from . import curved_layout as at
 from . import layout as plain
-from .compile import inner
+from .compile import inner, integer
 from .directions import along, take_along
 from .memory import ints, marks, matrix, vector
+from .orthogonal import length
 from .sums import add_rows, multiply
 from .symmetric import NOISE, eigen
 
 #: The damping ratio to which a direction is braked.
 RATIO = 0.8
+#: The most directions in which a drag is computed, and the share of its length that makes a vector one more of them.
+DIRECTIONS, SPANNED = 3, 1e-12
 #: Power with which the brake is let go as x becomes as fast as its rows ask for.
 LET_GO = 4
 
@@ -57,10 +60,10 @@ def note_asked(here, count, d, x):
 
 @inner
 def pulled_along(here, d, u, weight):
-    """The s of an eigenvector u (d,) with the eigenvalue `weight`: the square of the length of J Z' u = G u."""
+    """The s of a direction u (d,) with the eigenvalue `weight`: the square of the length of J Z' u = G u."""
     if vector(here, at.SO_FAR)[at.STRENGTH] == 0.0:  # P is zero
         return weight
-    count, moved, square = ints(here, 0, plain.HEAD)[at.ACTIVE], matrix(here, at.Q)[0], 0.0
+    count, moved, square = ints(here, 0, plain.HEAD)[at.ACTIVE], matrix(here, at.HALF)[0], 0.0
     multiply(matrix(here, at.G), count, u, d, moved)
     for r in range(count):
         square += moved[r] * moved[r]
@@ -68,31 +71,70 @@ def pulled_along(here, d, u, weight):
 
 
 @inner
+def spread(A, v, size, d, basis, T):
+    """Write orthonormal rows that span v, A v, A A v, and T = B A B' for these rows B; returns how many there are.
+
+    `size` is the length of v (d,). By Lanczos, each row cleared of all before it.
+    """
+    count, most = integer(0), min(d, DIRECTIONS)
+    for p in range(d):
+        basis[0][p] = v[p] / size
+    while True:
+        own, left, least = basis[count], basis[count + 1], 0.0
+        multiply(A, d, own, d, left)
+        for p in range(d):
+            least = max(least, abs(left[p]))
+        for turn in range(2):
+            for q in range(count, -1, -1):
+                row, along = basis[q], 0.0
+                for p in range(d):
+                    along += row[p] * left[p]
+                for p in range(d):
+                    left[p] -= along * row[p]
+                if turn == 0:
+                    T[count][q] = T[q][count] = along
+        count += 1
+        rest = length(left, d)
+        if count == most or not rest > SPANNED * least:
+            return count
+        for p in range(d):
+            left[p] /= rest
+
+
+@inner
 def brake(here, k, d):
     r"""Subtract a drag D v from ``mu``, the right side of level k, while x is faster than its rows ask for.
 
-    D, along the eigenvectors of :math:`G^T G + P` (in E, which is overwritten), is what W lacks of the damping ratio
-    :data:`RATIO`. How fast x goes beside what is asked for, ``pull`` / W, is one ratio for all directions, each
-    counting with its D: it does not hang on which eigenvectors are taken where some have the same eigenvalue.
+    D is what W lacks of the damping ratio :data:`RATIO`, along the eigenvectors of :math:`G^T G + P` (in E, which is
+    overwritten) within the directions that v leads to under it (:func:`spread`): beside these, D v has hardly any part.
+    How fast x goes beside what is asked for, ``pull`` / W, is one ratio for all directions, each counting with its D:
+    it does not hang on which eigenvectors are taken where some have the same eigenvalue.
     """
     so_far, E, U, values = vector(here, at.SO_FAR), matrix(here, at.E), matrix(here, at.U), vector(here, at.VALUES)
-    last, to, now = vector(here, at.REACH), matrix(here, at.HALF)[0], vector(here, at.ROW_NOW)
+    last, now, basis = vector(here, at.REACH), vector(here, at.ROW_NOW), matrix(here, at.LEAST_SQUARES)
     floor, lean = so_far[at.ALIKE] * so_far[at.SIZE] ** 2, so_far[at.LEAN] * math.sqrt(vector(here, at.SHARES)[k])
-    eigen(E, U, values, d, NOISE)
     along(here, vector(here, at.LAST), d, last)
-    multiply(U, d, last, d, now)
-    multiply(U, d, vector(here, at.PULL), d, to)
-    asked, goes = 0.0, 0.0
-    for i in range(d):
-        weight, drag = values[i], 0.0
+    size, asked, goes = length(last, d), 0.0, 0.0
+    if not size > 0.0:
+        return
+    count = spread(E, last, size, d, basis, matrix(here, at.KEPT))
+    eigen(matrix(here, at.KEPT), U, values, count, NOISE)
+    for i in range(count):
+        weight, drag, u, to = values[i], 0.0, E[i], 0.0
+        for p in range(d):
+            u[p] = 0.0
+        add_rows(U[i], basis, 0, count, d, u)
+        now[i] = size * U[i][0]
+        for p in range(d):
+            to += u[p] * vector(here, at.PULL)[p]
         if weight > 0.0:
-            drag = 2.0 * RATIO * lean * math.sqrt((weight + floor) * pulled_along(here, d, U[i], weight)) - weight
+            drag = 2.0 * RATIO * lean * math.sqrt((weight + floor) * pulled_along(here, d, u, weight)) - weight
         if drag > 0.0:
-            asked += drag * now[i] * to[i] / weight
+            asked += drag * now[i] * to / weight
             goes += drag * now[i] * now[i]
         now[i] *= max(drag, 0.0)
     if asked < goes:
         share = (max(asked, 0.0) / goes) ** LET_GO - 1.0
-        for i in range(d):
+        for i in range(count):
             now[i] *= share
-        add_rows(now, U, 0, d, d, vector(here, at.MU))
+        add_rows(now, E, 0, count, d, vector(here, at.MU))

@@ -26,9 +26,11 @@ from .redundant import least_apart
 from .solver import SUSPECT
 from .stage import write_damping, write_stage
 from .trust import crowded, quiet
+from .valid import valid
 
-#: Outcome beside those of the solver: the strict answer is the optimum, and one sweep without iterations has found it.
-AT_ONCE = -2
+#: Outcomes beside those of the solver. The strict answer is the optimum, and one sweep without iterations has found it;
+#: or stages were solved, without iterations: less the number of their sweeps.
+AT_ONCE, IN_STAGES = -2, -100
 #: Larger values of the last x count as unknown: their squares are too large for a hierarchy.
 FASTEST = 1e12
 #: Ratio of the curvature to the smallest squared singular value of the rows from which the lean has its full weight.
@@ -162,6 +164,8 @@ def prepare(here, k, x):
         strength, ratio = bend(here, k, count, d, above, least, so_far[at.ABOVE_DAMPED])
     so_far[at.STRENGTH] = strength
     fade = min(1.0, max(0.0, (ratio - TRUSTED) / (DOUBTED - TRUSTED))) ** 3
+    if k == head[at.TOP]:
+        so_far[at.FADE] = fade
     gate = so_far[at.GATE] = max(so_far[at.GATE], fade)
     head[at.ACTIVE] = count
     if k + 1 < head[plain.LEVELS]:
@@ -190,35 +194,45 @@ def prepare(here, k, x):
 
 
 @inner
-def solve_stages(here):
-    """Solve stage by stage from the first level on that is damped or leans; returns the outcome of the last stage.
-
-    The blocks come with their gates, from 0 to 1, which scale the lean of all levels. OPENED is set to the first level
-    with a stage of its own.
-    """
-    head, strengths, state, blocks = (
-        ints(here, 0, plain.HEAD),
-        vector(here, at.STRENGTHS),
-        marks(here, at.STATE),
-        marks(here, at.BLOCKS),
-    )
-    levels, outcome = head[plain.LEVELS], integer(OPTIMAL)
-    head[at.OPENED], strict = levels, vector(marks(here, at.DIRECTORIES)[levels], plain.X)
+def open_blocks(here):
+    """Begin with the stages: nothing is damped or held yet but what is held above the curved levels."""
+    head, state = ints(here, 0, plain.HEAD), marks(here, at.STATE)
+    head[at.OPENED] = head[plain.LEVELS]
     head[at.SWEEPS] = head[at.ITERATIONS] = 0
     if head[at.LOOKS_AHEAD] != 0:  # as quiet() has done
         note_errors(here)
     for i in range(head[plain.ROWS]):
         state[i] = at.GIVEN
-    for block in blocks:
+    for block in marks(here, at.BLOCKS):
         begin(block)
+
+
+@inner
+def prepare_all(here, k):
+    """Prepare level k in all blocks; whether any of them takes its own stage."""
+    vector(here, at.STRENGTHS)[k], some = 0.0, False
+    strict = vector(marks(here, at.DIRECTORIES)[ints(here, 0, plain.HEAD)[plain.LEVELS]], plain.X)
+    for block in marks(here, at.BLOCKS):
+        own = ints(block, 0, plain.HEAD)
+        if k >= own[at.TOP]:
+            x = matrix(here, at.POINTS)[k - 1] if own[at.OPEN] != 0 else strict
+            some = prepare(block, k, x) or some
+    return some
+
+
+@inner
+def solve_stages(here, begun):
+    """Solve stage by stage from the first level on that is damped or leans; returns the outcome of the last stage.
+
+    The blocks come with their gates, from 0 to 1, which scale the lean of all levels. OPENED is set to the first level
+    with a stage of its own. `begun` tells that the first curved level is prepared, and takes one.
+    """
+    head, blocks, outcome = ints(here, 0, plain.HEAD), marks(here, at.BLOCKS), integer(OPTIMAL)
+    levels = head[plain.LEVELS]
+    if not begun:
+        open_blocks(here)
     for k in range(head[at.TOP], levels):
-        strengths[k], some = 0.0, False
-        for block in blocks:
-            own = ints(block, 0, plain.HEAD)
-            if k >= own[at.TOP]:
-                x = matrix(here, at.POINTS)[k - 1] if own[at.OPEN] != 0 else strict
-                some = prepare(block, k, x) or some
-        if not some:
+        if not (begun and k == head[at.TOP]) and not prepare_all(here, k):
             continue
         head[at.OPENED] = min(head[at.OPENED], k)
         outcome = solve_stage(here, k)
@@ -246,11 +260,40 @@ def crowd(here, strict):
 
 
 @inner
+def look(here):
+    """Note how far off the rows are, what bounds their curvatures, and the last x."""
+    note_errors(here)
+    find_bounds(here)
+    note_last(here)
+
+
+@inner
+def needs_no_strict(here):
+    """Whether the strict answer matters to no stage; the first curved level is then prepared.
+
+    Of the strict answer stages take how close it moves along bounds, which matters to a gate below 1, and what is held
+    above the first of them. So it is left out where neither is the case, if that was so in the last solve, too.
+    """
+    head, so_far = ints(here, 0, plain.HEAD), vector(here, at.SO_FAR)
+    if head[at.QUICK] == 0 or len(marks(here, at.BLOCKS)) > 1 or so_far[at.FADE] < 1.0 or not valid(here):
+        return False
+    look(here)
+    note_bounds(here)
+    so_far[at.GATE] = 0.0
+    open_blocks(here)
+    if head[at.LEFT] < len(matrix(here, at.BASIS)):
+        return False
+    return prepare_all(here, head[at.TOP]) and so_far[at.GATE] == 1.0
+
+
+@inner
 def solve_all(here, numbers):
     """Solve the strict hierarchy, then in stages if a level has to be damped; returns the outcome of the last solve."""
     head = ints(here, 0, plain.HEAD)
     levels = head[plain.LEVELS]
     fits = head[at.QUICK] != 0 and head[at.OPENED] == levels  # else stages were needed, and most likely are again
+    if not fits and needs_no_strict(here):
+        return solve_stages(here, True)
     if head[at.QUICK] != 0:
         ints(marks(here, at.DIRECTORIES)[levels], 0, plain.HEAD)[plain.BASIS] = 1 if fits else 0
         cut = marks(marks(here, at.DIRECTORIES)[levels], plain.CUT)
@@ -259,14 +302,27 @@ def solve_all(here, numbers):
     strict = called_on(head[at.SOLVE], marks(here, at.DIRECTORIES)[levels], numbers)
     if strict == SUSPECT:
         return strict
-    note_errors(here)
-    find_bounds(here)
-    note_last(here)
+    look(here)
     if crowd(here, strict) == 0.0 and fits and quiet(here, marks(here, at.DIRECTORIES)[levels]):
         head[at.OPENED] = levels
         return strict
-    outcome = solve_stages(here)
+    outcome = solve_stages(here, False)
     return outcome if head[at.OPENED] < levels else strict
+
+
+@inner
+def note_stages(here):
+    """Note with what is told of the stages which levels have one, and what their damping pulled to."""
+    head, span, aims, aimed = (
+        ints(here, 0, plain.HEAD),
+        marks(here, at.SPAN),
+        matrix(here, at.AIMS),
+        matrix(here, at.AIMED),
+    )
+    span[0], span[1] = head[at.OPENED], head[at.STAGE]
+    for k in range(head[plain.LEVELS]):
+        for j in range(head[plain.N]):
+            aimed[k][j] = aims[k][j]
 
 
 @stamp
@@ -278,7 +334,11 @@ def solve_curved(here, numbers):
     for block in marks(here, at.BLOCKS):
         given(block, numbers)
     outcome = solve_all(here, numbers)
-    if outcome == OPTIMAL and head[at.QUICK] != 0 and head[at.OPENED] == head[plain.LEVELS]:
+    if head[at.OPENED] < head[plain.LEVELS]:
+        note_stages(here)
+        if outcome == OPTIMAL and head[at.QUICK] != 0 and head[at.ITERATIONS] == 0:
+            outcome = integer(IN_STAGES - head[at.SWEEPS])
+    elif outcome == OPTIMAL and head[at.QUICK] != 0:
         told = ints(marks(here, at.DIRECTORIES)[head[plain.LEVELS]], 0, plain.HEAD)
         if told[plain.SWEEPS] == 1 and told[plain.ITERATIONS] == 0:
             outcome = integer(AT_ONCE)

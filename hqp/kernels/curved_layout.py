@@ -6,6 +6,8 @@ WEIGHTS.
 
 from __future__ import annotations
 
+from .layout import PAD
+
 #: Numbers at the head, beside N, LEVELS and ROWS: the first level that was solved in its own stage (LEVELS: none); the
 #: outcome; the last stage that was solved; the address of the loop that solves a hierarchy; how many parts measure
 #: errors; the first curved level; and whether the solver leaves the basis of the strict answer in memory. Whether
@@ -63,11 +65,14 @@ UNKNOWN = 53
 (GRAM_OF_G, G_MEASURED, MEASURED_BASIS) = range(65, 68)
 # Of a stage that is solved at once, a column of its least squares.
 PARTS = 68
-PLACES = 69
+# What a softened answer also tells: the first and the last level with a stage, and a copy of the AIMS.
+SPAN, AIMED = 69, 70
+PLACES = 71
 
 #: Places in SO_FAR: the gate of the lean; how close the last x moves along bounds; the sum of the squared damping
-#: strengths above; and of this level the norm of its rows, the weight of the lean, its c, and its squared strength.
-GATE, AT_BOUNDS, ABOVE_DAMPED, SIZE, LEAN, ALIKE, STRENGTH = range(7)
+#: strengths above; of this level the norm of its rows, the weight of the lean, its c, and its squared strength; and
+#: what the first curved level makes of the gate.
+GATE, AT_BOUNDS, ABOVE_DAMPED, SIZE, LEAN, ALIKE, STRENGTH, FADE = range(8)
 
 #: Value of CURVED: the level counts as curved, but is left strict.
 SPARED = 2
@@ -81,18 +86,20 @@ def shapes(n, levels, m, widest, own, blocks):
     `m` is the number of all rows, `widest` that of the largest level; `own` variables are those of the block.
     """
     ints, wide = {IDS: (widest, 1), STATE: (m, 1), WHOSE: (m, 1), MET: (levels * n, 1)}, max(n, widest)
+    padded = -(-wide // PAD) * PAD
     reals = {J: (widest, n), G: (widest, n), G_MEASURED: (widest, n), WANTED: (m, 1), PULL: (n, 1), ERRORS: (m, 1)}
     reals |= {ABOVE: (m, n), GRAM: (m, m), TRIANGLE: (m, m), MU: (max(m, n), 1), VALUES: (wide, 1), REACH: (n, 1)}
     reals |= dict.fromkeys((LEAST, MOST), (n, 1))
     reals |= {
         BASIS: (own, n),
         MEASURED_BASIS: (own, n),
-        SO_FAR: (STRENGTH + 1, 1),
+        SO_FAR: (FADE + 1, 1),
         LEAST_SQUARES: (m + n, n + 1),
         ROW_NOW: (n + 1, 1),
         PARTS: (m + n, 1),
     }
-    reals |= dict.fromkeys((METRIC, KEPT, GRAM_OF_G), (n, n)) | dict.fromkeys((P, E, U, M, HALF, Q), (wide, wide))
+    reals |= dict.fromkeys((METRIC, KEPT, GRAM_OF_G), (n, n)) | dict.fromkeys((E, M, HALF, Q), (wide, wide))
+    reals |= dict.fromkeys((P, U), (wide, padded))  # eigenvectors
     reals |= {
         ROW: (m, n),
         VALUE: (m, 1),
@@ -102,5 +109,6 @@ def shapes(n, levels, m, widest, own, blocks):
         DAMPED: (levels * n, n + 1),
         NORMS: (levels, blocks),
         COMBINED: (m, widest),
+        AIMED: (levels, n),
     }
     return ints, reals

@@ -257,7 +257,14 @@ def measured_basis(here, d):
 def norm_of(here, count, free):
     """The largest singular value of the `count` rows J along the first `free` directions of the basis."""
     n, J, M, half = ints(here, 0, plain.HEAD)[plain.N], matrix(here, at.J), matrix(here, at.M), matrix(here, at.HALF)
-    col, ids, basis = marks(here, plain.COL), marks(here, at.IDS), matrix(here, at.BASIS)
+    col, ids, basis, most, last = marks(here, plain.COL), marks(here, at.IDS), matrix(here, at.BASIS), 0.0, -1
+    apart = free == len(basis)
+    for r in range(count):  # as in a posture: every row has a variable of its own
+        j = col[ids[r]]
+        apart = apart and j > last
+        most, last = max(most, abs(J[r][j]) if j >= 0 else 0.0), j
+    if apart:
+        return most
     for r in range(count):
         one = J[r]
         for b in range(free, len(basis)):

@@ -17,10 +17,12 @@ from .directions import along
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length
 from .sums import add_rows, add_to_each, multiply
-from .symmetric import eigen
+from .symmetric import cholesky, eigen
 
 #: Stiffness of a soft row that is half met; and the stiffness above which a row is held instead.
 STIFF, STIFFEST = 60.0, 1e4
+#: The least share of a row's squared length that must be left of it across the rows before it to invert a Gram matrix.
+WELL = 1e-7
 #: A row, or a combination of rows, that is shorter than this share is dropped as round-off.
 NONE = 1e-9
 
@@ -100,11 +102,42 @@ def freeze(here, k, count, d, x, size):
 
 
 @inner
-def separate(here, count, d, size):
-    r"""Write the left singular vectors of G to U, and :math:`S^{-1} V^T` to HALF; returns how many there are.
+def invert(M, G, L, half, count, d):
+    """Write M^-1 G, of shape (count, d), to `half`, and the identity to L; False if M = G G' is ill-conditioned."""
+    if not cholesky(M, L, count):
+        return False
+    for r in range(count):
+        if L[r][r] * L[r][r] < WELL * M[r][r]:
+            return False
+    for r in range(count):
+        row, over = half[r], 1.0 / L[r][r]
+        for p in range(d):
+            row[p] = over * G[r][p]
+        for q in range(r):
+            other, part = half[q], over * L[r][q]
+            for p in range(d):
+                row[p] -= part * other[p]
+    for r in range(count - 1, -1, -1):
+        row, over = half[r], 1.0 / L[r][r]
+        for p in range(d):
+            row[p] *= over
+        for q in range(r):
+            other, part = half[q], L[r][q]
+            for p in range(d):
+                other[p] -= part * row[p]
+    for r in range(count):
+        for q in range(count):
+            L[r][q] = 1.0 if q == r else 0.0
+    return True
 
-    At most d: :math:`G G^T` has further eigenvalues, which are round-off. A singular value is the length of its
-    combination of rows; the root of an eigenvalue is less accurate by orders of magnitude.
+
+@inner
+def separate(here, count, d, size):
+    r"""Write combinations of rows U, and the x along Z that each of them alone is one for, to HALF; returns how many.
+
+    The rows themselves and :math:`(G G^T)^{-1} G`, if :math:`G G^T` is well conditioned. Else the left singular vectors
+    of G, and :math:`S^{-1} V^T`, at most d: :math:`G G^T` has further eigenvalues, which are round-off. A singular
+    value is the length of its combination of rows; the root of an eigenvalue is less accurate by orders of magnitude.
     """
     G, M, U = matrix(here, measured(here, count, d)), matrix(here, at.M), matrix(here, at.U)
     half, values = matrix(here, at.HALF), vector(here, at.VALUES)
@@ -112,6 +145,8 @@ def separate(here, count, d, size):
         multiply(G, r + 1, G[r], d, M[r])
         for q in range(r):
             M[q][r] = M[r][q]
+    if count <= d and invert(M, G, U, half, count, d):
+        return integer(count)
     eigen(M, U, values, count, 0.0)
     rank = integer(0)
     for r in range(count):

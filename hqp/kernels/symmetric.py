@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 from .compile import inner, integer
+from .orthogonal import padded
 from .sums import add_rows
 
 #: A matrix is positive definite if each squared pivot of its Cholesky factor is more than this share of its diagonal.
@@ -20,8 +21,9 @@ DEFINITE = 1e-13
 ZERO, MOST = 1e-16, 60
 #: A cosine is zero where its square is less than the inverse of this.
 MUCH = 1e280
-#: Share of the largest entry of a matrix that is round-off of its own computation, such as a product of three.
-NOISE = 1e-15
+#: Share of the largest entry of a matrix that is round-off of its own computation, such as a product of three; and to
+#: which share of it a damping is wanted, which is settled by one step less for an eigenvalue or two.
+NOISE, SETTLED = 1e-15, 1e-10
 
 
 @inner
@@ -29,11 +31,12 @@ def eigen(M, U, values, n, noise):
     """Write the eigenvalues of M[:n, :n] to `values`, in no order, and the eigenvectors to the rows of U.
 
     M is overwritten. `noise` is the share of the largest entry up to which others count as zero: 0 where eigenvalues
-    far below it matter, as of a graded matrix; with :data:`NOISE` a matrix of low rank takes half of the time.
+    far below it matter, as of a graded matrix; with :data:`NOISE` a matrix of low rank takes half of the time. The rows
+    of U have room for padded(n) numbers.
     """
     tridiagonal(M, values, n)
     accumulate(M, U, n)
-    diagonalise(M, U, values, n, n, noise)
+    diagonalise(M, U, values, n, padded(n), noise)
 
 
 @inner
@@ -64,7 +67,11 @@ def diagonalise(M, U, values, n, columns, noise):
             end -= 1
             continue
         tries += 1
-        step(beside, U, values, begin, end, columns)
+        if end == begin + 1:
+            pair(beside, U, values, begin, columns)
+            end = begin
+        else:
+            step(beside, U, values, begin, end, columns)
 
 
 @inner
@@ -140,7 +147,7 @@ def accumulate(M, U, n):
     """Write the product of the reflections in the rows of M, see :func:`tridiagonal`, to U."""
     for i in range(n):
         own, u, scale = U[i], M[i], M[i][i] if i > 0 else 0.0
-        for j in range(n):
+        for j in range(padded(n)):
             own[j] = 0.0
         own[i] = 1.0
         for r in range(i if scale > 0.0 else 0):
@@ -150,6 +157,22 @@ def accumulate(M, U, n):
             along *= scale
             for j in range(i):
                 row[j] -= along * u[j]
+
+
+@inner
+def pair(beside, U, values, i, n):
+    """Make the block of rows i and i + 1 diagonal by one rotation, which also turns these rows of U."""
+    entry, half = beside[i + 1], 0.5 * (values[i + 1] - values[i])
+    root = math.sqrt(half * half + entry * entry)
+    t = entry / (half + (root if half >= 0.0 else -root))
+    c = 1.0 / math.sqrt(1.0 + t * t)
+    s, one, other = t * c, U[i], U[i + 1]
+    values[i] -= t * entry
+    values[i + 1] += t * entry
+    beside[i + 1] = 0.0
+    for j in range(n):
+        a, d = one[j], other[j]
+        other[j], one[j] = s * a + c * d, c * a - s * d
 
 
 @inner

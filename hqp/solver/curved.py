@@ -25,7 +25,7 @@ from ..kernels import solver as kernel_solver
 from ..kernels.active_set import OPTIMAL
 from ..kernels.call import KNOWN, address_of
 from ..kernels.compile import INTERPRETED
-from ..kernels.curved import AT_ONCE
+from ..kernels.curved import AT_ONCE, IN_STAGES
 from ..kernels.ready import SIGNATURE, door, make_ready
 from ..settings import Settings
 from ..solution import Counts, Solution, Stages, Status
@@ -38,8 +38,6 @@ WHAT = "curved levels"
 new = object.__new__
 #: The status of nearly every tick, looked up once.
 OPTIMUM = Status.OPTIMAL
-#: What nearly every tick takes.
-ONE_SWEEP = Counts(sweeps=1)
 #: What a loop calls in Python: it gets a directory and numbers, and gives an outcome.
 CALLBACK = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, ctypes.c_int64)
 
@@ -100,7 +98,8 @@ class CurvedSolver:
         """Use another linearisation of the same hierarchy, with the same levels curved."""
         self._linearisation = linearisation
         self._work = Work(self._hierarchy, linearisation, self._stages)
-        self._head, self._run = self._work.head, partial(door(kernel.solve_curved), self._work.address)
+        self._head, self._told, self._last = self._work.head, self._work.told, self._work.last
+        self._run = partial(door(kernel.solve_curved), self._work.address)
         self._ask_for_stages(self._native)
 
     def _ask_for_stages(self, native: bool) -> None:
@@ -119,40 +118,43 @@ class CurvedSolver:
 
     def solve(self, hierarchy: Hierarchy) -> Solution:
         """Solve it, as its linearisation is now."""
+        guard = self._guard
         try:
-            self._guard.take()
+            guard.take()
         except IndexError:
-            self._guard.refuse()
+            guard.refuse()
         try:
             given = hierarchy.numbers.tobytes()  # the proof is about these, even if they are overwritten later
             if self._native:
                 outcome = self._run(hierarchy.address)
-                if outcome == AT_ONCE:  # as nearly always
+                if outcome == AT_ONCE or outcome <= IN_STAGES:  # as nearly always
                     solution = new(Solution)
                     fields = solution.__dict__
-                    fields["x"], fields["status"] = self._strict.x.copy(), OPTIMUM
-                    fields["_noted"] = hierarchy, given, self._zero, self._always, ONE_SWEEP
+                    fields["status"] = OPTIMUM
+                    if outcome == AT_ONCE:
+                        fields["x"], sweeps = self._strict.x.copy(), 1
+                    else:
+                        fields["x"], sweeps = self._last.copy(), IN_STAGES - outcome
+                        fields["_points"] = self._told.copy()
+                    fields["_noted"] = hierarchy, given, self._zero, self._always, sweeps
                     return solution
                 if outcome == OPTIMAL:
                     return self._solved(hierarchy, given)
-            try:
-                return self._solve(hierarchy, given)
-            finally:
-                if self._raised:  # in Python, below a loop, through which no exception finds its way
-                    raise self._raised.pop()
+            return self._solve(hierarchy, given)
         finally:
-            self._guard.give(None)
+            guard.give(None)
+            if self._raised:  # in Python, below a loop, through which no exception finds its way
+                raise self._raised.pop()
 
     def _solved(self, hierarchy: Hierarchy, given: bytes) -> Solution:
-        """What the native solver has just found."""
+        """What the native solver has just found by iterations."""
         told = self._head.item
-        opened = told(at.OPENED)
-        if opened < self._levels:
+        if told(at.OPENED) < self._levels:
             counts = Counts(told(at.SWEEPS), told(at.ITERATIONS))
-            return self._solution(hierarchy, given, self._work.points[-1].copy(), counts, opened)
+            return self._solution(hierarchy, given, self._last.copy(), counts, True)
         told = self._strict.head.item
         counts = Counts(told(plain.SWEEPS), told(plain.ITERATIONS))
-        return self._solution(hierarchy, given, self._strict.x.copy(), counts, opened)
+        return self._solution(hierarchy, given, self._strict.x.copy(), counts, False)
 
     def _solve(self, hierarchy: Hierarchy, given: bytes) -> Solution:
         """By the backend, stage after stage, asked in Python."""
@@ -170,26 +172,25 @@ class CurvedSolver:
         self._failed.pop(self._levels, None)
         last = self._failed[max(self._failed)]
         counts = Counts(*map(sum, zip(*(stage.counts for stage in self._failed.values()), strict=True)))
-        solution = self._solution(hierarchy, given, last.x, counts, opened)
+        solution = self._solution(hierarchy, given, last.x, counts, True)
         if outcome != OPTIMAL:
             told = {"status": last.status, "message": last.message, "level": last.level}
             solution.__dict__.update(told)
         return solution
 
-    def _solution(self, hierarchy: Hierarchy, given: bytes, x: Array, counts: Counts, opened: int) -> Solution:
+    def _solution(self, hierarchy: Hierarchy, given: bytes, x: Array, counts: Counts, in_stages: bool) -> Solution:
         """The answer with what its stages are told from, where there were some."""
         solution = new(Solution)
         fields = solution.__dict__
         fields["x"], fields["status"] = x, OPTIMUM
         fields["_noted"] = hierarchy, given, self._zero, self._always, counts
-        if opened < self._levels:
-            fields["_points"], fields["_aims"] = self._work.declare(), self._linearisation.aims.copy()
+        if in_stages:
+            fields["_points"] = self._told.copy()
         return solution
 
-    def _tell(self, solution: Solution, points: tuple[int, int, Array], aims: Array | None) -> Stages:
+    def _tell(self, solution: Solution, told: Array, _: object) -> Stages:
         """The stages of an answer, by what the given hierarchy and the declared softening make them."""
-        given, declared, curved = solution.hierarchy, self._work.declared(*points), self._linearisation.curved
-        assert aims is not None
+        given, declared, curved = solution.hierarchy, self._work.declared(told), self._linearisation.curved
         zero, stages = np.zeros(given.n), list[Solution]()
         for k in declared.levels:
             template = self._stages[k]
@@ -204,7 +205,7 @@ class CurvedSolver:
         return Stages(
             tuple(stages),
             {k: float(declared.strengths[k]) for k in declared.levels},
-            {k: aims[k] for k in declared.levels},
+            {k: declared.aims[k] for k in declared.levels},
             stages[-1].hierarchy,
             partial(solve_once, self.backend, self.settings),
             {k: declared.points[k] for k in declared.levels},

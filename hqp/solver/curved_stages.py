@@ -45,6 +45,8 @@ class Declared(NamedTuple):
         What rows below their level are combinations of: its own, weighted.
     damped : array, shape (levels, n, n + 1)
         The rows of damping of every level, each with its bound.
+    aims : array, shape (levels, n)
+        The x to which the damping of every level pulls.
     """
 
     opened: int
@@ -56,6 +58,7 @@ class Declared(NamedTuple):
     stiffness: Array
     combined: Array
     damped: Array
+    aims: Array
 
     @property
     def levels(self) -> range:

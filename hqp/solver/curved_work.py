@@ -17,7 +17,7 @@ from .curved_stages import Declared
 from .linearisation import Bound, Linearisation
 
 #: The numbers that tell how levels were softened; they lie in one block.
-TOLD = at.POINTS, at.STRENGTHS, at.NORMS, at.STIFFNESS, at.COMBINED, at.DAMPED
+TOLD = at.POINTS, at.STRENGTHS, at.NORMS, at.STIFFNESS, at.COMBINED, at.DAMPED, at.AIMED
 #: What all blocks write, beside these.
 TOGETHER = at.ROW, at.VALUE, at.ERRORS, at.REACH
 
@@ -65,7 +65,18 @@ def enter(directory: NDArray[np.int64], made: Mapping[int, NDArray[Any]]) -> Non
 
 
 class Work:
-    """The work memory of the kernel, and its directory."""
+    """The work memory of the kernel, and its directory.
+
+    Attributes
+    ----------
+    head : array of int
+    address : int
+        Of the directory.
+    told : array
+        What tells how levels were softened, in one block to be copied; :meth:`declared` unpacks it.
+    last : array, shape (n,)
+        The x of the last stage.
+    """
 
     def __init__(self, hierarchy: Hierarchy, linearisation: Linearisation, stages: Sequence[Hierarchy | None]) -> None:
         n, m, levels = hierarchy.n, hierarchy.m, len(hierarchy.levels)
@@ -97,11 +108,11 @@ class Work:
         made: dict[int, NDArray[Any]] = {place: integers(given) for place, given in owned.items()}
         self._blocks, self._of_rows = len(linearisation.kinds), linearisation.block_of
         reals = at.shapes(n, levels, m, widest, n, self._blocks)[1]
-        self._told, begin = np.zeros(m + sum(math.prod(reals[place]) for place in TOLD)), m
-        made[at.STATE] = self._told[:m].view(np.int64)  # in the same block, to be copied with it
+        self.told, begin = np.zeros(2 + m + sum(math.prod(reals[place]) for place in TOLD)), 2 + m
+        made[at.SPAN], made[at.STATE] = np.split(self.told[:begin].view(np.int64), [2])  # in the same block
         for place in TOLD:
             rows, columns = reals[place]
-            made[place] = self._told[begin : begin + rows * columns].reshape(rows, columns)
+            made[place] = self.told[begin : begin + rows * columns].reshape(rows, columns)
             begin += rows * columns
         made |= {place: np.zeros(reals[place]) for place in TOGETHER}
         made |= {
@@ -123,7 +134,7 @@ class Work:
         for directory in {id(each): each for each in (whole, *blocks)}.values():
             enter(directory, {at.BLOCKS: addresses})
         self.head, self.address = whole[: plain.HEAD], int(whole.ctypes.data)
-        self.points: Array = made[at.POINTS]
+        self.last: Array = made[at.POINTS][-1]
         self.forget()
 
     def forget(self) -> None:
@@ -180,16 +191,13 @@ class Work:
         self._own.append((own, directory))
         return directory
 
-    def declare(self) -> tuple[int, int, Array]:
-        """A copy of the numbers that tell how levels were softened; :meth:`declared` unpacks it when it is read."""
-        return self.head.item(at.OPENED), self.head.item(at.STAGE), self._told.copy()
-
-    def declared(self, opened: int, last: int, block: Array) -> Declared:
-        """The same, array by array."""
-        states, told = block[: self._rows].view(np.int64), block[self._rows :]
+    def declared(self, block: Array) -> Declared:
+        """How levels were softened, from a copy of ``told``, the block of the numbers that tell it."""
+        opened, last, *states = block[: 2 + self._rows].view(np.int64).tolist()
+        told = block[2 + self._rows :]
         ends = np.cumsum([rows * columns for rows, columns in self._shapes])
         parts = [part.reshape(shape) for part, shape in zip(np.split(told, ends[:-1]), self._shapes, strict=True)]
-        points, strengths, norms, stiffness, combined, damped = parts
+        points, strengths, norms, stiffness, combined, damped, aims = parts
         n = len(points[0])
         vectors = strengths[:, 0], norms[:, self._of_rows], stiffness[:, 0]
-        return Declared(opened, last, states, points, *vectors, combined, damped.reshape(-1, n, n + 1))
+        return Declared(opened, last, np.array(states), points, *vectors, combined, damped.reshape(-1, n, n + 1), aims)

@@ -195,12 +195,17 @@ def add_velocities(told, root, n, work, S):
     K is symmetric; most often it is zero but for the rows `first` .. `end` - 1.
     """
     first, end = Y, 0
-    for k in range(Y * Y):
-        if work[K + k] != 0.0:
-            first, end = min(first, k // Y), k // Y + 1
+    for r in range(Y):
+        for c in range(r, Y):
+            if work[K + Y * r + c] != 0.0:
+                first, end = min(first, r), max(end, c + 1)
     J = floats(told[SEEN], at.JACOBIAN, 6 * n)
     for j in range(n if end > 0 else 0):
-        column(told, root, n, j, work, COLUMN)
+        if root != 0:
+            column(told, root, n, j, work, COLUMN)
+        else:  # nothing turns below it
+            for r in range(first, end):
+                work[COLUMN + r] = J[r * n + j]
         moves = False
         for r in range(first, end):
             total = 0.0
