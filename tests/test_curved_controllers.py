@@ -302,7 +302,7 @@ def test_what_is_braked_without_a_limit_is_told() -> None:
     for robot in free, limited:
         robot.position_limit = [-2.0, 2.0]
     tip = PositionTask([0.5, 0.5], gain=2.0)
-    braked = "at ends of ranges 60 rad/s^2"
+    braked = "at ends of ranges 30 rad/s^2"
     assert braked in repr(Controller(free, JointLimits() >> tip, dt=0.01))
     assert braked not in repr(Controller(free, JointLimits() >> tip, dt=0.01, damping=None))
     assert braked not in repr(Controller(free, tip, dt=0.01))

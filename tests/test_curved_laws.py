@@ -226,7 +226,7 @@ def largest_jump(answer, begin, end, halvings=25):
 def test_no_row_jumps_where_another_one_goes_from_soft_to_held() -> None:
     """An arm that is nearly straight, and turned away from what it is asked for, on its way between two ticks.
 
-    Its speeds are about 1 rad/s. A row of the position goes from a stiffness of 1e4 to a held one: what that is worth.
+    Its speeds are about 1 rad/s. A row of the position goes from the largest stiffness to held: what that is worth.
     """
     robot = load_robot("panda", lock=["panda_finger_joint1"])
     hand, turn = (
@@ -239,6 +239,22 @@ def test_no_row_jumps_where_another_one_goes_from_soft_to_held() -> None:
     end = [-0.43915, 0.51897, 0.08134, -0.60052, 0.03829, 2.74297, 0.40749]
     end += [-0.15366, -0.46277, 0.03684, -0.52649, 0.20233, -0.89103, -0.13045]
     assert largest_jump(lambda x: controller(x[:7], x[7:]).v, np.array(begin), np.array(end)) < 0.05
+
+
+@pytest.mark.parametrize("beyond", [0.2, 0.4], ids="{:g} m".format)
+def test_levels_below_hardly_move_a_first_level_however_far_its_target_is(beyond: float) -> None:
+    """A hand at rest out of reach, turned away from what a level below asks for; against the same hand left alone."""
+    robot, target = load_robot("panda", lock=["panda_finger_joint1"]), np.array([0.8 + beyond, 0.2, 0.6])
+    hand, turn = PositionTask(target, gain=20.0), OrientationTask(np.diag([1.0, -1.0, -1.0]), gain=20.0)
+    q, v, far = robot.home, np.zeros(robot.nv), []
+    for below in (turn >> PostureTask(robot.home, gain=1.0), None):
+        stack = JointLimits() >> hand if below is None else JointLimits() >> hand >> below
+        controller = Controller(robot, stack, dt=0.005)
+        for _ in range(600):
+            v = controller(q, v).v
+            q = robot.integrate(q, 0.005 * v)
+        far.append(np.linalg.norm(target - robot.at(q, v).frame().position))
+    assert far[0] < far[1] + 1e-3
 
 
 @pytest.mark.parametrize("order", ["velocity", "acceleration"])

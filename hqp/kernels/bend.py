@@ -30,13 +30,17 @@ TRUSTED = 0.3
 #: Added to the Gram matrix of the rows above, relative to its largest diagonal entry: it bounds the multipliers of
 #: nearly dependent rows.
 DEPENDENT = 1e-10
+#: Share of the damping above that counts in these multipliers: the rows of a damped level give way to the levels below
+#: less than to what it asks for itself, as soft rows hold them (:mod:`.hand_over`).
+YIELDS = 0.1
 
 
 @inner
 def multipliers(here, k, above, damped):
     """Write the multipliers mu of the `above` rows of the levels above k, as weights ``wanted`` of their curvatures.
 
-    `damped` is the sum of the squared damping strengths above, added to the Gram matrix. False if all mu are zero.
+    `damped` is the sum of the squared damping strengths above, of which a share is added to the Gram matrix. False if
+    all mu are zero.
     """
     head, gram, L, mu = ints(here, 0, plain.HEAD), matrix(here, at.GRAM), matrix(here, at.TRIANGLE), vector(here, at.MU)
     n, all_above, whose, pull = head[plain.N], matrix(here, at.ABOVE), marks(here, at.WHOSE), vector(here, at.PULL)
@@ -50,7 +54,7 @@ def multipliers(here, k, above, damped):
         wanted[marks(here, at.OWN)[p]] = 0.0
     if not some:
         return False
-    more = damped + DEPENDENT * longest
+    more = YIELDS * damped + DEPENDENT * longest
     for r in range(above):
         gram[r][r] += more
     fine = cholesky(gram, L, above)

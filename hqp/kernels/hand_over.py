@@ -3,11 +3,13 @@ r"""The rows that a curved level hands over to the levels below: *held* rows, wh
 If nothing of a level is damped, all its rows are held. Else they are replaced by combinations. With
 :math:`G = U S V^T`, the rows along Z, and D, the damping there, the eigenvectors of :math:`S^{-1} V^T D V S^{-1}`
 combine the rows; an eigenvalue is the ratio of the part of its combination that is missed to the part that is met. The
-stiffness of a soft row is inverse to this ratio, and to the length of the row in the metric of the soft rows above: as
-the damping fades it grows without bound, and no row jumps where another one is held.
+stiffness of a soft row is inverse to the root of this ratio, and to the length of the row in the metric of the soft
+rows above: it grows as the damping fades, and no row jumps where another one is held.
 """
 
 from __future__ import annotations
+
+import math
 
 from . import curved_layout as at
 from . import layout as plain
@@ -19,8 +21,9 @@ from .orthogonal import length
 from .sums import add_rows, add_to_each, multiply
 from .symmetric import cholesky, eigen
 
-#: Stiffness of a soft row that is half met; and the stiffness above which a row is held instead.
-STIFF, STIFFEST = 60.0, 1e4
+#: Stiffness of a soft row that is half met; and the stiffness above which a row is held instead: levels below move it
+#: by the inverse of its square.
+STIFF, STIFFEST = 28.0, 80.0
 #: The least share of a row's squared length that must be left of it across the rows before it to invert a Gram matrix.
 WELL = 1e-7
 #: A row, or a combination of rows, that is shorter than this share is dropped as round-off.
@@ -252,8 +255,9 @@ def soften(here, k, count, d, x, size):
         along(here, row, d, left)
         if d == 0 or not length(left, d) > NONE * size:
             continue
-        if soft[r] * STIFFEST > STIFF:
-            state[i], stiffness[i] = at.SOFT, STIFF / (soft[r] * combined_length(here, Q[r], count, directions))
+        if soft[r] > (STIFF / STIFFEST) ** 2:
+            long = combined_length(here, Q[r], count, directions)
+            state[i], stiffness[i] = at.SOFT, STIFF / (math.sqrt(soft[r]) * long)
         else:
             state[i] = at.HELD
             set_aside(here, left, d)

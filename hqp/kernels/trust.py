@@ -18,7 +18,7 @@ from .redundant import BALANCED, across, has_unknown, longest, weight_of
 from .solver import levels_that_count
 
 #: Share of its range within which a row is near a bound, and the power with which the nearness counts.
-NEAR, SOONER = 0.1, 3
+NEAR, SOONER = 0.2, 3
 
 
 @inner

@@ -20,8 +20,8 @@ from ..rows.task import Task
 #: Text of explanations for a task with a direction in which the joints hardly move it.
 STRAIGHT = "the joints move it little in this direction"
 #: The deceleration of joints at the ends of their ranges, where no acceleration is limited [rad/s^2]: from the speeds
-#: of arms they come to rest within 50 ms, not within a tick. Elsewhere nothing is braked.
-GENTLE = 60.0
+#: of arms they come to rest within 0.1 s, not within a tick. Elsewhere nothing is braked.
+GENTLE = 30.0
 
 
 def curved_levels(rows: HierarchyWriter) -> tuple[int, ...]:

@@ -58,7 +58,7 @@ class Controller(Live, Generic[Velocity, Acceleration, Torque]):
         Damping of a stack that has none of its own (:class:`~tasks.Damped` levels, or ``task + Damping()``).
         "curvature": levels are relaxed where their linearisation is inaccurate, near singularities and out of reach,
         and only in those directions; joint velocities then change smoothly there and close to limits. Joints without
-        an acceleration limit come to rest at the ends of their ranges with at most 60 rad/s^2. Elsewhere the answer is
+        an acceleration limit come to rest at the ends of their ranges with at most 30 rad/s^2. Elsewhere the answer is
         the strict one. ``step.relaxed`` and ``step.solution.explain()`` show where levels are relaxed;
         ``Damped(level, None)`` keeps a level strict. None: every level is strict. All levels are also strict if the
         stack has damping of its own, if no part has curvature (as postures), if contact forces are unknowns (then see
