@@ -15,7 +15,7 @@ from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
 from .metric import convert
-from .orthogonal import CANCELLED, length, padded, project
+from .orthogonal import CANCELLED, length, padded, project, split
 from .rows import EQUALITY, copy_row, value_of
 
 
@@ -38,7 +38,7 @@ def prepare(i, frozen, here):
     if depth[i] < frozen:
         wide = padded(head[at.N])
         before = length(row, wide)
-        project(row, wide, V, depth[i], frozen, scratch)
+        split(row, wide, V, depth[i], frozen, scratch)
         if length(row, wide) < CANCELLED * before:
             project(row, wide, V, integer(0), frozen, scratch)
         depth[i] = frozen

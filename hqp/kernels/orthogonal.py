@@ -14,8 +14,9 @@ from __future__ import annotations
 
 import math
 
+from . import layout
 from .compile import inner, integer
-from .layout import PAD
+from .lines import multiply_lines, scale_line, subtract_lines, take_out
 
 #: A remainder below this share of the length of its row is projected again.
 CANCELLED = 0.1
@@ -23,11 +24,7 @@ CANCELLED = 0.1
 #: longer one takes part in the least squares of its level, even if it is too short for a direction of its own.
 NONE = 1e-14
 
-
-@inner
-def padded(f):
-    """f, rounded up to a multiple of PAD: as many entries do loops over rows take that end in zeros."""
-    return (f + PAD - 1) & -PAD
+padded = inner(layout.padded)
 
 
 @inner
@@ -80,6 +77,19 @@ def project(row, f, V, first, c, coefficients):
 
 
 @inner
+def split(row, wide, V, first, c, coefficients):
+    """Write the coefficients of row[:wide] along V[first:c], and subtract from it its part along these."""
+    only = only_entry(row, wide)
+    if only >= 0:  # one product is all of the sum
+        size = row[only]
+        for q in range(first, c):
+            coefficients[q] = size * V[q][only]
+    else:
+        multiply_lines(V, first, c, row, wide, coefficients)
+    subtract_lines(V, first, c, coefficients, wide, row)
+
+
+@inner
 def length(row, f):
     """Euclidean norm of row[:f]."""
     total = 0.0
@@ -124,10 +134,8 @@ def separate(ids, count, slots, sizes, R, norm, V, L, first, c, f, tau):
     for r in range(count):
         slots[r] = r
         row, coefficients = R[r], L[ids[r]]
-        for q in range(first, c):
-            coefficients[q] = 0.0
         if c > first:
-            project(row, f, V, first, c, coefficients)
+            split(row, f, V, first, c, coefficients)
         sizes[r] = length(row, f)
         if not sizes[r] > min(NONE, tau) * norm[ids[r]]:
             sizes[r] = 0.0
@@ -163,21 +171,10 @@ def pivots(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
         size = most
         ids[rank], slots[rank], sizes[rank] = i, slot, size
         direction = V[c + rank]
-        scale = 1.0 / size
-        for t in range(f):
-            direction[t] = row[t] * scale
+        scale_line(row, 1.0 / size, f, direction)
         coefficients[c + rank] = size
         for r in range(rank + 1, count):
-            other = R[slots[r]]
-            along = 0.0
-            for t in range(f):
-                along += other[t] * direction[t]
-            total = 0.0
-            for t in range(f):
-                left = other[t] - along * direction[t]
-                other[t] = left
-                total += left * left
-            L[ids[r]][c + rank] = along
+            L[ids[r]][c + rank], total = take_out(R[slots[r]], direction, f)
             sizes[r] = math.sqrt(total)
         rank += 1
     return rank

@@ -1,0 +1,261 @@
+"""Sums over rows of whole lines of numbers, as vectors: the loops in which a solve spends most of its time.
+
+A *line* is PAD numbers. The rows here end in zeros up to a whole line (:func:`.orthogonal.padded`). LLVM would make
+loops over their entries that also serve other rows, and of any length, test for that at every start, and add up the
+entries of one vector at the end of each sum. Here *tiles* of rows, or of lines, are worked on side by side, so that no
+step waits for the one before; and the sums of a tile of rows are added up at once.
+"""
+
+from __future__ import annotations
+
+import math
+
+from llvmlite import ir
+from numba import types
+from numba.core.cgutils import alloca_once, for_range_slice
+from numba.extending import intrinsic
+from numba.np.arrayobj import make_array
+
+from .compile import FAST, INTERPRETED
+from .layout import PAD
+
+#: Rows, or lines, that are worked on side by side: as many as there are, then what is left.
+TILES = (4, 2, 1)
+#: Sums side by side for each line of a tile, so that one step need not wait for the one before.
+SUMS = {4: 2, 2: 4, 1: 4}
+#: Bytes of a number.
+SIZE = 8
+
+LONG, NUMBER, LINE = ir.IntType(64), ir.DoubleType(), ir.VectorType(ir.DoubleType(), PAD)
+FLAGS = tuple(sorted(FAST))
+
+
+class Writer:
+    """Writes such loops in the language of LLVM."""
+
+    def __init__(self, context, builder, signature, arguments):
+        self.builder = builder
+        self._arrays = {
+            place: make_array(kind)(context, builder, value)
+            for place, (kind, value) in enumerate(zip(signature.args, arguments, strict=True))
+            if isinstance(kind, types.Array)
+        }
+
+    def data(self, place):
+        """Where the array begins that is this argument."""
+        return self._arrays[place].data
+
+    def row(self, place, number):
+        """Where this row of an array of two axes begins."""
+        columns = self.builder.extract_value(self._arrays[place].shape, 1)
+        return self.builder.gep(self.data(place), [self.builder.mul(columns, number)])
+
+    def _line(self, row, first, kind):
+        return self.builder.bitcast(self.builder.gep(row, [first]), kind.as_pointer())
+
+    def load(self, row, first):
+        """The line of a row that begins with its entry `first`."""
+        return self.builder.load(self._line(row, first, LINE), align=SIZE)
+
+    def store(self, value, row, first):
+        """Write a vector to a row, from its entry `first` on."""
+        self.builder.store(value, self._line(row, first, value.type), align=SIZE)
+
+    def everywhere(self, number):
+        """A line of one number."""
+        one = self.builder.insert_element(ir.Constant(LINE, ir.Undefined), number, ir.Constant(ir.IntType(32), 0))
+        return self.pick(one, one, [0] * PAD)
+
+    def pick(self, one, other, places):
+        """Entries of two vectors, which are counted through."""
+        return self.builder.shuffle_vector(
+            one, other, ir.Constant(ir.VectorType(ir.IntType(32), len(places)), list(places))
+        )
+
+    def plus(self, one, other):
+        """Their sum."""
+        return self.builder.fadd(one, other, flags=FLAGS)
+
+    def minus(self, one, other):
+        """Their difference."""
+        return self.builder.fsub(one, other, flags=FLAGS)
+
+    def times(self, one, other):
+        """Their product, entry by entry."""
+        return self.builder.fmul(one, other, flags=("contract", "nsz"))
+
+    def variables(self, count):
+        """So many lines that change, all zeros."""
+        made = [alloca_once(self.builder, LINE) for _ in range(count)]
+        for one in made:
+            self.builder.store(ir.Constant(LINE, None), one)
+        return made
+
+    def change(self, variable, how, value):
+        """Set a line to what `how` makes of it and a value."""
+        self.builder.store(how(self.builder.load(variable), value), variable)
+
+    def tiles(self, first, end, unit, sizes=TILES):
+        """Loops over first .. end in steps of `unit` times each of these sizes: yields each, and the place in it."""
+        for size in sizes:
+            whole = self.builder.and_(self.builder.sub(end, first), LONG(-unit * size))
+            stop = self.builder.add(first, whole)
+            with for_range_slice(self.builder, first, stop, LONG(unit * size), LONG) as (place, _):
+                yield size, place
+            first = stop
+
+    def step(self, place, by):
+        """`by` more."""
+        return self.builder.add(place, LONG(by))
+
+    def added(self, lines):
+        """The sums of some lines, a power of 2, as a vector with an entry for each."""
+        groups = 1
+        while len(lines) > 1:
+            made = []
+            for one, other in zip(lines[::2], lines[1::2], strict=True):
+                even = [p + q * PAD for g in range(0, PAD, 2 * groups) for q in (0, 1) for p in range(g, g + groups)]
+                made.append(self.plus(self.pick(one, other, even), self.pick(one, other, [p + groups for p in even])))
+            lines, groups = made, 2 * groups
+        (found,), length = lines, PAD
+        while length > groups:
+            length //= 2
+            low, high = range(length), range(length, 2 * length)
+            found = self.plus(self.pick(found, found, low), self.pick(found, found, high))
+        return found
+
+    def total(self, lines):
+        """The sum of all entries of some lines, a power of 2."""
+        while len(lines) > 1:
+            lines = [self.plus(one, other) for one, other in zip(lines[::2], lines[1::2], strict=True)]
+        return self.builder.extract_element(self.added(lines), ir.Constant(ir.IntType(32), 0))
+
+
+def _writes(signature, build):
+    """What an intrinsic returns: its signature, and `build` with a :class:`Writer` in place of the builder."""
+
+    def code(context, builder, signature, arguments):
+        value = build(Writer(context, builder, signature, arguments), *arguments)
+        return context.get_dummy_value() if value is None else value
+
+    return signature, code
+
+
+@intrinsic
+def multiply_lines(typing, rows, first, end, x, wide, out):
+    """Write the products of rows[first:end] with x[:wide] to out[first:end]."""
+
+    def build(write, rows, first, end, x, wide, out):
+        for many, q in write.tiles(first, end, 1):
+            mine, sums = [write.row(0, write.step(q, k)) for k in range(many)], write.variables(many)
+            for _, t in write.tiles(LONG(0), wide, PAD, (1,)):
+                entries = write.load(write.data(3), t)
+                for row, one in zip(mine, sums, strict=True):
+                    write.change(one, write.plus, write.times(write.load(row, t), entries))
+            write.store(write.added([write.builder.load(one) for one in sums]), write.data(5), q)
+
+    return _writes(types.void(rows, types.int64, types.int64, x, types.int64, out), build)
+
+
+def _sum_of_rows(signature, sign):
+    """Code of ``row[:wide] +- shares[first:end] rows[first:end]``."""
+
+    def build(write, rows, first, end, shares, wide, row):
+        how = getattr(write, sign)
+        for many, t in write.tiles(LONG(0), wide, PAD):
+            sets = SUMS[many]
+            places, sums = [write.step(t, PAD * k) for k in range(many)], write.variables(many * sets)
+            for place, one in zip(places, sums, strict=False):
+                write.builder.store(write.load(write.data(5), place), one)
+            for side, q in write.tiles(first, end, 1, (sets, 1)):
+                for s in range(side):
+                    number = write.step(q, s)
+                    share = write.everywhere(write.builder.load(write.builder.gep(write.data(3), [number])))
+                    mine = write.row(0, number)
+                    for k in range(many):
+                        write.change(sums[s * many + k], how, write.times(write.load(mine, places[k]), share))
+            for k in range(many):
+                parts = [write.builder.load(one) for one in sums[k::many]]
+                while len(parts) > 1:
+                    parts = [write.plus(a, b) for a, b in zip(parts[::2], parts[1::2], strict=True)]
+                write.store(parts[0], write.data(5), places[k])
+
+    return _writes(signature, build)
+
+
+@intrinsic
+def add_lines(typing, rows, first, end, shares, wide, row):
+    """Add the rows first .. end - 1, each times its share, to row[:wide]."""
+    return _sum_of_rows(types.void(rows, types.int64, types.int64, shares, types.int64, row), "plus")
+
+
+@intrinsic
+def subtract_lines(typing, rows, first, end, shares, wide, row):
+    """Subtract the rows first .. end - 1, each times its share, from row[:wide]."""
+    return _sum_of_rows(types.void(rows, types.int64, types.int64, shares, types.int64, row), "minus")
+
+
+@intrinsic
+def scale_line(typing, row, share, wide, out):
+    """Write row[:wide], times a share, to out."""
+
+    def build(write, row, share, wide, out):
+        all_over = write.everywhere(share)
+        for _, t in write.tiles(LONG(0), wide, PAD, (1,)):
+            write.store(write.times(write.load(write.data(0), t), all_over), write.data(3), t)
+
+    return _writes(types.void(row, types.float64, types.int64, out), build)
+
+
+@intrinsic
+def take_out(typing, row, direction, wide):
+    """Subtract from row[:wide] its part along a unit vector; returns the length of this part, and the square left."""
+    pair = types.UniTuple(types.float64, 2)
+
+    def build(write, row, direction, wide):
+        mine, unit = write.data(0), write.data(1)
+        sums = write.variables(4)
+        for many, t in write.tiles(LONG(0), wide, PAD, (4, 1)):
+            for k in range(many):
+                place = write.step(t, PAD * k)
+                write.change(sums[k], write.plus, write.times(write.load(mine, place), write.load(unit, place)))
+        along = write.total([write.builder.load(one) for one in sums])
+        share, squares = write.everywhere(along), write.variables(4)
+        for many, t in write.tiles(LONG(0), wide, PAD, (4, 1)):
+            for k in range(many):
+                place = write.step(t, PAD * k)
+                left = write.minus(write.load(mine, place), write.times(write.load(unit, place), share))
+                write.store(left, mine, place)
+                write.change(squares[k], write.plus, write.times(left, left))
+        both = ir.Constant(ir.ArrayType(NUMBER, 2), ir.Undefined)
+        both = write.builder.insert_value(both, along, 0)
+        return write.builder.insert_value(both, write.total([write.builder.load(one) for one in squares]), 1)
+
+    return _writes(pair(row, direction, types.int64), build)
+
+
+if INTERPRETED:
+
+    def multiply_lines(rows, first, end, x, wide, out):
+        for q in range(first, end):
+            out[q] = sum(rows[q][t] * x[t] for t in range(wide))
+
+    def add_lines(rows, first, end, shares, wide, row):
+        for q in range(first, end):
+            for t in range(wide):
+                row[t] += shares[q] * rows[q][t]
+
+    def subtract_lines(rows, first, end, shares, wide, row):
+        for q in range(first, end):
+            for t in range(wide):
+                row[t] -= shares[q] * rows[q][t]
+
+    def scale_line(row, share, wide, out):
+        for t in range(wide):
+            out[t] = row[t] * share
+
+    def take_out(row, direction, wide):
+        along = sum(row[t] * direction[t] for t in range(wide))
+        for t in range(wide):
+            row[t] -= along * direction[t]
+        return along, math.fsum(row[t] * row[t] for t in range(wide))
