@@ -18,6 +18,7 @@ import math
 
 from . import layout as at
 from .compile import inner, integer
+from .lines import product
 from .members import (
     enter,
     leave,
@@ -242,9 +243,7 @@ def excesses(here, end, tolerance, size):
         elif past[i] - first[i] < n // 2:
             value = value_within(i, x, here)
         else:
-            given, value = B[row_of[i]], 0.0
-            for j in range(n):
-                value += given[j] * x[j]
+            value = product(B[row_of[i]], x, n)
         over, under = value - hi[i], lo[i] - value
         if over > tolerance * (abs(hi[i]) + norm[i] * size):
             excess[i] = over / norm[i]

@@ -124,6 +124,16 @@ class Writer:
             found = self.plus(self.pick(found, found, low), self.pick(found, found, high))
         return found
 
+    def last(self, count):
+        """Which entries of a line are its last ones, so many."""
+        numbers = ir.VectorType(LONG, PAD)
+        at_least = self.builder.insert_element(
+            ir.Constant(numbers, ir.Undefined), self.builder.sub(LONG(PAD), count), ir.Constant(ir.IntType(32), 0)
+        )
+        return self.builder.icmp_signed(
+            ">=", ir.Constant(numbers, list(range(PAD))), self.pick(at_least, at_least, [0] * PAD)
+        )
+
     def total(self, lines):
         """The sum of all entries of some lines, a power of 2."""
         while len(lines) > 1:
@@ -234,7 +244,93 @@ def take_out(typing, row, direction, wide):
     return _writes(pair(row, direction, types.int64), build)
 
 
+@intrinsic
+def product(typing, row, x, count):
+    """The product of row[:count] with x[:count], of any length."""
+
+    def build(write, row, x, count):
+        mine, other, sums = write.data(0), write.data(1), write.variables(2)
+        for many, t in write.tiles(LONG(0), count, PAD, (2, 1)):
+            for k in range(many):
+                place = write.step(t, PAD * k)
+                write.change(sums[k], write.plus, write.times(write.load(mine, place), write.load(other, place)))
+        builder, over = write.builder, write.builder.and_(count, LONG(PAD - 1))
+        rest = alloca_once(builder, NUMBER)
+        builder.store(NUMBER(0.0), rest)
+        long = builder.icmp_signed(">=", count, LONG(PAD))
+        with builder.if_then(builder.and_(long, builder.icmp_signed("!=", over, LONG(0)))):
+            place = builder.sub(count, LONG(PAD))  # the last whole line: what overlaps counts once
+            both = write.times(write.load(mine, place), write.load(other, place))
+            write.change(sums[0], write.plus, builder.select(write.last(over), both, ir.Constant(LINE, None)))
+        with builder.if_then(builder.not_(long)), for_range_slice(builder, LONG(0), count, LONG(1), LONG) as (t, _):
+            one, two = (builder.load(builder.gep(data, [t])) for data in (mine, other))
+            builder.store(write.plus(builder.load(rest), write.times(one, two)), rest)
+        return write.plus(builder.load(rest), write.total([builder.load(one) for one in sums]))
+
+    return _writes(types.float64(row, x, types.int64), build)
+
+
+@intrinsic
+def weigh(typing, row, weight, count, out):
+    """Write row[:count], times a weight, to out; returns the square of the length of the row."""
+
+    def build(write, row, weight, count, out):
+        mine, into, sums, weights = write.data(0), write.data(3), write.variables(2), write.everywhere(weight)
+        for many, t in write.tiles(LONG(0), count, PAD, (2, 1)):
+            for k in range(many):
+                place = write.step(t, PAD * k)
+                entries = write.load(mine, place)
+                write.store(write.times(entries, weights), into, place)
+                write.change(sums[k], write.plus, write.times(entries, entries))
+        builder, over = write.builder, write.builder.and_(count, LONG(PAD - 1))
+        rest = alloca_once(builder, NUMBER)
+        builder.store(NUMBER(0.0), rest)
+        long = builder.icmp_signed(">=", count, LONG(PAD))
+        with builder.if_then(builder.and_(long, builder.icmp_signed("!=", over, LONG(0)))):
+            place = builder.sub(count, LONG(PAD))
+            entries = write.load(mine, place)
+            write.store(write.times(entries, weights), into, place)
+            squares = builder.select(write.last(over), write.times(entries, entries), ir.Constant(LINE, None))
+            write.change(sums[0], write.plus, squares)
+        with builder.if_then(builder.not_(long)), for_range_slice(builder, LONG(0), count, LONG(1), LONG) as (t, _):
+            one = builder.load(builder.gep(mine, [t]))
+            builder.store(write.times(one, weight), builder.gep(into, [t]))
+            builder.store(write.plus(builder.load(rest), write.times(one, one)), rest)
+        return write.plus(builder.load(rest), write.total([builder.load(one) for one in sums]))
+
+    return _writes(types.float64(row, types.float64, types.int64, out), build)
+
+
+@intrinsic
+def pick_entries(typing, row, places, wide, out):
+    """Write the entries of a row at these places to out[:wide]."""
+
+    def build(write, row, places, wide, out):
+        builder = write.builder
+        for _, t in write.tiles(LONG(0), wide, PAD, (1,)):
+            made = ir.Constant(LINE, ir.Undefined)
+            for k in range(PAD):
+                place = builder.load(builder.gep(write.data(1), [write.step(t, k)]))
+                entry = builder.load(builder.gep(write.data(0), [place]))
+                made = builder.insert_element(made, entry, ir.Constant(ir.IntType(32), k))
+            write.store(made, write.data(3), t)
+
+    return _writes(types.void(row, places, types.int64, out), build)
+
+
 if INTERPRETED:
+
+    def product(row, x, count):
+        return sum(row[t] * x[t] for t in range(count))
+
+    def weigh(row, weight, count, out):
+        for t in range(count):
+            out[t] = weight * row[t]
+        return sum(row[t] * row[t] for t in range(count))
+
+    def pick_entries(row, places, wide, out):
+        for t in range(wide):
+            out[t] = row[places[t]]
 
     def multiply_lines(rows, first, end, x, wide, out):
         for q in range(first, end):
