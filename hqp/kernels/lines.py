@@ -12,7 +12,7 @@ import math
 
 from llvmlite import ir
 from numba import types
-from numba.core.cgutils import alloca_once, for_range_slice
+from numba.core.cgutils import alloca_once, for_range_slice, get_or_insert_function
 from numba.extending import intrinsic
 from numba.np.arrayobj import make_array
 
@@ -83,6 +83,22 @@ class Writer:
     def times(self, one, other):
         """Their product, entry by entry."""
         return self.builder.fmul(one, other, flags=("contract", "nsz"))
+
+    def root(self, values):
+        """The square root of each entry of a vector."""
+        kind = values.type
+        find = get_or_insert_function(
+            self.builder.module, ir.FunctionType(kind, [kind]), f"llvm.sqrt.v{kind.count}f64"
+        )
+        return self.builder.call(find, [values])
+
+    def entry(self, place, number):
+        """This entry of an array of one axis."""
+        return self.builder.load(self.builder.gep(self.data(place), [number]))
+
+    def both(self, one, other):
+        """The sum of two lines that change."""
+        return self.plus(self.builder.load(one), self.builder.load(other))
 
     def variables(self, count):
         """So many lines that change, all zeros."""
@@ -218,30 +234,43 @@ def scale_line(typing, row, share, wide, out):
 
 
 @intrinsic
-def take_out(typing, row, direction, wide):
-    """Subtract from row[:wide] its part along a unit vector; returns the length of this part, and the square left."""
-    pair = types.UniTuple(types.float64, 2)
+def take_out(typing, rows, slots, first, count, direction, wide, parts, ids, column, sizes):
+    """Subtract from the rows ``slots`` first .. count - 1 their parts along a unit vector, and write what is left.
 
-    def build(write, row, direction, wide):
-        mine, unit = write.data(0), write.data(1)
-        sums = write.variables(4)
-        for many, t in write.tiles(LONG(0), wide, PAD, (4, 1)):
-            for k in range(many):
-                place = write.step(t, PAD * k)
-                write.change(sums[k], write.plus, write.times(write.load(mine, place), write.load(unit, place)))
-        along = write.total([write.builder.load(one) for one in sums])
-        share, squares = write.everywhere(along), write.variables(4)
-        for many, t in write.tiles(LONG(0), wide, PAD, (4, 1)):
-            for k in range(many):
-                place = write.step(t, PAD * k)
-                left = write.minus(write.load(mine, place), write.times(write.load(unit, place), share))
-                write.store(left, mine, place)
-                write.change(squares[k], write.plus, write.times(left, left))
-        both = ir.Constant(ir.ArrayType(NUMBER, 2), ir.Undefined)
-        both = write.builder.insert_value(both, along, 0)
-        return write.builder.insert_value(both, write.total([write.builder.load(one) for one in squares]), 1)
+    The parts go to this column of `parts`, each to the row that is its number in ``ids``; the lengths to `sizes`.
+    """
 
-    return _writes(pair(row, direction, types.int64), build)
+    def build(write, rows, slots, first, count, direction, wide, parts, ids, column, sizes):
+        builder, unit = write.builder, write.data(4)
+        for many, r in write.tiles(first, count, 1):
+            mine = [write.row(0, write.entry(1, write.step(r, k))) for k in range(many)]
+            sums, squares = write.variables(2 * many), write.variables(2 * many)
+            for side, t in write.tiles(LONG(0), wide, PAD, (2, 1)):
+                for s in range(side):
+                    place = write.step(t, PAD * s)
+                    entries = write.load(unit, place)
+                    for row, one in zip(mine, sums[s::2], strict=True):
+                        write.change(one, write.plus, write.times(write.load(row, place), entries))
+            along = write.added([write.both(*sums[2 * k : 2 * k + 2]) for k in range(many)])
+            shares = []
+            for k in range(many):
+                share = builder.extract_element(along, ir.Constant(ir.IntType(32), k))
+                shares.append(write.everywhere(share))
+                into = write.row(6, write.entry(7, write.step(r, k)))
+                builder.store(share, builder.gep(into, [column]))
+            for side, t in write.tiles(LONG(0), wide, PAD, (2, 1)):
+                for s in range(side):
+                    place = write.step(t, PAD * s)
+                    entries = write.load(unit, place)
+                    for row, one, share in zip(mine, squares[s::2], shares, strict=True):
+                        left = write.minus(write.load(row, place), write.times(entries, share))
+                        write.store(left, row, place)
+                        write.change(one, write.plus, write.times(left, left))
+            left = write.added([write.both(*squares[2 * k : 2 * k + 2]) for k in range(many)])
+            write.store(write.root(left), write.data(9), r)
+
+    given = (rows, slots, types.int64, types.int64, direction, types.int64, parts, ids, types.int64, sizes)
+    return _writes(types.void(*given), build)
 
 
 @intrinsic
@@ -316,6 +345,47 @@ def pick_entries(typing, row, places, wide, out):
             write.store(made, write.data(3), t)
 
     return _writes(types.void(row, places, types.int64, out), build)
+
+
+if INTERPRETED:
+
+    def product(row, x, count):
+        return sum(row[t] * x[t] for t in range(count))
+
+    def weigh(row, weight, count, out):
+        for t in range(count):
+            out[t] = weight * row[t]
+        return sum(row[t] * row[t] for t in range(count))
+
+    def pick_entries(row, places, wide, out):
+        for t in range(wide):
+            out[t] = row[places[t]]
+
+    def multiply_lines(rows, first, end, x, wide, out):
+        for q in range(first, end):
+            out[q] = sum(rows[q][t] * x[t] for t in range(wide))
+
+    def add_lines(rows, first, end, shares, wide, row):
+        for q in range(first, end):
+            for t in range(wide):
+                row[t] += shares[q] * rows[q][t]
+
+    def subtract_lines(rows, first, end, shares, wide, row):
+        for q in range(first, end):
+            for t in range(wide):
+                row[t] -= shares[q] * rows[q][t]
+
+    def scale_line(row, share, wide, out):
+        for t in range(wide):
+            out[t] = row[t] * share
+
+    def take_out(rows, slots, first, count, direction, wide, parts, ids, column, sizes):
+        for r in range(first, count):
+            row = rows[slots[r]]
+            along = parts[ids[r]][column] = sum(row[t] * direction[t] for t in range(wide))
+            for t in range(wide):
+                row[t] -= along * direction[t]
+            sizes[r] = math.sqrt(sum(row[t] * row[t] for t in range(wide)))
 
 
 if INTERPRETED:

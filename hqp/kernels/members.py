@@ -11,8 +11,11 @@ Joining appends a row to L; leaving is a rank-one update of the block behind it 
 
 from __future__ import annotations
 
+import math
+
 from . import layout as at
 from .compile import inner, integer
+from .lines import weigh
 from .memory import ints, marks, matrix, vector
 from .metric import convert
 from .orthogonal import CANCELLED, length, padded, project, split
@@ -52,11 +55,8 @@ def list_part(i, place, slot, here):
     """
     wide = padded(ints(here, 0, at.HEAD)[at.N])
     P, R = matrix(here, at.P), matrix(here, at.R)
-    mine, row = P[i], R[place]
-    for j in range(wide):
-        row[j] = mine[j]
     marks(here, at.IDS)[place], marks(here, at.SLOTS)[place] = i, slot
-    vector(here, at.LENGTHS)[place] = length(row, wide)
+    vector(here, at.LENGTHS)[place] = math.sqrt(weigh(P[i], 1.0, wide, R[place]))
 
 
 @inner

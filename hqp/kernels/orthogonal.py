@@ -173,9 +173,7 @@ def pivots(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
         direction = V[c + rank]
         scale_line(row, 1.0 / size, f, direction)
         coefficients[c + rank] = size
-        for r in range(rank + 1, count):
-            L[ids[r]][c + rank], total = take_out(R[slots[r]], direction, f)
-            sizes[r] = math.sqrt(total)
+        take_out(R, slots, rank + 1, count, direction, f, L, ids, c + rank, sizes)
         rank += 1
     return rank
 
