@@ -168,11 +168,10 @@ def pivots(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
             continue
         renewed = -1
         ids[best], slots[best], sizes[best] = ids[rank], slots[rank], sizes[rank]
-        size = most
-        ids[rank], slots[rank], sizes[rank] = i, slot, size
+        ids[rank], slots[rank], sizes[rank] = i, slot, most
         direction = V[c + rank]
-        scale_line(row, 1.0 / size, f, direction)
-        coefficients[c + rank] = size
+        scale_line(row, 1.0 / most, f, direction)
+        coefficients[c + rank] = most
         take_out(R, slots, rank + 1, count, direction, f, L, ids, c + rank, sizes)
         rank += 1
     return rank

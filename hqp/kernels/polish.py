@@ -15,8 +15,8 @@ from . import layout as at
 from .compile import inner, integer
 from .doubt import may_be_met
 from .extent import extent
-from .members import list_part, prepare, start_of
 from .lines import add_lines
+from .members import list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
 from .metric import displace, pull_in_metric
 from .orthogonal import NONE, level_least_squares, padded, pivots, separate

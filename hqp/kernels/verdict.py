@@ -88,10 +88,7 @@ def judge_rows(here, last, damped, damping):
                 unbalanced += abs(w[i]) * left[i]
                 if side[i] == EQUALITY or abs(w[i]) > near + tol * abs(bound):
                     turned = turned or turns(here, i, left[i], integer(0), cut[k + 1])
-            if col[i] >= 0:
-                value = norm[i] * x[col[i]]
-            else:
-                value = product(B[row_of[i]], x, n)
+            value = norm[i] * x[col[i]] if col[i] >= 0 else product(B[row_of[i]], x, n)
             if side[i] != INACTIVE:
                 bound = target(side[i], lo[i], hi[i])
                 blurred = blurred or abs(value - bound - w[i]) > near + tol * abs(bound)
