@@ -191,6 +191,8 @@ def written(code, returns=types.void):
         own = signature(function).parameters.values()
         define.__signature__ = Signature([Parameter("typing", Parameter.POSITIONAL_OR_KEYWORD), *own])
         define.__name__, define.__doc__ = function.__name__, function.__doc__
-        return intrinsic(define)
+        made = intrinsic(define)
+        made.py_func = function
+        return made
 
     return decorate
