@@ -16,7 +16,7 @@ import math
 
 from . import layout
 from .compile import inner, integer
-from .lines import multiply_lines, scale_line, subtract_lines, take_out
+from .lines import multiply_lines, product, scale_line, subtract_lines, take_out
 
 #: A remainder below this share of the length of its row is projected again.
 CANCELLED = 0.1
@@ -180,13 +180,11 @@ def pivots(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
 @inner
 def reflect(vector, column, j, head, scale, rank, count):
     """``vector -= scale * u (u . vector)``, where u is `head` at j and column[rank:count], and 0 elsewhere."""
-    along = vector[j] * head
-    for r in range(rank, count):
-        along += vector[r] * column[r]
-    along *= scale
+    mine, other = vector[rank:count], column[rank:count]
+    along = scale * (vector[j] * head + product(mine, other, count - rank))
     vector[j] -= along * head
-    for r in range(rank, count):
-        vector[r] -= along * column[r]
+    for r in range(count - rank):
+        mine[r] -= along * other[r]
 
 
 @inner
@@ -204,9 +202,9 @@ def triangle(ids, count, rank, L, c, rhs, diagonal, H):
     # From the last column to the first: so the triangle in the first `rank` rows costs next to nothing.
     for j in range(rank - 1, -1, -1):
         column = H[j]
-        total = column[j] * column[j]
-        for r in range(rank, count):
-            total += column[r] * column[r]
+        below, total = column[rank:count], column[j] * column[j]
+        for r in range(count - rank):
+            total += below[r] * below[r]
         size = math.sqrt(total)
         if column[j] > 0.0:
             size = -size
@@ -255,9 +253,9 @@ def level_least_squares(ids, count, rank, L, c, rhs, y, slack, H):
     for j in range(rank):
         column = H[j]
         head = column[j]
-        square = head * head
-        for r in range(rank, count):
-            square += column[r] * column[r]
+        below, square = column[rank:count], head * head
+        for r in range(count - rank):
+            square += below[r] * below[r]
         reflect(rhs, column, j, head, 2.0 / square, rank, count)
     for r in range(count):
         slack[ids[r]] = -rhs[r]
