@@ -31,7 +31,8 @@ def _door(kernel: Any) -> Callable[..., Any]:
 
 def plain(*modules: ModuleType) -> ModuleType:
     """The last of these modules as plain Python, and the others, which it imports, too."""
-    with mock.patch.dict(sys.modules), mock.patch.object(compiling, "inner", lambda function: function):
+    changes = {"inner": lambda function: function, "INTERPRETED": True}
+    with mock.patch.dict(sys.modules), mock.patch.multiple(compiling, **changes):
         for module in modules:
             spec = importlib.util.spec_from_file_location(module.__name__, module.__file__)
             made = sys.modules[module.__name__] = importlib.util.module_from_spec(spec)

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 from kernels import compiled, plain
 
-from hqp.kernels import orthogonal
+from hqp.kernels import lines, orthogonal, vectors
+from hqp.kernels.layout import padded
 
 
 @pytest.fixture(scope="module", params=["compiled", "plain"])
 def kernels(request):
-    return compiled(orthogonal, "project") if request.param == "compiled" else plain(orthogonal)
+    names = "project", "split"
+    return compiled(orthogonal, *names) if request.param == "compiled" else plain(vectors, lines, orthogonal)
 
 
 def rows(count):
@@ -37,3 +39,16 @@ def test_a_row_is_its_parts_along_the_basis_and_what_is_left(kernels):
         assert np.abs(V[first:c] @ left).max() <= round_off
         assert np.abs(left + parts @ V[:c] - row).max() <= round_off
         assert not parts[:first].any()
+
+
+def test_so_it_is_where_rows_end_in_zeros_and_all_that_stood_there_is_written(kernels):
+    for row, V, first, c in rows(120):
+        n, wide = len(row), padded(len(row))
+        basis, left, parts = np.zeros((n, wide)), np.zeros(wide), np.full(c, np.nan)
+        basis[:, :n], left[:n] = V, row
+        kernels.split(left, wide, basis, first, c, parts)
+        round_off = 1e-14 * np.abs(row).sum()
+        assert np.abs(basis[first:c] @ left).max() <= round_off
+        assert np.abs(left[:n] + parts[first:] @ V[first:c] - row).max() <= round_off
+        assert not left[n:].any()
+        assert np.isnan(parts[:first]).all()

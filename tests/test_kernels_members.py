@@ -1,4 +1,4 @@
-"""The factor of the members: products with rows, and solutions with its unit triangle, whatever their number."""
+"""The factor of the members: solutions with its unit triangle, whatever their number."""
 
 from __future__ import annotations
 
@@ -8,22 +8,12 @@ from kernels import compiled, plain
 
 from hqp.kernels import members, orthogonal
 
-NAMES = "products", "substitute", "substitute_back"
+NAMES = "substitute", "substitute_back"
 
 
 @pytest.fixture(scope="module", params=["compiled", "plain"])
 def kernels(request):
     return compiled(members, *NAMES) if request.param == "compiled" else plain(orthogonal, members)
-
-
-@pytest.mark.parametrize("count", range(14))
-def test_products_are_those_of_the_members_alone(kernels, count):
-    rng = np.random.default_rng(count)
-    P, chosen = rng.standard_normal((20, 16)), rng.permutation(20)[:count]
-    row, out = rng.standard_normal(16), np.full(15, np.nan)
-    kernels.products(row, chosen, count, P, 16, out)
-    assert np.allclose(out[:count], P[chosen] @ row, rtol=0.0, atol=1e-13)
-    assert np.isnan(out[count:]).all()
 
 
 @pytest.mark.parametrize("count", range(14))

@@ -16,6 +16,7 @@ from numba.core.runtime import _nrt_python, rtsys
 from hqp import Hierarchy, Level, Settings, Solver
 from hqp.backends.native import Memory, warm_up
 from hqp.kernels import layout as at
+from hqp.kernels.workspace import Workspace
 from hqp.problems import random_hierarchy
 
 
@@ -124,3 +125,12 @@ def test_other_threads_run_while_the_kernel_does() -> None:
 def test_numba_is_imported_when_a_solver_is_made_and_not_before() -> None:
     code = "import sys, hqp; assert 'numba' not in sys.modules; hqp.Solver(); assert 'numba' in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_every_array_begins_with_a_line_of_the_cache() -> None:
+    """A step of a loop over whole lines then reads one line, not two; and rows of whole lines stay so."""
+    line = 8 * at.PAD
+    for seed in range(50):
+        work = Workspace(random_hierarchy(np.random.default_rng(seed)).structure)
+        for place in at.PLACES[1]:
+            assert work.floats(int(place)).ctypes.data % line == 0

@@ -1,8 +1,9 @@
 """Compilation of the kernels: decorators with the same options for all.
 
-Kernels are plain loops over rows, one-dimensional slices that start at 0, because LLVM vectorises these. Sums may be
-reordered (``reassoc``); NaN and infinities keep their meaning. Kernels do not allocate, raise or call ``numpy.linalg``:
-each of these would cost time, both when compiled and when run.
+Kernels are plain loops over rows, one-dimensional slices that start at 0: LLVM vectorises these, and if one starts
+elsewhere, it gathers one number at a time. The longest sums are in :mod:`.lines`. Sums may be reordered (``reassoc``);
+NaN and infinities keep their meaning. Kernels do not allocate, raise or call ``numpy.linalg``: each of these would cost
+time, both when compiled and when run.
 """
 
 from __future__ import annotations

@@ -18,11 +18,11 @@ import math
 
 from . import layout as at
 from .compile import inner, integer
+from .lines import multiply_chosen, product, subtract_chosen
 from .members import (
     enter,
     leave,
     prepare,
-    products,
     sign_of,
     start_of,
     substitute,
@@ -179,18 +179,7 @@ def arrive(here, count):
         x[j] = anchor[j]
     for j in range(wide):
         moved[j] = 0.0
-    c = integer(0)
-    while c + 3 < count:
-        p0, p1, p2, p3 = P[members[c]], P[members[c + 1]], P[members[c + 2]], P[members[c + 3]]
-        f0, f1, f2, f3 = force[c], force[c + 1], force[c + 2], force[c + 3]
-        for j in range(wide):
-            moved[j] -= f0 * p0[j] + f1 * p1[j] + f2 * p2[j] + f3 * p3[j]
-        c += 4
-    while c < count:
-        p0, f0 = P[members[c]], force[c]
-        for j in range(wide):
-            moved[j] -= f0 * p0[j]
-        c += 1
+    subtract_chosen(P, members, count, force, wide, moved)
     if head[at.METRIC] != 0:
         displace(here, x)
     else:
@@ -210,7 +199,7 @@ def refine(here, count):
     members, force, wanted = marks(here, at.MEMBERS), vector(here, at.FORCE), vector(here, at.WANTED)
     D, right, soft = vector(here, at.DIAGONAL), vector(here, at.RIGHT), vector(here, at.SOFT)
     moved, P, F = vector(here, at.MOVED), matrix(here, at.P), matrix(here, at.FACTOR)
-    products(moved, members, count, P, wide, wanted)
+    multiply_chosen(P, members, count, moved, wide, wanted)
     for c in range(count):
         wanted[c] += right[c] - soft[c] * force[c]
     substitute(F, wanted, integer(0), count)
@@ -242,9 +231,7 @@ def excesses(here, end, tolerance, size):
         elif past[i] - first[i] < n // 2:
             value = value_within(i, x, here)
         else:
-            given, value = B[row_of[i]], 0.0
-            for j in range(n):
-                value += given[j] * x[j]
+            value = product(B[row_of[i]], x, n)
         over, under = value - hi[i], lo[i] - value
         if over > tolerance * (abs(hi[i]) + norm[i] * size):
             excess[i] = over / norm[i]

@@ -46,7 +46,8 @@ TAU, TOL, BUDGET, LIMIT, JUDGED, BLUR, OPTIONS = 0, 1, 2, 3, 4, 5, 6
 #: number of these numbers.
 ACCEPTED, RESIDUAL, TOTAL, UNBALANCED, GIVES, REACH, TELLS = 0, 1, 2, 3, 4, 5, 6
 #: Rows that are orthogonalised have zeros up to a multiple of so many entries: what a vectorised loop leaves over is
-#: done one by one, and takes as long as all the rest.
+#: done one by one, and takes as long as all the rest. As many are a line of the processor's cache: arrays begin with
+#: one, so that no step of such a loop reads two.
 PAD = 8
 #: Numbers of a damping rule: its kind and two parameters.
 RULE = 3
@@ -84,12 +85,17 @@ RULE = 3
 (VERDICT, HELD_BY) = range(76, 78)
 
 
+def padded(count):
+    """`count`, rounded up to a multiple of PAD: as many entries do loops over rows take that end in zeros."""
+    return (count + PAD - 1) & -PAD
+
+
 def shapes(n, levels, m, dense, widest, damped):
     """Shapes of all arrays that the caller does not own, place -> (rows, columns): dicts of integer and float arrays.
 
     `m` is the number of all rows, `dense` that of A, `widest` that of the largest level, `damped` how many are damped.
     """
-    deep, many, spare, wide = widest + n, min(m, 2 * n + 8), n if damped else 0, -(-n // PAD) * PAD
+    deep, many, spare, wide = widest + n, min(m, 2 * n + 8), n if damped else 0, padded(n)
     ints = dict.fromkeys((SIDE, FOLLOW, DECIDED, KIND, HELD, BEGIN, END), (m, 1))
     ints |= dict.fromkeys((PINNED, FREE, PIVOT, QUEUE, ASKS), (n, 1))
     ints |= dict.fromkeys((IDS, SLOTS), (deep, 1)) | {CUT: (levels + 1, 1), MEMBERS: (many, 1)}
@@ -161,6 +167,6 @@ def lay_out(structure, damped=(), rows_of_damping=False):
         begins = 0
         for place, shape in block.items():
             entries[place] = begins, *shape
-            begins += shape[0] * shape[1]
+            begins += padded(shape[0] * shape[1])
         sizes.append(begins)
     return directory, owned, tuple(sizes)

@@ -11,11 +11,14 @@ Joining appends a row to L; leaving is a rank-one update of the block behind it 
 
 from __future__ import annotations
 
+import math
+
 from . import layout as at
 from .compile import inner, integer
+from .lines import multiply_chosen, weigh
 from .memory import ints, marks, matrix, vector
 from .metric import convert
-from .orthogonal import CANCELLED, length, padded, project
+from .orthogonal import CANCELLED, length, padded, project, split
 from .rows import EQUALITY, copy_row, value_of
 
 
@@ -38,7 +41,7 @@ def prepare(i, frozen, here):
     if depth[i] < frozen:
         wide = padded(head[at.N])
         before = length(row, wide)
-        project(row, wide, V, depth[i], frozen, scratch)
+        split(row, wide, V, depth[i], frozen, scratch)
         if length(row, wide) < CANCELLED * before:
             project(row, wide, V, integer(0), frozen, scratch)
         depth[i] = frozen
@@ -52,39 +55,14 @@ def list_part(i, place, slot, here):
     """
     wide = padded(ints(here, 0, at.HEAD)[at.N])
     P, R = matrix(here, at.P), matrix(here, at.R)
-    mine, row = P[i], R[place]
-    for j in range(wide):
-        row[j] = mine[j]
     marks(here, at.IDS)[place], marks(here, at.SLOTS)[place] = i, slot
-    vector(here, at.LENGTHS)[place] = length(row, wide)
+    vector(here, at.LENGTHS)[place] = math.sqrt(weigh(P[i], 1.0, wide, R[place]))
 
 
 @inner
 def start_of(i, goal, here):
     """The right-hand side r_i = b_i x_E - g of row i, where g is `goal`."""
     return value_of(i, vector(here, at.ANCHOR), here) - goal
-
-
-@inner
-def products(mine, members, count, P, wide, out):
-    """Write the products of a row with those of all members to out[:count]: one pass over it serves four."""
-    r = integer(0)
-    while r + 3 < count:
-        p0, p1, p2, p3 = P[members[r]], P[members[r + 1]], P[members[r + 2]], P[members[r + 3]]
-        d0 = d1 = d2 = d3 = 0.0
-        for j in range(wide):
-            d0 += mine[j] * p0[j]
-            d1 += mine[j] * p1[j]
-            d2 += mine[j] * p2[j]
-            d3 += mine[j] * p3[j]
-        out[r], out[r + 1], out[r + 2], out[r + 3] = d0, d1, d2, d3
-        r += 4
-    while r < count:
-        p0, d0 = P[members[r]], 0.0
-        for j in range(wide):
-            d0 += mine[j] * p0[j]
-        out[r] = d0
-        r += 1
 
 
 @inner
@@ -158,7 +136,7 @@ def enter(count, here):
         for r in range(count):
             row[r] = norm[i] * P[members[r]][col[i]]
     else:
-        products(mine, members, count, P, wide, row)
+        multiply_chosen(P, members, count, mine, wide, row)
     pivot, rest = square + soft[count], right[count]
     substitute(F, row, integer(0), count)
     for r in range(count):

@@ -14,8 +14,9 @@ from __future__ import annotations
 
 import math
 
+from . import layout
 from .compile import inner, integer
-from .layout import PAD
+from .lines import multiply_lines, product, scale_line, subtract_lines, take_out
 
 #: A remainder below this share of the length of its row is projected again.
 CANCELLED = 0.1
@@ -23,11 +24,7 @@ CANCELLED = 0.1
 #: longer one takes part in the least squares of its level, even if it is too short for a direction of its own.
 NONE = 1e-14
 
-
-@inner
-def padded(f):
-    """f, rounded up to a multiple of PAD: as many entries do loops over rows take that end in zeros."""
-    return (f + PAD - 1) & -PAD
+padded = inner(layout.padded)
 
 
 @inner
@@ -80,6 +77,19 @@ def project(row, f, V, first, c, coefficients):
 
 
 @inner
+def split(row, wide, V, first, c, coefficients):
+    """Write the coefficients of row[:wide] along V[first:c], and subtract from it its part along these."""
+    only = only_entry(row, wide)
+    if only >= 0:  # one product is all of the sum
+        size = row[only]
+        for q in range(first, c):
+            coefficients[q] = size * V[q][only]
+    else:
+        multiply_lines(V, first, c, row, wide, coefficients)
+    subtract_lines(V, first, c, coefficients, wide, row)
+
+
+@inner
 def length(row, f):
     """Euclidean norm of row[:f]."""
     total = 0.0
@@ -124,10 +134,8 @@ def separate(ids, count, slots, sizes, R, norm, V, L, first, c, f, tau):
     for r in range(count):
         slots[r] = r
         row, coefficients = R[r], L[ids[r]]
-        for q in range(first, c):
-            coefficients[q] = 0.0
         if c > first:
-            project(row, f, V, first, c, coefficients)
+            split(row, f, V, first, c, coefficients)
         sizes[r] = length(row, f)
         if not sizes[r] > min(NONE, tau) * norm[ids[r]]:
             sizes[r] = 0.0
@@ -160,25 +168,11 @@ def pivots(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
             continue
         renewed = -1
         ids[best], slots[best], sizes[best] = ids[rank], slots[rank], sizes[rank]
-        size = most
-        ids[rank], slots[rank], sizes[rank] = i, slot, size
+        ids[rank], slots[rank], sizes[rank] = i, slot, most
         direction = V[c + rank]
-        scale = 1.0 / size
-        for t in range(f):
-            direction[t] = row[t] * scale
-        coefficients[c + rank] = size
-        for r in range(rank + 1, count):
-            other = R[slots[r]]
-            along = 0.0
-            for t in range(f):
-                along += other[t] * direction[t]
-            total = 0.0
-            for t in range(f):
-                left = other[t] - along * direction[t]
-                other[t] = left
-                total += left * left
-            L[ids[r]][c + rank] = along
-            sizes[r] = math.sqrt(total)
+        scale_line(row, 1.0 / most, f, direction)
+        coefficients[c + rank] = most
+        take_out(R, slots, rank + 1, count, direction, f, L, ids, c + rank, sizes)
         rank += 1
     return rank
 
@@ -186,13 +180,11 @@ def pivots(ids, count, slots, sizes, R, norm, V, L, c, f, tau):
 @inner
 def reflect(vector, column, j, head, scale, rank, count):
     """``vector -= scale * u (u . vector)``, where u is `head` at j and column[rank:count], and 0 elsewhere."""
-    along = vector[j] * head
-    for r in range(rank, count):
-        along += vector[r] * column[r]
-    along *= scale
+    mine, other = vector[rank:count], column[rank:count]
+    along = scale * (vector[j] * head + product(mine, other, count - rank))
     vector[j] -= along * head
-    for r in range(rank, count):
-        vector[r] -= along * column[r]
+    for r in range(count - rank):
+        mine[r] -= along * other[r]
 
 
 @inner
@@ -210,9 +202,9 @@ def triangle(ids, count, rank, L, c, rhs, diagonal, H):
     # From the last column to the first: so the triangle in the first `rank` rows costs next to nothing.
     for j in range(rank - 1, -1, -1):
         column = H[j]
-        total = column[j] * column[j]
-        for r in range(rank, count):
-            total += column[r] * column[r]
+        below, total = column[rank:count], column[j] * column[j]
+        for r in range(count - rank):
+            total += below[r] * below[r]
         size = math.sqrt(total)
         if column[j] > 0.0:
             size = -size
@@ -261,9 +253,9 @@ def level_least_squares(ids, count, rank, L, c, rhs, y, slack, H):
     for j in range(rank):
         column = H[j]
         head = column[j]
-        square = head * head
-        for r in range(rank, count):
-            square += column[r] * column[r]
+        below, square = column[rank:count], head * head
+        for r in range(count - rank):
+            square += below[r] * below[r]
         reflect(rhs, column, j, head, 2.0 / square, rank, count)
     for r in range(count):
         slack[ids[r]] = -rhs[r]

@@ -15,6 +15,7 @@ from . import layout as at
 from .compile import inner, integer
 from .doubt import may_be_met
 from .extent import extent
+from .lines import add_lines
 from .members import list_part, prepare, start_of
 from .memory import ints, marks, matrix, vector
 from .metric import displace, pull_in_metric
@@ -125,10 +126,7 @@ def polish(here, k, last, frozen, known):
         x[j] = anchor[j]
     for j in range(wide):
         moved[j] = 0.0
-    for q in range(frozen, c + own_rank):
-        direction, step = V[q], y[q]
-        for j in range(wide):
-            moved[j] += step * direction[j]
+    add_lines(V, frozen, c + own_rank, y, wide, moved)
     if head[at.METRIC] != 0:
         displace(here, x)
     else:

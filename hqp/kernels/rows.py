@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from . import layout as at
 from .compile import inner, integer
+from .lines import product
 from .memory import ints, marks, matrix, vector
 
 #: The sides on which a row can be active, as :class:`hqp.Side`.
@@ -20,11 +21,7 @@ def value_of(i, x, here):
     B = matrix(here, at.B)
     if col[i] >= 0:
         return norm[i] * x[col[i]]
-    row = B[row_of[i]]
-    total = 0.0
-    for j in range(n):
-        total += row[j] * x[j]
-    return total
+    return product(B[row_of[i]], x, n)
 
 
 @inner

@@ -17,6 +17,7 @@ from .closing import closes
 from .compile import entry, inner, integer, stamp, step
 from .dual import NEVER
 from .guess import guess
+from .lines import weigh
 from .memory import clock, floats, given, ints, marks, matrix, vector
 from .orthogonal import length
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER
@@ -50,12 +51,7 @@ def load(here, warm, trusted):
         weight = weights[i]
         size = 1.0
         if col[i] < 0:
-            given, row = A[row_of[i]], B[row_of[i]]
-            total = 0.0
-            for j in range(n):
-                row[j] = weight * given[j]
-                total += given[j] * given[j]
-            size = math.sqrt(total)
+            size = math.sqrt(weigh(A[row_of[i]], weight, n, B[row_of[i]]))
         below, above = lower[i], upper[i]
         fits = abs(below) <= LARGEST or below == -math.inf
         fits = fits and (abs(above) <= LARGEST or above == math.inf)

@@ -13,6 +13,7 @@ from .closing import close, spans_all
 from .compile import inner, integer
 from .doubt import WEAK
 from .extent import far
+from .lines import add_lines, pick_entries, product
 from .memory import ints, marks, matrix, vector
 from .orthogonal import level_least_squares, padded, pivots, separate
 from .rows import INACTIVE, target, value_of
@@ -103,11 +104,9 @@ def gather(here, k, f):
             given_rhs[i] = bound - norm[i] * x[col[i]]
         else:
             given = B[row_of[i]]
-            total = 0.0
-            for j in range(n):
-                total += given[j] * x[j]
-            given_rhs[i] = bound - total
-            for t in range(f):
+            given_rhs[i] = bound - product(given, x, n)
+            pick_entries(given, free, f & -at.PAD, row)
+            for t in range(f & -at.PAD, f):
                 row[t] = given[free[t]]
         for t in range(f, padded(f)):
             row[t] = 0.0
@@ -133,10 +132,7 @@ def enter_level(here, k, c, f, tau):
         separate(ids, count, slots, lengths, R, norm, V, L, 0, c, wide, tau)
         rank = pivots(ids, count, slots, lengths, R, norm, V[:f], L, c, wide, tau)
         for r in range(count):
-            row, total = L[ids[r]], given_rhs[ids[r]]
-            for q in range(c):
-                total -= row[q] * y[q]
-            rhs[r] = total
+            rhs[r] = given_rhs[ids[r]] - product(L[ids[r]], y, c)
     return count, rank
 
 
@@ -177,11 +173,13 @@ def solve_levels(here, k, end, c, f, tau):
 def arrive(here, last, c, f):
     """Add V[:c]' y to the ``x`` of :func:`fix_variables`, with one step of refinement if round-off of x_0 matters."""
     free, x, y, V = marks(here, at.FREE), vector(here, at.X), vector(here, at.Y), matrix(here, at.V)
+    moved, wide = vector(here, at.MOVED), padded(f)
     marks(here, at.CUT)[last] = c
-    for q in range(c):
-        direction, step = V[q], y[q]
-        for t in range(f):
-            x[free[t]] += step * direction[t]
+    for t in range(wide):
+        moved[t] = 0.0
+    add_lines(V, integer(0), c, y, wide, moved)
+    for t in range(f):
+        x[free[t]] += moved[t]
     if far(here):
         refine(here, c, f)
 

@@ -16,6 +16,7 @@ from . import layout as at
 from .compile import inner, integer
 from .doubt import may_be_met, turns
 from .extent import extent
+from .lines import product
 from .memory import ints, marks, matrix, vector
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, target
 from .signs import CLEAR, HELD_FIRMLY, clear_sign
@@ -87,13 +88,7 @@ def judge_rows(here, last, damped, damping):
                 unbalanced += abs(w[i]) * left[i]
                 if side[i] == EQUALITY or abs(w[i]) > near + tol * abs(bound):
                     turned = turned or turns(here, i, left[i], integer(0), cut[k + 1])
-            if col[i] >= 0:
-                value = norm[i] * x[col[i]]
-            else:
-                given = B[row_of[i]]
-                value = 0.0
-                for j in range(n):
-                    value += given[j] * x[j]
+            value = norm[i] * x[col[i]] if col[i] >= 0 else product(B[row_of[i]], x, n)
             if side[i] != INACTIVE:
                 bound = target(side[i], lo[i], hi[i])
                 blurred = blurred or abs(value - bound - w[i]) > near + tol * abs(bound)

@@ -30,7 +30,7 @@ class Workspace:
     def __init__(self, structure: tuple[Any, ...], damped: tuple[int, ...] = (), rows: bool = False) -> None:
         directory, self._owned, (ints, floats) = _layout(structure, damped, rows)
         self._directory = directory.copy()
-        self._blocks = np.empty(ints, dtype=np.int64), np.empty(floats)  # nothing is read before it is written
+        self._blocks = np.empty(ints, dtype=np.int64), aligned(floats)  # nothing is read before it is written
         self._entries = self._directory[at.HEAD :].reshape(-1, 3)
         for block, places in zip(self._blocks, at.PLACES, strict=True):
             self._entries[places, 0] = block.ctypes.data + 8 * self._entries[places, 0]
@@ -50,6 +50,13 @@ class Workspace:
         address, rows, columns = self._entries[place].tolist()
         first = (address - block.ctypes.data) // 8
         return block[first : first + rows * columns].reshape(rows, columns)
+
+
+def aligned(count: int) -> Array:
+    """Room for so many floats, at an address at which a line of the processor's cache begins."""
+    room = np.empty(count + at.PAD - 1)
+    first = -room.ctypes.data // room.itemsize % at.PAD
+    return room[first : first + count]
 
 
 _layout = lru_cache(maxsize=64)(at.lay_out)

@@ -1,0 +1,100 @@
+"""Sums over rows, a line at a time: as NumPy's for any number of rows and entries, and nothing else is written."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+from kernels import compiled, plain
+
+from hqp.kernels import lines, vectors
+from hqp.kernels.layout import PAD
+
+NAMES = (
+    "add_lines",
+    "multiply_chosen",
+    "multiply_lines",
+    "pick_entries",
+    "product",
+    "scale_line",
+    "subtract_chosen",
+    "subtract_lines",
+    "take_out",
+    "weigh",
+)
+WIDTHS = PAD * np.array([1, 2, 3, 4, 7])
+
+
+@pytest.fixture(scope="module", params=["compiled", "plain"])
+def loops(request):
+    return compiled(lines, *NAMES) if request.param == "compiled" else plain(vectors, lines)
+
+
+def close(one, other):
+    return np.allclose(one, other, rtol=0.0, atol=1e-13, equal_nan=True)
+
+
+def test_products_and_sums_are_those_of_numpy(loops):
+    rng = np.random.default_rng(0)
+    for end, wide in product(range(10), WIDTHS):
+        rows, x, shares = rng.normal(size=(12, wide)), rng.normal(size=wide), rng.normal(size=12)
+        ids = rng.permutation(12)
+        out = np.full(12, np.nan)
+        loops.multiply_chosen(rows, ids, end, x, wide, out)
+        assert close(out, np.where(np.arange(12) < end, rows[ids] @ x, np.nan))
+        changed = x.copy()
+        loops.subtract_chosen(rows, ids, end, shares, wide, changed)
+        assert close(changed, x - shares[:end] @ rows[ids[:end]])
+        for first in range(end + 1):
+            out = np.full(12, np.nan)
+            loops.multiply_lines(rows, first, end, x, wide, out)
+            assert close(out[first:end], rows[first:end] @ x)
+            assert np.isnan(out[:first]).all()
+            assert np.isnan(out[end:]).all()
+            for sign, change in (1.0, loops.add_lines), (-1.0, loops.subtract_lines):
+                changed = x.copy()
+                change(rows, first, end, shares, wide, changed)
+                assert close(changed, x + sign * shares[first:end] @ rows[first:end])
+
+
+def test_a_direction_is_taken_out_of_the_rows_that_are_left(loops):
+    rng = np.random.default_rng(1)
+    for count, wide in product(range(10), WIDTHS):
+        rows, slots, ids = rng.normal(size=(12, wide)), rng.permutation(12), rng.permutation(15)[:12]
+        unit = rng.normal(size=wide)
+        unit /= np.linalg.norm(unit)
+        for first in range(count + 1):
+            left, parts, sizes = rows.copy(), np.full((15, 3), np.nan), np.full(12, np.nan)
+            loops.take_out(left, slots, first, count, unit, wide, parts, ids, 1, sizes)
+            mine = slots[first:count]
+            expected = rows.copy()
+            expected[mine] -= np.outer(rows[mine] @ unit, unit)
+            assert close(left, expected)
+            assert close(parts[ids[first:count], 1], rows[mine] @ unit)
+            assert close(sizes[first:count], np.linalg.norm(expected[mine], axis=1))
+            assert np.isnan(parts).sum() == parts.size - (count - first)
+            assert np.isnan(np.delete(sizes, np.arange(first, count))).all()
+
+
+def test_rows_of_any_length_are_read_and_written_to_their_end_and_no_further(loops):
+    """What stands beside them is no number: a sum that read it would be none."""
+    rng = np.random.default_rng(2)
+    for count in range(4 * PAD):
+        row, x = (np.r_[np.full(3, np.nan), rng.normal(size=count), np.full(PAD, np.nan)] for _ in range(2))
+        mine, other, out = row[3:], x[3:], np.full(count + PAD, np.nan)
+        assert close(loops.product(mine, other, count), mine[:count] @ other[:count])
+        assert close(loops.weigh(mine, -2.0, count, out), mine[:count] @ mine[:count])
+        assert close(out, np.r_[-2.0 * mine[:count], np.full(PAD, np.nan)])
+
+
+@pytest.mark.parametrize("wide", WIDTHS)
+def test_entries_are_picked_and_scaled(loops, wide):
+    rng = np.random.default_rng(3)
+    row, places, out = rng.normal(size=70), rng.permutation(70), np.full(70, np.nan)
+    loops.pick_entries(row, places, wide, out)
+    assert (out[:wide] == row[places[:wide]]).all()
+    assert np.isnan(out[wide:]).all()
+    loops.scale_line(row, 3.0, wide, out)
+    assert close(out[:wide], 3.0 * row[:wide])
+    assert np.isnan(out[wide:]).all()
