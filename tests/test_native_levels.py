@@ -15,6 +15,8 @@ from hqp import Hierarchy, Level, Settings, Solution, Solver, Status
 from hqp import solve as module_solve
 from hqp.backends.native import Native, warm_up
 from hqp.kernels import layout as at
+from hqp.kernels.judge import judge
+from hqp.kernels.ready import door
 from hqp.problems import random_hierarchy
 
 HARD = Path(__file__).parent / "data" / "hard"
@@ -121,6 +123,58 @@ def test_no_number_is_read_before_it_is_written() -> None:
             answers.append(solver.solve(h).x)
         assert np.array_equal(answers[0], answers[1])
         assert np.array_equal(answers[0], answers[2])
+
+
+def test_a_warm_solve_begins_level_by_level_where_the_last_one_found_other_sides_so() -> None:
+    """Sides that have just turned mostly turn again: no sweep is made in vain. Once they stay, one sweep is all."""
+    sweeps = {"turned": 0, "settled": 0}
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        first = saturated(rng)
+        targets = [10.0 * rng.standard_normal(first.m) for _ in range(2)]
+        turned, settled = Solver(BACKEND), Solver(BACKEND)
+        second, third = (asked(first, target) for target in targets)
+        for h in (first, second):
+            turned.solve(h)
+        for h in (first, second, second):
+            settled.solve(h)
+        again = settled.solve(second)
+        assert again.counts.sweeps == 1
+        assert again.counts.iterations == 0
+        one, other = turned.solve(third), settled.solve(third)
+        assert proved(one)
+        np.testing.assert_allclose(one.x, other.x, rtol=0, atol=1e-8 * np.linalg.norm(other.x))
+        sweeps["turned"] += one.counts.sweeps
+        sweeps["settled"] += other.counts.sweeps
+    assert sweeps["turned"] < sweeps["settled"]
+
+
+def asked(h: Hierarchy, target: np.ndarray) -> Hierarchy:
+    """The same limits, and equalities that ask for so much more."""
+    twin = h.copy()
+    equal = twin.lower == twin.upper
+    twin.lower[equal] += target[equal]
+    twin.upper[equal] += target[equal]
+    return twin
+
+
+def test_the_certificate_in_a_solver_hangs_on_x_alone_not_on_the_sides_it_is_told() -> None:
+    """The sides tell where its search begins: right, wrong or none, the verdict is the same, for good x and for bad."""
+    verdicts, rng = set(), np.random.default_rng(7)
+    for h in draws(30):
+        solver = Solver(BACKEND)
+        x, memory = solver.solve(h).x, solver._backend._memory  # type: ignore[attr-defined]
+        sides = memory.ints(at.SIDE)
+        right = sides.copy()
+        some = np.where(rng.random(right.shape) < 0.5, right, rng.integers(-1, 2, right.shape))
+        for moved in (0.0, 1e-3):
+            found = []
+            for told in (right, some, np.zeros_like(right), np.where(right == 0, 1, 0)):
+                sides[:], memory.x[:] = told, x + moved * np.linalg.norm(x)
+                found.append(door(judge)(memory.address, 0))
+            assert len(set(found)) == 1, found
+            verdicts.add((moved, found[0] == at.PASSES))
+    assert verdicts == {(0.0, True), (1e-3, False)}
 
 
 # What is stopped.

@@ -1,6 +1,7 @@
 """The order of the methods that are tried until one gives an answer with its proof.
 
 1. A sweep with the known sides (:mod:`.sweep`); rows that contradict their side change it, and the sweep is repeated.
+   Left out where the last solve has come to 2, and found other sides than it began with.
 2. Level by level (:mod:`.levels`): first warm, from the sides at the end of each level of the last solve, then cold.
    From the first level on that needs it, ranks are as sharp as round-off allows.
 3. If a rank is in doubt (:mod:`.doubt`), the compiled certificate (:mod:`.proof`) decides.
@@ -35,6 +36,9 @@ PATIENCE = 1
 FEW, MANY = 2, 7
 #: Factor on the rank tolerance, down to round-off, each time that a row which counts as dependent proves not to be.
 SHARPER = 0.1
+#: What is known of the last solve, HISTORY: nothing; the sides at the end of each level; and that these were not those
+#: of the solve before. Rows that have just changed sides mostly change them again: the next sweep would be in vain.
+UNKNOWN, KNOWN, TURNED = 0, 1, 2
 #: What another try has come to.
 PROVED, FAILED, LATE = 0, 1, 2
 #: What moves x by no more than this share of its length does not move it.
@@ -68,6 +72,14 @@ def first_contradiction(here, last):
             if side[i] != follow[i]:
                 return k
     return last
+
+
+@inner
+def note_sides(here, last):
+    """Set ``follow`` to ``side``: a row that then changes its side contradicts it, for :func:`first_contradiction`."""
+    ptr, side, follow = marks(here, at.PTR), marks(here, at.SIDE), marks(here, at.FOLLOW)
+    for i in range(ptr[last]):
+        follow[i] = side[i]
 
 
 @inner
@@ -197,9 +209,12 @@ def attempt(here, last, start, warm):
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
     exact_above, tau = integer(-1), option[at.TAU]
     while True:
-        level, faults = integer(last + 1), integer(1)
+        level, faults, found = integer(last + 1), integer(1), integer(KNOWN)
         if start != SIDES:
+            note_sides(here, last)
             level = exact_above = levels(here, last, start == WARM)
+            if start == WARM and first_contradiction(here, last) < last:
+                found = integer(TURNED)
             faults = integer(level <= last + 1)
             head[at.SWEEPS] += level == last + 2
         if faults > 0 and level == last + 1:
@@ -208,7 +223,7 @@ def attempt(here, last, start, warm):
         if sharpened:
             option[at.TAU], head[at.DOUBT] = tau, 1
         if start != SIDES:
-            head[at.HISTORY] = faults == 0
+            head[at.HISTORY] = found if faults == 0 else UNKNOWN
         if faults == 0 or start != SIDES:
             return faults, exact_above, sharpened
         start = integer(WARM if warm else COLD)
@@ -287,7 +302,7 @@ def try_again(here, last, failed, warm):
         As of :func:`attempt`.
     """
     head, option = ints(here, 0, at.HEAD), vector(here, at.OPTION)
-    tau, known = option[at.TAU], warm or head[at.HISTORY] != 0
+    tau, known = option[at.TAU], warm or head[at.HISTORY] != UNKNOWN
     copy(here, at.X, at.SAFE)
     sharper = sharpen(here)
     if not sharper and not (failed and warm):
@@ -328,14 +343,14 @@ def play_safe(here, last, exact_above):
     copy(here, at.X, at.SAFE)
     if level == last + 1:
         faults = verify(here, last)
-        head[at.HISTORY] = faults == 0
+        head[at.HISTORY] = KNOWN if faults == 0 else UNKNOWN
         if faults == 0:
             accepted(here, last)
             return status, level
         copy(here, at.SAFE, at.X)  # the sweep contradicts by round-off: the answer of the safe method stays
         if status == OPTIMAL:  # but it has no proof
             status, level = integer(STALLED), first_contradiction(here, last)
-    head[at.HISTORY] = 0
+    head[at.HISTORY] = UNKNOWN
     if status == STALLED and proves(here):
         head[at.DOUBT] = 0
         return integer(OPTIMAL), integer(last + 1)

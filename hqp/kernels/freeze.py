@@ -56,7 +56,7 @@ def freeze(here, k, frozen, hard, rank, own, own_rank, pull):
                 queue[n - opens] = q
         for i in range(ptr[k + 1]):
             carried[i] = 0.0
-        if threads > 0:
+        if threads > 0 and head[at.DOUBT] == 0:
             end, held = frozen + rank + own_rank, False
             for q in range(frozen):
                 held = held or not is_free(here, pivot[q], size)

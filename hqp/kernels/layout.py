@@ -20,9 +20,9 @@ WARM, TRUSTED, LEVEL, SWEEPS, ITERATIONS, OUTCOME = 4, 5, 6, 7, 8, 15
 #: For many hierarchies in one call: how many (0: one); how many numbers each has; and the addresses of their x_ref (0:
 #: the same for all), x, sides and outcomes.
 COUNT, STRIDE, REFERENCES, POINTS, SIDES, OUTCOMES = 9, 10, 11, 12, 13, 14
-#: When the call began, by the clock of :mod:`.memory` (0: when the kernel begins); when the solve must end; whether
-#: SAVED holds the sides at the end of each level; how many levels are damped; the address of a second directory, in
-#: which rows of damping are ordinary rows; whether damped levels have aims of their own (0: x_ref); and whether the
+#: When the call began, by the clock of :mod:`.memory` (0: when the kernel begins); when the solve must end; what SAVED
+#: has of the last solve (:mod:`.attempts`; 0: nothing); how many levels are damped; the address of a second directory,
+#: in which rows of damping are ordinary rows; whether damped levels have aims of their own (0: x_ref); and whether the
 #: rank of a level is in doubt (:mod:`.doubt`); whether the last level asks for single variables (:mod:`.closing`);
 #: and whether the caller needs a basis of all levels from the sweep.
 BEGAN, DEADLINE, HISTORY, DAMPED, TWIN, AIMED, DOUBT, CLOSES, BASIS = 16, 17, 18, 19, 20, 21, 22, 23, 24

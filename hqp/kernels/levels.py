@@ -40,6 +40,9 @@ SOFT, HARDER = 1e-6, 1e-9
 POLISH, SOFTLY, FIRMLY = 0, 1, 2
 #: Relative tolerance within which a starting point must satisfy the levels above.
 FEASIBLE = 1e-7
+#: If more rows contradict the saved W than this share of its rows from the levels above, most of these would have to go
+#: one by one: the level begins as in a cold start.
+FAULTY = 0.25
 
 
 @step
@@ -61,12 +64,15 @@ def levels(here, last, warm):
             if changed >= 0:  # level k is the last one now
                 frozen, last = changed, k
         longest, equalities, bounded = take_up(here, k, last, warm)
+        faults, hard = integer(0), integer(0)
         end, pivoted = ptr[min(k + 1, last)], integer(0)  # rows of V that one polish leaves to the next
         # The last level has no rows of its own, and is hardly ever met: dual at once.
         for turn in range(POLISH if k < last else SOFTLY, FIRMLY + 1):
             if turn == SOFTLY and not bounded:
                 continue
             if turn > POLISH:
+                if warm and turn == (SOFTLY if bounded else FIRMLY) and faults > FAULTY * hard:
+                    start_cold(here, k)
                 delta = soften(here, k, last, (SOFT if turn == SOFTLY else HARDER) * longest * longest)
                 count = assemble(here, k, last, frozen, delta)
                 count = settle(here, end, frozen, count, delta, rounds, FINE)
@@ -266,6 +272,16 @@ def assemble(here, k, last, frozen, delta):
         else:
             side[i] = INACTIVE
     return count
+
+
+@inner
+def start_cold(here, k):
+    """Begin level k with W as the level above has left it, ``saved``, in place of what the last solve has saved."""
+    m, ptr, saved = ints(here, 0, at.HEAD)[at.ROWS], marks(here, at.PTR), marks(here, at.SAVED)
+    side, kind = marks(here, at.SIDE), marks(here, at.KIND)
+    for i in range(ptr[k + 1]):
+        if kind[i] != FROZEN and side[i] != EQUALITY:
+            side[i] = saved[(k - 1) * m + i] if i < ptr[k] and k > 0 else INACTIVE
 
 
 @inner

@@ -28,7 +28,7 @@ from .orthogonal import padded, pivots
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER
 from .shift import STATIONARITY, round_off
 from .span import CLEAR, FREE_RANK, SOLVED_RANK, enter, take_up
-from .states import ROUND_OFF, find_sides
+from .states import ROUND_OFF, find_sides, rely_on
 from .symmetric import cholesky
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance
 
@@ -57,6 +57,7 @@ def proves(here):
     if not size < math.inf:
         head[at.FAILS] = 0
         return False
+    rely_on(here, saved)
     forget_parts(here)
     base, taken, head[at.FAILS] = integer(0), integer(0), at.PASSES
     for k in range(levels + 1):
@@ -328,7 +329,7 @@ def begin(here, k, base):
 def press(here, k, base):
     """Append hard rows above level k to V[:base] while they are clearly independent; returns how many there are.
 
-    Only those that are there up to round-off, as where a solver has kept them, or that hold a level.
+    Only those that are there up to round-off, and active for a solver that tells its sides, or that hold a level.
     """
     n, kind, pivot = ints(here, 0, at.HEAD)[at.N], marks(here, at.KIND), marks(here, at.PIVOT)
     holds = marks(here, at.DECIDED)

@@ -12,7 +12,7 @@ import math
 
 from . import layout as at
 from .active_set import OPTIMAL
-from .attempts import COLD, SIDES, seed, work_out
+from .attempts import COLD, SIDES, TURNED, UNKNOWN, WARM, seed, work_out
 from .closing import closes
 from .compile import entry, inner, integer, stamp, step
 from .dual import NEVER
@@ -133,10 +133,13 @@ def solve_one(here):
     note_blur(here)
     head[at.CLOSES] = vector(here, at.OPTION)[at.BLUR] == 0.0 and closes(here, last)
     if not warm:
-        head[at.HISTORY] = 0
-    elif head[at.HISTORY] == 0:
+        head[at.HISTORY] = UNKNOWN
+    elif head[at.HISTORY] == UNKNOWN:
         seed(here, last)
-    start = integer(SIDES if warm or guess(here, last) else COLD)
+    if warm and head[at.HISTORY] == TURNED and head[at.BASIS] == 0:
+        start = integer(WARM)
+    else:
+        start = integer(SIDES if warm or guess(here, last) else COLD)
     status, level = work_out(here, last, start, warm)
     head[at.LEVEL], head[at.WARM] = min(level, last), 1
     if head[at.LACKS] != 0:
@@ -166,7 +169,7 @@ def solve(here, numbers):
         if count > 0:
             for i in range(m):
                 side[i] = sides[i]
-            head[at.HISTORY] = 0  # SAVED belongs to the hierarchy before this one
+            head[at.HISTORY] = UNKNOWN  # SAVED belongs to the hierarchy before this one
             head[at.WARM] = warm
             if head[at.REFERENCES] != 0:
                 reference = floats(head[at.REFERENCES], b * n, n)

@@ -77,3 +77,18 @@ def find_sides(here):
         elif under:
             side[i] = LOWER
     return size, way
+
+
+@inner
+def rely_on(here, sides):
+    """Take the CLOSE mark from rows that are INACTIVE in `sides` (m,), those of a solver, if it has others at a bound.
+
+    Where many rows meet, it has found out which of them balance the levels. Nothing hangs on that but where the search
+    begins; without inequalities among the sides, none are known.
+    """
+    holds, known = marks(here, at.DECIDED), False
+    for i in range(ints(here, 0, at.HEAD)[at.ROWS]):
+        known = known or sides[i] == LOWER or sides[i] == UPPER
+    for i in range(ints(here, 0, at.HEAD)[at.ROWS]):
+        if known and sides[i] == INACTIVE and holds[i] == CLOSE:
+            holds[i] = 0
