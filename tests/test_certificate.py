@@ -207,6 +207,22 @@ def test_the_limit_gives_way_to_shifts_of_the_last_level(tangential: float, ok: 
     assert certify(h, normal + tangential * np.array([-normal[1], normal[0]])).ok == ok
 
 
+@pytest.mark.parametrize("seed", range(60))
+def test_a_shift_of_x_passes_however_its_entries_are_to_their_tolerances(seed: int) -> None:
+    """A row moves x from x_ref, along itself, by less than the tolerance of some entries, and more than that of others.
+
+    Those that are within count as zero at first; without them, nothing balances the others.
+    """
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(2, 6))
+    row, x_ref = rng.standard_normal(n) * 10.0 ** rng.uniform(-3.0, 0.0, n), rng.standard_normal(n)
+    x_ref *= 10.0 ** rng.uniform(-3.0, 2.0, n)
+    shift = 10.0 ** rng.uniform(-10.0, -7.0) * np.abs(x_ref).max() * row / np.linalg.norm(row)
+    h = Hierarchy([Level.equality([row], [row @ (x_ref + shift)])])
+    assert certify(h, x_ref + shift, x_ref).ok
+    assert not certify(h, x_ref + shift + 1e-5 * np.abs(x_ref).max() * (row != row[0]), x_ref).ok
+
+
 def test_wrong_input_is_refused() -> None:
     h = reach_behind_a_limit()
     with pytest.raises(InvalidInput, match=r"x has shape \(2,\); it must be \(1,\)"):
