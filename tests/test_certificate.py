@@ -223,6 +223,24 @@ def test_a_shift_of_x_passes_however_its_entries_are_to_their_tolerances(seed: i
     assert not certify(h, x_ref + shift + 1e-5 * np.abs(x_ref).max() * (row != row[0]), x_ref).ok
 
 
+@pytest.mark.parametrize("off", [0.0, 1e-12, 1e-8])
+def test_a_violation_that_nobody_can_tell_frees_no_row(off: float) -> None:
+    """A short row ends below its bound; above it by the round-off of two long rows of its level, it must not be held.
+
+    The bound is 1, and the level below asks for 0.
+    """
+    long, short = 1e5, 1e-3
+    rows = [[long, 0.0], [long, 0.0], [0.0, short]]
+    h = Hierarchy(
+        [Level(rows, [long, 2 * long, -np.inf], [long, 2 * long, short]), Level.equality([[0.0, 1.0]], [0.0])]
+    )
+    assert certify(h, [1.5, 0.0]).ok
+    refused = certify(h, [1.5, 1.0 + off])
+    assert not refused.ok
+    assert refused.failed is not None
+    assert refused.failed.level == 1
+
+
 def test_wrong_input_is_refused() -> None:
     h = reach_behind_a_limit()
     with pytest.raises(InvalidInput, match=r"x has shape \(2,\); it must be \(1,\)"):

@@ -82,4 +82,22 @@ def find_sides(here):
             side[i] = UPPER
         elif under:
             side[i] = LOWER
+    let_round_off_go(here)
     return size, way
+
+
+@inner
+def let_round_off_go(here):
+    """Take inequalities for met, at their bound, whose violation may be the round-off of the forces of their level.
+
+    Other rows, that are longer or further off, hide it. At a bound a row has a multiplier of one sign, violated of any.
+    """
+    head, ptr, norm = ints(here, 0, at.HEAD), marks(here, at.PTR), vector(here, at.NORM)
+    lo, hi, side, violation = vector(here, at.LO), vector(here, at.HI), marks(here, at.HELD), vector(here, at.SLOPE)
+    for k in range(head[at.LEVELS]):
+        forces = 0.0
+        for i in range(ptr[k], ptr[k + 1]):
+            forces += norm[i] * abs(violation[i])
+        for i in range(ptr[k], ptr[k + 1]):
+            if violation[i] != 0.0 and lo[i] != hi[i] and norm[i] * abs(violation[i]) <= ROUND_OFF * forces:
+                side[i], violation[i] = UPPER if violation[i] > 0.0 else LOWER, 0.0
