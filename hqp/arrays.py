@@ -75,3 +75,20 @@ def lengths(rows: Array) -> Array:
     """Euclidean norm of each row."""
     norms: Array = np.sqrt((rows * rows).sum(axis=1))
     return norms
+
+
+def products(rows: Array, x: Array) -> Array:
+    """The product of each row (m, n) with x (n,), exact but for one rounding.
+
+    Of each entry and its factor, split in two of half the digits (Veltkamp 1968), all four products are exact.
+    """
+    factors, parts = (_halves(rows), _halves(x))
+    terms = np.concatenate([a * b for a in factors for b in parts], axis=1)
+    return np.array([math.fsum(row) for row in terms.tolist()])
+
+
+def _halves(numbers: Array) -> tuple[Array, Array]:
+    """Two arrays of numbers of 26 digits each, whose sum are these."""
+    above = (2.0**27 + 1.0) * numbers
+    high = above - (above - numbers)
+    return high, numbers - high

@@ -207,6 +207,40 @@ def test_the_limit_gives_way_to_shifts_of_the_last_level(tangential: float, ok: 
     assert certify(h, normal + tangential * np.array([-normal[1], normal[0]])).ok == ok
 
 
+@pytest.mark.parametrize("seed", range(60))
+def test_a_shift_of_x_passes_however_its_entries_are_to_their_tolerances(seed: int) -> None:
+    """A row moves x from x_ref, along itself, by less than the tolerance of some entries, and more than that of others.
+
+    Those that are within count as zero at first; without them, nothing balances the others.
+    """
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(2, 6))
+    row, x_ref = rng.standard_normal(n) * 10.0 ** rng.uniform(-3.0, 0.0, n), rng.standard_normal(n)
+    x_ref *= 10.0 ** rng.uniform(-3.0, 2.0, n)
+    shift = 10.0 ** rng.uniform(-10.0, -7.0) * np.abs(x_ref).max() * row / np.linalg.norm(row)
+    h = Hierarchy([Level.equality([row], [row @ (x_ref + shift)])])
+    assert certify(h, x_ref + shift, x_ref).ok
+    assert not certify(h, x_ref + shift + 1e-5 * np.abs(x_ref).max() * (row != row[0]), x_ref).ok
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-12, 1e-8])
+def test_a_violation_that_nobody_can_tell_frees_no_row(off: float) -> None:
+    """A short row ends below its bound; above it by the round-off of two long rows of its level, it must not be held.
+
+    The bound is 1, and the level below asks for 0.
+    """
+    long, short = 1e5, 1e-3
+    rows = [[long, 0.0], [long, 0.0], [0.0, short]]
+    h = Hierarchy(
+        [Level(rows, [long, 2 * long, -np.inf], [long, 2 * long, short]), Level.equality([[0.0, 1.0]], [0.0])]
+    )
+    assert certify(h, [1.5, 0.0]).ok
+    refused = certify(h, [1.5, 1.0 + off])
+    assert not refused.ok
+    assert refused.failed is not None
+    assert refused.failed.level == 1
+
+
 def test_wrong_input_is_refused() -> None:
     h = reach_behind_a_limit()
     with pytest.raises(InvalidInput, match=r"x has shape \(2,\); it must be \(1,\)"):

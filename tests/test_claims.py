@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from hard_draws import DRAWS, damping, far
 
-from hqp import Hierarchy, Level, Solution, Solver, Status, available_backends, backend_info, load, solve
+from hqp import FixedDamping, Hierarchy, Level, Solution, Solver, Status, available_backends, backend_info, load, solve
 from hqp.certificate.judging import judged
 
 #: Draws whose wrong answers were once called optimal, though signs or ranks were decided by magnified round-off.
@@ -24,6 +24,8 @@ ONCE_WRONG = {
     "many units": [3158],
     "conflict": [2977],
 }
+#: The same of damped levels: what they had reached was frozen with the round-off of an x that was longer by 1e6.
+ONCE_WRONG_DAMPED = {"nearly dependent in many units": [3291, 7884, 8835]}
 #: Ticks of robots at a rank tie: four that lose their balance, and one with four joints at their bounds, at rest.
 TIES = sorted((Path(__file__).parent / "data" / "ties").glob("*.npz"))
 #: The share of draws in a long run that may be called optimal though the certificate does not quite accept them, and
@@ -90,9 +92,27 @@ def test_what_is_no_number_is_no_optimum() -> None:
 
 @pytest.mark.parametrize("name", DRAWS)
 def test_so_it_is_with_damped_levels(name: str) -> None:
-    wrong, optimal = drawn(name, range(40), damped=True)
+    wrong, optimal = drawn(name, [*range(40), *ONCE_WRONG_DAMPED.get(name, [])], damped=True)
     assert len(set(wrong)) <= FEW, wrong
     assert optimal > 60
+
+
+def test_a_rank_that_the_certificate_counts_is_in_doubt_where_the_solver_does_not() -> None:
+    """A row that depends on another but for 1.7e-12: warm, the answer was another, which nothing proved."""
+    h = DRAWS["nearly dependent in many units"](np.random.default_rng(1004362))
+    solver, before = Solver(), h.copy()
+    before.lower[:], before.upper[:] = before.lower + 0.1, before.upper + 0.1
+    for hierarchy in h, before, h:
+        assert right(solver.solve(hierarchy))
+
+
+def test_slacks_within_their_tolerances_may_balance_others() -> None:
+    """Of two rows that are nearly the same, and as long as 4e5 rows of the damping that they balance."""
+    h = DRAWS["nearly dependent in many units"](np.random.default_rng(908269))
+    for much in 0.04037338969968954, 0.02, 0.08:
+        solution = solve(h, damping={1: FixedDamping(much)})
+        assert solution.ok
+        assert solution.certify().ok
 
 
 @pytest.mark.sweep

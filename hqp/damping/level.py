@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array, length, lengths
+from ..arrays import Array, length, lengths, products
 from ..certificate import excess, row_states, split
 from ..errors import InvalidInput
 from ..hierarchy import Hierarchy, Label, Level, Side
@@ -87,9 +87,12 @@ class DampedLevel:
         self._write(combined @ self._dense(), b, b, np.ones(len(b)), damping, aim)
 
     def freeze(self, x: Array, aim: Array, settings: Settings) -> None:
-        """Hold the equality and violated rows of the level where they are at x, in the whole hierarchy itself."""
+        """Hold the equality and violated rows of the level where they are at x, in the whole hierarchy itself.
+
+        The x of the next stage may be shorter by orders of magnitude: what is round-off here is none there.
+        """
         level = self.level
-        reached = self._dense() @ x
+        reached = products(self._dense(), x)
         if (level.lower == level.upper).all():
             level.lower[:] = level.upper[:] = reached
             return

@@ -40,6 +40,11 @@ def inner(function):
     return for_all_values(njit(**PART)(function))
 
 
+def precise(function):
+    """As `inner`, with every sum and product rounded by itself and in its place, for what tells round-off."""
+    return for_all_values(njit(**PART | {"fastmath": False})(function))
+
+
 def plain(kernel):
     """The Python function of a kernel, which is quicker for a few numbers; it must not call other kernels."""
     return getattr(kernel, "py_func", kernel)

@@ -24,13 +24,15 @@ from .active_set import OPTIMAL
 from .attempts import FEW, PATIENCE, SHARPER, contested, repair
 from .compile import entry, inner, integer, stamp
 from .damped_twin import stage_proves, with_rows
-from .damping_rules import DEPENDENT, ERROR, FIXED, by_singular_values, forgiven, lacking, lengths, satisfied, unequal
+from .damping_rules import DEPENDENT, ERROR, FIXED, by_singular_values, lacking, satisfied, tolerance, unequal
 from .doubt import SHARPEST, all_even, is_even
 from .dual import late
 from .memory import given, ints, marks, matrix, vector
 from .orthogonal import level_least_squares
-from .rows import EQUALITY, INACTIVE, LOWER, UPPER, value_of
+from .rows import EQUALITY, INACTIVE, LOWER, UPPER
 from .solver import SUSPECT, UNEVEN, levels_that_count, load, note_blur, start_clock
+from .states import measure_rows, room_of
+from .sums import product
 from .sweep import arrive, enter_level, fix_variables, note_level, solve_levels
 from .verdict import STRICT, judge_multipliers, judge_rows
 
@@ -162,22 +164,35 @@ def run_stage(here, slot, last, level, damping, warm, through, c, count, rank):
 
 @inner
 def freeze_level(here, level):
-    """Freeze equalities and violated rows of a damped level: both bounds become their value at x.
+    """Freeze equalities and violated rows of a damped level: both bounds become their value at x, :func:`reached`.
 
     A row whose two bounds are both within the tolerance is an equality, as in :func:`hqp.certificate.row_states`.
     """
-    ptr, w = marks(here, at.PTR), vector(here, at.W)
-    lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
-    size, way = lengths(here)
+    ptr, w, weights = marks(here, at.PTR), vector(here, at.W), vector(here, at.WEIGHTS)
+    lo, hi, norm = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM)
+    value, slack = vector(here, at.LOW), vector(here, at.HIGH)
+    size, way = measure_rows(here, level + 1, vector(here, at.X0), value, slack)
     for i in range(ptr[level], ptr[level + 1]):
         if norm[i] == 0.0:
             continue
-        value = value_of(i, x, here)
-        near = forgiven(here, i, value, min(max(value, lo[i]), hi[i]), size, way)
-        over, under = value - hi[i], lo[i] - value
+        near = room_of(value[i], slack[i], norm[i], tolerance(here), size, way)
+        over, under = value[i] - hi[i], lo[i] - value[i]
         if lo[i] == hi[i] or max(over, under) > near or min(over, under) >= -near:
-            lo[i] = hi[i] = value
+            lo[i] = hi[i] = weights[i] * reached(here, i)
             w[i] = 0.0
+
+
+@inner
+def reached(here, i):
+    """The value of row i, unweighted, at x: exact but for one rounding, as :func:`hqp.arrays.products` has it.
+
+    The next stage may end at an x that is shorter by orders of magnitude. There, the round-off of this one would be a
+    slack to ask for, and solver and certificate, whose sums differ by round-off, would ask for different ones.
+    """
+    x, j = vector(here, at.X), marks(here, at.COL)[i]
+    if j >= 0:
+        return x[j]
+    return product(matrix(here, at.A)[marks(here, at.ROW_OF)[i]], x, ints(here, 0, at.HEAD)[at.N])
 
 
 @inner

@@ -7,9 +7,9 @@ import math
 from . import layout as at
 from .compile import inner, integer
 from .memory import ints, marks, matrix, vector
-from .orthogonal import length
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER, value_of
 from .singular import share_of_smallest, volume
+from .states import measure_rows, room_of
 from .sweep import enter_level, fix_variables, solve_levels
 
 #: Kinds of rules, see :mod:`hqp.damping`.
@@ -19,31 +19,6 @@ FIXED, MANIPULABILITY, SINGULAR_VALUE, ERROR = 0, 1, 2, 3
 DEPENDENT = 1e-14
 #: Rows are solved to the tolerance of the settings, and judged by this multiple of it.
 JUDGED = 10.0
-#: Round-off of a row, relative to its length and the distance that x has travelled: as
-#: :data:`hqp.certificate.rows.ROUND_OFF`.
-ROUND_OFF = 256 * 2.0**-52
-
-
-@inner
-def forgiven(here, i, value, bound, size, way):
-    """How far the value of row i may be from `bound` and still count as on it, by :func:`hqp.certificate.allowance`.
-
-    `size` and `way` are those of :func:`lengths`.
-    """
-    tol, norm = JUDGED * vector(here, at.OPTION)[at.TOL], vector(here, at.NORM)[i]
-    known = abs(bound) if abs(bound) < math.inf else 0.0
-    return tol * (abs(value) + known + 0.1 * norm * size) + ROUND_OFF * norm * way
-
-
-@inner
-def lengths(here):
-    """The norm of x, and the larger of it and ``||x - x_0||``, where x_0 is the aim of the level."""
-    n = ints(here, 0, at.HEAD)[at.N]
-    x, x0, away = vector(here, at.X), vector(here, at.X0), 0.0
-    for j in range(n):
-        away += (x[j] - x0[j]) * (x[j] - x0[j])
-    size = length(x, n)
-    return size, max(size, math.sqrt(away))
 
 
 @inner
@@ -80,27 +55,32 @@ def lacking(here, level):
 
 
 @inner
-def activate(here, end, through):
-    """Set ``side`` of the rows 0 .. end - 1 by their value at x.
+def tolerance(here):
+    """The tolerance by which rows count as met or active, as :func:`hqp.damping.level.tolerance`."""
+    return JUDGED * vector(here, at.OPTION)[at.TOL]
+
+
+@inner
+def activate(here, level, through):
+    """Set ``side`` of the rows of levels 0 .. level by their value at x.
 
     False if a row above level `through` gets another side than it has in the present basis.
     """
     ptr, side = marks(here, at.PTR), marks(here, at.SIDE)
-    lo, hi, norm, x = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), vector(here, at.X)
-    same, known = True, ptr[through]
-    size, way = lengths(here)
-    for i in range(end):
+    lo, hi, norm, same = vector(here, at.LO), vector(here, at.HI), vector(here, at.NORM), True
+    value, slack = vector(here, at.LOW), vector(here, at.HIGH)
+    size, way = measure_rows(here, level + 1, vector(here, at.X0), value, slack)
+    for i in range(ptr[level + 1]):
         now = integer(INACTIVE)
         if norm[i] > 0.0:
+            near = room_of(value[i], slack[i], norm[i], tolerance(here), size, way)
             if lo[i] == hi[i]:
                 now = integer(EQUALITY)
-            else:
-                value = value_of(i, x, here)
-                if value >= hi[i] - forgiven(here, i, value, hi[i], size, way):
-                    now = integer(UPPER)
-                elif value <= lo[i] + forgiven(here, i, value, lo[i], size, way):
-                    now = integer(LOWER)
-        if i < known:
+            elif value[i] >= hi[i] - near:
+                now = integer(UPPER)
+            elif value[i] <= lo[i] + near:
+                now = integer(LOWER)
+        if i < ptr[through]:
             same = same and (now == side[i] or (now == EQUALITY and side[i] != INACTIVE))
         side[i] = now
     return same
@@ -125,7 +105,7 @@ def by_singular_values(here, d, level, through, c):
     ids, rule = marks(here, at.IDS), matrix(here, at.RULES)[d]
     L, H, R = matrix(here, at.L), matrix(here, at.H), matrix(here, at.R)
     begin = integer(1 if head[at.BOXED] != 0 else 0)
-    if not activate(here, marks(here, at.PTR)[level + 1], through) or through < begin:
+    if not activate(here, level, through) or through < begin:
         through, c = begin, integer(0)
     f = fix_variables(here)
     c = solve_levels(here, through, level, c, f, tau)

@@ -16,15 +16,19 @@ from .compile import inner
 from .extent import extent
 from .memory import ints, marks, matrix, vector
 from .orthogonal import NONE
-from .rows import EQUALITY, target
+from .rows import EQUALITY, entry_of, target
 from .signs import CLEAR
 
 #: Smallest rank tolerance: well-conditioned others leave no larger share of a dependent row, by round-off.
 SHARPEST = 2e-12
+#: A dependent row of which such a share is left may be independent for the certificate: half of its
+#: :data:`.span.FREE_RANK`, as its share there is another one by round-off.
+COUNTED = 5e-13
 #: Dependent rows of which a larger share is left are not in doubt: the user has set such a rank tolerance on purpose.
 MOST = 1e-9
 #: A row of which a smaller share is left counts, but what it asks for is magnified, and so is the round-off of all rows
-#: that are left in its direction: the signs of their multipliers are in doubt.
+#: that are left in its direction: the signs of their multipliers are in doubt. Round-off that a row above has magnified
+#: is magnified again, so that the shares of both count together.
 WEAK = 1e-5
 #: A row that is shorter by this factor than another of its level may disappear in the round-off of that one: forces and
 #: factors go by squares of lengths.
@@ -64,25 +68,55 @@ def turns(here, i, left, first, end):
 
     There, inequalities at a bound may have no multiplier. Then, besides equalities and violated rows, row i adds its
     part along those rows of V[first:end] that were made of inequalities at a bound, and what is left, which has been
-    neglected: the shorter that part, the more it turns.
+    neglected: the shorter that part, of which the others span nothing, the more it turns.
     """
-    norm, pivot, L, part = vector(here, at.NORM)[i], marks(here, at.PIVOT), matrix(here, at.L), vector(here, at.SHARE)
-    if left <= NONE * norm or left > MOST * norm:
+    norm, pivot, L, part = vector(here, at.NORM), marks(here, at.PIVOT), matrix(here, at.L), vector(here, at.SHARE)
+    if left <= NONE * norm[i] or left > MOST * norm[i]:
         return False
     size, low, least = extent(vector(here, at.X), here), first, math.inf
     while low < end and is_free(here, pivot[low], size):
         low += 1
     for q in range(low, end):
         part[q] = L[i][q]
-    for q in range(end - 1, low - 1, -1):
-        if is_free(here, pivot[q], size):
-            row = L[pivot[q]]
-            much = part[q] / row[q]
-            for t in range(low, q):
-                part[t] -= much * row[t]
-        elif abs(part[q]) > SHARPEST * norm:
-            least = min(least, abs(part[q]))
-    return left > min(SHARPEST * norm, TURNED * least)
+    for q in range(end - 1, low - 1, -1):  # row i is the sum of the rows, times their parts
+        row = L[pivot[q]]
+        part[q] /= row[q]
+        for t in range(low, q):
+            part[t] -= part[q] * row[t]
+        much = abs(part[q]) * norm[pivot[q]]
+        if much > SHARPEST * norm[i] and not is_free(here, pivot[q], size):
+            least = min(least, much * clear_of_others(here, q, q, end))
+    return left > min(COUNTED * norm[i], TURNED * least)
+
+
+@inner
+def clear_of_others(here, place, first, end):
+    """How far a unit row of the basis V[first:end] is from the span of the others.
+
+    `place` is its place there, or -1 - i for the active bound i of a variable that has left the problem. The distance
+    is one over the length of the column of the inverse of the basis that belongs to it.
+    """
+    col, row_of, norm, B = marks(here, at.COL), marks(here, at.ROW_OF), vector(here, at.NORM), matrix(here, at.B)
+    pivot, L, column = marks(here, at.PIVOT), matrix(here, at.L), vector(here, at.SCRATCH)
+    square = 1.0 if place < 0 else 0.0
+    for q in range(first, end):
+        row, total = L[pivot[q]], norm[pivot[q]] if q == place else 0.0
+        if place < 0:
+            total = entry_of(pivot[q], col[-1 - place], col, row_of, norm, B)
+        for p in range(first, q):
+            total -= row[p] * column[p]
+        column[q] = total / row[q]
+        square += column[q] * column[q]
+    return 1.0 / math.sqrt(square)
+
+
+@inner
+def weakest_share(here, c):
+    """The smallest share of its length that projection left of a row when it became one of V[:c]."""
+    pivot, norm, L, weakest = marks(here, at.PIVOT), vector(here, at.NORM), matrix(here, at.L), 1.0
+    for q in range(c):
+        weakest = min(weakest, abs(L[pivot[q]][q]) / norm[pivot[q]])
+    return weakest
 
 
 @inner

@@ -40,10 +40,10 @@ PASSES, UNJUDGED = -1, -2
 #: the certificate; and BLUR, what the round-off of x_0 adds to the length of x to which tolerances are relative
 #: (:mod:`.extent`). OPTIONS is the number of these numbers.
 TAU, TOL, BUDGET, LIMIT, JUDGED, BLUR, OPTIONS = 0, 1, 2, 3, 4, 5, 6
-#: What the certificate tells of a level, places in a row of VERDICT: whether it is optimal; the length of its weighted
-#: slacks; the sum of its forces; the share of them that nothing balances; the sum of the multipliers of signed rows
-#: above, times how far these may be from their bounds; and the largest distance of x from one of its rows. TELLS is the
-#: number of these numbers.
+#: What the certificate tells of a level, places in a row of VERDICT: whether it is optimal, and how that was seen; the
+#: length of its weighted slacks; the sum of its forces; the share of them that nothing balances; the sum of the
+#: multipliers of signed rows above, times how far these may be from their bounds; and the largest distance of x from
+#: one of its rows. TELLS is the number of these numbers.
 ACCEPTED, RESIDUAL, TOTAL, UNBALANCED, GIVES, REACH, TELLS = 0, 1, 2, 3, 4, 5, 6
 #: Rows that are orthogonalised have zeros up to a multiple of so many entries: what a vectorised loop leaves over is
 #: done one by one, and takes as long as all the rest. As many are a line of the processor's cache: arrays begin with

@@ -21,6 +21,7 @@ from . import layout as at
 from .closing import TOLD, variable_of
 from .compile import inner, integer
 from .escape import nonnegative
+from .forces import as_they_are, gradient
 from .members import list_part, prepare
 from .memory import ints, marks, matrix, vector
 from .multipliers import tell
@@ -28,7 +29,7 @@ from .orthogonal import padded, pivots
 from .rows import EQUALITY, INACTIVE, LOWER, UPPER
 from .shift import STATIONARITY, round_off
 from .span import CLEAR, FREE_RANK, SOLVED_RANK, enter, take_up
-from .states import ROUND_OFF, find_sides, rely_on
+from .states import find_sides, rely_on
 from .symmetric import cholesky
 from .working_set import FROZEN, FUTURE, HARD, WORKING, append, balance
 
@@ -39,6 +40,8 @@ SETTLED = 1e-13
 HOLDS = 1e-8
 #: Which rows that hold a level above are taken for free: none, those that hold it clearly, or those by a thread, too.
 NONE, CLEARLY, ALL = 0, 1, 2
+#: How a level was balanced: with slacks within their tolerances as zero, or as they are.
+MET_ARE_ZERO, AS_THEY_ARE = 1.0, 2.0
 
 
 @inner
@@ -65,10 +68,15 @@ def proves(here):
         if head[at.FAILS] != at.PASSES and not every:
             continue
         scale, exact = gradient(here, k, way), True
+        told[k][at.ACCEPTED] = MET_ARE_ZERO
         if scale != 0.0 and not (k == levels and determined(here, taken, base)):
             base, taken = widen(here, taken, k, base, CLEARLY, FREE_RANK), integer(k)
             exact, base = balanced(here, k, base, scale)
-        told[k][at.ACCEPTED] = exact
+            if not exact and as_they_are(here, k, scale):
+                exact, base = balanced(here, k, base, scale)
+                told[k][at.ACCEPTED] = AS_THEY_ARE
+        if not exact:
+            told[k][at.ACCEPTED] = 0.0
         if head[at.FAILS] == at.PASSES and not exact:
             head[at.FAILS] = k
     if every:
@@ -88,6 +96,8 @@ def tell_all(here, way):
     forget_parts(here)
     for k in range(ints(here, 0, at.HEAD)[at.LEVELS] + 1):
         scale, left, free, working = gradient(here, k, way), 0.0, integer(0), integer(0)
+        if matrix(here, at.VERDICT)[k][at.ACCEPTED] == AS_THEY_ARE:
+            as_they_are(here, k, scale)
         if scale != 0.0:
             base, taken = widen(here, taken, k, base, NONE, FREE_RANK), integer(k)
             free = base
@@ -97,44 +107,6 @@ def tell_all(here, way):
                 working, left = attempt(here, k, free, CLEARLY)
                 forget_parts(here)
         tell(here, k, free, working, scale, left)
-
-
-@inner
-def gradient(here, k, way):
-    """Write the gradient ``g`` of level k, divided by the sum of its forces; returns that sum, 0 if the level is met.
-
-    The tolerances of x_j on the implicit last level go to ``rhs``. `way` is that of :func:`.states.find_sides`.
-    """
-    head = ints(here, 0, at.HEAD)
-    n, ptr, col, row_of = head[at.N], marks(here, at.PTR), marks(here, at.COL), marks(here, at.ROW_OF)
-    g, norm, slack, B = vector(here, at.G), vector(here, at.NORM), vector(here, at.SLOPE), matrix(here, at.B)
-    x, x_ref, near = vector(here, at.X), vector(here, at.X_REF), vector(here, at.RHS)
-    judged, scale = vector(here, at.OPTION)[at.JUDGED], 0.0
-    for j in range(n):
-        g[j] = 0.0
-    if k == head[at.LEVELS]:
-        for j in range(n):
-            away, near[j] = x[j] - x_ref[j], judged * (abs(x[j]) + abs(x_ref[j])) + ROUND_OFF * way
-            if abs(away) > near[j]:
-                scale += abs(away)
-        for j in range(n):
-            away = x[j] - x_ref[j]
-            if abs(away) > near[j]:
-                g[j] = away / scale
-        return scale
-    for i in range(ptr[k], ptr[k + 1]):
-        scale += norm[i] * abs(slack[i])
-    for i in range(ptr[k], ptr[k + 1]):
-        if slack[i] == 0.0:
-            continue
-        much = slack[i] / scale
-        if col[i] >= 0:
-            g[col[i]] += much * norm[i]
-        else:
-            row = B[row_of[i]]
-            for j in range(n):
-                g[j] += much * row[j]
-    return scale
 
 
 @inner

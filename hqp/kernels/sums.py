@@ -2,7 +2,32 @@
 
 from __future__ import annotations
 
-from .compile import inner
+from .compile import inner, precise
+
+#: Splits a number into two of half its digits (Veltkamp 1968).
+SPLIT = 2.0**27 + 1.0
+
+
+@precise
+def product(row, x, n):
+    """The product of row[:n] and x[:n] as if computed with twice the digits, and rounded (Ogita, Rump and Oishi 2005).
+
+    Every product, and every sum, comes with its round-off, which is summed up besides.
+    """
+    total, rest = 0.0, 0.0
+    for j in range(n):
+        a, b = row[j], x[j]
+        above = SPLIT * a
+        a_high = above - (above - a)
+        above = SPLIT * b
+        b_high = above - (above - b)
+        a_low, b_low, term = a - a_high, b - b_high, a * b
+        rest += a_low * b_low - (((term - a_high * b_high) - a_low * b_high) - a_high * b_low)
+        new = total + term
+        back = new - total
+        rest += (total - (new - back)) + (term - back)
+        total = new
+    return total + rest
 
 
 @inner

@@ -11,7 +11,7 @@ from __future__ import annotations
 from . import layout as at
 from .closing import close, spans_all
 from .compile import inner, integer
-from .doubt import WEAK
+from .doubt import WEAK, weakest_share
 from .extent import far
 from .lines import add_lines, pick_entries, product
 from .memory import ints, marks, matrix, vector
@@ -140,13 +140,16 @@ def enter_level(here, k, c, f, tau):
 def note_level(here, c, count, rank):
     """Record which of the `count` rows in ``ids`` are pivot rows of V[c:], and the remainders of the dependent ones.
 
-    Sets DOUBT if a pivot row is :data:`.doubt.WEAK`.
+    Sets DOUBT if a pivot row is :data:`.doubt.WEAK`, on top of those above.
     """
     pivot, ids, dependent = marks(here, at.PIVOT), marks(here, at.IDS), marks(here, at.KIND)
     lengths, left, L, norm = vector(here, at.LENGTHS), vector(here, at.VALUE), matrix(here, at.L), vector(here, at.NORM)
+    weakest = weakest_share(here, c) if rank > 0 else 1.0
     for r in range(rank):
-        if abs(L[ids[r]][c + r]) < WEAK * norm[ids[r]]:
+        share = abs(L[ids[r]][c + r]) / norm[ids[r]]
+        if share * weakest < WEAK:
             ints(here, 0, at.HEAD)[at.DOUBT] = 1
+        weakest = min(weakest, share)
         pivot[c + r] = ids[r]
         dependent[ids[r]] = 0
     for r in range(rank, count):

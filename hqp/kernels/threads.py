@@ -14,11 +14,9 @@ row will do, as no turn of the span is felt: that the a_r balance the level is o
 
 from __future__ import annotations
 
-import math
-
 from . import layout as at
 from .compile import inner, integer
-from .doubt import is_free
+from .doubt import clear_of_others, is_free
 from .extent import extent
 from .memory import ints, marks, matrix, vector
 from .rows import entry_of
@@ -68,29 +66,16 @@ def told(here, threads, opens, low, high, first, end, whole):
         rows += 1
     if independent(C, rows, opens, opens + threads):
         return True
-    return whole and threads == 1 and opens == 0 and clear_of_others(here, queue[0], first, end, most)
+    return whole and threads == 1 and opens == 0 and is_clear(here, queue[0], first, end, most)
 
 
 @inner
-def clear_of_others(here, place, first, end, much):
-    """Whether so `much` of the row at a place of the basis is clear of the others: see :data:`COUNTS`.
-
-    Its distance from the span of the others is one over the length of its column of the inverse of the basis.
-    """
-    col, row_of, norm, B = marks(here, at.COL), marks(here, at.ROW_OF), vector(here, at.NORM), matrix(here, at.B)
-    pivot, L, column = marks(here, at.PIVOT), matrix(here, at.L), vector(here, at.SHARE)
-    square, least = 1.0 if place < 0 else 0.0, 1.0
+def is_clear(here, place, first, end, much):
+    """Whether so `much` of the row at a place of the basis is clear of the others: see :data:`COUNTS`."""
+    norm, pivot, L, least = vector(here, at.NORM), marks(here, at.PIVOT), matrix(here, at.L), 1.0
     for q in range(end):
         least = min(least, L[pivot[q]][q] / norm[pivot[q]])
-    for q in range(first, end):
-        row, total = L[pivot[q]], norm[pivot[q]] if q == place else 0.0
-        if place < 0:
-            total = entry_of(pivot[q], col[-1 - place], col, row_of, norm, B)
-        for p in range(first, q):
-            total -= row[p] * column[p]
-        column[q] = total / row[q]
-        square += column[q] * column[q]
-    left = much / math.sqrt(square)
+    left = much * clear_of_others(here, place, first, end)
     return left > COUNTS and left * least > SPANS
 
 

@@ -12,14 +12,14 @@ import mujoco
 
 from hqp import InvalidInput
 
+from .flags import disabled
 from .scene import Scene
 from .ties import Tie
 
 
 def active(mj: mujoco.MjModel) -> list[int]:
     """The equalities that are active."""
-    off = mj.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_EQUALITY
-    return [] if off else [i for i in range(mj.neq) if mj.eq_active0[i]]
+    return [] if disabled(mj, "EQUALITY") else [i for i in range(mj.neq) if mj.eq_active0[i]]
 
 
 def couplings(
@@ -57,7 +57,7 @@ def couplings(
                     f"{what}: tendon equality {name!r} ties joints of the robot; only joint ones are read"
                 )
     for tendon in range(mj.ntendon):
-        if mj.tendon_limited[tendon] and moves(mj, tendon, scene, joints):
+        if mj.tendon_limited[tendon] and not disabled(mj, "LIMIT") and moves(mj, tendon, scene, joints):
             name = mj.tendon(tendon).name or f"number {tendon}"
             raise InvalidInput(f"{what}: tendon {name!r} has a range over joints of the robot; it must have none")
     return ties

@@ -33,6 +33,7 @@ from ..joint_axes import kind
 from .closures import closed_chains
 from .couplings import couplings
 from .description import BASE_JOINT, BASES, Description
+from .flags import disabled, has_range
 from .motors import motor_range, other_rotors, rotors
 from .mujoco_numbers import BALL, FREE, HINGE, SLIDE, dofs, pose, randomise, single_joint, xyzw, yaw_of
 from .scene import Scene, body_name, body_names, scene
@@ -125,7 +126,7 @@ class _Reader:
         return data
 
     def _put_gravity(self) -> None:
-        off = self.mj.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+        off = disabled(self.mj, "GRAVITY")
         self.model.gravity.linear = np.zeros(3) if off else np.array(self.mj.opt.gravity)
 
     def _add_body(self, body: int) -> None:
@@ -180,7 +181,7 @@ class _Reader:
         mj, address, what = self.mj, int(self.mj.jnt_qposadr[j]), int(self.mj.jnt_type[j])
         name = self._joint_name(body, j)
         if what == BALL:
-            if mj.jnt_limited[j]:
+            if has_range(mj, j):
                 raise InvalidInput(f"{self.what}: ball joint {name!r} has a range; only hinges and slides may")
             index = int(self.model.addJoint(parent, pin.JointModelSpherical(), placement, name))
             start = xyzw(mj.qpos0[address : address + 4])
@@ -205,10 +206,11 @@ class _Reader:
         """Note which joint of the model is MuJoCo's number j, with its friction, damping and armature."""
         mj, first, dof = self.mj, self.model.joints[index].idx_v, int(self.mj.jnt_dofadr[j])
         armature, damping = self.rotors
+        damped, rubs = not disabled(mj, "DAMPER"), not disabled(mj, "FRICTIONLOSS")
         for i in range(self.model.joints[index].nv):
             self.model.armature[first + i] = mj.dof_armature[dof + i] + armature[dof + i]
-            self.model.damping[first + i] = mj.dof_damping[dof + i] + damping[dof + i]
-            self.model.friction[first + i] = mj.dof_frictionloss[dof + i]
+            self.model.damping[first + i] = mj.dof_damping[dof + i] + damping[dof + i] if damped else 0.0
+            self.model.friction[first + i] = mj.dof_frictionloss[dof + i] if rubs else 0.0
         self.joints[j] = index
 
     def _joint_name(self, body: int, j: int) -> str:
@@ -232,7 +234,7 @@ class _Reader:
         low, high = (float(end) for end in self.mj.jnt_range[j])
         if not low <= high:  # without limited="true" MuJoCo takes such a range for none
             raise InvalidInput(f"{self.what}: joint {name!r} has the range {low:g} to {high:g}; it must be in order")
-        if not self.mj.jnt_limited[j]:
+        if not has_range(self.mj, j):
             return -np.inf, np.inf
         return low if low > -LARGEST else -np.inf, high if high < LARGEST else np.inf
 

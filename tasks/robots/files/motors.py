@@ -13,6 +13,7 @@ import numpy as np
 
 from ...base.checks import Array
 from .couplings import moves
+from .flags import disabled, is_driven
 from .mujoco_numbers import FREE, HINGE, SLIDE
 from .scene import Scene
 
@@ -54,7 +55,7 @@ def motor_range(mj: mujoco.MjModel, j: int) -> tuple[float, float]:
     range of its controls is another one. Unknown are ranges without 0 inside, as of what only pulls, and what several
     actuators, or tendons, have together.
     """
-    own = [i for i in range(mj.nu) if mj.actuator_trntype[i] in ON_JOINTS and int(mj.actuator_trnid[i, 0]) == j]
+    own = [i for i in _on_joints(mj) if int(mj.actuator_trnid[i, 0]) == j]
     if len(own) != 1 or mj.jnt_type[j] not in (HINGE, SLIDE) or j in _pulled(mj):
         return -np.inf, np.inf
     (i,), gear = own, float(mj.actuator_gear[own[0], 0])
@@ -67,24 +68,29 @@ def motor_limits(mj: mujoco.MjModel, joints: Mapping[int, str]) -> list[str]:
     """The joints (number, name) with an actuator of limited force of which no limit is read."""
     found = [
         joints[int(mj.actuator_trnid[i, 0])]
-        for i in range(mj.nu)
-        if mj.actuator_trntype[i] in ON_JOINTS and int(mj.actuator_trnid[i, 0]) in joints and _is_limited(mj, i)
+        for i in _on_joints(mj)
+        if int(mj.actuator_trnid[i, 0]) in joints and _is_limited(mj, i)
     ]
     return list(dict.fromkeys(found))
 
 
 def without_actuators(mj: mujoco.MjModel, joints: Mapping[int, str]) -> list[str]:
     """The joints (number, name) on which no actuator acts, by itself or by a tendon, if actuators act on others."""
-    driven = _pulled(mj) | {int(mj.actuator_trnid[i, 0]) for i in range(mj.nu) if mj.actuator_trntype[i] in ON_JOINTS}
+    driven = _pulled(mj) | {int(mj.actuator_trnid[i, 0]) for i in _on_joints(mj)}
     own = [j for j in joints if mj.jnt_type[j] != FREE]
     return [joints[j] for j in own if j not in driven] if driven.intersection(own) else []
+
+
+def _on_joints(mj: mujoco.MjModel) -> list[int]:
+    """The actuators on single joints, but for those that the file disables."""
+    return [i for i in range(mj.nu) if mj.actuator_trntype[i] in ON_JOINTS and is_driven(mj, i)]
 
 
 def _pulled(mj: mujoco.MjModel) -> set[int]:
     """The joints on which an actuator acts by a tendon."""
     found = set[int]()
     for i in range(mj.nu):
-        if mj.actuator_trntype[i] == int(mujoco.mjtTrn.mjTRN_TENDON):
+        if mj.actuator_trntype[i] == int(mujoco.mjtTrn.mjTRN_TENDON) and is_driven(mj, i):
             first = int(mj.tendon_adr[mj.actuator_trnid[i, 0]])
             wraps = range(first, first + int(mj.tendon_num[mj.actuator_trnid[i, 0]]))
             found |= {int(mj.wrap_objid[k]) for k in wraps if mj.wrap_type[k] == int(mujoco.mjtWrap.mjWRAP_JOINT)}
@@ -121,11 +127,13 @@ def _force_is_limited(mj: mujoco.MjModel, i: int) -> bool:
 
 
 def _force_range(mj: mujoco.MjModel, i: int) -> tuple[float, float]:
-    """The least and largest force of an actuator, before its gear; infinite where it has no limit."""
+    """The least and largest force of an actuator, before its gear; infinite where it has no limit, or is disabled."""
+    if not is_driven(mj, i):
+        return -np.inf, np.inf
     low, high = (float(end) for end in mj.actuator_forcerange[i]) if mj.actuator_forcelimited[i] else (-np.inf, np.inf)
     fixed = mj.actuator_gaintype[i] == int(mujoco.mjtGain.mjGAIN_FIXED)
     motor = fixed and mj.actuator_biastype[i] == int(mujoco.mjtBias.mjBIAS_NONE) and mj.actuator_dyntype[i] in AS_TOLD
-    clamped = mj.actuator_ctrllimited[i] and not mj.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CLAMPCTRL
+    clamped = mj.actuator_ctrllimited[i] and not disabled(mj, "CLAMPCTRL")
     if motor and clamped:
         least, most = sorted(float(mj.actuator_gainprm[i, 0] * end) for end in mj.actuator_ctrlrange[i])
         return max(low, least), min(high, most)

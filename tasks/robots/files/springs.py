@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import mujoco
 import numpy as np
 
+from .flags import disabled
 from .mujoco_numbers import HINGE, SLIDE
 
 
@@ -22,4 +23,4 @@ def springs(mj: mujoco.MjModel, joints: Mapping[int, str]) -> dict[str, tuple[fl
 
 def is_sprung(mj: mujoco.MjModel, j: int) -> bool:
     """Whether a joint has a spring of any kind."""
-    return bool(mj.jnt_stiffness[j] or np.any(mj.jnt_stiffnesspoly[j]))
+    return not disabled(mj, "SPRING") and bool(mj.jnt_stiffness[j] or np.any(mj.jnt_stiffnesspoly[j]))

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from .couplings import moves
+from .flags import switched_off
 from .motors import limits_elsewhere, motor_limits, other_rotors, without_actuators
 from .mujoco_numbers import dofs
 from .scene import Scene, body_names
@@ -53,7 +54,7 @@ def unmodelled(mj: mujoco.MjModel, scene: Scene, joints: Mapping[int, str], clos
     elsewhere = limits_elsewhere(mj, scene, joints)
     if elsewhere:
         lines.append(f"limits of the forces of {', '.join(elsewhere)} (torques of the joints do not keep them)")
-    return lines
+    return lines + switched_off(mj, joints)
 
 
 def _resists(mj: mujoco.MjModel, t: int) -> bool:
