@@ -326,3 +326,23 @@ def test_it_does_not_matter_whether_a_band_is_told_in_one_row_or_in_two(seed: in
     )
     for other in others:
         np.testing.assert_allclose(other.v, one.v, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_levels_below_keep_what_inequalities_above_have_left(seed: int) -> None:
+    """A bound that pushes a level takes its direction, and a level that violates some rows violates others by that."""
+    rng = np.random.default_rng(seed)
+    robot = arm() if seed % 3 else load_robot("ur5")
+    order, size = ("velocity", "acceleration")[seed % 2], 2 if seed % 3 else 3
+
+    def task():
+        made = PositionTask(rng.uniform(-0.8, 0.8, size), gain=rng.uniform(0.5, 20.0))
+        return AtMost(made) if rng.random() < 0.5 else made
+
+    levels = [JointVelocityLimit(rng.uniform(0.5, 3.0)), *(task() for _ in range(3))]
+    stack = reduce(rshift, [*levels, PostureTask(rng.uniform(-1.0, 1.0, robot.nq), gain=1.0)])
+    controller, q = Controller(robot, stack, order=order, dt=DT), rng.uniform(-1.5, 1.5, robot.nq)
+    for _ in range(4):
+        step = controller(q, rng.normal(0.0, 0.3, robot.nv))
+        assert step.ok
+        assert step.solution.certify().ok, str(step.solution.certify())

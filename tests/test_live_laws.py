@@ -122,6 +122,18 @@ def test_rows_hang_on_the_state_alone() -> None:
     assert not problems, "\n".join(dict.fromkeys(problems))
 
 
+def test_every_answer_is_certified() -> None:
+    problems = list[str]()
+    for case, setting in every_case():
+        for order in case.orders:
+            controller = Alive(case, setting).controller(order)
+            for q, v, t in setting.states:
+                solution = controller(q, v, t).solution
+                if solution.ok and not (proof := solution.certify()).ok:
+                    problems.append(f"{case.spec.kind.__name__}, {order}: {proof}")
+    assert not problems, "\n".join(dict.fromkeys(problems))
+
+
 def test_the_table_knows_every_part() -> None:
     made = {type(owner) for case, setting in every_case() for owner in Alive(case, setting).found.values()}
     for name in tasks.__all__:

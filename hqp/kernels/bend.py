@@ -23,7 +23,7 @@ from .curved_rows import measured, measured_basis
 from .directions import along, untouched
 from .memory import floats, ints, marks, matrix, vector
 from .sums import add_rows, add_squares, multiply
-from .symmetric import SETTLED, add_spectrum, bring_forward, cholesky, eigen
+from .symmetric import NOISE, add_spectrum, bring_forward, cholesky, eigen
 
 #: Up to this ratio of the curvature to the smallest squared singular value of J, the linearisation is trusted.
 TRUSTED = 0.3
@@ -175,7 +175,7 @@ def add_bent(here, d, given, negative):
     for i in range(d):
         for j in range(d):
             E[i][j] += M[i][j]
-    eigen(M, U, values, d, SETTLED)
+    eigen(M, U, values, d, NOISE)
     add_spectrum(U, values, d, bring_forward(U, values, d, -1.0), -1.0 - negative, matrix(here, at.HALF)[0], E)
 
 
@@ -244,7 +244,7 @@ def where_larger(here, count, d):
         matrix(here, at.E),
     )
     add_squares(shares, matrix(here, measured(here, count, d)), count, d, -1.0, E)
-    eigen(E, U, values, d, SETTLED)
+    eigen(E, U, values, d, NOISE)
     positive, most = bring_forward(U, values, d, 1.0), 0.0
     for p in range(positive):
         most = max(most, values[p])

@@ -24,7 +24,7 @@ from .symmetric import NOISE, eigen
 
 #: The damping ratio to which a direction is braked.
 RATIO = 0.8
-#: The most directions in which a drag is computed, and the share of its length that makes a vector one more of them.
+#: The most directions in which a drag is computed, and the share of the entries of A that makes a vector one more.
 DIRECTIONS, SPANNED = 3, 1e-12
 #: Power with which the brake is let go as x becomes as fast as its rows ask for.
 LET_GO = 4
@@ -76,14 +76,14 @@ def spread(A, v, size, d, basis, T):
 
     `size` is the length of v (d,). By Lanczos, each row cleared of all before it.
     """
-    count, most = integer(0), min(d, DIRECTIONS)
+    count, most, largest = integer(0), min(d, DIRECTIONS), 0.0
     for p in range(d):
         basis[0][p] = v[p] / size
+        for q in range(d):
+            largest = max(largest, abs(A[p][q]))
     while True:
-        own, left, least = basis[count], basis[count + 1], 0.0
+        own, left = basis[count], basis[count + 1]
         multiply(A, d, own, d, left)
-        for p in range(d):
-            least = max(least, abs(left[p]))
         for turn in range(2):
             for q in range(count, -1, -1):
                 row, along = basis[q], 0.0
@@ -95,7 +95,7 @@ def spread(A, v, size, d, basis, T):
                     T[count][q] = T[q][count] = along
         count += 1
         rest = length(left, d)
-        if count == most or not rest > SPANNED * least:
+        if count == most or not rest > SPANNED * largest:
             return count
         for p in range(d):
             left[p] /= rest

@@ -42,18 +42,39 @@ def kept(here, k, x):
 
 
 @inner
+def write_weighted(here, i, out):
+    """Write row i, times its weight, to `out` (n,)."""
+    n, column, weight = (
+        ints(here, 0, plain.HEAD)[plain.N],
+        marks(here, plain.COL)[i],
+        vector(here, plain.WEIGHTS)[i],
+    )
+    if column >= 0:
+        for j in range(n):
+            out[j] = 0.0
+        out[column] = weight
+    else:
+        row = matrix(here, plain.A)[marks(here, plain.ROW_OF)[i]]
+        for j in range(n):
+            out[j] = weight * row[j]
+
+
+@inner
 def gather(here, k):
     """Collect the equalities of level k, and its inequalities that have an error; returns how many these are.
 
     Writes their numbers ``ids``, weighted rows ``J``, the weights ``wanted`` of their curvatures (by row number), and
     ``pull`` = J' e, with the errors weighted like the rows.
     """
-    head, mine, of, col = ints(here, 0, plain.HEAD), marks(here, at.OWN), marks(here, at.OWN_OF), marks(here, plain.COL)
-    n, row_of, ids = head[plain.N], marks(here, plain.ROW_OF), marks(here, at.IDS)
+    n, mine, of, ids = (
+        ints(here, 0, plain.HEAD)[plain.N],
+        marks(here, at.OWN),
+        marks(here, at.OWN_OF),
+        marks(here, at.IDS),
+    )
     lower, upper, weights = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, plain.WEIGHTS)
     errors, wanted, pull = vector(here, at.ERRORS), vector(here, at.WANTED), vector(here, at.PULL)
-    A, J = matrix(here, plain.A), matrix(here, at.J)
-    count = integer(0)
+    J, count = matrix(here, at.J), integer(0)
     for j in range(n):
         pull[j] = 0.0
     for p in range(of[k], of[k + 1]):
@@ -62,14 +83,7 @@ def gather(here, k):
         if not (lower[i] == upper[i] or (errors[i] != 0.0 and (lower[i] > -math.inf or upper[i] < math.inf))):
             continue
         row, weight = J[count], weights[i]
-        if col[i] >= 0:
-            for j in range(n):
-                row[j] = 0.0
-            row[col[i]] = weight
-        else:
-            own = A[row_of[i]]
-            for j in range(n):
-                row[j] = weight * own[j]
+        write_weighted(here, i, row)
         if errors[i] != 0.0:
             wanted[i] = -weight * weight * errors[i]
             for j in range(n):

@@ -14,7 +14,7 @@ import math
 from . import curved_layout as at
 from . import layout as plain
 from .compile import inner, integer
-from .curved_rows import VIOLATED, measured
+from .curved_rows import VIOLATED, measured, write_weighted
 from .directions import along
 from .memory import ints, marks, matrix, vector
 from .orthogonal import length
@@ -83,24 +83,25 @@ def freeze(here, k, count, d, x, size):
     """
     n, ids, state = ints(here, 0, plain.HEAD)[plain.N], marks(here, at.IDS), marks(here, at.STATE)
     lower, upper, weights = vector(here, plain.LOWER), vector(here, plain.UPPER), vector(here, plain.WEIGHTS)
-    reached, rows, J = vector(here, at.VALUE), matrix(here, at.ROW), matrix(here, at.J)
+    reached, rows = vector(here, at.VALUE), matrix(here, at.ROW)
     one_by_one = marks(here, at.CURVED)[k] == at.SPARED or not gives_way(here)
     for r in range(count):
         one_by_one = one_by_one or lower[ids[r]] != upper[ids[r]]
     if not one_by_one:
         return soften(here, k, count, d, x, size)
-    for r in range(count):
-        i, value = ids[r], 0.0
-        combine_nothing(here, k, i)
-        matrix(here, at.COMBINED)[i][i - marks(here, plain.PTR)[k]] = 1.0
+    mine, of = marks(here, at.OWN), marks(here, at.OWN_OF)
+    for p in range(of[k], of[k + 1]):  # those too that have no error now, if this x violates them
+        i, value = mine[p], 0.0
+        write_weighted(here, i, rows[i])
         for j in range(n):
-            rows[i][j] = J[r][j]
-            value += J[r][j] * x[j]
+            value += rows[i][j] * x[j]
         low, high = weights[i] * lower[i], weights[i] * upper[i]
         off = max(value - high, low - value)
         if lower[i] == upper[i] or off > VIOLATED * (abs(value) + off):
+            combine_nothing(here, k, i)
+            matrix(here, at.COMBINED)[i][i - marks(here, plain.PTR)[k]] = 1.0
             state[i], reached[i] = at.HELD, value
-            d = hold(here, J[r], d)
+            d = hold(here, rows[i], d)
     return d
 
 
@@ -139,8 +140,9 @@ def separate(here, count, d, size):
     r"""Write combinations of rows U, and the x along Z that each of them alone is one for, to HALF; returns how many.
 
     The rows themselves and :math:`(G G^T)^{-1} G`, if :math:`G G^T` is well conditioned. Else the left singular vectors
-    of G, and :math:`S^{-1} V^T`, at most d: :math:`G G^T` has further eigenvalues, which are round-off. A singular
-    value is the length of its combination of rows; the root of an eigenvalue is less accurate by orders of magnitude.
+    of G, and :math:`S^{-1} V^T`, at most d: :math:`G G^T` has further eigenvalues, which are round-off, and their
+    combinations are the last rows of U. A singular value is the length of its combination of rows; the root of an
+    eigenvalue is less accurate by orders of magnitude.
     """
     G, M, U = matrix(here, measured(here, count, d)), matrix(here, at.M), matrix(here, at.U)
     half, values = matrix(here, at.HALF), vector(here, at.VALUES)
@@ -167,8 +169,9 @@ def separate(here, count, d, size):
             continue
         for p in range(d):
             row[p] /= reach * reach
+        first = U[rank]
         for i in range(count):
-            U[rank][i] = own[i]
+            first[i], own[i] = own[i], first[i]
         rank += 1
     return rank
 
@@ -177,7 +180,8 @@ def separate(here, count, d, size):
 def compliance(here, count, d, size):
     """Write combinations Q of the rows, and as ``values`` the eigenvalues of S^-1 V' D V S^-1, where G = U' S V'.
 
-    D is the damping of the level plus the effect of the soft rows above. Returns how many combinations there are.
+    D is the damping of the level plus the effect of the soft rows above. Returns how many combinations there are that x
+    along Z moves; the others follow in Q.
     """
     P, L, M = matrix(here, at.P), matrix(here, at.METRIC), matrix(here, at.M)
     U, Q, E, half, values = (
@@ -216,6 +220,9 @@ def compliance(here, count, d, size):
         for i in range(count):
             row[i] = 0.0
         add_rows(P[r], U, 0, rank, count, row)
+    for r in range(rank, count):
+        for i in range(count):
+            Q[r][i] = U[r][i]
     return rank
 
 
@@ -232,18 +239,18 @@ def combined_length(here, combination, count, d):
 
 @inner
 def soften(here, k, count, d, x, size):
-    """:func:`freeze` for a level of equalities: its rows are combined by :func:`compliance`, each then held or soft."""
+    """:func:`freeze` for a level of equalities: its rows are combined by :func:`compliance`, each then held or soft.
+
+    What no direction moves is held, too: a bound above may have taken the direction, and levels below may leave it.
+    """
     n, ids, state = ints(here, 0, plain.HEAD)[plain.N], marks(here, at.IDS), marks(here, at.STATE)
     reached, rows, stiffness = vector(here, at.VALUE), matrix(here, at.ROW), vector(here, at.STIFFNESS)
     J, left, Q, soft = matrix(here, at.J), vector(here, at.MU), matrix(here, at.Q), vector(here, at.VALUES)
     rank, first, directions = compliance(here, count, d, size), marks(here, plain.PTR)[k], d
     for r in range(count):
         i = ids[r]
-        state[i] = at.LOST
-        combine_nothing(here, k, i)
-        if r >= rank:
-            continue
         row, own, value = rows[i], matrix(here, at.COMBINED)[i], 0.0
+        combine_nothing(here, k, i)
         for j in range(n):
             row[j] = 0.0
         for p in range(count):
@@ -253,13 +260,12 @@ def soften(here, k, count, d, x, size):
             value += row[j] * x[j]
         reached[i] = value
         along(here, row, d, left)
-        if d == 0 or not length(left, d) > NONE * size:
-            continue
-        if soft[r] > (STIFF / STIFFEST) ** 2:
+        if r < rank and soft[r] > (STIFF / STIFFEST) ** 2 and d > 0 and length(left, d) > NONE * size:
             long = combined_length(here, Q[r], count, directions)
             state[i], stiffness[i] = at.SOFT, STIFF / (math.sqrt(soft[r]) * long)
-        else:
-            state[i] = at.HELD
+            continue
+        state[i] = at.HELD if length(row, n) > NONE * size else at.LOST
+        if r < rank and d > 0 and length(left, d) > NONE * size:
             set_aside(here, left, d)
             d -= 1
     return d

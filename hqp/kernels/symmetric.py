@@ -21,9 +21,8 @@ DEFINITE = 1e-13
 ZERO, MOST = 1e-16, 60
 #: A cosine is zero where its square is less than the inverse of this.
 MUCH = 1e280
-#: Share of the largest entry of a matrix that is round-off of its own computation, such as a product of three; and to
-#: which share of it a damping is wanted, which is settled by one step less for an eigenvalue or two.
-NOISE, SETTLED = 1e-15, 1e-10
+#: Share of the largest entry of a matrix that is round-off of its own computation, such as a product of three.
+NOISE = 1e-15
 
 
 @inner

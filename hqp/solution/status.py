@@ -5,8 +5,6 @@ from __future__ import annotations
 from enum import Enum
 from typing import NamedTuple
 
-from ..kernels.layout import ITERATION
-
 
 class Status(Enum):
     """How an answer was reached. Every hierarchy of valid numbers has an answer.
@@ -77,4 +75,6 @@ NO_COUNTS = Counts()
 
 def counted(told: int) -> Counts:
     """The counts of a run of the native solver, of which it tells in one number."""
+    from ..kernels.layout import ITERATION  # not before there has been a run
+
     return Counts(told % ITERATION, told // ITERATION)
