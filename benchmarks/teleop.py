@@ -36,6 +36,7 @@ raised: ticks without an answer, in which the robot is held; back: when joints t
 out, over: by how much, at most, a joint that was inside leaves its range [rad], and exceeds its speed [rad/s]
 moved: by how much, at most, the hand is farther off after 5 / K than if the levels below had been left out [mm], ours
 reach: until the hand was there again when its target had come back into reach [s]; caught: how often it never was
+soonest: from when on joint speeds permit a configuration that is there; told where reach is over 5 / K [s]
 feet: how far frames that stand have gone [mm]; end: the last error, end ik: that of inverse kinematics [mm]
 hqp: with default damping; strict: without it, as all rows of ours below it are
 damped: levels damped by a number; braked: joint accelerations up to {ACCELERATION:g} rad/s^2; both: both, of ours

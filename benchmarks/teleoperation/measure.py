@@ -12,9 +12,10 @@ from hqp.arrays import Array
 from ..ticks.stream import Stream
 from .loop import Run
 from .metrics import fast_share, frozen, jerk, longest, overspeed, ranges, rms
-from .returns import returns
+from .returns import Returns, allowed, returns
 from .setups import Own
 from .shadow import moved
+from .soonest import soonest
 from .tracking import Tracking
 
 #: By how much the hand has to be too far off for a robot that stands still to count as frozen [m].
@@ -51,6 +52,9 @@ class Measure:
         Ticks that are too fast, and by how much at most [rad/s].
     reach : float or None
         How long the hand needed at most when its target came back into reach [s].
+    soonest : float or None
+        From when on any motion within the joint speeds could have been there that time [s]; told where the hand needed
+        more than 5 / K.
     caught : int
         How often it was not there at all.
     moved : float or None
@@ -83,6 +87,7 @@ class Measure:
     over_ticks: int
     over: float
     reach: float | None
+    soonest: float | None
     caught: int
     moved: float | None
     strayed: float | None
@@ -137,6 +142,7 @@ def _measure(stream: Stream, run: Run, tracked: Tracking, forced: Array, setup: 
         over_ticks=over_ticks,
         over=over,
         reach=came.slowest,
+        soonest=_soonest(stream, run, forced, came, speed),
         caught=came.caught,
         moved=None if setup is None else moved(stream, run, setup),
         strayed=float(tracked.strayed.max()) if len(tracked.strayed) else None,
@@ -145,3 +151,14 @@ def _measure(stream: Stream, run: Run, tracked: Tracking, forced: Array, setup: 
         p50=float(np.nanmedian(us)),
         p99=float(np.nanquantile(us, 0.99)),
     )
+
+
+def _soonest(stream: Stream, run: Run, forced: Array, came: Returns, speed: Array) -> float | None:
+    """How soon the hand could have been back when it needed longest, where that is longer than its gain is slow."""
+    scene = stream.scene
+    if came.slowest is None or came.slowest <= CONSTANTS / scene.gain or len(scene.led) > 1:
+        return None
+    (frame,), since = scene.led, came.since
+    way = slice(since, since + round(came.slowest / scene.dt) + 1)
+    within = forced[way] + allowed(speed[way], scene.gain)
+    return soonest(stream.robot, frame, run.q[since], stream.positions[frame][way], within, scene.dt)

@@ -24,10 +24,13 @@ class Returns:
         How long it took at most until the hand was there [s]; None where it never left, or was never there again.
     caught : int
         How often the hand was not there before the target left again, or the motion ended.
+    since : int
+        The tick in which the target came back that time; 0 where `slowest` is None.
     """
 
     slowest: float | None
     caught: int
+    since: int = 0
 
 
 def returns(forced: Array, excess: Array, speed: Array, gain: float, dt: float, patience: float) -> Returns:
@@ -46,15 +49,21 @@ def returns(forced: Array, excess: Array, speed: Array, gain: float, dt: float, 
     patience : float
         The target must stay in reach that long for the hand to count as caught [s].
     """
-    inside, there = forced <= REACHED, excess <= THERE + speed / gain
+    inside, there = forced <= REACHED, excess <= allowed(speed, gain)
     begins = np.flatnonzero(inside[1:] & ~inside[:-1]) + 1
-    times, caught = [], 0
+    slowest, caught = (-1, 0), 0
     for begin in begins:
         stays = np.flatnonzero(~inside[begin:])
         visit = there[begin : begin + int(stays[0]) if len(stays) else None]
         arrived = np.flatnonzero(visit)
         if len(arrived):
-            times.append(dt * float(arrived[0]))
+            slowest = max(slowest, (int(arrived[0]), int(begin)))
         elif dt * len(visit) > patience:
             caught += 1
-    return Returns(max(times, default=None), caught)
+    took, since = slowest
+    return Returns(None if took < 0 else dt * took, caught, since)
+
+
+def allowed(speed: Array, gain: float) -> Array:
+    """By how much a hand that is there may be off, beside what is forced: `speed` is that of its target [m/s]."""
+    return THERE + speed / gain

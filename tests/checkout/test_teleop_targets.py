@@ -17,7 +17,9 @@ from benchmarks.teleoperation.returns import Returns, returns
 from benchmarks.teleoperation.scenes import KNOWN, SCENES, Scene
 from benchmarks.teleoperation.setups import SETUPS, Own
 from benchmarks.teleoperation.shadow import moved
+from benchmarks.teleoperation.soonest import soonest
 from benchmarks.teleoperation.targets import BEYOND, CALM, COSTS, EDGE, IN_REACH, OURS, STRICT, UNMOVED, checks, costs
+from tasks import PlanarArm
 
 DT, K = 0.005, 20.0
 
@@ -31,7 +33,7 @@ def row(**given: object) -> Measure:
     calm = Measure(
         far=0.02, far_max=0.03, excess=0.01, excess_max=0.02, turned=0.1, turned_max=0.2, jerk=100.0, fast=0.001,
         frozen=0, longest=0, raised=0, by="", out_ticks=0, out=0.0, further=0.0, back=0.2, over_ticks=0, over=0.0,
-        reach=0.1, caught=0, moved=0.0, strayed=1e-4, end=0.4, forced=0.4, p50=10.0, p99=20.0,
+        reach=0.1, soonest=None, caught=0, moved=0.0, strayed=1e-4, end=0.4, forced=0.4, p50=10.0, p99=20.0,
     )  # fmt: skip
     return replace(calm, **given)  # type: ignore[arg-type]
 
@@ -68,14 +70,28 @@ def test_without_the_row_to_compare_with_nothing_is_claimed() -> None:
 def test_coming_back_is_timed_from_where_the_target_is_in_reach() -> None:
     forced = np.repeat([0.0, 0.1, 0.0, 0.1, 0.0], 100)
     excess, still = np.zeros(500), np.zeros(500)
-    assert returns(forced, excess, still, K, DT, 0.25) == Returns(0.0, 0)
+    assert returns(forced, excess, still, K, DT, 0.25) == Returns(0.0, 0, 400)
     excess[150:230] = 0.05
-    assert returns(forced, excess, still, K, DT, 0.25) == Returns(pytest.approx(30 * DT), 0)
+    assert returns(forced, excess, still, K, DT, 0.25) == Returns(pytest.approx(30 * DT), 0, 200)
     excess[400:] = 0.05
-    assert returns(forced, excess, still, K, DT, 0.25) == Returns(pytest.approx(30 * DT), 1)
-    assert returns(forced, excess, still + 1.0, K, DT, 0.25) == Returns(0.0, 0), "a moving target is followed at v / K"
+    assert returns(forced, excess, still, K, DT, 0.25) == Returns(pytest.approx(30 * DT), 1, 200)
+    assert returns(forced, excess, still + 1.0, K, DT, 0.25) == Returns(0.0, 0, 400), (
+        "a moving target is followed at v / K"
+    )
     assert returns(forced, excess, still, K, DT, 1.0).caught == 0, "gone again too soon to tell"
     assert returns(np.zeros(500), excess, still, K, DT, 0.25) == Returns(None, 0), "it never left"
+
+
+def test_no_hand_is_back_sooner_than_its_joints_are_fast() -> None:
+    arm = PlanarArm([1.0], position_limit=(-1.0, 1.0), velocity_limit=2.0)
+    angles = np.linspace(0.3, 0.6, 101)  # at 0.6 rad/s; the joint follows from 0 with 2
+    targets = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(101)])
+    within = np.full(101, 1e-4)
+    found = soonest(arm, "link1", np.zeros(1), targets, within, DT)
+    assert found == pytest.approx(0.3 / (2.0 - 0.6), abs=DT)
+    assert soonest(arm, "link1", angles[:1], targets, within, DT) == 0.0, "it is there already"
+    beyond = soonest(arm, "link1", np.zeros(1), 1.1 * targets, np.full(101, 0.1001), DT)
+    assert beyond == pytest.approx(found, abs=2 * DT), "what is forced is allowed"
 
 
 def test_levels_below_move_nothing_of_a_strict_stack_and_a_push_is_seen() -> None:
