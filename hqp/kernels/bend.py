@@ -33,6 +33,9 @@ DEPENDENT = 1e-10
 #: Share of the damping above that counts in these multipliers: the rows of a damped level give way to the levels below
 #: less than to what it asks for itself, as soft rows hold them (:mod:`.hand_over`).
 YIELDS = 0.1
+#: How often the curvatures of the rows above count in the damping. Across these rows x swings, with the lean as a mass
+#: and their curvatures as a spring, of which the multipliers tell only a part where the rows give way.
+AGAIN = 2.0
 
 
 @inner
@@ -181,7 +184,7 @@ def add_bent(here, d, given, negative):
 
 @inner
 def bend(here, k, count, d, above, least, damped):
-    r"""Write the damping ``P`` of level k, shape (d, d): :math:`P = [|S_u| + [S_o]_+ + \sqrt\alpha [S_o]_- - G^T G]_+`.
+    r"""Write the damping ``P`` of level k (d, d): :math:`P = [2 |S_u| + [S_o]_+ + \sqrt\alpha [S_o]_- - G^T G]_+`.
 
     `least` is the smallest squared singular value of G. Where the norms of the curvatures alone, or their bounds, are
     small enough, P is 0 and nothing else is computed. Returns the largest eigenvalue of P, and the ratio of the
@@ -220,8 +223,12 @@ def bend(here, k, count, d, above, least, damped):
     ratio = ratio_of(more_along + max(1.0, root) * own_along, least)  # the norms again, now along Z alone
     if ratio <= TRUSTED:
         return 0.0, ratio
+    M = matrix(here, at.M)
     if more > 0.0:
         add_bent(here, d, at.M, 1.0)
+        for i in range(d):
+            for j in range(d):
+                M[i][j] = E[i][j]  # |S_u|
     if own > 0.0:
         add_bent(here, d, at.KEPT, root)
     total = 0.0  # and that of their sum
@@ -231,6 +238,9 @@ def bend(here, k, count, d, above, least, damped):
     ratio = ratio_of(math.sqrt(total), least)
     if ratio <= TRUSTED:
         return 0.0, ratio
+    for i in range(d if more > 0.0 else 0):  # the gate counts them once
+        for j in range(d):
+            E[i][j] += (AGAIN - 1.0) * M[i][j]
     return where_larger(here, count, d), ratio
 
 

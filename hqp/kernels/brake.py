@@ -23,7 +23,7 @@ from .sums import add_rows, multiply
 from .symmetric import NOISE, eigen
 
 #: The damping ratio to which a direction is braked.
-RATIO = 0.8
+RATIO = 1.0
 #: The most directions in which a drag is computed, and the share of the entries of A that makes a vector one more.
 DIRECTIONS, SPANNED = 3, 1e-12
 #: Power with which the brake is let go as x becomes as fast as its rows ask for.

@@ -25,7 +25,7 @@ from .memory import floats, given, ints, marks, matrix, vector
 from .redundant import least_apart
 from .solver import SUSPECT
 from .stage import write_damping, write_stage
-from .trust import crowded, quiet
+from .trust import SOONER, crowded, quiet
 from .valid import valid
 
 #: Outcomes beside those of the solver. The strict answer is the optimum, and one sweep without iterations has found it;
@@ -40,8 +40,8 @@ DOUBTED = 2.5
 #: 1/2 the closed loop is critically damped.
 LEAN, LEAN_BELOW = 0.0316, 0.6
 #: The c in the metric of the lean, G'G + P + c |J|^2: as a rule; and if the last x moves along bounds, on the first
-#: level and below it.
-ALIKE, ALIKE_AT_BOUNDS, ALIKE_BELOW = 0.08, 0.3, 1.0
+#: level and below it. Near bounds it is in between, as their geometric mean: the lag of weak directions grows like c.
+ALIKE, ALIKE_AT_BOUNDS, ALIKE_BELOW = 0.06, 0.45, 1.0
 
 
 @inner
@@ -163,7 +163,7 @@ def prepare(here, k, x):
     else:
         strength, ratio = bend(here, k, count, d, above, least, so_far[at.ABOVE_DAMPED])
     so_far[at.STRENGTH] = strength
-    fade = min(1.0, max(0.0, (ratio - TRUSTED) / (DOUBTED - TRUSTED))) ** 3
+    fade = min(1.0, max(0.0, (ratio - TRUSTED) / (DOUBTED - TRUSTED))) ** SOONER
     if k == head[at.TOP]:
         so_far[at.FADE] = fade
     gate = so_far[at.GATE] = max(so_far[at.GATE], fade)
@@ -182,7 +182,7 @@ def prepare(here, k, x):
     known = not spared and vector(here, at.LAST)[0] == vector(here, at.LAST)[0]
     lean = math.sqrt(gate) * (LEAN if first != 0 else LEAN_BELOW) if known else 0.0
     so_far[at.LEAN] = lean / math.sqrt(vector(here, at.SHARES)[k])
-    so_far[at.ALIKE] = max(ALIKE, so_far[at.AT_BOUNDS] * (ALIKE_AT_BOUNDS if first != 0 else ALIKE_BELOW))
+    so_far[at.ALIKE] = ALIKE * ((ALIKE_AT_BOUNDS if first != 0 else ALIKE_BELOW) / ALIKE) ** so_far[at.AT_BOUNDS]
     so_far[at.SIZE], head[at.OPEN] = size, 1
     head[at.LAGS] = 1 if first == 0 and lags(here, lean, 0.0 if strength > 0.0 else shortest) else 0
     if head[at.LAGS] != 0:
