@@ -14,7 +14,7 @@ from .loop import Run
 from .metrics import fast_share, frozen, jerk, longest, overspeed, ranges, rms
 from .returns import returns
 from .setups import Own
-from .shadow import moved
+from .shadow import moved, pushed
 from .tracking import Tracking
 
 #: By how much the hand has to be too far off for a robot that stands still to count as frozen [m].
@@ -55,6 +55,8 @@ class Measure:
         How often it was not there at all.
     moved : float or None
         By how much, at most, the hand is farther off for what the levels below asked [m]; None of other libraries.
+    pushed : float or None
+        The same, against joints that follow the levels below as far as these do not push the hand [m].
     strayed : float or None
         How far frames that are to stand have gone [m].
     end, forced : float or None
@@ -85,6 +87,7 @@ class Measure:
     reach: float | None
     caught: int
     moved: float | None
+    pushed: float | None
     strayed: float | None
     end: float | None
     forced: float | None
@@ -139,6 +142,7 @@ def _measure(stream: Stream, run: Run, tracked: Tracking, forced: Array, setup: 
         reach=came.slowest,
         caught=came.caught,
         moved=None if setup is None else moved(stream, run, setup),
+        pushed=None if setup is None else pushed(stream, run, setup),
         strayed=float(tracked.strayed.max()) if len(tracked.strayed) else None,
         end=float(tracked.far[-1]) if stands else None,
         forced=float(forced[-1]) if stands else None,
