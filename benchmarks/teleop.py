@@ -35,6 +35,7 @@ frozen: ticks in which no joint moves though the hand is {1e3 * THRESHOLD:g} mm 
 raised: ticks without an answer, in which the robot is held; back: when joints that start outside are inside [s]
 out, over: by how much, at most, a joint that was inside leaves its range [rad], and exceeds its speed [rad/s]
 moved: by how much, at most, the hand is farther off after 5 / K than if the levels below had been left out [mm], ours
+pushed: the same, against joints that follow the levels below as far as these do not push the hand [mm], ours
 reach: until the hand was there again when its target had come back into reach [s]; caught: how often it never was
 soonest: from when on joint speeds permit a configuration that is there; told where reach is over 5 / K [s]
 feet: how far frames that stand have gone [mm]; end: the last error, end ik: that of inverse kinematics [mm]

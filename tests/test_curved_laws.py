@@ -246,15 +246,40 @@ def test_levels_below_hardly_move_a_first_level_however_far_its_target_is(beyond
     """A hand at rest out of reach, turned away from what a level below asks for; against the same hand left alone."""
     robot, target = load_robot("panda", lock=["panda_finger_joint1"]), np.array([0.8 + beyond, 0.2, 0.6])
     hand, turn = PositionTask(target, gain=20.0), OrientationTask(np.diag([1.0, -1.0, -1.0]), gain=20.0)
-    q, v, far = robot.home, np.zeros(robot.nv), []
+    q, v, far, told = robot.home, np.zeros(robot.nv), [], 0.0
     for below in (turn >> PostureTask(robot.home, gain=1.0), None):
         stack = JointLimits() >> hand if below is None else JointLimits() >> hand >> below
         controller = Controller(robot, stack, dt=0.005)
         for _ in range(600):
-            v = controller(q, v).v
+            step = controller(q, v)
+            v = step.v
             q = robot.integrate(q, 0.005 * v)
+        told = max(told, step.relaxed[0].moved)
         far.append(np.linalg.norm(target - robot.at(q, v).frame().position))
     assert far[0] < far[1] + 1e-3
+    assert far[0] <= far[1] + told / 20.0, "the speed that is told, over the gain, bounds it: the hand pulls back"
+
+
+def test_levels_below_move_a_hand_no_faster_than_is_told() -> None:
+    """But for what is of second order in the time: no joint is farther than 1.3 m from the hand of this arm."""
+    robot, dt, told = load_robot("panda", lock=["panda_finger_joint1"]), 0.005, 0
+    for seed in range(8):
+        rng = np.random.default_rng(seed)
+        q, v = rng.uniform(*robot.position_limit), 0.3 * rng.standard_normal(robot.nv)
+        target = robot.at(q, v).frame().position * rng.uniform(1.0, 2.5)
+        stack = JointLimits() >> PositionTask(target, gain=20.0) >> PostureTask(robot.home, gain=5.0)
+        controller = Controller(robot, stack, dt=dt)
+        for _ in range(100):
+            step = controller(q, v)
+            for level in (level for level in step.relaxed if level.name == "position"):
+                alone = next(own.x for own in step.solution.stages if len(own.hierarchy.levels) == level.level + 1)
+                for h in dt, 1e-3 * dt:
+                    ends = [robot.at(robot.integrate(q, h * x), v).frame().position for x in (step.v, alone)]
+                    curved = 0.5 * 1.3 * h**2 * (np.abs(step.v).sum() ** 2 + np.abs(alone).sum() ** 2)
+                    assert np.linalg.norm(ends[0] - ends[1]) <= h * level.moved + curved + 1e-12
+                told += level.moved > 1e-3
+            q, v = robot.integrate(q, dt * step.v), step.v
+    assert told > 100
 
 
 @pytest.mark.parametrize("order", ["velocity", "acceleration"])

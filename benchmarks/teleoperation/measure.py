@@ -14,7 +14,7 @@ from .loop import Run
 from .metrics import fast_share, frozen, jerk, longest, overspeed, ranges, rms
 from .returns import Returns, allowed, returns
 from .setups import Own
-from .shadow import moved
+from .shadow import moved, pushed
 from .soonest import soonest
 from .tracking import Tracking
 
@@ -59,6 +59,8 @@ class Measure:
         How often it was not there at all.
     moved : float or None
         By how much, at most, the hand is farther off for what the levels below asked [m]; None of other libraries.
+    pushed : float or None
+        The same, against joints that follow the levels below as far as these do not push the hand [m].
     strayed : float or None
         How far frames that are to stand have gone [m].
     end, forced : float or None
@@ -90,6 +92,7 @@ class Measure:
     soonest: float | None
     caught: int
     moved: float | None
+    pushed: float | None
     strayed: float | None
     end: float | None
     forced: float | None
@@ -145,6 +148,7 @@ def _measure(stream: Stream, run: Run, tracked: Tracking, forced: Array, setup: 
         soonest=_soonest(stream, run, forced, came, speed),
         caught=came.caught,
         moved=None if setup is None else moved(stream, run, setup),
+        pushed=None if setup is None else pushed(stream, run, setup),
         strayed=float(tracked.strayed.max()) if len(tracked.strayed) else None,
         end=float(tracked.far[-1]) if stands else None,
         forced=float(forced[-1]) if stands else None,

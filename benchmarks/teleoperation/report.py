@@ -16,12 +16,12 @@ from .scenes import Scene
 #: Columns that are told in any scene; and, beside them, those of scenes that ask for them.
 SHOWN = (
     "scene", "method", "mm", "max", "deg", "jerk", ">3 Hz", "frozen", "longest", "raised", "out", "over", "moved",
-    "reach", "soonest", "caught", "p50", "p99",
+    "pushed", "reach", "soonest", "caught", "p50", "p99",
 )  # fmt: skip
 COMING_BACK = "back"
 STANDING = ("feet", "end", "end ik")
 #: Columns that are left out where they are empty: of angles nobody asks for, and of a first level of several tasks.
-OPTIONAL = ("deg", "moved", "reach", "soonest", "end", "end ik")
+OPTIONAL = ("deg", "moved", "pushed", "reach", "soonest", "end", "end ik")
 
 
 def hand_share(stream: Stream) -> float:
@@ -75,6 +75,7 @@ def _row(scene: Scene, name: str, m: Measure) -> Row:
         "over ticks": str(m.over_ticks),
         "over": _small(m.over, m.over_ticks),
         "moved": "" if m.moved is None else f"{1e3 * m.moved:.3f}",
+        "pushed": "" if m.pushed is None else f"{1e3 * m.pushed:.3f}",
         "reach": "" if m.reach is None else f"{m.reach:.2f}",
         "soonest": "" if m.soonest is None else f"{m.soonest:.2f}",
         "caught": str(m.caught),

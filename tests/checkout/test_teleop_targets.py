@@ -16,7 +16,7 @@ from benchmarks.teleoperation.measure import Measure
 from benchmarks.teleoperation.returns import Returns, returns
 from benchmarks.teleoperation.scenes import KNOWN, SCENES, Scene
 from benchmarks.teleoperation.setups import SETUPS, Own
-from benchmarks.teleoperation.shadow import moved
+from benchmarks.teleoperation.shadow import moved, pushed
 from benchmarks.teleoperation.soonest import soonest
 from benchmarks.teleoperation.targets import BEYOND, CALM, COSTS, EDGE, IN_REACH, OURS, STRICT, UNMOVED, checks, costs
 from tasks import PlanarArm
@@ -33,7 +33,8 @@ def row(**given: object) -> Measure:
     calm = Measure(
         far=0.02, far_max=0.03, excess=0.01, excess_max=0.02, turned=0.1, turned_max=0.2, jerk=100.0, fast=0.001,
         frozen=0, longest=0, raised=0, by="", out_ticks=0, out=0.0, further=0.0, back=0.2, over_ticks=0, over=0.0,
-        reach=0.1, soonest=None, caught=0, moved=0.0, strayed=1e-4, end=0.4, forced=0.4, p50=10.0, p99=20.0,
+        reach=0.1, soonest=None, caught=0, moved=0.0, pushed=0.0, strayed=1e-4, end=0.4, forced=0.4,
+        p50=10.0, p99=20.0,
     )  # fmt: skip
     return replace(calm, **given)  # type: ignore[arg-type]
 
@@ -102,10 +103,12 @@ def test_levels_below_move_nothing_of_a_strict_stack_and_a_push_is_seen() -> Non
     still = moved(stream, run, strict)
     assert still is not None
     assert 0.0 <= still < UNMOVED
-    pushed = replace(run, q=run.q.copy())
-    pushed.q[50] = stream.robot.home - 0.3  # the end of the first piece
-    assert moved(stream, pushed, strict) > 0.01
-    assert moved(scene("humanoid").stream(0.02), run, strict) is None, "several tasks on the first level"
+    assert 0.0 <= pushed(stream, run, strict) <= still
+    away = replace(run, q=run.q.copy())
+    away.q[50] = stream.robot.home - 0.3  # the end of the first piece
+    for measure in moved, pushed:
+        assert measure(stream, away, strict) > 0.01
+        assert measure(scene("humanoid").stream(0.02), run, strict) is None, "several tasks on the first level"
 
 
 def test_the_cost_of_a_tick_is_told_in_and_out_of_reach() -> None:
